@@ -313,7 +313,7 @@ print-%:
 PACKAGES := gcc g++ libc6-dev pkg-config libopenblas-pthread-dev libgfortran-12-dev liblapacke-dev libsuitesparse-dev libhdf5-dev \
             hdf5-tools libgsl-dev libfftw3-dev libyaml-dev nettle-dev libminizip-dev libcmocka-dev bats cmake \
             help2man netcdf-bin python3-numpy python3-matplotlib python3-xarray python3-h5py python3-netcdf4 \
-            python3-h5netcdf python3-cffi python3-scipy valgrind libxml2-utils qemu-user
+            python3-h5netcdf python3-cffi python3-scipy python3-pip valgrind libxml2-utils qemu-user
 
 LINT_PACKAGES     := cppcheck clang-tidy clang-format
 COVERAGE_PACKAGES := gcovr

@@ -64,7 +64,7 @@ static bool starts_with(const char *text, const char *start) {
 
 /* What the settings came to. */
 static void forget(ehdrom_contact *self) {
-    self->is_complete[0] = self->is_complete[1] = false;
+    self->is_complete[0] = self->is_complete[1] = self->is_reference = false;
 }
 
 ehdrom_status ehdrom_contact_read(ehdrom_contact *self, const char *path) {
@@ -115,12 +115,22 @@ static void replace(ehdrom_contact *self, const char *key, const char *text) {
     const bool of_point = starts_with(key, "physical.") || starts_with(key, "moes.");
     const setting *row = setting_find(key);
 
+    self->is_reference = false;
     for (int i = 0; i < 2; i++) {
         scene *complete = &self->complete[i];
         self->is_complete[i] = of_point && self->is_complete[i] &&
                                setting_is_given(row, complete) &&
                                !scene_set(complete, key, text, NULL, NULL);
     }
+}
+
+/* Whether a setting has this text already, so that to set it changes nothing. */
+static bool is_set_to(const scene *settings, const char *key, const char *text) {
+    const setting *row = setting_find(key);
+    char now[NUMBER_TEXT];
+
+    return row && setting_is_given(row, settings) &&
+           setting_show(now, sizeof now, row, settings) < sizeof now && strcmp(now, text) == 0;
 }
 
 ehdrom_status ehdrom_contact_set_number(ehdrom_contact *self, const char *key, double value) {
@@ -131,8 +141,10 @@ ehdrom_status ehdrom_contact_set_number(ehdrom_contact *self, const char *key, d
     if (status) return (ehdrom_status)status;
     const locale_t before = library_enter();
     number_show(text, value); // all digits, so that the same bits come back
-    status = scene_set(&self->settings, key, text, NULL, &self->error);
-    if (!status) replace(self, key, text);
+    if (!is_set_to(&self->settings, key, text)) {
+        status = scene_set(&self->settings, key, text, NULL, &self->error);
+        if (!status) replace(self, key, text);
+    }
     library_leave(before);
     return (ehdrom_status)status;
 }
@@ -172,6 +184,7 @@ ehdrom_status ehdrom_contact_set_units(ehdrom_contact *self, int units) {
             &self->error, EHD_DATA, "units: found %d, expected EHDROM_SI or EHDROM_DIMENSIONLESS",
             units);
     self->dimensionless = units == EHDROM_DIMENSIONLESS;
+    self->is_reference = false;
     return EHDROM_OK;
 }
 

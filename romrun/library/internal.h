@@ -43,9 +43,10 @@ struct ehdrom_contact {
     online_transient *in_time; // NULL: not started
     ehd_contact reference;
     unit_factors reference_units;
-    bool by_approach; // the last start or step was given it
-    bool started;     // there is an accepted state
-    bool can_accept;  // and a step after it
+    bool is_reference; // of the settings as they are now
+    bool by_approach;  // the last start or step was given it
+    bool started;      // there is an accepted state
+    bool can_accept;   // and a step after it
     // of fields, NULL: not needed yet
     double *pressure, *film; // [num_nodes]
     char deviation[MARCH_REASON];

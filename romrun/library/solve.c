@@ -91,6 +91,13 @@ ehdrom_status ehdrom_solve(ehdrom_contact *self, ehdrom_result *result) {
 
 // ---- in time
 
+/* No accepted state. */
+static void forget_time(ehdrom_contact *self) {
+    self->last = LAST_NONE;
+    self->differentiable = OF_NOTHING;
+    self->started = self->can_accept = false;
+}
+
 /* A new reference, by the settings as they are now. */
 static ehd_status take_reference(ehdrom_contact *self) {
     ehd_error *error = &self->error;
@@ -101,18 +108,22 @@ static ehd_status take_reference(ehdrom_contact *self) {
                                        "expected one with what steps in time need");
 
     self->in_time = online_transient_free(self->in_time);
-    self->last = LAST_NONE;
-    self->differentiable = OF_NOTHING;
-    self->started = self->can_accept = false;
+    self->is_reference = false;
+    forget_time(self);
     if (!status)
         status = library_contact(&self->reference, &self->reference_units, self, true, error);
     if (!status)
         status =
             online_transient_create(&self->in_time, self->model->online, &self->reference, error);
     if (status) return status;
+    self->is_reference = true;
+    return EHD_OK;
+}
+
+/* Before steps: their tolerance, which may have been set since. */
+static void use_step_tolerance(ehdrom_contact *self) {
     if (!isnan(self->step_tolerance))
         online_transient_set_tolerance(self->in_time, self->step_tolerance);
-    return EHD_OK;
 }
 
 ehd_status library_conditions(online_conditions *own, const ehdrom_conditions *given,
@@ -197,6 +208,7 @@ static ehd_status start(ehdrom_contact *self, const ehdrom_conditions *given,
     online_state state;
     ehd_status status = take_reference(self);
 
+    if (!status) use_step_tolerance(self);
     if (!status) status = take_conditions(&conditions, self, given);
     if (!status) status = online_transient_start(&state, self->in_time, &conditions, &self->error);
     if (status) return status;
@@ -347,12 +359,16 @@ ehdrom_status ehdrom_state_save(ehdrom_contact *self, double *state, size_t coun
     return EHDROM_OK;
 }
 
+/* In what is there already, where the settings are the same: to make that anew takes four fifths of the time. */
 static ehd_status restore(ehdrom_contact *self, const double *state, size_t count) {
     double head[NUM_SAVED];
-    ehd_status status = take_reference(self);
+    ehd_status status = EHD_OK;
 
+    forget_time(self);
+    if (!self->is_reference) status = take_reference(self);
     if (!status) status = check_count(self, state, count, &self->error);
     if (status) return status;
+    use_step_tolerance(self);
     head_of(head, self);
     for (size_t i = 0; i < NUM_SAVED; i++)
         if (state[i] != head[i])

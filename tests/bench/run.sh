@@ -56,6 +56,42 @@ echo "bases               $(seconds "$BIN/podbuild" -q "$work/low-snapshots.h5" 
 echo "residuals           $(seconds "$BIN/snapgen" -q "$low/plan.yml" --basis "$work/low-basis.h5" -f -o "$work/again.h5")"
 echo "rows                $(seconds "$BIN/deimselect" -q --no-check "$work/low-residuals.h5" --basis "$work/low-basis.h5" -f -o "$work/again.h5" --rows 176)"
 
+section "opening the model of the demo, median of 31 (goal: a flat one at most 5 ms), load $(cut -d' ' -f1 /proc/loadavg)"
+"$BIN/romrun" -q --export "$work/low-model.h5" -o "$work/low-model.ehdrom"
+(cd "$work" && "$BENCH/bench_open" low-model.h5 low-model.ehdrom) || failed=1
+
+section "stationary contacts a second by the library: 110 modes on 1201 nodes, 12 modes on 121 nodes"
+"$BENCH/bench_solve" "$work/low-model.h5" "$low/scene.yml" 1000 moes.M 10 20
+cat >"$work/small.yml" <<'YML'
+contact: line
+regime: stationary
+moes: {M: 12, L: 4}
+lubricant: {viscosity: {law: barus, alpha: 2.0e-8}, density: {law: dowson-higginson}}
+grid: {x_min: -4, x_max: 2, step: 0.05}
+YML
+printf 'groups:\n- {scene: small.yml, vary: {moes.M: [8, 9.5, 11, 13, 15], moes.L: [2, 4, 6]}}\n' >"$work/small-plan.yml"
+chain "$work/small-plan.yml" 12 24 small
+"$BENCH/bench_solve" "$work/small-model.h5" "$work/small.yml" 10000 moes.M 9 14
+
+section "10000 cases in one process: 110 modes on 1201 nodes, 12 modes on 121 nodes"
+# grid M0 M1 L0 L1: a table of 100 by 100 cases
+grid() {
+    awk -v m="$1" -v n="$2" -v k="$3" -v l="$4" 'BEGIN {
+        print "moes.M,moes.L"
+        for (i = 0; i < 100; i++) for (j = 0; j < 100; j++) print m + (n - m) * i / 99 "," k + (l - k) * j / 99 }'
+}
+# solve_cases NAME SCENE: time of NAME-cases.csv by NAME-model.h5
+solve_cases() {
+    local TIMEFORMAT="%U s of processor time and %S s of the system's, %R s passed"
+    time "$BIN/romrun" -q "$2" --cases "$work/$1-cases.csv" --model "$work/$1-model.h5" --jobs 1 \
+        --allow-untrusted -f -o "$work/$1-table.csv"
+    [ "$(wc -l <"$work/$1-table.csv")" -eq 10001 ]
+}
+grid 10 40 5 15 >"$work/low-cases.csv"
+solve_cases low "$low/scene.yml" 2>&1 || failed=1
+grid 8 15 2 6 >"$work/small-cases.csv"
+solve_cases small "$work/small.yml" 2>&1 || failed=1
+
 section "least squares against a product of the same size (goal: a third of its rate)"
 for size in "177 111" "161 101" "131 85"; do
     "$BENCH/bench_least_squares" $size || failed=1

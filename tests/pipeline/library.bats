@@ -231,13 +231,16 @@ YAML
         close_to "$(value time)" 0.2 1e-12
         close_to "$(value load)" 1.09510565 1e-6
     done
+    for kind in $kinds; do
+        use_library $kind restart m.h5 moving.yml
+    done
     # romrun's first steps are shorter
     romrun moving.yml --model m.h5 --allow-untrusted -o r.h5 --quiet
     close_to "$(value central_film_thickness)" \
         "$(romrun --print r.h5 central_film_thickness | tail -n 1 | sed 's/.*,//')" 1e-3
 }
 
-@test "derivatives of solutions and steps; the stiffness is the full model's" {
+@test "tolerances; derivatives of solutions and steps; the stiffness is the full model's" {
     si_scene
     for kind in $kinds; do
         run --separate-stderr use_library $kind derivatives m.h5 si.yml
@@ -257,6 +260,9 @@ YAML
     snapgen moving-plan.yml --basis b.h5 -o r.h5 --quiet
     deimselect --no-check r.h5 --basis b.h5 -o path.h5
     use_library "${kinds##*$'\n'}" derivatives path.h5 si.yml
+    for kind in $kinds; do
+        use_library $kind tolerances path.h5 si.yml
+    done
     for load in 19.8e3 20.2e3; do
         fullrun si.yml --grid-of m.h5 --set physical.load=$load --quiet -o full-$load.h5
     done
@@ -335,7 +341,7 @@ PYTHON
     [[ ${lines[6]} == "contact: found point, expected line as in m.h5" ]]
 }
 
-@test "threads share a model; none is begun, no signal is caught" {
+@test "threads share a model; none is begun, all signals are the caller's" {
     for kind in $kinds; do
         run --separate-stderr use_library $kind threads m.h5 scene.yml
         echo "$stderr"
@@ -495,6 +501,29 @@ PYTHON
     # a mass swings about where the load is 2 % higher
     /usr/bin/python3 -B "$root/romrun/python/examples/mass.py" m.h5 si.yml 2400 0.005 >mass.csv
     awk -F, '{ sum += $3; n++; if ($3 > most) most = $3 } END { exit !(n > 20 && most > 20.3e3 && most < 20.9e3) }' mass.csv
+}
+
+@test "pip installs the Python package for a library that is named, or that the system has" {
+    outside
+    /usr/bin/python3 -c 'import setuptools, wheel, pip' 2>/dev/null || skip "there is no pip, or no setuptools for it"
+    # a copy, since setuptools builds beside the sources; the package has the library's header
+    mkdir romrun
+    cp -r "$root/romrun/python" "$root/romrun/library" romrun
+    /usr/bin/python3 -m pip install --no-index --no-deps --no-build-isolation --no-cache-dir --target site \
+        romrun/python >pip.log 2>&1 || { cat pip.log; return 1; }
+    rm -r romrun
+    si_scene
+    romrun si.yml --model m.h5 --allow-untrusted -o r.h5 --quiet
+    cat >use.py <<'PYTHON'
+import math, sys, ehdrom
+assert ehdrom.__file__.startswith(sys.argv[1] + "/site/"), ehdrom.__file__
+contact = ehdrom.Contact(ehdrom.Model("m.h5"), "si.yml", accuracy=math.inf, dimensionless=True)
+print(repr(contact.solve().central_film_thickness))
+PYTHON
+    export PYTHONPATH=$PWD/site
+    for place in EHDROM_LIBRARY="$prefix/lib/libehdrom.so.0" LD_LIBRARY_PATH="$prefix/lib"; do
+        [ "$(env "$place" /usr/bin/python3 -B use.py "$PWD")" = "$(number r.h5 central_film_thickness)" ]
+    done
 }
 
 @test "make uninstall leaves nothing" {

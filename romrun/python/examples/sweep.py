@@ -7,15 +7,13 @@ import matplotlib.pyplot as plt
 import numpy
 
 if len(sys.argv) != 6:
-    print("usage: sweep.py MODEL SCENE.yml LEAST MOST PICTURE.png (speeds in m/s)", file=sys.stderr)
+    sys.stderr.write("usage: sweep.py MODEL SCENE.yml LEAST MOST PICTURE.png (speeds in m/s)\n")
     sys.exit(64)
-model, scene, least, most, picture = sys.argv[1:]
-contact = ehdrom.Contact(ehdrom.Model(model, stationary=True), scene)
-films = {}
-for speed in numpy.linspace(float(least), float(most), 20):
+contact = ehdrom.Contact(ehdrom.Model(sys.argv[1], stationary=True), sys.argv[2])
+speeds, films = numpy.linspace(float(sys.argv[3]), float(sys.argv[4]), 20), []
+for speed in speeds:
     contact["physical.speed"] = speed
-    films[speed] = contact.solve().central_film_thickness
-plt.loglog(list(films), 1e6 * numpy.array(list(films.values())))
-plt.xlabel("speed, m/s")
-plt.ylabel("central film, µm")
-plt.savefig(picture)
+    films.append(1e6 * contact.solve().central_film_thickness)
+plt.loglog(speeds, films)
+plt.gca().set(xlabel="speed, m/s", ylabel="central film, µm")
+plt.savefig(sys.argv[5])
