@@ -6,14 +6,14 @@
 load sweeps
 
 @test "every call of a file fails" {
-    for name in fullrun romrun podbuild deimselect residuals snapgen flat cases cases-h5 vtk export; do
+    for name in fullrun romrun podbuild deimselect checked calibrate residuals snapgen flat cases cases-h5 vtk export; do
         for kind in open read write sync close rename; do
             sweep $name $kind fail
         done
         sweep $name write last
         sweep $name write short
     done
-    for name in moving reduced adaptive; do
+    for name in trajectories moving reduced adaptive; do
         for kind in open read write sync close rename; do
             sweep $name $kind fail -e 3
         done
@@ -41,6 +41,10 @@ load sweeps
 @test "allocations fail" {
     for name in fullrun romrun podbuild deimselect residuals snapgen moving flat cases cases-h5 vtk export; do
         sweep $name memory fail -e "${EVERY:-41}"
+    done
+    # 30,000 to 70,000 each
+    for name in checked calibrate trajectories reduced adaptive; do
+        sweep $name memory fail -e "${EVERY:-199}"
     done
     sweep fmu memory fail -e 2999
 }

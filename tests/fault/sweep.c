@@ -34,7 +34,7 @@ static const char *kind, *how, *output, *inject;
 static bool is_hdf5; // the output; else it is compared byte by byte, with the clock of inject.c
 static char **command;
 static char *again[MAX_ARGUMENTS], resume_option[] = "--resume";
-static char reference[TEXT], partial[TEXT], finishing[TEXT], saved[TEXT];
+static char reference[TEXT], partial[TEXT], finishing[TEXT], saved[TEXT], draft[TEXT];
 
 static const struct {
     const char *kind;
@@ -250,6 +250,7 @@ static const char *fault_of_end(const outcome *found, const outcome *without) {
     if (found->hung) return "it hangs";
     if (WIFSIGNALED(found->status))
         return deadly && WTERMSIG(found->status) == SIGKILL ? NULL : "it crashed";
+    if (exists(draft) && strcmp(kind, "rename") != 0) return "left a draft"; // unless it cannot
     if (found->status == without->status && strcmp(found->text, without->text) == 0)
         return exists(output) ? NULL : "no output";
     if (!ends_as_expected(WEXITSTATUS(found->status))) return "another exit code";
@@ -291,6 +292,7 @@ static void clean(void) {
     unlink(partial);
     unlink(finishing);
     unlink(saved);
+    unlink(draft);
 }
 
 /* As what was written before the machine was started. */
@@ -304,6 +306,7 @@ static void name_files(void) {
     snprintf(partial, sizeof partial, "%s.partial", output);
     snprintf(finishing, sizeof finishing, "%s.finishing", output);
     snprintf(saved, sizeof saved, "%s.saved", output);
+    snprintf(draft, sizeof draft, "%s.unchecked", output);
 }
 
 /* Runs that are killed again and again until they are done. */
