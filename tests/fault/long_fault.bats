@@ -13,12 +13,18 @@ load sweeps
         sweep $name write last
         sweep $name write short
     done
+}
+
+@test "every third call of a file fails, of runs that can be resumed" {
     for name in trajectories moving reduced adaptive; do
         for kind in open read write sync close rename; do
             sweep $name $kind fail -e 3
         done
         sweep $name write last -e 3
     done
+}
+
+@test "every call of a file fails, of an FMU and of what is mapped" {
     # half a second each, most of it to pack
     for kind in open write sync close rename map; do
         sweep fmu $kind fail
