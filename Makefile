@@ -109,12 +109,13 @@ FAULT_TOOLS  := $(BUILD)/fault/inject.so $(BUILD)/fault/sweep
 PIPELINES    := $(sort $(filter-out tests/pipeline/long_%,$(wildcard tests/pipeline/*.bats)) tests/fault/fault.bats)
 LONG_PIPELINES := $(sort $(wildcard tests/pipeline/long_*.bats tests/fault/long_*.bats))
 
-# The thread sanitizer looks at tests with threads: unit tests that begin some, and what the pipelines say of --jobs.
+# The thread sanitizer looks at tests with threads: unit tests that begin some, and what the pipelines say of --jobs and
+# of threads in programs and in the library.
 # Those of OpenBLAS are its own affair (test_threads), and the programs have it work in one.
 ifeq ($(VARIANT),tsan)
   TESTS     := $(patsubst tests/unit/%.c,$(BUILD)/unit/%,$(shell grep -lE 'pthread_create|pool_run' tests/unit/test_*.c))
-  PIPELINES := $(shell grep -l '@test.*--jobs' $(PIPELINES))
-  FILTER    := [-]-jobs
+  FILTER    := [-]-jobs|order.of.threads|threads.share
+  PIPELINES := $(shell grep -lE '@test.*($(FILTER))' $(PIPELINES))
 endif
 
 STUDIES      := $(patsubst %/Makefile,%,$(wildcard scenes/studies/*/Makefile))

@@ -143,25 +143,25 @@ ehd_status hdf5_read_failed(const artefact *file, const char *object, ehd_error 
 // ---- files
 
 /* Locks of HDF5 are off: they would outlive nothing but they fail on some network file systems.
- * What has to be excluded, two writers of one file, is excluded by our own lock. */
-static hid_t access_properties(void) {
-    hid_t access = H5Pcreate(H5P_FILE_ACCESS);
-    H5Pset_libver_bounds(access, H5F_LIBVER_V110, H5F_LIBVER_V110);
-    H5Pset_file_locking(access, false, true);
-    H5Pset_fclose_degree(access, H5F_CLOSE_STRONG);
-    return access;
+ * What has to be excluded, two writers of one file, is excluded by our own lock. False, as from all
+ * that set properties, where memory was refused for one: the file would be another without it. */
+static bool set_access(hid_t access) {
+    return H5Pset_libver_bounds(access, H5F_LIBVER_V110, H5F_LIBVER_V110) >= 0 &&
+           H5Pset_file_locking(access, false, true) >= 0 &&
+           H5Pset_fclose_degree(access, H5F_CLOSE_STRONG) >= 0;
 }
 
 /* A writer caches no chunks: a write that fails does so in the call that wrote, and the order of
  * writes is the order in the file. */
-static void write_through(hid_t access) {
-    H5Pset_cache(access, 0, 0, 0, 0.75);
+static bool write_through(hid_t access) {
+    return H5Pset_cache(access, 0, 0, 0, 0.75) >= 0;
 }
 
 /* Properties without a function of their own. */
-static void switch_on(hid_t access, const char *name) {
+static bool switch_on(hid_t access, const char *name) {
     const hbool_t yes = true;
-    if (H5Pexist(access, name) > 0) H5Pset(access, name, &yes);
+    const htri_t there = H5Pexist(access, name);
+    return there == 0 || (there > 0 && H5Pset(access, name, &yes) >= 0);
 }
 
 /* Of metadata whose checksum fails because a writer is at it. HDF5 waits twice as long each time,
@@ -169,19 +169,22 @@ static void switch_on(hid_t access, const char *name) {
  * file. */
 enum { READ_ATTEMPTS = 25 };
 
+static bool set_opening(hid_t access, unsigned flags, bool clear_flags) {
+    return set_access(access) && (!(flags & H5F_ACC_RDWR) || write_through(access)) &&
+           (!(flags & H5F_ACC_SWMR_READ) ||
+            H5Pset_metadata_read_attempts(access, READ_ATTEMPTS) >= 0) &&
+           // what h5clear uses
+           (!clear_flags ||
+            (switch_on(access, "clear_status_flags") && switch_on(access, "skip_eof_check")));
+}
+
 hid_t hdf5_open(const char *path, unsigned flags, bool clear_flags) {
     has_unknown = false; // of another file, of which nobody asked
     errno = 0;
     struct stat about;
     if (stat(path, &about) == 0 && !S_ISREG(about.st_mode)) return -1; // a pipe would wait
-    hid_t access = access_properties();
-    if (flags & H5F_ACC_RDWR) write_through(access);
-    if (flags & H5F_ACC_SWMR_READ) H5Pset_metadata_read_attempts(access, READ_ATTEMPTS);
-    if (clear_flags) { // what h5clear uses
-        switch_on(access, "clear_status_flags");
-        switch_on(access, "skip_eof_check");
-    }
-    hid_t file = H5Fopen(path, flags, access);
+    hid_t access = H5Pcreate(H5P_FILE_ACCESS), file = -1;
+    if (set_opening(access, flags, clear_flags)) file = H5Fopen(path, flags, access);
     hdf5_release(access);
     // what a killed writer added lies behind the end that the superblock knows, and must not be
     // reused
@@ -194,25 +197,23 @@ hid_t hdf5_open(const char *path, unsigned flags, bool clear_flags) {
 
 /* All attributes and links stay in the object header, one checksummed block that is read at once,
  * instead of moving to a heap and an index when they become many. */
-static void keep_in_header(hid_t properties) {
-    H5Pset_attr_phase_change(properties, 65535, 0);
+static bool keep_in_header(hid_t properties) {
+    return H5Pset_attr_phase_change(properties, 65535, 0) >= 0 &&
+           H5Pset_link_phase_change(properties, 65535, 0) >= 0;
 }
 
 /* Nothing smaller than a page of the system lies across two of them, and a kill comes between two
  * pages of a write, if at all: no metadata and no small chunk is then half written. */
-static void keep_in_pages(hid_t creation) {
-    H5Pset_file_space_strategy(creation, H5F_FSPACE_STRATEGY_PAGE, false, 1);
-    H5Pset_file_space_page_size(creation, HDF5_PAGE_BYTES);
+static bool keep_in_pages(hid_t creation) {
+    return H5Pset_file_space_strategy(creation, H5F_FSPACE_STRATEGY_PAGE, false, 1) >= 0 &&
+           H5Pset_file_space_page_size(creation, HDF5_PAGE_BYTES) >= 0;
 }
 
 hid_t hdf5_create(const char *path) {
-    hid_t access = access_properties();
-    hid_t creation = H5Pcreate(H5P_FILE_CREATE);
-    write_through(access);
-    keep_in_header(creation);
-    H5Pset_link_phase_change(creation, 65535, 0);
-    keep_in_pages(creation);
-    hid_t file = H5Fcreate(path, H5F_ACC_TRUNC, creation, access);
+    hid_t access = H5Pcreate(H5P_FILE_ACCESS), creation = H5Pcreate(H5P_FILE_CREATE), file = -1;
+    if (set_access(access) && write_through(access) && keep_in_header(creation) &&
+        keep_in_pages(creation))
+        file = H5Fcreate(path, H5F_ACC_TRUNC, creation, access);
     hdf5_release(creation);
     hdf5_release(access);
     return file;

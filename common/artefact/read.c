@@ -486,6 +486,14 @@ static ehd_status read_slice(artefact *file, const artefact_field *field, size_t
     return status;
 }
 
+/* Somebody waits for the end; a file that is being written is finished or left first. */
+static ehd_status check_interrupted(const artefact *file, ehd_error *error) {
+    return file->partial || !program_interrupted()
+               ? EHD_OK
+               : ehd_fail(error, EHD_INTERRUPTED, "%s: interrupted while it was read",
+                          shown_name(file));
+}
+
 /* Entries that are read at once: so many that a large field needs little memory. */
 static size_t slice_of(const artefact *file, const artefact_field *field) {
     enum { SLICE_NUMBERS = 1 << 20 };
@@ -507,9 +515,11 @@ ehd_status read_field(artefact *file, const artefact_field *field, char digest[6
     if (!numbers || (digest && !hash))
         status = ehd_fail(error, EHD_MEMORY, "%s: %s: found too little memory, expected more",
                           shown_name(file), field->name);
-    for (size_t first = 0; first < length && !status; first += slice)
+    for (size_t first = 0; first < length && !status; first += slice) {
         status = read_slice(file, field, first, length - first < slice ? length - first : slice,
                             numbers, hash, error);
+        if (!status) status = check_interrupted(file, error);
+    }
     if (hash) digest_end(hash, digest);
     free(numbers);
     return status;
@@ -555,6 +565,7 @@ static ehd_status get(artefact *file, const char *name, artefact_type type, size
     ehd_status status = check_memory(file, field, entries, error);
     if (status == EHD_OK && entries < all) status = verify_once(file, field, error);
     if (status == EHD_OK) status = transfer(file, name, type, first, entries, data, NULL, error);
+    if (status == EHD_OK) status = check_interrupted(file, error);
     if (status == EHD_OK) status = check_values(file, field, first, entries, data, error);
     return status != EHD_OK || entries < all ? status : check_content(file, field, data, error);
 }

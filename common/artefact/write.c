@@ -87,12 +87,23 @@ static void choose_chunks(hsize_t *chunk, const hsize_t *dims, int rank, layout 
     }
 }
 
-static hid_t create_dataset(hid_t root, const char *name, bool integer, const hsize_t *dims,
-                            int rank, layout kind) {
+/* Each setting takes memory; without one the file would be another. */
+static bool set_properties(hid_t properties, bool integer, const hsize_t *chunk, int rank,
+                           bool early) {
     const double no_real = NAN;
     const int64_t no_integer = -1;
+    const H5D_alloc_time_t time = early ? H5D_ALLOC_TIME_EARLY : H5D_ALLOC_TIME_INCR;
+
+    return H5Pset_chunk(properties, rank, chunk) >= 0 && H5Pset_fletcher32(properties) >= 0 &&
+           H5Pset_attr_phase_change(properties, 65535, 0) >= 0 &&
+           H5Pset_alloc_time(properties, time) >= 0 &&
+           (integer ? H5Pset_fill_value(properties, H5T_NATIVE_INT64, &no_integer)
+                    : H5Pset_fill_value(properties, H5T_NATIVE_DOUBLE, &no_real)) >= 0;
+}
+
+static hid_t create_dataset(hid_t root, const char *name, bool integer, const hsize_t *dims,
+                            int rank, layout kind) {
     hid_t type = integer ? H5T_STD_I64LE : H5T_IEEE_F64LE;
-    hid_t native = integer ? H5T_NATIVE_INT64 : H5T_NATIVE_DOUBLE;
     const bool early = kind == LAYOUT_EARLY || kind == LAYOUT_APART;
     hsize_t chunk[ARTEFACT_MAX_RANK];
     hsize_t max_dims[ARTEFACT_MAX_RANK];
@@ -101,14 +112,10 @@ static hid_t create_dataset(hid_t root, const char *name, bool integer, const hs
     if (kind == LAYOUT_GROWING) max_dims[0] = H5S_UNLIMITED;
 
     hid_t properties = H5Pcreate(H5P_DATASET_CREATE);
-    H5Pset_chunk(properties, rank, chunk);
-    H5Pset_fletcher32(properties);
-    H5Pset_attr_phase_change(properties, 65535, 0);
-    H5Pset_alloc_time(properties, early ? H5D_ALLOC_TIME_EARLY : H5D_ALLOC_TIME_INCR);
-    H5Pset_fill_value(properties, native,
-                      integer ? (const void *)&no_integer : (const void *)&no_real);
     hid_t space = H5Screate_simple(rank, dims, max_dims);
-    hid_t dataset = H5Dcreate2(root, name, type, space, H5P_DEFAULT, properties, H5P_DEFAULT);
+    hid_t dataset = -1;
+    if (set_properties(properties, integer, chunk, rank, early))
+        dataset = H5Dcreate2(root, name, type, space, H5P_DEFAULT, properties, H5P_DEFAULT);
     hdf5_release(space);
     hdf5_release(properties);
     return dataset;

@@ -8,6 +8,7 @@ load sweeps
     sweep snapgen write kill -e 25
     sweep fine write tear -e 25
     sweep adaptive write tear -e 60
+    sweep trajectories write tear -e 97
     sweep moving write tear -e 40
     sweep moving rename kill
     sweep snapgen sync kill
@@ -21,6 +22,7 @@ load sweeps
 @test "a power cut loses nothing that was finished" {
     sweep snapgen write power -e 25
     sweep adaptive write power -e 97
+    sweep trajectories write power -e 131
     sweep moving write power -e 53
     sweep reduced sync power
 }
@@ -33,6 +35,9 @@ load sweeps
     sweep moving write short -e 97
     sweep deimselect read fail -e 29
     sweep podbuild sync fail
+    sweep checked write fail -e 29
+    sweep calibrate read fail -e 59
+    sweep trajectories write fail -e 199
     sweep fullrun rename fail
     sweep romrun close fail -e 5
     sweep residuals open fail -e 5
@@ -54,6 +59,9 @@ load sweeps
     sweep fullrun memory fail -e 211
     sweep podbuild memory fail -e 401
     sweep romrun memory fail -e 701
+    sweep checked memory fail -e 5987
+    sweep calibrate memory fail -e 5003
+    sweep trajectories memory fail -e 9001
     sweep adaptive memory fail -e 9001
     sweep export memory fail -e 395 # where it was refused a look-up it left out what an export can do without
     sweep vtk memory fail -e 397

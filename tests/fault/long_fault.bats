@@ -6,23 +6,30 @@
 load sweeps
 
 @test "every call of a file fails" {
-    for name in fullrun romrun podbuild deimselect residuals snapgen flat cases cases-h5 vtk export; do
+    for name in fullrun romrun podbuild deimselect checked calibrate residuals snapgen flat cases cases-h5 vtk export; do
         for kind in open read write sync close rename; do
             sweep $name $kind fail
         done
         sweep $name write last
         sweep $name write short
     done
-    for name in moving reduced adaptive; do
+}
+
+@test "every third call of a file fails, of runs that can be resumed" {
+    for name in trajectories moving reduced adaptive; do
         for kind in open read write sync close rename; do
             sweep $name $kind fail -e 3
         done
         sweep $name write last -e 3
     done
-    # half a second each, most of it to pack
-    for kind in open write sync close rename map; do
+}
+
+@test "every call of a file fails, of an FMU and of what is mapped" {
+    # a second each, most of it to pack, of which all writes are alike
+    for kind in open sync close rename map; do
         sweep fmu $kind fail
     done
+    sweep fmu write fail -e 7
     sweep fmu read fail -e 197
     sweep flat map fail
     sweep flat map short
@@ -33,14 +40,22 @@ load sweeps
         for kind in open close sync rename; do
             sweep $name $kind kill
         done
+    done
+    for name in cases vtk export; do
         sweep $name write kill
         sweep $name write tear
     done
+    sweep fmu write kill -e 7
+    sweep fmu write tear -e 7
 }
 
 @test "allocations fail" {
     for name in fullrun romrun podbuild deimselect residuals snapgen moving flat cases cases-h5 vtk export; do
         sweep $name memory fail -e "${EVERY:-41}"
+    done
+    # 30,000 to 70,000 each
+    for name in checked calibrate trajectories reduced adaptive; do
+        sweep $name memory fail -e "${EVERY:-199}"
     done
     sweep fmu memory fail -e 2999
 }

@@ -5,7 +5,7 @@
 load sweeps
 
 @test "a kill at every call, and a torn write" {
-    for name in snapgen fine moving reduced adaptive; do
+    for name in snapgen fine trajectories moving reduced adaptive; do
         for kind in open sync close rename; do
             sweep $name $kind kill
         done
@@ -15,14 +15,14 @@ load sweeps
 }
 
 @test "a power cut at every write" {
-    for name in snapgen fine moving reduced adaptive; do
+    for name in snapgen fine trajectories moving reduced adaptive; do
         sweep $name write power -e 2
         sweep $name sync power
     done
 }
 
 @test "500 kills of each kind of long run, one after the other" {
-    for name in snapgen fine moving reduced adaptive; do
+    for name in snapgen fine trajectories moving reduced adaptive; do
         sweep $name write tear -n 500
     done
 }

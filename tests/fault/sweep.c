@@ -34,7 +34,7 @@ static const char *kind, *how, *output, *inject;
 static bool is_hdf5; // the output; else it is compared byte by byte, with the clock of inject.c
 static char **command;
 static char *again[MAX_ARGUMENTS], resume_option[] = "--resume";
-static char reference[TEXT], partial[TEXT], finishing[TEXT], saved[TEXT];
+static char reference[TEXT], partial[TEXT], finishing[TEXT], saved[TEXT], draft[TEXT];
 
 static const struct {
     const char *kind;
@@ -161,6 +161,23 @@ static void *read_dataset(size_t *bytes, hid_t file, const char *name) {
     return data;
 }
 
+/* Fill values, filters, chunks, when space is taken; of a file its pages. */
+static bool same_properties(hid_t left, hid_t right) {
+    const bool same = H5Pequal(left, right) > 0;
+    H5Pclose(left);
+    H5Pclose(right);
+    return same;
+}
+
+static bool made_alike(hid_t left_file, hid_t right_file, const char *name) {
+    const hid_t left = H5Dopen2(left_file, name, H5P_DEFAULT);
+    const hid_t right = H5Dopen2(right_file, name, H5P_DEFAULT);
+    const bool same = same_properties(H5Dget_create_plist(left), H5Dget_create_plist(right));
+    H5Dclose(left);
+    H5Dclose(right);
+    return same;
+}
+
 static herr_t compare_one(hid_t file, const char *name, const H5L_info_t *info, void *data) {
     comparison *self = data;
     size_t left_bytes, right_bytes;
@@ -177,6 +194,8 @@ static herr_t compare_one(hid_t file, const char *name, const H5L_info_t *info, 
         self->differs = "a dataset is damaged";
     else if (left_bytes != right_bytes || memcmp(left, right, left_bytes) != 0)
         self->differs = "data differ";
+    else if (!made_alike(file, self->other, name))
+        self->differs = "a dataset is made otherwise";
     free(left);
     free(right);
     return self->differs ? 1 : 0;
@@ -212,6 +231,8 @@ static const char *difference(void) {
         H5Aclose(attribute);
         if (complete != 1) self.differs = "not marked complete";
     }
+    if (!self.differs && !same_properties(H5Fget_create_plist(left), H5Fget_create_plist(right)))
+        self.differs = "the file is made otherwise";
     if (!self.differs) H5Literate(left, H5_INDEX_NAME, H5_ITER_INC, NULL, compare_one, &self);
     if (!self.differs) H5Gget_info(right, &info);
     if (!self.differs && info.nlinks != self.count) self.differs = "more datasets";
@@ -250,6 +271,7 @@ static const char *fault_of_end(const outcome *found, const outcome *without) {
     if (found->hung) return "it hangs";
     if (WIFSIGNALED(found->status))
         return deadly && WTERMSIG(found->status) == SIGKILL ? NULL : "it crashed";
+    if (exists(draft) && strcmp(kind, "rename") != 0) return "left a draft"; // unless it cannot
     if (found->status == without->status && strcmp(found->text, without->text) == 0)
         return exists(output) ? NULL : "no output";
     if (!ends_as_expected(WEXITSTATUS(found->status))) return "another exit code";
@@ -291,6 +313,7 @@ static void clean(void) {
     unlink(partial);
     unlink(finishing);
     unlink(saved);
+    unlink(draft);
 }
 
 /* As what was written before the machine was started. */
@@ -304,6 +327,7 @@ static void name_files(void) {
     snprintf(partial, sizeof partial, "%s.partial", output);
     snprintf(finishing, sizeof finishing, "%s.finishing", output);
     snprintf(saved, sizeof saved, "%s.saved", output);
+    snprintf(draft, sizeof draft, "%s.unchecked", output);
 }
 
 /* Runs that are killed again and again until they are done. */

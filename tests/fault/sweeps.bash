@@ -21,6 +21,13 @@ groups:
   - scene: base.yml
     region: {moes.M: [8, 15], moes.L: [2, 6]}
 YAML
+    # stationary points, and a scene in time
+    cat >trajectories.yml <<'YAML'
+groups:
+  - scene: base.yml
+    vary: {moes.M: [8, 15], moes.L: [3]}
+  - scene: moving.yml
+YAML
     # fields of several pages
     sed 's/step: 0.05/step: 0.01/' base.yml >fine-base.yml
     sed 's/base.yml/fine-base.yml/' plan.yml >fine.yml
@@ -29,6 +36,13 @@ YAML
     snapgen -q -j1 plan.yml --basis b.h5 -o r.h5
     deimselect -q r.h5 --basis b.h5 --no-check -o m.h5
     romrun --export m.h5 -o m.ehdrom
+    # so close that the check of the model has nothing to warn of
+    sed 's/vary: .*/vary: {moes.M: [11, 12, 13], moes.L: [3, 4]}/' plan.yml >close.yml
+    snapgen -q -j1 close.yml -o close-s.h5
+    podbuild -q close-s.h5 -o close-b.h5
+    snapgen -q -j1 close.yml --basis close-b.h5 -o close-r.h5
+    printf 'moes.M,moes.L\n9.5,3\n13,5\n' >check.csv
+    printf 'groups:\n  - {scene: base.yml, points: check.csv}\n' >check.yml
     printf 'moes.M\n9\n12\n' >cases.csv
     sed 's/^moes: .*/physical: {load: 60e3, radius: 0.0125, speed: 0.8, modulus: 226e9, viscosity: 0.02}/' scene.yml >si.yml
     fullrun -q si.yml -o si.h5
@@ -42,6 +56,8 @@ run_of() {
     romrun) run=(romrun -q scene.yml --model m.h5 --allow-untrusted -o x.h5) ;;
     podbuild) run=(podbuild -q s.h5 -o x.h5) ;;
     deimselect) run=(deimselect -q r.h5 --basis b.h5 --no-check -o x.h5) ;;
+    checked) run=(deimselect -q -j1 close-r.h5 --basis close-b.h5 -o x.h5) ;;
+    calibrate) run=(romrun -q -j1 --calibrate check.yml --model m.h5 -o x.h5) ;;
     residuals) run=(snapgen -q -j1 plan.yml --basis b.h5 -o x.h5) ;;
     cases) run=(romrun -q scene.yml --cases cases.csv -j1 --model m.h5 --allow-untrusted -o x.csv) ;;
     cases-h5) run=(romrun -q scene.yml --cases cases.csv -j1 --model m.h5 --allow-untrusted -o x.h5) ;;
@@ -52,6 +68,7 @@ run_of() {
     # the others can be resumed
     snapgen) run=(snapgen -q -j1 plan.yml -o x.h5) ;;
     fine) run=(snapgen -q -j1 fine.yml -o x.h5) ;;
+    trajectories) run=(snapgen -q -j1 trajectories.yml -o x.h5) ;;
     adaptive) run=(snapgen -q -j1 region.yml --accuracy 0.02 --start 5 -o x.h5) ;;
     moving) run=(fullrun -q moving.yml -o x.h5) ;;
     reduced) run=(romrun -q moving.yml --set transport=upwind --model m.h5 --allow-untrusted -o x.h5) ;;
@@ -64,8 +81,9 @@ sweep() {
     shift 3
     run_of "$name"
     case $name in
-    snapgen | fine | adaptive | moving | reduced) set -- -r "$@" ;;
+    snapgen | fine | trajectories | adaptive | moving | reduced) set -- -r "$@" ;;
     esac
+    printf '%-12s ' "$name" >>table
     "$SWEEP" "$@" "$kind" "$how" "${run[-1]}" "${run[@]}" >>table
 }
 

@@ -217,9 +217,8 @@ put('product.yml', 'groups:\n- {scene: base.yml, vary: {moes.M: %s, moes.L: %s}}
     refuse 65 "groups: found more than 1000000 points" snapgen product.yml -o x.h5
 }
 
-@test "memory is asked for before numbers are taken" {
-    [[ ${VARIANT:-} != san ]] || skip "the address sanitizer needs more than the limit"
-    # 0.9 GB in 8 MB
+# bad.h5, residuals of 0.9 GB in 8 MB.
+large_residuals() {
     patch r.h5 "
     n = 20000
     rest = numpy.zeros((n, 121))
@@ -231,8 +230,77 @@ put('product.yml', 'groups:\n- {scene: base.yml, vary: {moes.M: %s, moes.L: %s}}
         d[:n] = rest
         mask, raw = d.id.read_direct_chunk((0, 0))
         for i in range(1, 24): d.id.write_direct_chunk((i * n, 0), raw, mask)"
+}
+
+@test "memory is asked for before numbers are taken" {
+    [[ ${VARIANT:-} != san ]] || skip "the address sanitizer needs more than the limit"
+    large_residuals
     run -71 --separate-stderr bash -c 'ulimit -v 800000; deimselect bad.h5 --basis b.h5 -o x.h5'
     [[ $stderr == "deimselect: residuals: found no memory for 480000 iterations" ]]
+}
+
+# interrupted PATTERN COMMAND...: SIGTERM while it reads bad.h5 ends it with 130 and one line that matches.
+interrupted() {
+    local pattern=$1 process code=0
+    shift
+    timeout -s KILL 300 "$@" >out 2>log &
+    process=$!
+    until [ -n "$(find /proc/[0-9]*/fd -lname "$PWD/bad.h5" 2>/dev/null)" ]; do
+        kill -0 $process
+        sleep 0.01
+    done
+    kill $process
+    wait $process || code=$?
+    cat log
+    [ "$code" -eq 130 ]
+    [ ! -s out ]
+    [ "$(wc -l <log)" -eq 1 ]
+    grep -qx "$pattern" log
+}
+
+@test "a signal ends a program while it reads" {
+    large_residuals
+    interrupted "romrun: bad.h5: interrupted while it was read" romrun --check bad.h5
+    interrupted "deimselect: bad.h5: interrupted while it was read" deimselect bad.h5 --basis b.h5 -o x.h5 --no-check
+    [ ! -e x.h5 ] && [ ! -e x.h5.partial ]
+}
+
+@test "code that a file asks for is not loaded" {
+    cat >filter.c <<'C'
+#include <fcntl.h>
+__attribute__((constructor)) static void leave_a_trace(void) {
+    open("loaded", O_WRONLY | O_CREAT, 0666);
+}
+const void *H5PLget_plugin_info(void) { return 0; }
+int H5PLget_plugin_type(void) { return 0; }
+C
+    mkdir plugins
+    gcc -shared -fPIC -o plugins/libfilter.so filter.c
+    export HDF5_PLUGIN_PATH=$PWD/plugins
+    local -A dataset=([s]=pressure [m]=load_jacobian)
+    for kind in s m; do
+        patch $kind.h5 "
+    name = '${dataset[$kind]}'
+    d = f[name][...]; del f[name]
+    new = f.create_dataset(name, d.shape, chunks=d.shape, compression='lzf')
+    new.id.write_direct_chunk([0] * d.ndim, b'compressed')"
+        # which HDF5 itself does
+        h5dump -d "${dataset[$kind]}" bad.h5 >dump 2>&1 || true
+        [ -e loaded ]
+        rm loaded
+        refused 65 "found a filter beside" romrun --check bad.h5
+        case $kind in
+        s) refuse 65 "found a filter beside" podbuild bad.h5 -o x.h5 ;;
+        m) refuse 65 "found a filter beside" romrun scene.yml --model bad.h5 -o x.h5 ;;
+        esac
+        [ ! -e loaded ]
+    done
+    # nor for what is not of the schema, which is not read
+    patch m.h5 "f.create_dataset('own', (10,), chunks=(10,), compression='lzf').id.write_direct_chunk([0], b'compressed')"
+    romrun --check bad.h5
+    romrun scene.yml --model bad.h5 --allow-untrusted -o y.h5
+    romrun --print bad.h5 >names
+    [ ! -e loaded ]
 }
 
 @test "numbers are what they may be" {

@@ -12,7 +12,7 @@
  *     use_library sizes MODEL SCENE                  structs of a caller that knows more than the library, or less
  *     use_library loaded MODEL SCENE                 a solution and a step, and whether HDF5 is in the process
  *     use_library memory MODEL SCENE STEP NUM        VmRSS after 1000 steps and after NUM
- *     use_library threads MODEL SCENE                four threads, one contact each */
+ *     use_library threads MODEL SCENE                four threads, a solved contact and two in time each */
 #include <ehdrom.h>
 
 #include <errno.h>
@@ -716,7 +716,37 @@ typedef struct worker {
     const char *path, *scene;
     const ehdrom_model *model;
     ehdrom_result results[20];
+    ehdrom_result steps[10][2];
 } worker;
+
+/* Steps of two contacts at a time, of which other threads have such of their own. */
+static void step_together(worker *self) {
+    ehdrom_contact *contacts[2] = {new_contact(self->model, self->scene),
+                                   new_contact(self->model, self->scene)};
+    const ehdrom_conditions fresh = EHDROM_CONDITIONS_INIT;
+    ehdrom_conditions conditions[2] = {fresh, fresh};
+    ehdrom_result result = EHDROM_RESULT_INIT;
+
+    for (int c = 0; c < 2; c++) {
+        CHECK(!ehdrom_contact_set_units(contacts[c], EHDROM_DIMENSIONLESS));
+        CHECK(!ehdrom_start(contacts[c], NULL, &result));
+        conditions[c].given = EHDROM_LOAD;
+    }
+    for (int i = 0; i < 10; i++) {
+        for (int c = 0; c < 2; c++) {
+            conditions[c].load = 1 + (c ? 0.002 : -0.002) * (i + 1);
+            self->steps[i][c].size = sizeof result;
+        }
+        CHECK(ehdrom_step_many(contacts, conditions, 0.01, self->steps[i], 2) !=
+              EHDROM_NOT_CONVERGED);
+        for (int c = 0; c < 2; c++) {
+            CHECK(!EHDROM_FAILED(self->steps[i][c].status));
+            CHECK(!ehdrom_accept(contacts[c]));
+        }
+    }
+    ehdrom_contact_free(contacts[0]);
+    ehdrom_contact_free(contacts[1]);
+}
 
 static void *work(void *argument) {
     worker *self = (worker *)argument;
@@ -731,6 +761,7 @@ static void *work(void *argument) {
         CHECK(!ehdrom_solve(contact, result));
     }
     ehdrom_contact_free(contact);
+    step_together(self);
     ehdrom_model_close(own);
     return NULL;
 }
@@ -790,6 +821,8 @@ static void threads(char **argv) {
         for (int k = 0; k < 20; k++)
             CHECK(workers[i].results[k].central_film_thickness ==
                   workers[4].results[k].central_film_thickness);
+    for (int i = 0; i < 4; i++)
+        CHECK(memcmp(workers[i].steps, workers[4].steps, sizeof workers[i].steps) == 0);
     ehdrom_model_close(model);
     take_signals(&after);
     CHECK(same_signals(&before, &after));
