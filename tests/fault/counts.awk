@@ -37,7 +37,12 @@ $3 == "kill" || $3 == "tear" || $3 == "power" {
     faulty[name]
 }
 
-function row(name, a, b, c, d, e, f) { print "| " name " | " a + 0 " | " b + 0 " | " c + 0 " | " d + 0 " | " e + 0 " | " f + 0 " |" }
+# What was not swept is a dash.
+function cell(count) { return count ? count : "–" }
+
+function row(name, a, b, c, d, e, f) {
+    print "| " name " | " cell(a) " | " cell(b) " | " cell(c) " | " cell(d) " | " cell(e) " | " f + 0 " |"
+}
 
 END {
     print "| run | calls of files that fail | right | allocations refused | right | foreign ends | wrong |\n|---|---|---|---|---|---|---|"
