@@ -40,8 +40,8 @@ $3 == "kill" || $3 == "tear" || $3 == "power" {
 # What was not swept is a dash.
 function cell(count) { return count ? count : "–" }
 
-function row(name, a, b, c, d, e, f) {
-    print "| " name " | " cell(a) " | " cell(b) " | " cell(c) " | " cell(d) " | " cell(e) " | " f + 0 " |"
+function row(name, a, b, c, d, e, f, kills) {
+    print "| " name " | " cell(a) " | " cell(b) " | " cell(c) " | " cell(d) " | " (kills ? cell(e) : e + 0) " | " f + 0 " |"
 }
 
 END {
@@ -58,8 +58,8 @@ END {
     for (i = 1; i <= num_names; i++) {
         n = names[i]
         if (!(n in killed) && !(n in often)) continue
-        row("`" n "`", ends[n, "kill"], ends[n, "tear"], ends[n, "power"], often[n], runs[n], wrong_kills[n])
+        row("`" n "`", ends[n, "kill"], ends[n, "tear"], ends[n, "power"], often[n], runs[n], wrong_kills[n], 1)
         a += ends[n, "kill"]; b += ends[n, "tear"]; c += ends[n, "power"]; d += often[n]; e += runs[n]; f += wrong_kills[n]
     }
-    row("all", a, b, c, d, e, f)
+    row("all", a, b, c, d, e, f, 1)
 }
