@@ -29,13 +29,11 @@ ehd_status sha256_file(char identity[65], const char *path, ehd_error *error) {
     sha256_init(&context);
     static uint8_t block[65536];
     size_t length;
-    while (!program_interrupted() && (length = fread(block, 1, sizeof block, stream)) > 0) {
+    while ((length = fread(block, 1, sizeof block, stream)) > 0) {
         sha256_update(&context, length, block);
     }
     ehd_status status = EHD_OK;
-    if (program_interrupted()) {
-        status = ehd_fail(error, EHD_INTERRUPTED, "%s: interrupted while it was read", path);
-    } else if (ferror(stream)) {
+    if (ferror(stream)) {
         status = ehd_fail(error, EHD_IO, "%s: found %s, expected a readable file", path,
                           strerror(errno));
     } else {

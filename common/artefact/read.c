@@ -486,7 +486,7 @@ static ehd_status read_slice(artefact *file, const artefact_field *field, size_t
     return status;
 }
 
-/* Somebody waits for the end; a file that is being written is finished or left first. */
+/* Somebody waits for the end of a field of more than one slice; a file that is being written is finished or left first. */
 static ehd_status check_interrupted(const artefact *file, ehd_error *error) {
     return file->partial || !program_interrupted()
                ? EHD_OK
@@ -518,7 +518,7 @@ ehd_status read_field(artefact *file, const artefact_field *field, char digest[6
     for (size_t first = 0; first < length && !status; first += slice) {
         status = read_slice(file, field, first, length - first < slice ? length - first : slice,
                             numbers, hash, error);
-        if (!status) status = check_interrupted(file, error);
+        if (!status && first + slice < length) status = check_interrupted(file, error);
     }
     if (hash) digest_end(hash, digest);
     free(numbers);
@@ -565,7 +565,8 @@ static ehd_status get(artefact *file, const char *name, artefact_type type, size
     ehd_status status = check_memory(file, field, entries, error);
     if (status == EHD_OK && entries < all) status = verify_once(file, field, error);
     if (status == EHD_OK) status = transfer(file, name, type, first, entries, data, NULL, error);
-    if (status == EHD_OK) status = check_interrupted(file, error);
+    if (status == EHD_OK && slice_of(file, field) < entries)
+        status = check_interrupted(file, error);
     if (status == EHD_OK) status = check_values(file, field, first, entries, data, error);
     return status != EHD_OK || entries < all ? status : check_content(file, field, data, error);
 }

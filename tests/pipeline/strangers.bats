@@ -243,7 +243,7 @@ large_residuals() {
 interrupted() {
     local pattern=$1 process code=0
     shift
-    timeout -s KILL 300 "$@" >out 2>log &
+    timeout --foreground -s KILL 300 "$@" >out 2>log & # without it the program has the signal twice
     process=$!
     until [ -n "$(find /proc/[0-9]*/fd -lname "$PWD/bad.h5" 2>/dev/null)" ]; do
         kill -0 $process
