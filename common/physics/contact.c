@@ -416,7 +416,8 @@ ehd_status contact_init(ehd_contact *contact, const contact_settings *given, ehd
         .half_width = NAN,
         .radius = NAN,
         .load = NAN,
-        .speed = NAN};
+        .speed = NAN,
+        .slide_roll = NAN};
     ehd_status status = lubricant_init(&contact->lubricant, &given->lubricant, error);
     if (status) return status;
 

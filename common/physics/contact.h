@@ -200,6 +200,7 @@ typedef struct ehd_contact {
     double radius;           // m, NaN unless the scene is physical
     double load;             // N/m or N, NaN unless the scene is physical
     double speed;            // m/s, mean of the two surfaces, NaN unless the scene is physical
+    double slide_roll;       // (u1 - u2)/speed, NaN: traction is not asked for
 } ehd_contact;
 
 /* The scalars of a solution, in the contact's own frame. */
