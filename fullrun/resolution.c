@@ -60,13 +60,14 @@ static void viscous_pressure(double *viscous, const double *log_viscosity, const
  * from -200 to -1.5) 5, 20, 50, 200 intervals are at most 3e-2, 2e-3, 3e-4, 2e-5 off. */
 static double missing_pressure(const central_line *line, const ehd_contact *contact, double start) {
     const int num_intervals = 200;
+    const contact_shape *shape = &contact->grid.shape;
     const double first = grid_x(&contact->grid, 0);
     double flux = line->film[line->exit], sum = 0;
 
     for (int i = 0; i < num_intervals; i++) {
         double s = (i + 0.5) / num_intervals, x = start / s;
-        double film =
-            line->film[0] + contact_gap(x, 0) - contact_gap(first, 0) + 0.5 * log(fabs(first / x));
+        double film = line->film[0] + contact_gap(shape, x, 0) - contact_gap(shape, first, 0) +
+                      0.5 * log(fabs(first / x));
         sum += contact->lambda * fmax(film - flux, 0) / (film * film * film) * fabs(x) / s;
     }
     return sum / num_intervals;

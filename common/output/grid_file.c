@@ -149,7 +149,7 @@ ehd_status grid_read(ehd_grid *grid, const contact_kind **kind, artefact *file, 
     if (!status) status = grid_count_lines(&num_lines, file, *kind, error);
     if (!status && artefact_has(file, "half"))
         status = artefact_get_integer(file, "half", &half, error);
-    ehd_grid like = {.half = num_lines > 1 && half != 0};
+    ehd_grid like = {.half = num_lines > 1 && half != 0, .shape = shape_round};
     if (!status) status = grid_read_discretization(&like.discretization, file, error);
     if (!status && num_lines > 1) status = grid_read_boundary(&like.boundary, file, error);
     if (status) return status;

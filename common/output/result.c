@@ -347,7 +347,9 @@ void result_free(stored_result *stored) {
 }
 
 ehd_grid result_grid(const stored_result *stored) {
-    const ehd_grid like = {.discretization = stored->discretization, .boundary = stored->boundary};
+    const ehd_grid like = {.discretization = stored->discretization,
+                           .boundary = stored->boundary,
+                           .shape = shape_round};
 
     return grid_like(&like, stored->x_min, stored->step, stored->num_inner / stored->num_lines,
                      stored->num_lines);

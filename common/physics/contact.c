@@ -14,25 +14,30 @@ static double line_primitive(double x) {
 }
 
 /* -(1/2pi) int ln(X'^2) over the cell (README.md, deflection). */
-static double line_kernel(double distance, double y, double step) {
+static double line_kernel(const contact_shape *shape, double distance, double y, double step) {
+    (void)shape;
     (void)y;
     return -(line_primitive(distance + step / 2) - line_primitive(distance - step / 2)) / M_PI;
 }
 
-static double line_lambda(double moes_M) {
+static double line_lambda(const contact_shape *shape, double moes_M) {
+    (void)shape;
     return 3 * M_PI * M_PI / (8 * moes_M * moes_M);
 }
 
-static double line_moes_M(double lambda) {
+static double line_moes_M(const contact_shape *shape, double lambda) {
+    (void)shape;
     return sqrt(3 * M_PI * M_PI / (8 * lambda));
 }
 
-static double line_alpha_p_H(double moes_M, double moes_L) {
+static double line_alpha_p_H(const contact_shape *shape, double moes_M, double moes_L) {
+    (void)shape;
     return moes_L * sqrt(moes_M / (2 * M_PI));
 }
 
 /* Half of x sqrt(x^2 - 1) - acosh(x) (K. L. Johnson, Contact Mechanics, 1985, section 4.2). */
-static double line_dry_gap(double x) {
+static double line_dry_gap(const contact_shape *shape, double x) {
+    (void)shape;
     return 0.5 * (fabs(x) * sqrt(x * x - 1) - acosh(fabs(x)));
 }
 
@@ -42,11 +47,18 @@ static double line_approach_shift(double half_width, double length) {
     return 0.5 * log(half_width / length);
 }
 
+static double line_central_film(const contact_shape *shape, double moes_M, double moes_L) {
+    (void)shape;
+    return film_moes(moes_M, moes_L);
+}
+
 static double line_physical_M(double load_number, double speed_number) {
     return load_number / sqrt(speed_number);
 }
 
-static double line_half_width(double load, double radius, double modulus) {
+static double line_half_width(const contact_shape *shape, double load, double radius,
+                              double modulus) {
+    (void)shape;
     return sqrt(8 * load * radius / (M_PI * modulus));
 }
 
@@ -58,7 +70,7 @@ const contact_kind contact_line = {
     .lambda = line_lambda,
     .moes_M = line_moes_M,
     .alpha_p_H = line_alpha_p_H,
-    .central_film = film_moes,
+    .central_film = line_central_film,
     .dry_gap = line_dry_gap,
     .approach_shift = line_approach_shift,
     .physical_M = line_physical_M,
@@ -88,7 +100,8 @@ static double far_cell(double x, double y, double step) {
 }
 
 /* (2/pi^2) iint 1/r over the cell (README.md, deflection). */
-static double point_kernel(double x, double y, double step) {
+static double point_kernel(const contact_shape *shape, double x, double y, double step) {
+    (void)shape;
     if (x * x + y * y > FAR_CELL * FAR_CELL * step * step)
         return 2 / (M_PI * M_PI) * far_cell(x, y, step);
     double left = x - step / 2, right = x + step / 2, low = y - step / 2, high = y + step / 2;
@@ -98,15 +111,18 @@ static double point_kernel(double x, double y, double step) {
             point_primitive(right, low) + point_primitive(left, low));
 }
 
-static double point_lambda(double moes_M) {
+static double point_lambda(const contact_shape *shape, double moes_M) {
+    (void)shape;
     return cbrt(128 * M_PI * M_PI * M_PI / (3 * pow(moes_M, 4)));
 }
 
-static double point_moes_M(double lambda) {
+static double point_moes_M(const contact_shape *shape, double lambda) {
+    (void)shape;
     return pow(128 * M_PI * M_PI * M_PI / (3 * lambda * lambda * lambda), 0.25);
 }
 
-static double point_alpha_p_H(double moes_M, double moes_L) {
+static double point_alpha_p_H(const contact_shape *shape, double moes_M, double moes_L) {
+    (void)shape;
     return moes_L / M_PI * cbrt(1.5 * moes_M);
 }
 
@@ -118,15 +134,23 @@ static double point_approach_shift(double half_width, double length) {
 }
 
 /* ((x^2 - 2) acos(1/x) + sqrt(x^2 - 1))/pi (Johnson, section 3.4). */
-static double point_dry_gap(double x) {
+static double point_dry_gap(const contact_shape *shape, double x) {
+    (void)shape;
     return ((x * x - 2) * acos(1 / fabs(x)) + sqrt(x * x - 1)) / M_PI;
+}
+
+static double point_central_film(const contact_shape *shape, double moes_M, double moes_L) {
+    (void)shape;
+    return film_nijenbanning(moes_M, moes_L);
 }
 
 static double point_physical_M(double load_number, double speed_number) {
     return load_number / pow(speed_number, 0.75);
 }
 
-static double point_half_width(double load, double radius, double modulus) {
+static double point_half_width(const contact_shape *shape, double load, double radius,
+                               double modulus) {
+    (void)shape;
     return cbrt(3 * load * radius / (2 * modulus));
 }
 
@@ -138,7 +162,7 @@ const contact_kind contact_point = {
     .lambda = point_lambda,
     .moes_M = point_moes_M,
     .alpha_p_H = point_alpha_p_H,
-    .central_film = film_nijenbanning,
+    .central_film = point_central_film,
     .dry_gap = point_dry_gap,
     .approach_shift = point_approach_shift,
     .physical_M = point_physical_M,
@@ -224,8 +248,8 @@ ehd_status carriage_check(const ehd_carriage *found, const char *found_in,
 
 // ---- any contact
 
-double contact_gap(double x, double y) {
-    return (x * x + y * y) / 2;
+double contact_gap(const contact_shape *shape, double x, double y) {
+    return (x * x + shape->gap_across * (y * y)) / 2;
 }
 
 ehd_grid grid_of(double x_min, double step, size_t inner_x, size_t inner_lines, bool half,
@@ -236,7 +260,8 @@ ehd_grid grid_of(double x_min, double step, size_t inner_x, size_t inner_lines, 
                      .inner_lines = inner_lines,
                      .half = half,
                      .num_inner = inner_x * inner_lines,
-                     .discretization = discretization};
+                     .discretization = discretization,
+                     .shape = shape_round};
 
     grid.num_nodes = grid_width(&grid) * grid_lines(&grid);
     return grid;
@@ -247,6 +272,7 @@ ehd_grid grid_like(const ehd_grid *grid, double x_min, double step, size_t inner
     ehd_grid other = grid_of(x_min, step, inner_x, inner_lines, grid->half, grid->discretization);
 
     other.boundary = grid->boundary;
+    other.shape = grid->shape;
     return other;
 }
 
@@ -283,7 +309,13 @@ double grid_y(const ehd_grid *grid, size_t node) {
 }
 
 double grid_gap(const ehd_grid *grid, size_t node) {
-    return contact_gap(grid_x(grid, node), grid_y(grid, node));
+    return contact_gap(&grid->shape, grid_x(grid, node), grid_y(grid, node));
+}
+
+double grid_square_distance(const ehd_grid *grid, size_t node) {
+    const double x = grid_x(grid, node), y = grid_y(grid, node);
+
+    return x * x + y * y;
 }
 
 size_t grid_node_of_row(const ehd_grid *grid, size_t row) {
@@ -398,7 +430,8 @@ static ehd_status contact_from_physical(ehd_contact *contact, const contact_sett
     contact->load = given->load;
     contact->radius = given->radius;
     contact->speed = given->speed;
-    contact->half_width = contact->kind->half_width(given->load, given->radius, given->modulus);
+    contact->half_width =
+        contact->kind->half_width(&contact->grid.shape, given->load, given->radius, given->modulus);
     return EHD_OK;
 }
 
@@ -409,6 +442,7 @@ ehd_status contact_init(ehd_contact *contact, const contact_settings *given, ehd
 
     *contact = (ehd_contact){
         .kind = given->kind,
+        .grid = {.shape = shape_round},
         .entrainment = 1,
         .far_speed = 1,
         .closure = contact_load_closure(given->kind),
@@ -465,8 +499,8 @@ void contact_take_grid(ehd_contact *contact, const ehd_grid *grid) {
 void contact_set_moes(ehd_contact *contact, double moes_M, double moes_L) {
     contact->moes_M = moes_M;
     contact->moes_L = moes_L;
-    contact->lambda = contact->kind->lambda(moes_M);
-    contact->alpha_p_H = contact->kind->alpha_p_H(moes_M, moes_L);
+    contact->lambda = contact->kind->lambda(&contact->grid.shape, moes_M);
+    contact->alpha_p_H = contact->kind->alpha_p_H(&contact->grid.shape, moes_M, moes_L);
     contact->hertz_pressure = contact->alpha_p_H / contact->lubricant.alpha;
 }
 

@@ -209,7 +209,8 @@ void training_set_places(tree_point *places, const training_set *set) {
         const ehd_contact *contact = &set->contacts[i];
         double log_M = log(contact->moes_M);
         // L where the Hertz pressure follows from it, else what would give the Hertz pressure
-        double material = contact->alpha_p_H / contact->kind->alpha_p_H(contact->moes_M, 1);
+        double material =
+            contact->alpha_p_H / contact->kind->alpha_p_H(&contact->grid.shape, contact->moes_M, 1);
         places[i] = (tree_point){.family = family_of(set, i),
                                  .place = {log_M, material},
                                  .effort = fabs(log_M - log(12)) + 0.5 * material};

@@ -29,7 +29,8 @@ static void walk_grid(flat *file, reduced_model *model) {
     const size_t inner_x = flat_whole(file, "inner_x", own->inner_x, 1, MAX_NODES);
     const size_t lines =
         flat_whole(file, "inner_lines", own->inner_lines, point ? 2 : 1, point ? MAX_NODES : 1);
-    ehd_grid like = {.half = flat_whole(file, "half", own->half, 0, point) != 0};
+    ehd_grid like = {.half = flat_whole(file, "half", own->half, 0, point) != 0,
+                     .shape = shape_round};
 
     like.discretization = (ehd_discretization)flat_whole(
         file, "discretization", (size_t)own->discretization, 0, DISCRETIZATION_ACCURATE);
