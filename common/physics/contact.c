@@ -77,7 +77,7 @@ const contact_kind contact_line = {
     .half_width = line_half_width,
 };
 
-// ---- point contact
+// ---- point contact and ellipse, of which it is the one with b/a = 1 (README.md, Elliptical contacts)
 
 /* The integral of 1/r over a rectangle from the origin to a corner: a asinh(b/a) + b asinh(a/b). */
 static double point_primitive(double a, double b) {
@@ -99,31 +99,47 @@ static double far_cell(double x, double y, double step) {
     return cell / sqrt(square) * (1 + small * (1. / 24 + small * fourth));
 }
 
-/* (2/pi^2) iint 1/r over the cell (README.md, deflection). */
-static double point_kernel(const contact_shape *shape, double x, double y, double step) {
-    (void)shape;
-    if (x * x + y * y > FAR_CELL * FAR_CELL * step * step)
-        return 2 / (M_PI * M_PI) * far_cell(x, y, step);
-    double left = x - step / 2, right = x + step / 2, low = y - step / 2, high = y + step / 2;
+/* The same of a rectangle, which has moments of its own. */
+static double far_rectangle(double x, double y, double along, double across) {
+    const double square = x * x + y * y, u = x * x / square, v = y * y / square;
+    const double a = along * along / square, b = across * across / square;
+    const double second = (a * (3 * u - 1) + b * (3 * v - 1)) / 24;
+    const double fourth =
+        (a * a * (105 * u * u - 90 * u + 9) + b * b * (105 * v * v - 90 * v + 9)) / 1920 +
+        a * b * (105 * u * v - 12) / 576;
 
-    return 2 / (M_PI * M_PI) *
-           (point_primitive(right, high) - point_primitive(left, high) -
-            point_primitive(right, low) + point_primitive(left, low));
+    return along * across / sqrt(square) * (1 + second + fourth);
+}
+
+/* (2/pi^2) iint 1/r over the cell (README.md, deflection), which of an ellipse is a rectangle. */
+static double point_kernel(const contact_shape *shape, double x, double lines, double step) {
+    const double k = shape->ellipticity, y = k * lines, width = k * step;
+    const double scale = 2 / (M_PI * M_PI) / (shape->compliance * k), side = fmax(step, width);
+
+    if (x * x + y * y > FAR_CELL * FAR_CELL * side * side)
+        return scale * (k == 1 ? far_cell(x, y, step) : far_rectangle(x, y, step, width));
+    double left = x - step / 2, right = x + step / 2, low = y - width / 2, high = y + width / 2;
+
+    return scale * (point_primitive(right, high) - point_primitive(left, high) -
+                    point_primitive(right, low) + point_primitive(left, low));
 }
 
 static double point_lambda(const contact_shape *shape, double moes_M) {
-    (void)shape;
-    return cbrt(128 * M_PI * M_PI * M_PI / (3 * pow(moes_M, 4)));
+    return cbrt(128 * M_PI * M_PI * M_PI / (3 * pow(moes_M, 4))) * shape->ellipticity /
+           cbrt(shape->compliance);
 }
 
 static double point_moes_M(const contact_shape *shape, double lambda) {
-    (void)shape;
-    return pow(128 * M_PI * M_PI * M_PI / (3 * lambda * lambda * lambda), 0.25);
+    const double of_circle = lambda * cbrt(shape->compliance) / shape->ellipticity;
+
+    return pow(128 * M_PI * M_PI * M_PI / (3 * of_circle * of_circle * of_circle), 0.25);
 }
 
 static double point_alpha_p_H(const contact_shape *shape, double moes_M, double moes_L) {
-    (void)shape;
-    return moes_L / M_PI * cbrt(1.5 * moes_M);
+    const double compliance = shape->compliance;
+
+    return moes_L / M_PI * cbrt(1.5 * moes_M) /
+           (shape->ellipticity * cbrt(compliance * compliance));
 }
 
 /* The kernel of a point contact decays to zero: its approach is measured from infinity. */
@@ -135,13 +151,15 @@ static double point_approach_shift(double half_width, double length) {
 
 /* ((x^2 - 2) acos(1/x) + sqrt(x^2 - 1))/pi (Johnson, section 3.4). */
 static double point_dry_gap(const contact_shape *shape, double x) {
-    (void)shape;
+    if (shape->ellipticity != 1) return ellipse_dry_gap(shape, x);
     return ((x * x - 2) * acos(1 / fabs(x)) + sqrt(x * x - 1)) / M_PI;
 }
 
+/* That of the circle with the same Hertz pressure, R_x and L, whose radius is a/(k compliance). */
 static double point_central_film(const contact_shape *shape, double moes_M, double moes_L) {
-    (void)shape;
-    return film_nijenbanning(moes_M, moes_L);
+    const double k = shape->ellipticity, ratio = k * shape->compliance; // a over that radius
+
+    return film_nijenbanning(moes_M / (k * ratio * ratio), moes_L) / (ratio * ratio);
 }
 
 static double point_physical_M(double load_number, double speed_number) {
@@ -150,27 +168,20 @@ static double point_physical_M(double load_number, double speed_number) {
 
 static double point_half_width(const contact_shape *shape, double load, double radius,
                                double modulus) {
-    (void)shape;
-    return cbrt(3 * load * radius / (2 * modulus));
+    return cbrt(3 * load * radius / (2 * modulus)) * cbrt(shape->compliance);
 }
 
-const contact_kind contact_point = {
-    .name = "point",
-    .dimensions = 2,
-    .load = 2 * M_PI / 3,
-    .kernel = point_kernel,
-    .lambda = point_lambda,
-    .moes_M = point_moes_M,
-    .alpha_p_H = point_alpha_p_H,
-    .central_film = point_central_film,
-    .dry_gap = point_dry_gap,
-    .approach_shift = point_approach_shift,
-    .physical_M = point_physical_M,
-    .half_width = point_half_width,
-};
+#define POINT_FUNCTIONS                                                                            \
+    .dimensions = 2, .load = 2 * M_PI / 3, .kernel = point_kernel, .lambda = point_lambda,         \
+    .moes_M = point_moes_M, .alpha_p_H = point_alpha_p_H, .central_film = point_central_film,      \
+    .dry_gap = point_dry_gap, .approach_shift = point_approach_shift,                              \
+    .physical_M = point_physical_M, .half_width = point_half_width
+
+const contact_kind contact_point = {.name = "point", POINT_FUNCTIONS};
+const contact_kind contact_ellipse = {.name = "ellipse", POINT_FUNCTIONS};
 
 const contact_kind *contact_kind_find(const char *name) {
-    static const contact_kind *const kinds[] = {&contact_line, &contact_point};
+    static const contact_kind *const kinds[] = {&contact_line, &contact_point, &contact_ellipse};
 
     for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++)
         if (strcmp(kinds[i]->name, name) == 0) return kinds[i];
@@ -407,7 +418,8 @@ bool grid_same(const ehd_grid *a, const ehd_grid *b) {
     const double slack = 1e-9 * b->step;
 
     return a->discretization == b->discretization && a->boundary == b->boundary &&
-           a->inner_x == b->inner_x && a->inner_lines == b->inner_lines && a->half == b->half &&
+           shape_same(&a->shape, &b->shape) && a->inner_x == b->inner_x &&
+           a->inner_lines == b->inner_lines && a->half == b->half &&
            fabs(a->x_min - b->x_min) <= slack && fabs(a->step - b->step) <= slack;
 }
 
@@ -435,6 +447,28 @@ static ehd_status contact_from_physical(ehd_contact *contact, const contact_sett
     return EHD_OK;
 }
 
+/* As contact_settings say it, of an ellipse. */
+static contact_shape shape_given(const contact_settings *given) {
+    if (given->kind != &contact_ellipse) return shape_round;
+    return shape_of(isnan(given->radius_across)
+                        ? given->ellipticity
+                        : ellipse_ellipticity(given->radius_across / given->radius));
+}
+
+static ehd_status check_shape(const contact_shape *shape, const contact_settings *given,
+                              ehd_error *error) {
+    const double found = shape->ellipticity;
+
+    if (found >= MIN_ELLIPTICITY && found <= MAX_ELLIPTICITY) return EHD_OK;
+    if (isnan(given->radius_across))
+        return ehd_fail(error, EHD_DATA, "ellipticity: found %g, expected %g to %g", found,
+                        MIN_ELLIPTICITY, MAX_ELLIPTICITY);
+    return ehd_fail(error, EHD_DATA,
+                    "physical.radius_across: found %g m, an ellipticity of %g, expected one of %g "
+                    "to %g",
+                    given->radius_across, found, MIN_ELLIPTICITY, MAX_ELLIPTICITY);
+}
+
 const double far_approach_length = 10;
 
 ehd_status contact_init(ehd_contact *contact, const contact_settings *given, ehd_error *error) {
@@ -442,7 +476,7 @@ ehd_status contact_init(ehd_contact *contact, const contact_settings *given, ehd
 
     *contact = (ehd_contact){
         .kind = given->kind,
-        .grid = {.shape = shape_round},
+        .grid = {.shape = shape_given(given)},
         .entrainment = 1,
         .far_speed = 1,
         .closure = contact_load_closure(given->kind),
@@ -451,7 +485,8 @@ ehd_status contact_init(ehd_contact *contact, const contact_settings *given, ehd
         .radius = NAN,
         .load = NAN,
         .speed = NAN};
-    ehd_status status = lubricant_init(&contact->lubricant, &given->lubricant, error);
+    ehd_status status = check_shape(&contact->grid.shape, given, error);
+    if (!status) status = lubricant_init(&contact->lubricant, &given->lubricant, error);
     if (status) return status;
 
     if (isnan(given->moes_M)) {
@@ -490,7 +525,8 @@ void contact_take_grid(ehd_contact *contact, const ehd_grid *grid) {
 
     if (!contact_has_chosen_grid(contact) || !same_kind ||
         grid->discretization != contact->grid.discretization ||
-        grid->boundary != contact->grid.boundary || !grid_has(grid, &contact->grid_given))
+        grid->boundary != contact->grid.boundary ||
+        !shape_same(&grid->shape, &contact->grid.shape) || !grid_has(grid, &contact->grid_given))
         return;
     contact->grid = *grid;
     contact->grid_given = grid_extent_of(grid);
@@ -517,6 +553,10 @@ ehd_status contact_check_approach(const ehd_contact *contact, ehd_error *error) 
 
 contact_closure contact_load_closure(const contact_kind *kind) {
     return (contact_closure){.by_approach = 0, .by_load = 1, .value = kind->load};
+}
+
+double contact_half_width_across(const ehd_contact *contact) {
+    return contact->half_width * contact->grid.shape.ellipticity;
 }
 
 double contact_film_scale(const ehd_contact *contact) {

@@ -10,7 +10,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/* What differs between a line and a point contact (README.md, kinds of contact). Of what depends on
+/* What differs between a line, a point and an elliptical contact (README.md, kinds of contact). Of what depends on
  * the shape of the contact this is the first argument. */
 typedef struct contact_kind {
     const char *name; // "line"
@@ -35,7 +35,8 @@ typedef struct contact_kind {
     double (*half_width)(const contact_shape *shape, double load, double radius, double modulus);
 } contact_kind;
 
-extern const contact_kind contact_line, contact_point;
+/* The functions of a point contact are those of an ellipse, whose shape is not round. */
+extern const contact_kind contact_line, contact_point, contact_ellipse;
 
 /* The kind of this name, or NULL. */
 const contact_kind *contact_kind_find(const char *name);
@@ -206,8 +207,8 @@ typedef struct ehd_contact {
     double hertz_pressure;   // Pa
     double moes_M, moes_L;   // 1
     double alpha_p_H;        // 1
-    double half_width;       // m, NaN unless the scene is physical
-    double radius;           // m, NaN unless the scene is physical
+    double half_width;       // m, along the entrainment; NaN unless the scene is physical
+    double radius;           // m, the same
     double load;             // N/m or N, NaN unless the scene is physical
     double speed;            // m/s, mean of the two surfaces, NaN unless the scene is physical
 } ehd_contact;
@@ -229,7 +230,9 @@ typedef struct contact_settings {
     lubricant_settings lubricant;
     double moes_M, moes_L; // 1; NaN: by the next five, which are otherwise not used
     double load;           // N/m of a line contact, N of a point contact
-    double radius;         // m
+    double radius;         // m, of an ellipse along the entrainment
+    double radius_across;  // m, of an ellipse; NaN: by the ellipticity
+    double ellipticity;    // of an ellipse, b/a; not used with radius_across
     double speed;          // m/s, mean of the two surfaces
     double modulus;        // Pa, E' = 2/[(1-nu1^2)/E1 + (1-nu2^2)/E2]
     double viscosity;      // Pa s at zero pressure
@@ -269,6 +272,9 @@ ehd_status contact_check_approach(const ehd_contact *contact, ehd_error *error);
 
 /* The closure by a given load: the load balance, eq. 9 of Maier et al. */
 contact_closure contact_load_closure(const contact_kind *kind);
+
+/* Half width across the entrainment in m, b of an ellipse. NaN unless the scene is physical. */
+double contact_half_width_across(const ehd_contact *contact);
 
 /* Film scale a^2/R in m: physical film = H * film_scale. NaN unless the scene is physical. */
 double contact_film_scale(const ehd_contact *contact);
