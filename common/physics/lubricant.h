@@ -87,7 +87,8 @@ struct ehd_lubricant {
     double viscosity_constants[MAX_LAW_CONSTANTS];
     double density_constants[MAX_LAW_CONSTANTS];
     double shear_constants[MAX_LAW_CONSTANTS];
-    double eta0;  // Pa s, viscosity at zero pressure; NaN where the law has none
+    double thinning_stress; // Pa, Eyring's, where the law thins the flow too; 0: it does not
+    double eta0;            // Pa s, viscosity at zero pressure; NaN where the law has none
     double alpha; // 1/Pa, the coefficient behind the Moes number L (README.md, lubricants); by
                   // default the derivative of ln(eta) at zero pressure
     double pressure_limit; // Pa, the law is not to be used above; by default infinite

@@ -3,6 +3,7 @@
 #include "common/physics/laws.h"
 
 #include <math.h>
+#include <string.h>
 
 static ehd_status keep_one(ehd_lubricant *self, const law_value *values, ehd_error *error) {
     (void)error;
@@ -21,10 +22,17 @@ static double eyring(const ehd_lubricant *self, double viscous, double pressure)
     return tau0 * asinh(viscous / tau0);
 }
 
+static ehd_status eyring_prepare(ehd_lubricant *self, const law_value *values, ehd_error *error) {
+    if (strcmp(values[1].word, "true") == 0) self->thinning_stress = values[0].number;
+    return keep_one(self, values, error);
+}
+
 const lubricant_law shear_eyring = {
     .name = "eyring",
-    .parameters = {{"tau0", LAW_REQUIRED, NULL, NULL, 1e3, 1e12, "Pa", "Eyring stress"}},
-    .prepare = keep_one,
+    .parameters = {{"tau0", LAW_REQUIRED, NULL, NULL, 1e3, 1e12, "Pa", "Eyring stress"},
+                   {"in_film", LAW_OPTIONAL, "false|true", "false", 0, 0, "1",
+                    "Whether the law counts in the film's flow too, not in the traction alone"}},
+    .prepare = eyring_prepare,
     .shear = eyring};
 
 // ---- a limiting stress: rate = -tau_L/eta ln(1 - tau/tau_L), tau_L = limit p

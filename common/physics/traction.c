@@ -24,6 +24,23 @@ double contact_shear_stress(const ehd_contact *contact, double pressure, double 
                                   pressure);
 }
 
+bool traction_thins_flow(const ehd_contact *contact) {
+    return contact->lubricant.thinning_stress > 0 && contact_has_traction(contact);
+}
+
+flow_thinning traction_thinning(const ehd_contact *contact, double viscosity, double film,
+                                bool along) {
+    // of the Newtonian stress over the law's: sinh(tau/tau0)
+    const double rate = fabs(contact->lambda / 12 * slope_of(contact) * contact->slide_roll *
+                             contact->far_speed * viscosity / film) *
+                        contact->hertz_pressure / contact->lubricant.thinning_stress;
+    const double root = hypot(1, rate);
+
+    if (along) return (flow_thinning){root, rate / root * (rate / root)};
+    if (rate < 1e-4) return (flow_thinning){1 + rate * rate / 6, rate * rate / 3};
+    return (flow_thinning){rate / asinh(rate), 1 - rate / (root * asinh(rate))};
+}
+
 /* int tau dX of the half cell behind the last node with pressure, in place of half a cell: up to the
  * exit, where the pressure is zero. */
 static double behind_last(const ehd_contact *contact, double last_stress, const double *film,

@@ -30,6 +30,18 @@ contact_traction contact_traction_unknown(void);
  * film: positive where surface 1 is the faster one. */
 double contact_shear_stress(const ehd_contact *contact, double pressure, double film);
 
+/* By what the sliding of an Eyring fluid thins the pressure flow (README.md, thinned flow): the factor
+ * on its mobility, along the sliding or across, and its derivative by the logarithm of viscosity over
+ * film, over the factor. */
+typedef struct flow_thinning {
+    double factor, by_log_rate;
+} flow_thinning;
+flow_thinning traction_thinning(const ehd_contact *contact, double viscosity, // over that at p = 0
+                                double film, bool along);
+
+/* Whether the law of shear stress counts in the flow too: its in_film is true. */
+bool traction_thins_flow(const ehd_contact *contact);
+
 /* All of it from pressure and film at the nodes of the contact's grid, where there is pressure. Behind
  * the last node with pressure of a line contact it goes on to the exit, else to the next node. */
 contact_traction

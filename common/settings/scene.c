@@ -71,6 +71,12 @@ double scene_slide_roll(const scene *of) {
                                  : of->slide_roll;
 }
 
+bool scene_thins_flow(const scene *of) {
+    const size_t slot = laws_slot(shear_laws, "in_film");
+
+    return strcmp(of->lubricant.shear.values[slot].word, "true") == 0;
+}
+
 void scene_complete(scene *of) {
     for (const setting *row = scene_settings(); row->key; row++)
         fill_default(of, row);

@@ -146,6 +146,9 @@ void scene_complete(scene *scene);
 double scene_speed(const scene *scene);
 double scene_slide_roll(const scene *scene);
 
+/* Whether its law of shear stress counts in the film's flow. */
+bool scene_thins_flow(const scene *scene);
+
 /* Reads a YAML file. `overrides` are "key.path=value" strings ("--set"), applied after the file
  * and before validation; "key.path=" unsets the key, as if nothing had given it. Relative names
  * of files start from the folder of the file that has them, or in `overrides` from the working

@@ -115,6 +115,10 @@ static ehd_status check_traction(const scene_source *source, ehd_error *error) {
                           "%s: found a value, expected slide_roll, or physical.speed_1 and "
                           "speed_2, with it",
                           law->key);
+    if (strcmp(of->discretization, "published") == 0 && scene_thins_flow(of))
+        return place_fail(error, place_of_key(source, "lubricant.shear.in_film"),
+                          "lubricant.shear.in_film: found true with the discretization published, "
+                          "expected accurate");
     for (const setting *row = law; !has_law && row->key; row++)
         if (strncmp(row->key, "lubricant.shear.", strlen("lubricant.shear.")) == 0 &&
             setting_is_given(row, of))

@@ -365,6 +365,34 @@ bad_value() {
     (cat scene.yml && echo 'physical: {load: 1e5}') | bad_scene "bad.yml: .*physical"
 }
 
+@test "an Eyring fluid in the film: thinner the lower its stress, and refused where it is not served" {
+    cat >sliding.yml <<'YAML'
+contact: line
+regime: stationary
+physical: {load: 1.0e5, radius: 0.01, speed: 2, modulus: 2.3e11, viscosity: 0.05}
+slide_roll: 0.5
+lubricant: {viscosity: {law: barus, alpha: 15e-9}, shear: {law: eyring, tau0: 1e12, in_film: true}}
+grid: {x_min: -4, x_max: 2, step: 0.05}
+YAML
+    fullrun sliding.yml -o stiff.h5 --quiet
+    fullrun sliding.yml -o newton.h5 --quiet --set lubricant.shear.in_film=false
+    close_to "$(number stiff.h5 central_film_thickness)" "$(number newton.h5 central_film_thickness)" 1e-6
+    fullrun sliding.yml -o thin.h5 --quiet --set lubricant.shear.tau0=3e5
+    far_from "$(number thin.h5 central_film_thickness)" "$(number newton.h5 central_film_thickness)" 0.1
+    # in time it stays what it is
+    sed 's/stationary/transient/' sliding.yml >moving.yml
+    echo 'transient: {end_time: 0.5, fixed_step: 0.05}' >>moving.yml
+    fullrun moving.yml -o moving.h5 --quiet --set lubricant.shear.tau0=3e5
+    /usr/bin/python3 -c "
+import h5py
+moving, thin = (h5py.File(name)['central_film_thickness'][-1] for name in ('moving.h5', 'thin.h5'))
+assert abs(moving / thin - 1) < 1e-4, (moving, thin)"
+    refused 65 "lubricant.shear.in_film: found true with the discretization published, expected accurate" \
+        fullrun sliding.yml --set discretization=published
+    printf 'groups:\n  - scene: sliding.yml\n    vary: {slide_roll: [0.1, 0.2]}\n' >plan.yml
+    refuse 65 "lubricant.shear.in_film: found true, expected false" snapgen plan.yml -o x.h5
+}
+
 @test "sliding is refused where it says nothing, or twice" {
     local physical='physical: {load: 1e5, radius: 0.01, speed: 1, modulus: 2.3e11, viscosity: 0.05}'
     (cat scene.yml && echo 'slide_roll: 0.1') | bad_scene "bad.yml:[0-9]*: slide_roll: found with moes, expected it with physical"

@@ -187,6 +187,8 @@ PYTHON
     fullrun --print fields.h5 shear_stress_1 >fields.csv
     romrun sliding.yml --model m.h5 --fallback full --quiet -o back.h5
     close_to "$(number back.h5 friction_force)" "$(number slid.h5 friction_force)" 1e-7
+    refuse 65 "lubricant.shear.in_film: found true, expected false" \
+        romrun sliding.yml --model m.h5 --set lubricant.shear.in_film=true -o x.h5
 }
 
 @test "the first modes and rows of a model" {
