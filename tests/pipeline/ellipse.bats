@@ -210,3 +210,66 @@ PYTHON
     cmp library fmu
     [ "$(grep -c 'force=[-0-9]' fmu)" -eq 41 ]
 }
+
+@test "in time, the reduced model follows the full one, and of ellipticity 1 the point contact" {
+    sed -e 's/stationary/transient/' scene.yml >moving.yml
+    echo 'transient: {load: {law: sine, amplitude: 0.1, period: 0.5}, end_time: 0.3, fixed_step: 0.03}' >>moving.yml
+    echo 'groups: [{scene: moving.yml}]' >moving-plan.yml
+    fullrun moving.yml -o full.h5
+    fullrun --check full.h5
+    snapgen moving-plan.yml -o ts.h5 --quiet
+    podbuild ts.h5 -o tb.h5
+    snapgen moving-plan.yml --basis tb.h5 -o tr.h5 --quiet
+    deimselect --no-check tr.h5 --basis tb.h5 -o tm.h5 --rows 40
+    romrun moving.yml --model tm.h5 --against full.h5 -o reduced.h5 --allow-untrusted
+    fullrun moving.yml --set ellipticity=1 -o ellipse.h5
+    sed -e 's/contact: ellipse/contact: point/; s/ellipticity: .*/boundary: zero/' moving.yml >moving-point.yml
+    fullrun moving-point.yml -o moving-point.h5
+    /usr/bin/python3 - <<'PYTHON'
+import h5py, numpy
+full, reduced, ellipse, point = (h5py.File(name + ".h5") for name in ("full", "reduced", "ellipse", "moving-point"))
+for name in "central_film_thickness", "minimum_film_thickness", "load":
+    assert numpy.abs(reduced[name][...] / full[name][...] - 1).max() < 5e-4, name
+for name in "pressure", "film_thickness", "central_film_thickness", "time":
+    assert ellipse[name][...].tobytes() == point[name][...].tobytes(), name
+assert numpy.abs(ellipse["central_film_thickness"][...] / full["central_film_thickness"][...] - 1).min() > 0.01
+PYTHON
+}
+
+@test "a slender ellipse has the line contact's physical film in the middle" {
+    cat >line.yml <<'YAML'
+contact: line
+regime: stationary
+moes: {M: 10, L: 5}
+lubricant: {viscosity: {law: barus, alpha: 2.0e-8}, density: {law: dowson-higginson}}
+grid: {x_min: -4, x_max: 2, step: 0.0625}
+output: {resolution: false}
+YAML
+    fullrun line.yml -o line.h5 --quiet
+    # of equal p_H, R_x, u and lubricant: 2/(k A) is the line's half width over the ellipse's
+    /usr/bin/python3 - <<'PYTHON'
+import subprocess, h5py, numpy
+def solved(name, *settings):
+    subprocess.run(["fullrun", "line.yml", "-o", f"{name}.h5", "--quiet", "--force", *(
+        part for setting in settings for part in ("--set", setting))], check=True)
+    with h5py.File(f"{name}.h5") as file:
+        return file["central_film_thickness"][0], file.attrs["hertz_pressure"]
+line, line_pressure = solved("line")
+below = []
+for k in 2, 4, 8:
+    t = numpy.linspace(0, numpy.pi / 2, 20001)  # A, with the integral's t = tan^2
+    f = 2 * numpy.cos(t) ** 2 / numpy.sqrt((k * numpy.cos(t)) ** 2 + numpy.sin(t) ** 2)
+    A = (f[1:] + f[:-1]).sum() / 2 * t[1]
+    ratio = 2 / (k * A)
+    speed = 3 * numpy.pi**2 / (8 * 10**2) * ratio**3  # lambda
+    # M = W/S^(3/4) of w = (2/3) pi a b p_H and p_H/E' = a/(2 k A R_x)
+    S = speed / (12 * k * A)  # R_x/a = 1
+    M = numpy.pi / (3 * A) / S**0.75
+    film, pressure = solved("ellipse", "contact=ellipse", f"ellipticity={k}", f"moes.M={M!r}", "moes.L=5", "grid.y_max=1.5")
+    assert abs(pressure / line_pressure - 1) < 1e-6, (pressure, line_pressure)
+    below.append(film / ratio**2 / line - 1)
+print(below)
+assert all(abs(after) < abs(before) / 2 for before, after in zip(below, below[1:])), below
+assert abs(below[2]) < 0.02, below
+PYTHON
+}
