@@ -4,6 +4,7 @@
 #include "common/physics/film_formulas.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 // ---- line contact
@@ -379,18 +380,34 @@ bool grid_same(const ehd_grid *a, const ehd_grid *b) {
            fabs(a->x_min - b->x_min) <= slack && fabs(a->step - b->step) <= slack;
 }
 
+/* A viscosity that is given is that of the law, at its temperature, where the law has one. */
+static ehd_status check_viscosity(double viscosity, const ehd_lubricant *lubricant,
+                                  ehd_error *error) {
+    const double eta0 = lubricant->eta0; // NaN where the law has none
+    char where[48] = "";
+
+    if (isnan(eta0) ? !isnan(viscosity) : fabs(viscosity - eta0) <= 0.01 * eta0) return EHD_OK;
+    if (isnan(eta0))
+        return ehd_fail(error, EHD_DATA,
+                        "physical.viscosity: found nothing, expected a value with the law %s",
+                        lubricant->viscosity->name);
+    if (!isnan(lubricant->temperature))
+        snprintf(where, sizeof where, " and the temperature of %g degC", lubricant->temperature);
+    return ehd_fail(error, EHD_DATA,
+                    "physical.viscosity: found %g, expected %.6g Pa s, the lubricant's own at "
+                    "zero pressure%s, within 1 %%, or nothing",
+                    viscosity, eta0, where);
+}
+
 /* Moes numbers and scales from load, radius, speed, modulus and viscosity. */
 static ehd_status contact_from_physical(ehd_contact *contact, const contact_settings *given,
                                         ehd_error *error) {
-    double eta0 = contact->lubricant.eta0; // NaN where the law has none
+    const double viscosity = isnan(given->viscosity) ? contact->lubricant.eta0 : given->viscosity;
+    ehd_status status = check_viscosity(viscosity, &contact->lubricant, error);
 
-    if (!isnan(eta0) && fabs(given->viscosity - eta0) > 0.01 * eta0)
-        return ehd_fail(error, EHD_DATA,
-                        "physical.viscosity: found %g, expected %.6g Pa s, the lubricant's own "
-                        "at zero pressure, within 1 %%",
-                        given->viscosity, eta0);
+    if (status) return status;
     double sum_speed = 2 * given->speed;
-    double speed_number = given->viscosity * sum_speed / (given->modulus * given->radius);
+    double speed_number = viscosity * sum_speed / (given->modulus * given->radius);
     double load_number =
         given->load / (given->modulus * pow(given->radius, contact->kind->dimensions));
     contact->moes_M = contact->kind->physical_M(load_number, speed_number);

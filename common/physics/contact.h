@@ -222,7 +222,7 @@ typedef struct contact_settings {
     double radius;         // m
     double speed;          // m/s, mean of the two surfaces
     double modulus;        // Pa, E' = 2/[(1-nu1^2)/E1 + (1-nu2^2)/E2]
-    double viscosity;      // Pa s at zero pressure
+    double viscosity;      // Pa s at zero pressure; NaN: the law's own
     double hertz_pressure; // Pa; NaN: the one that M, L and the lubricant imply
     bool approach_given;   // instead of the load
     double

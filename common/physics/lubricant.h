@@ -27,7 +27,8 @@ typedef enum law_need {
 } law_need;
 
 /* A parameter of a law: a key below lubricant.viscosity or lubricant.density. Where several laws
- * of a table have the same key, all of them describe it in the same way. */
+ * of a table have the same key, all of them describe it in the same way; only whether a scene must
+ * give it and its default are each law's own. */
 typedef struct law_parameter {
     const char *key; // "alpha"
     law_need need;
@@ -79,20 +80,33 @@ struct ehd_lubricant {
     const lubricant_law *density; // NULL when incompressible: no density term is evaluated
     double viscosity_constants[MAX_LAW_CONSTANTS];
     double density_constants[MAX_LAW_CONSTANTS];
-    double eta0;  // Pa s, viscosity at zero pressure; NaN where the law has none
+    double eta0; // Pa s, viscosity at zero pressure and the temperature; NaN where the law has none
     double alpha; // 1/Pa, the coefficient behind the Moes number L (README.md, lubricants); by
                   // default the derivative of ln(eta) at zero pressure
     double pressure_limit; // Pa, the law is not to be used above; by default infinite
+    double temperature;    // degC; NaN where the law is not at a temperature
+    // 1/K, -d ln(eta0)/dT at the temperature; NaN where it is not known
+    double temperature_coefficient;
 };
 
 size_t law_num_parameters(const lubricant_law *law);
 
-/* The keys of a table of laws, each once, in the order of the laws: number `slot`, or NULL. Those
- * beyond MAX_LAW_KEYS have no number. */
+/* The law's parameter of this key, or NULL. */
+const law_parameter *law_key(const lubricant_law *law, const char *key);
+
+/* The keys of a table of laws, each once, in the order of the laws and where the last law that has
+ * it stands: number `slot`, or NULL. Those beyond MAX_LAW_KEYS have no number. It is the order of
+ * stored scenes too, which must not change. */
 const law_parameter *laws_key(const lubricant_law *const *laws, size_t slot);
 
 /* The number of a key; MAX_LAW_KEYS where it has none. */
 size_t laws_slot(const lubricant_law *const *laws, const char *key);
+
+/* The default that all laws with this key share, or NULL. */
+const char *laws_default(const lubricant_law *const *laws, const char *key);
+
+/* Whether all laws with this key need it. */
+bool laws_require(const lubricant_law *const *laws, const char *key);
 
 /* NULL where there is no such law. */
 const lubricant_law *laws_find(const lubricant_law *const *laws, const char *name);

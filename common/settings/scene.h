@@ -32,7 +32,7 @@ typedef struct history_settings {
     char interpolation[8]; // spline, linear
 } history_settings;
 
-/* The five of `physical`, or none. */
+/* The five of `physical`, or none; the viscosity may be left to a law that has its own. */
 typedef struct physical_settings {
     double load;      // N/m of a line contact, N of a point contact
     double radius;    // m

@@ -49,6 +49,13 @@ static ehd_status check_whole(const scene_source *source, const char *name, cons
                       count->all, count->missing);
 }
 
+/* Whether it has all keys of physical but the viscosity, which the law has. */
+static bool has_viscosity_of_law(const key_count *physical, const scene *of) {
+    ehd_lubricant lubricant;
+    return physical->given + 1 == physical->all && isnan(of->physical.viscosity) &&
+           !lubricant_init(&lubricant, &of->lubricant, NULL) && !isnan(lubricant.eta0);
+}
+
 static ehd_status check_operating_point(const scene_source *source, ehd_error *error) {
     const key_count moes = count_below("moes.", &source->values);
     const key_count physical = count_below("physical.", &source->values);
@@ -58,7 +65,8 @@ static ehd_status check_operating_point(const scene_source *source, ehd_error *e
     if (moes.given > 0 && physical.given > 0)
         return place_fail(error, where, "moes: found moes and physical, expected only one");
     const ehd_status status = check_whole(source, "moes", &moes, error);
-    return status ? status : check_whole(source, "physical", &physical, error);
+    if (status || has_viscosity_of_law(&physical, &source->values)) return status;
+    return check_whole(source, "physical", &physical, error);
 }
 
 // ---- conditions
@@ -69,8 +77,27 @@ static bool same_reason(const setting *left, const setting *right) {
     return a && b ? strcmp(a, b) == 0 : a == b;
 }
 
+/* Whether the scene's law needs a key that other laws may do without. */
+static bool law_needs(const setting *row, const scene *of) {
+    const struct {
+        const char *group;
+        const lubricant_law *const *laws;
+        const char *name;
+    } groups[] = {{"lubricant.viscosity.", viscosity_laws, of->lubricant.viscosity.law},
+                  {"lubricant.density.", density_laws, of->lubricant.density.law}};
+    for (size_t i = 0; row->when[0].key && i < sizeof groups / sizeof *groups; i++) {
+        const size_t length = strlen(groups[i].group);
+        if (strncmp(row->key, groups[i].group, length) != 0) continue;
+        const lubricant_law *law = laws_find(groups[i].laws, groups[i].name);
+        const law_parameter *parameter = law ? law_key(law, row->key + length) : NULL;
+        return parameter && parameter->need == LAW_REQUIRED;
+    }
+    return false;
+}
+
 static bool is_missing(const setting *row, const scene *of) {
-    return row->required && !setting_is_given(row, of) && !setting_unmet(row, of);
+    return !setting_is_given(row, of) && (row->required || law_needs(row, of)) &&
+           !setting_unmet(row, of);
 }
 
 /* All required keys are given. */

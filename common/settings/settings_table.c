@@ -55,7 +55,8 @@ static const setting contact_rows[] = {
     {"physical.modulus", REAL(physical.modulus), NULL, NULL, 1e3, 1e13, "Pa",
      "Reduced modulus 2/[(1 - nu1^2)/E1 + (1 - nu2^2)/E2]", ALWAYS, false},
     {"physical.viscosity", REAL(physical.viscosity), NULL, NULL, 1e-6, 1e6, "Pa s",
-     "Viscosity at zero pressure", ALWAYS, false},
+     "Viscosity at zero pressure and the lubricant's temperature; may be left out where the law has its own "
+     "(wlf, roelands, and barus with eta0)", ALWAYS, false},
     {"hertz_pressure", REAL(hertz_pressure), NULL, NULL, 1e5, 2e10, "Pa",
      "Hertz pressure, where it shall not follow from the other settings", ALWAYS, false},
     LAST_ROW};
@@ -204,14 +205,14 @@ static void add_laws(const char *group, size_t offset, const lubricant_law *cons
                              .offset =
                                  offset + offsetof(law_settings, values) + slot * sizeof(law_value),
                              .size = sizeof(law_value),
-                             .default_value = parameter->default_value,
+                             .default_value = laws_default(laws, parameter->key),
                              .choices = parameter->choices,
                              .min = parameter->min,
                              .max = parameter->max,
                              .unit = parameter->unit,
                              .help = parameter->help,
                              .when = {{law.key, make_text("%s", list)}},
-                             .required = parameter->need == LAW_REQUIRED};
+                             .required = laws_require(laws, parameter->key)};
         add_row(&row);
     }
 }
