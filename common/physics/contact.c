@@ -415,7 +415,23 @@ static ehd_status contact_from_physical(ehd_contact *contact, const contact_sett
     contact->load = given->load;
     contact->radius = given->radius;
     contact->speed = given->speed;
+    contact->modulus = given->modulus;
+    contact->viscosity = viscosity;
     contact->half_width = contact->kind->half_width(given->load, given->radius, given->modulus);
+    return EHD_OK;
+}
+
+/* What the factor of the inlet's heating needs, where a scene asks for it. */
+static ehd_status check_heating(const ehd_contact *contact, ehd_error *error) {
+    if (isnan(contact->lubricant.thermal_conductivity)) return EHD_OK;
+    if (isnan(contact->speed))
+        return ehd_fail(error, EHD_DATA,
+                        "lubricant.thermal_conductivity: found a value with moes, expected it with "
+                        "physical, whose speed heats the inlet");
+    if (isnan(contact->lubricant.temperature_coefficient))
+        return ehd_fail(error, EHD_DATA,
+                        "lubricant.viscosity.temperature_coefficient: found nothing, expected a "
+                        "value with lubricant.thermal_conductivity");
     return EHD_OK;
 }
 
@@ -433,7 +449,9 @@ ehd_status contact_init(ehd_contact *contact, const contact_settings *given, ehd
         .half_width = NAN,
         .radius = NAN,
         .load = NAN,
-        .speed = NAN};
+        .speed = NAN,
+        .modulus = NAN,
+        .viscosity = NAN};
     ehd_status status = lubricant_init(&contact->lubricant, &given->lubricant, error);
     if (status) return status;
 
@@ -444,6 +462,8 @@ ehd_status contact_init(ehd_contact *contact, const contact_settings *given, ehd
         contact->moes_M = given->moes_M;
         contact->moes_L = given->moes_L;
     }
+    status = check_heating(contact, error);
+    if (status) return status;
     contact_set_moes(contact, contact->moes_M, contact->moes_L);
     // a given Hertz pressure overrides the one that L implies; L is then only reported
     if (!isnan(given->hertz_pressure)) {

@@ -133,7 +133,8 @@ ehd_status lubricant_init(ehd_lubricant *lubricant, const lubricant_settings *se
                                  .alpha = NAN,
                                  .pressure_limit = INFINITY,
                                  .temperature = NAN,
-                                 .temperature_coefficient = NAN};
+                                 .temperature_coefficient = NAN,
+                                 .thermal_conductivity = settings->thermal_conductivity};
     ehd_status status = prepare_law(&lubricant->viscosity, lubricant, viscosity_laws,
                                     &settings->viscosity, "lubricant.viscosity", error);
     if (!status)

@@ -52,8 +52,9 @@ typedef struct law_settings {
 } law_settings;
 
 typedef struct lubricant_settings {
-    law_settings viscosity; // one of viscosity_laws
-    law_settings density;   // one of density_laws
+    law_settings viscosity;      // one of viscosity_laws
+    law_settings density;        // one of density_laws
+    double thermal_conductivity; // W/(m K), of what the inlet's heating does; NaN: not given
 } lubricant_settings;
 
 typedef struct ehd_lubricant ehd_lubricant;
@@ -87,6 +88,7 @@ struct ehd_lubricant {
     double temperature;    // degC; NaN where the law is not at a temperature
     // 1/K, -d ln(eta0)/dT at the temperature; NaN where it is not known
     double temperature_coefficient;
+    double thermal_conductivity; // W/(m K); NaN where it is not known
 };
 
 size_t law_num_parameters(const lubricant_law *law);

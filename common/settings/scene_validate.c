@@ -49,11 +49,12 @@ static ehd_status check_whole(const scene_source *source, const char *name, cons
                       count->all, count->missing);
 }
 
-/* Whether it has all keys of physical but the viscosity, which the law has. */
+/* Whether it has all keys of physical but the viscosity, which the law has. A lubricant that is wrong
+ * is told elsewhere. */
 static bool has_viscosity_of_law(const key_count *physical, const scene *of) {
     ehd_lubricant lubricant;
     return physical->given + 1 == physical->all && isnan(of->physical.viscosity) &&
-           !lubricant_init(&lubricant, &of->lubricant, NULL) && !isnan(lubricant.eta0);
+           (lubricant_init(&lubricant, &of->lubricant, NULL) || !isnan(lubricant.eta0));
 }
 
 static ehd_status check_operating_point(const scene_source *source, ehd_error *error) {

@@ -62,6 +62,9 @@ static const setting contact_rows[] = {
     LAST_ROW};
 
 static const setting run_rows[] = {
+    {"lubricant.thermal_conductivity", REAL(lubricant.thermal_conductivity), NULL, NULL, 1e-3, 1e3, "W/(m K)",
+     "Thermal conductivity of the lubricant: results then tell beside the films, which are isothermal, the factor "
+     "by which shear heating of the inlet thins them", {{"regime", "stationary"}}, false},
     {"discretization", CHOICE(discretization), "accurate", "accurate|published", 0, 0, "1",
      "How the equations are discretised on the grid: by rows of higher order, or as published",
      ALWAYS, false},
