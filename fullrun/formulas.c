@@ -27,8 +27,19 @@ static void print_head(const film_formula *formula) {
     printf("formula %-20s %-8s", formula->name, formula->of_minimum ? "minimum" : "central");
 }
 
-static void print_tail(const film_formula *formula, double seconds) {
-    printf("  %4.0f ns  %s\n", seconds * 1e9, formula->source);
+/* For which shapes it was made, where that is known, and whether this is one of them. */
+static void print_range(const film_formula *formula, double ellipticity) {
+    const double min = formula->min_ellipticity, max = formula->max_ellipticity;
+
+    if (min > 0) printf("; b/a from %g", min);
+    if (min > 0 && isfinite(max)) printf(" to %g", max);
+    if (!(min <= ellipticity && ellipticity <= max)) printf(", here outside: %.3g", ellipticity);
+}
+
+static void print_tail(const film_formula *formula, const film_numbers *numbers) {
+    printf("  %4.0f ns  %s", seconds_of(formula, numbers) * 1e9, formula->source);
+    print_range(formula, numbers->ellipticity);
+    putchar('\n');
 }
 
 void formulas_print(const contact_scalars *solution, const ehd_contact *contact) {
@@ -41,7 +52,7 @@ void formulas_print(const contact_scalars *solution, const ehd_contact *contact)
                                                  : solution->central_film_thickness;
         print_head(formula);
         printf("  %-11.6g %+8.3f %%", film, 100 * (film / of_solution - 1));
-        print_tail(formula, seconds_of(formula, &numbers));
+        print_tail(formula, &numbers);
     }
 }
 
@@ -105,7 +116,7 @@ static void print_formula_in_time(weighted *deviations, const film_formula *form
            100 * quantile_in_time(deviations, last + 1, 0.95),
            100 * quantile_in_time(deviations, last + 1, 0.5));
     const film_numbers at_start = numbers_at(&scale, series, 0, histories, reference);
-    print_tail(formula, seconds_of(formula, &at_start));
+    print_tail(formula, &at_start);
 }
 
 ehd_status formulas_print_in_time(const char *path, const scene *given,
