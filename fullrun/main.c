@@ -338,9 +338,14 @@ static ehd_status report_stationary(artefact **file, const stationary_run *self,
     run_result result =
         make_result(&self->info, &self->state, contact, self->given->output.fields != 0);
     film_effects effects = film_effects_unknown();
+    contact_traction traction;
     ehd_status status = EHD_OK;
 
     result.exits = self->exits;
+    if (contact_has_traction(contact)) {
+        traction = full_evaluate_traction(&self->state, contact);
+        result.traction = &traction;
+    }
     result.effects = &effects;
     if (!result.status && self->given->output.resolution != 0)
         status = report_resolution(&effects, *file, self->caller, &self->state, contact, error);

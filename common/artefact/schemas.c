@@ -156,6 +156,8 @@ static const artefact_scale time_scale = {{"time_unit", NULL}, NULL},
                             film_scale = {{"film_unit", NULL}, NULL},
                             pressure_scale = {{"hertz_pressure", NULL}, NULL},
                             load_scale = {{"line_load", "point_load"}, NULL},
+                            moment_scale = {{"line_moment", "point_moment"}, NULL},
+                            power_scale = {{"line_power", "point_power"}, NULL},
                             place_in_frame = {{"half_width", NULL}, "contact_half_width"},
                             film_in_frame = {{"film_unit", NULL}, "frame_film_unit"},
                             pressure_in_frame = {{"hertz_pressure", NULL}, "frame_hertz_pressure"};
@@ -180,6 +182,11 @@ static const artefact_axis result_axes[] = {
 static const artefact_field result_fields[] = {
     ENTRIES("pressure", pressure_in_frame, "pressure P, in Hertz pressures of the current frame"),
     ENTRIES("film_thickness", film_in_frame, "film thickness H in the current frame"),
+    ENTRIES(
+        "shear_stress_1", pressure_in_frame,
+        "what the fluid does to surface 1 along X, in Hertz pressures of the current frame; where "
+        "the scene gives a slide-roll ratio, 0 where there is no pressure"),
+    ENTRIES("shear_stress_2", pressure_in_frame, "the same of surface 2"),
     SCALED("central_film_thickness", film_scale, NEED_ALWAYS, VALUES_ANY,
            "film thickness H at X = 0 (Y = 0) in the reference frame", "time"),
     SCALED("minimum_film_thickness", film_scale, NEED_ALWAYS, VALUES_ANY,
@@ -204,6 +211,29 @@ static const artefact_field result_fields[] = {
            "NaN "
            "where there is none",
            "time", "y", "exit"),
+    REAL(
+        "friction_coefficient", "1", NEED_OPTIONAL, VALUES_ANY,
+        "friction over the load, positive where surface 1 is the faster one; this and the next six "
+        "where the scene gives a slide-roll ratio",
+        "time"),
+    SCALED("friction_force", load_scale, NEED_OPTIONAL, VALUES_ANY,
+           "integral of the shear stress in the middle of the film, over the reference load: on "
+           "surface 2 along X, on surface 1 against it",
+           "time"),
+    SCALED("rolling_resistance", load_scale, NEED_OPTIONAL, VALUES_ANY,
+           "integral of h/2 dp/dx, over the reference load: on either surface against X", "time"),
+    SCALED("rolling_moment", moment_scale, NEED_OPTIONAL, VALUES_ANY,
+           "moment of the pressure against the rolling, over reference load and half width",
+           "time"),
+    SCALED("power_loss", power_scale, NEED_OPTIONAL, VALUES_ANY,
+           "power that both surfaces put into the film, over reference load and mean speed",
+           "time"),
+    SCALED("mean_shear_stress", pressure_scale, NEED_OPTIONAL, VALUES_ANY,
+           "mean of the magnitude of the shear stress in the middle of the film over the dry "
+           "contact, in reference Hertz pressures",
+           "time"),
+    SCALED("largest_shear_stress", pressure_scale, NEED_OPTIONAL, VALUES_ANY,
+           "largest magnitude of that stress", "time"),
     INTEGER("newton_iterations", NEED_OWN, VALUES_ANY, "Newton iterations that the entry took",
             "time"),
     REAL("residual_norm", "1", NEED_OWN, VALUES_ANY,
@@ -275,6 +305,18 @@ static const artefact_attribute result_attributes[] = {
               "load of the reference, which a load of 1 stands for; of a line contact"),
     ATTRIBUTE("point_load", ARTEFACT_REAL, "N", NEED_OPTIONAL, VALUES_POSITIVE,
               "the same of a point contact"),
+    ATTRIBUTE(
+        "line_moment", ARTEFACT_REAL, "N", NEED_OPTIONAL, VALUES_POSITIVE,
+        "load times half width, which a rolling moment of 1 stands for; of a line contact, this "
+        "and the next three where the scene gives a slide-roll ratio"),
+    ATTRIBUTE("point_moment", ARTEFACT_REAL, "N m", NEED_OPTIONAL, VALUES_POSITIVE,
+              "the same of a point contact"),
+    ATTRIBUTE("line_power", ARTEFACT_REAL, "W m-1", NEED_OPTIONAL, VALUES_POSITIVE,
+              "load times mean speed, which a power loss of 1 stands for; of a line contact"),
+    ATTRIBUTE("point_power", ARTEFACT_REAL, "W", NEED_OPTIONAL, VALUES_POSITIVE,
+              "the same of a point contact"),
+    ATTRIBUTE("slide_roll", ARTEFACT_REAL, "1", NEED_OPTIONAL, VALUES_ANY,
+              "slide-roll ratio (u1 - u2)/u_m, where the scene gives one"),
     ATTRIBUTE("thermal_loading", ARTEFACT_REAL, "1", NEED_OPTIONAL, VALUES_POSITIVE,
               "thermal loading parameter of the inlet, eta0 beta u^2/k; of a scene that gives the "
               "lubricant's conductivity, when stationary"),

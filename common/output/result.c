@@ -28,6 +28,7 @@ ehd_status result_put_contact(artefact *file, const ehd_contact *contact, ehd_er
     for (size_t i = 0; i < sizeof units / sizeof *units && !status; i++)
         if (isfinite(units[i].value))
             status = artefact_put_real(file, units[i].name, units[i].value, error);
+    if (!status && contact_has_traction(contact)) status = traction_put_units(file, contact, error);
     return status;
 }
 
@@ -148,6 +149,9 @@ ehd_status result_write(artefact **file, const run_result *result, const ehd_con
     ehd_status status = put_fields(*file, result, &contact->grid, error);
 
     if (!status) status = put_scalars(*file, result, error);
+    if (!status && result->traction) status = traction_put(*file, result->traction, error);
+    if (!status && result->traction && result->pressure && result->film)
+        status = traction_put_stresses(*file, 0, contact, result->pressure, result->film, error);
     if (!status) status = put_effects(*file, result->effects, error);
     if (!status) status = put_heating(*file, contact, error);
     if (!status) status = result_put_seconds(*file, result, error);
@@ -241,6 +245,7 @@ void result_print(const run_result *result, const ehd_contact *contact) {
     print_value("rigid approach", result->rigid_approach, film, "µm");
     print_value("exit position", result->exit_position, width, "µm");
     print_value("load", result->load, contact->load, contact->kind->dimensions > 1 ? "N" : "N/m");
+    if (result->traction) traction_print(result->traction, contact);
     printf("%-24s%zu, residual %.1e\n", "Newton iterations", result->newton_iterations,
            result->residual);
     if (!isnan(result->indicated_deviation))

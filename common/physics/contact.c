@@ -451,7 +451,8 @@ ehd_status contact_init(ehd_contact *contact, const contact_settings *given, ehd
         .load = NAN,
         .speed = NAN,
         .modulus = NAN,
-        .viscosity = NAN};
+        .viscosity = NAN,
+        .slide_roll = NAN};
     ehd_status status = lubricant_init(&contact->lubricant, &given->lubricant, error);
     if (status) return status;
 

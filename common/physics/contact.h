@@ -202,6 +202,7 @@ typedef struct ehd_contact {
     double speed;            // m/s, mean of the two surfaces, NaN unless the scene is physical
     double modulus;          // Pa, E', NaN unless the scene is physical
     double viscosity;        // Pa s, at zero pressure, NaN unless the scene is physical
+    double slide_roll;       // (u1 - u2)/speed, NaN: traction is not asked for
 } ehd_contact;
 
 /* The scalars of a solution, in the contact's own frame. */

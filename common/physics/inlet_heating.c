@@ -17,7 +17,7 @@ double inlet_heating_factor(double loading, double ratio, double slide_roll) {
 }
 
 inlet_heating inlet_heating_of(const ehd_contact *contact) {
-    const double slide_roll = 0; // a contact knows the mean speed of its surfaces alone
+    const double slide_roll = isnan(contact->slide_roll) ? 0 : contact->slide_roll;
     const ehd_lubricant *lubricant = &contact->lubricant;
     const double loading = contact->viscosity * lubricant->temperature_coefficient *
                            contact->speed * contact->speed / lubricant->thermal_conductivity;

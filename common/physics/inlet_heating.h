@@ -12,7 +12,8 @@ typedef struct inlet_heating {
     double factor; // 1, of the films; NaN: not known, or outside of its range
 } inlet_heating;
 
-/* Of a contact in SI units whose lubricant has a conductivity, in pure rolling. */
+/* Of a contact in SI units whose lubricant has a conductivity; in pure rolling where it has no
+ * slide-roll ratio. */
 inlet_heating inlet_heating_of(const ehd_contact *contact);
 
 /* The factor of Zhu and Cheng, as Zhou and Hoeprich, J. Tribology 113, 1991, eq. 21, and Arana et al.,

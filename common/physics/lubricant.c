@@ -140,6 +140,10 @@ ehd_status lubricant_init(ehd_lubricant *lubricant, const lubricant_settings *se
     if (!status)
         status = prepare_law(&lubricant->density, lubricant, density_laws, &settings->density,
                              "lubricant.density", error);
+    lubricant->shear = shear_laws[0];
+    if (!status && *settings->shear.law)
+        status = prepare_law(&lubricant->shear, lubricant, shear_laws, &settings->shear,
+                             "lubricant.shear", error);
     if (status) return status;
 
     if (!lubricant->density->evaluate) lubricant->density = NULL;
@@ -152,6 +156,19 @@ double lubricant_density(const ehd_lubricant *lubricant, double pressure) {
 
     if (!lubricant->density) return 1;
     return lubricant->density->evaluate(lubricant, fmax(pressure, 0), &derivative);
+}
+
+double lubricant_shear_stress(const ehd_lubricant *lubricant, double hertz_pressure,
+                              double isoviscous, double pressure) {
+    const double p = fmin(fmax(pressure, 0) * hertz_pressure, lubricant->pressure_limit);
+    double slope;
+    const double viscous =
+        fabs(isoviscous) * exp(lubricant->viscosity->evaluate(lubricant, p, &slope));
+
+    if (!lubricant->shear->shear) return copysign(viscous, isoviscous);
+    return copysign(lubricant->shear->shear(lubricant, viscous * hertz_pressure, p) /
+                        hertz_pressure,
+                    isoviscous);
 }
 
 const char *const lubricant_rise_names[NUM_RISES] = {"viscosity_rise", "density_rise"};

@@ -69,6 +69,16 @@ static void fill_transient(scene *of) {
     fill_real(&of->transient.tolerance, strcmp(of->transport, "path") == 0 ? 1.5e-3 : 1e-4);
 }
 
+double scene_speed(const scene *of) {
+    return isnan(of->physical.speed) ? (of->physical.speed_1 + of->physical.speed_2) / 2
+                                     : of->physical.speed;
+}
+
+double scene_slide_roll(const scene *of) {
+    return isnan(of->slide_roll) ? (of->physical.speed_1 - of->physical.speed_2) / scene_speed(of)
+                                 : of->slide_roll;
+}
+
 void scene_complete(scene *of) {
     for (const setting *row = scene_settings(); row->key; row++)
         fill_default(of, row);

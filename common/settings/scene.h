@@ -32,11 +32,14 @@ typedef struct history_settings {
     char interpolation[8]; // spline, linear
 } history_settings;
 
-/* The five of `physical`, or none; the viscosity may be left to a law that has its own. */
+/* The five of `physical`, or none; in place of the mean speed those of both surfaces, and the viscosity
+ * may be left to a law that has its own. */
 typedef struct physical_settings {
     double load;      // N/m of a line contact, N of a point contact
     double radius;    // m
     double speed;     // m/s, mean of the two surfaces
+    double speed_1;   // m/s, of one surface
+    double speed_2;   // m/s, of the other
     double modulus;   // Pa, E' = 2/[(1-nu1^2)/E1 + (1-nu2^2)/E2]
     double viscosity; // Pa s at zero pressure
 } physical_settings;
@@ -80,6 +83,7 @@ typedef struct scene {
         double M, L; // 1, given both or neither
     } moes;
     physical_settings physical;
+    double slide_roll;     // (u1 - u2)/u_m; NaN: traction is not asked for
     double hertz_pressure; // Pa, optional
     lubricant_settings lubricant;
     grid_settings grid;
@@ -134,6 +138,11 @@ void scene_defaults(scene *scene);
 /* Fills in the defaults of all keys that are used with the scene's contact, regime, closure and
  * laws. scene_read, scene_parse and plan_read do this themselves. */
 void scene_complete(scene *scene);
+
+/* The mean speed of both surfaces in m/s, and (u1 - u2) over it, from what is given of the two; NaN:
+ * not given. */
+double scene_speed(const scene *scene);
+double scene_slide_roll(const scene *scene);
 
 /* Reads a YAML file. `overrides` are "key.path=value" strings ("--set"), applied after the file
  * and before validation; "key.path=" unsets the key, as if nothing had given it. Relative names

@@ -57,7 +57,7 @@ ehd_status scene_contact(ehd_contact *contact, const scene *given, ehd_error *er
         .moes_L = given->moes.L,
         .load = given->physical.load,
         .radius = given->physical.radius,
-        .speed = given->physical.speed,
+        .speed = scene_speed(given),
         .modulus = given->physical.modulus,
         .viscosity = given->physical.viscosity,
         .hertz_pressure = given->hertz_pressure,
@@ -66,6 +66,7 @@ ehd_status scene_contact(ehd_contact *contact, const scene *given, ehd_error *er
     };
     ehd_status status = contact_init(contact, &settings, error);
     if (status) return status;
+    contact->slide_roll = scene_slide_roll(given);
     contact->grid.half = given->grid.half != 0;
     discretization_find(&contact->grid.discretization, given->discretization); // a choice
     boundary_find(&contact->grid.boundary, given->boundary); // a choice, or none of a line

@@ -57,17 +57,78 @@ static bool has_viscosity_of_law(const key_count *physical, const scene *of) {
            (lubricant_init(&lubricant, &of->lubricant, NULL) || !isnan(lubricant.eta0));
 }
 
+/* The five of `physical`: either the mean speed counts, or both surfaces' where one of them is given. */
+static key_count count_physical(bool *both_speeds, const scene *of) {
+    static const char *const own[] = {"physical.speed_1", "physical.speed_2"};
+    const setting *mean = setting_find("physical.speed");
+    const setting *surfaces[] = {setting_find(own[0]), setting_find(own[1])};
+    key_count count = {0};
+
+    *both_speeds = setting_is_given(surfaces[0], of) || setting_is_given(surfaces[1], of);
+    for (const setting *row = scene_settings(); row->key; row++) {
+        const bool of_surface = row == surfaces[0] || row == surfaces[1];
+        if (strncmp(row->key, "physical.", strlen("physical.")) != 0) continue;
+        if (row == mean ? !*both_speeds : of_surface ? *both_speeds : true)
+            count_key(&count, row, of);
+    }
+    return count;
+}
+
+static ehd_status check_speeds(const scene_source *source, bool both_speeds, ehd_error *error) {
+    const scene *of = &source->values;
+    const place where = place_of_key(source, "physical.speed_1");
+
+    if (both_speeds && !isnan(of->physical.speed))
+        return place_fail(
+            error, where,
+            "physical.speed_1: found beside physical.speed, expected only one of them");
+    if (both_speeds && !isnan(of->slide_roll))
+        return place_fail(error, where,
+                          "physical.speed_1: found beside slide_roll, expected only one of them");
+    // where one is missing the count says so
+    if (both_speeds && scene_speed(of) < setting_find("physical.speed")->min)
+        return place_fail(error, where,
+                          "physical.speed_1: found %g with physical.speed_2 of %g m/s, expected a "
+                          "mean above 0",
+                          of->physical.speed_1, of->physical.speed_2);
+    return EHD_OK;
+}
+
 static ehd_status check_operating_point(const scene_source *source, ehd_error *error) {
     const key_count moes = count_below("moes.", &source->values);
-    const key_count physical = count_below("physical.", &source->values);
+    bool both_speeds;
+    const key_count physical = count_physical(&both_speeds, &source->values);
     const place where = place_of_file(source);
     if (moes.given == 0 && physical.given == 0)
         return place_fail(error, where, "moes: found neither moes nor physical, expected one");
     if (moes.given > 0 && physical.given > 0)
         return place_fail(error, where, "moes: found moes and physical, expected only one");
-    const ehd_status status = check_whole(source, "moes", &moes, error);
+    ehd_status status = check_whole(source, "moes", &moes, error);
+    if (!status) status = check_speeds(source, both_speeds, error);
     if (status || has_viscosity_of_law(&physical, &source->values)) return status;
     return check_whole(source, "physical", &physical, error);
+}
+
+/* The traction's stresses are in pascals, and a law of shear is for the traction. */
+static ehd_status check_traction(const scene_source *source, ehd_error *error) {
+    const scene *of = &source->values;
+    const bool has_law = *of->lubricant.shear.law;
+    const setting *law = setting_find("lubricant.shear.law");
+
+    if (!isnan(of->slide_roll) && isnan(of->physical.load))
+        return place_fail(error, place_of_key(source, "slide_roll"),
+                          "slide_roll: found with moes, expected it with physical");
+    if (has_law && isnan(scene_slide_roll(of)))
+        return place_fail(error, place_of_key(source, law->key),
+                          "%s: found a value, expected slide_roll, or physical.speed_1 and "
+                          "speed_2, with it",
+                          law->key);
+    for (const setting *row = law; !has_law && row->key; row++)
+        if (strncmp(row->key, "lubricant.shear.", strlen("lubricant.shear.")) == 0 &&
+            setting_is_given(row, of))
+            return place_fail(error, place_of_key(source, row->key),
+                              "%s: found a value, expected %s too", row->key, law->key);
+    return EHD_OK;
 }
 
 // ---- conditions
@@ -268,6 +329,7 @@ ehd_status source_validate(const scene_source *source, ehd_error *error) {
     ehd_status status = check_used(source, error);
     if (!status) status = check_needed(source, error);
     if (!status) status = check_operating_point(source, error);
+    if (!status) status = check_traction(source, error);
     if (!status) status = check_lubricant(source, error);
     if (!status) status = check_grid(source, error);
     return status;

@@ -52,11 +52,17 @@ static const setting contact_rows[] = {
      "Reduced radius of curvature", ALWAYS, false},
     {"physical.speed", REAL(physical.speed), NULL, NULL, 1e-9, 1e4, "m/s",
      "Mean velocity (u1 + u2)/2 of the surfaces", ALWAYS, false},
+    {"physical.speed_1", REAL(physical.speed_1), NULL, NULL, -1e4, 1e4, "m/s",
+     "Velocity u1 of one surface; with speed_2 in place of physical.speed and slide_roll", ALWAYS, false},
+    {"physical.speed_2", REAL(physical.speed_2), NULL, NULL, -1e4, 1e4, "m/s",
+     "Velocity u2 of the other surface", ALWAYS, false},
     {"physical.modulus", REAL(physical.modulus), NULL, NULL, 1e3, 1e13, "Pa",
      "Reduced modulus 2/[(1 - nu1^2)/E1 + (1 - nu2^2)/E2]", ALWAYS, false},
     {"physical.viscosity", REAL(physical.viscosity), NULL, NULL, 1e-6, 1e6, "Pa s",
      "Viscosity at zero pressure and the lubricant's temperature; may be left out where the law has its own "
      "(wlf, roelands, and barus with eta0)", ALWAYS, false},
+    {"slide_roll", REAL(slide_roll), NULL, NULL, -1e6, 1e6, "1",
+     "Slide-roll ratio (u1 - u2)/u_m: results then tell the traction; with physical.speed", ALWAYS, false},
     {"hertz_pressure", REAL(hertz_pressure), NULL, NULL, 1e5, 2e10, "Pa",
      "Hertz pressure, where it shall not follow from the other settings", ALWAYS, false},
     LAST_ROW};
@@ -151,8 +157,8 @@ const char *const vary_names[NUM_VARY] = {"load", "speed", "radius", "modulus", 
 enum {
     LAW_ROWS = 1 + MAX_LAW_KEYS,
     MAX_ROWS =
-        ROWS_OF(contact_rows) + 2 * LAW_ROWS + ROWS_OF(run_rows) + NUM_VARY * ROWS_OF(history_rows),
-    MAX_TEXTS = 2 * 2 * LAW_ROWS + NUM_VARY * (1 + ROWS_OF(history_rows)),
+        ROWS_OF(contact_rows) + 3 * LAW_ROWS + ROWS_OF(run_rows) + NUM_VARY * ROWS_OF(history_rows),
+    MAX_TEXTS = 2 * 3 * LAW_ROWS + NUM_VARY * (1 + ROWS_OF(history_rows)),
     TEXT_ROOM = 512
 };
 _Static_assert((int)MAX_ROWS <= (int)MAX_SETTINGS, "MAX_SETTINGS is too small");
@@ -187,7 +193,7 @@ static void add_rows(const setting *rows) {
 /* Adds rows for the choice of a law and the parameters of all laws, stored in a law_settings at
  * `offset` in a scene. */
 static void add_laws(const char *group, size_t offset, const lubricant_law *const *laws,
-                     const char *default_value, const char *help) {
+                     bool required, const char *default_value, const char *help) {
     char list[TEXT_ROOM];
     const law_parameter *parameter;
     laws_list(list, sizeof list, laws, NULL);
@@ -199,7 +205,7 @@ static void add_laws(const char *group, size_t offset, const lubricant_law *cons
                          .choices = make_text("%s", list),
                          .unit = "1",
                          .help = help,
-                         .required = !default_value};
+                         .required = required};
     add_row(&law);
     for (size_t slot = 0; (parameter = laws_key(laws, slot)); slot++) {
         laws_list(list, sizeof list, laws, parameter->key);
@@ -236,10 +242,13 @@ static void add_history(int quantity) {
 
 static void make_table(void) {
     add_rows(contact_rows);
-    add_laws("lubricant.viscosity", offsetof(scene, lubricant.viscosity), viscosity_laws, NULL,
-             "How viscosity depends on pressure");
-    add_laws("lubricant.density", offsetof(scene, lubricant.density), density_laws,
+    add_laws("lubricant.viscosity", offsetof(scene, lubricant.viscosity), viscosity_laws, true,
+             NULL, "How viscosity depends on pressure");
+    add_laws("lubricant.density", offsetof(scene, lubricant.density), density_laws, false,
              "incompressible", "How density depends on pressure");
+    add_laws("lubricant.shear", offsetof(scene, lubricant.shear), shear_laws, false, NULL,
+             "How shear stress depends on viscosity times the rate of shear, for the traction; "
+             "default newtonian");
     add_rows(run_rows);
     for (int i = 0; i < NUM_VARY; i++)
         add_history(i);

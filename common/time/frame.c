@@ -104,3 +104,13 @@ contact_scalars frame_to_reference(const contact_scalars *current, const contact
     scalars.load *= frame->load;
     return scalars;
 }
+
+contact_traction frame_traction_to_reference(contact_traction current, const contact_frame *frame) {
+    current.friction *= frame->load;
+    current.rolling_resistance *= frame->load;
+    current.rolling_moment *= frame->load * frame->half_width;
+    current.power *= frame->load * frame->half_width; // the speed is in half widths
+    current.mean_stress *= frame->hertz_pressure;
+    current.largest_stress *= frame->hertz_pressure;
+    return current;
+}

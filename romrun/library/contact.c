@@ -260,8 +260,8 @@ static unit_factors units_of(const ehd_contact *contact, const scene *settings,
                           .film = contact_film_scale(contact),
                           .pressure = contact->hertz_pressure,
                           .load = settings->physical.load,
-                          .time = contact->half_width / settings->physical.speed,
-                          .speed = settings->physical.speed,
+                          .time = contact_time_scale(contact),
+                          .speed = contact->speed,
                           .radius = settings->physical.radius,
                           .modulus = settings->physical.modulus};
 }

@@ -61,6 +61,72 @@ YAML
     close_to "$micrometres" "$expected" 1e-5
 }
 
+@test "traction of a scene with sliding, by numpy from pressure and film too" {
+    cat >sliding.yml <<'YAML'
+contact: line
+regime: stationary
+physical: {load: 1.0e5, radius: 0.01, speed_1: 2.25, speed_2: 1.75, modulus: 2.3e11, viscosity: 0.05}
+lubricant: {viscosity: {law: barus, alpha: 15e-9}, shear: {law: eyring, tau0: 4e6}}
+YAML
+    run --separate-stderr fullrun sliding.yml -o sliding.h5
+    [ "$status" -eq 0 ]
+    [[ $output == *"friction coefficient "* && $output == *"power loss "*" W/m"* ]]
+    /usr/bin/python3 -c "
+import h5py, numpy
+f = h5py.File('sliding.h5')
+p = f['pressure'][0] * f.attrs['hertz_pressure']
+h = f['film_thickness'][0] * f.attrs['film_unit']
+x = f['x'][:] * f.attrs['half_width']
+step = x[1] - x[0]
+tau = 4e6 * numpy.arcsinh(0.05 * numpy.exp(15e-9 * p) * 0.5 / h / 4e6)
+force = numpy.sum(tau[p > 0]) * step
+load = f.attrs['line_load']
+def near(found, expected, part): assert abs(found / expected - 1) < part, (found, expected)
+near(f['friction_force'][0] * load, force, 1e-3)
+near(f['friction_coefficient'][0], force / load, 1e-3)
+near(f['largest_shear_stress'][0] * f.attrs['hertz_pressure'], tau[p > 0].max(), 1e-9)
+near(f['mean_shear_stress'][0] * f.attrs['hertz_pressure'], tau[abs(f['x'][:]) <= 1 + 1e-9].mean(), 1e-9)
+near(f['rolling_moment'][0] * f.attrs['line_moment'], -numpy.sum(p * x) * step, 1e-9)
+rolling = f['rolling_resistance'][0] * load
+near(2 * rolling * 0.01, f['rolling_moment'][0] * f.attrs['line_moment'], 1e-6)
+near(f['power_loss'][0] * f.attrs['line_power'], 0.5 * f['friction_force'][0] * load + 2 * 2 * rolling, 1e-9)
+on = [f['shear_stress_%d' % i][0] * f.attrs['hertz_pressure'] for i in (1, 2)]
+near(((on[1] - on[0]) / 2)[p > 0].max(), tau[p > 0].max(), 1e-9)
+near(f.attrs['slide_roll'], 0.25, 1e-15)"
+    # the same by the mean speed and the ratio, and nothing of it in a scene that does not ask
+    fullrun sliding.yml -o ratio.h5 --quiet --set physical.speed_1= --set physical.speed_2= \
+        --set physical.speed=2 --set slide_roll=0.25
+    [ "$(fullrun --print ratio.h5 friction_force)" = "$(fullrun --print sliding.h5 friction_force)" ]
+    fullrun sliding.yml -o none.h5 --set physical.speed_1= --set physical.speed_2= \
+        --set physical.speed=2 --set lubricant.shear.law= --set lubricant.shear.tau0= >none.txt
+    shows_no "friction" cat none.txt
+    [ "$(fullrun --print none.h5 film_thickness)" = "$(fullrun --print sliding.h5 film_thickness)" ]
+}
+
+@test "traction in time: as the stationary contact's while nothing changes, and as what has its load" {
+    cat >sliding.yml <<'YAML'
+contact: line
+regime: transient
+physical: {load: 1.0e5, radius: 0.01, speed: 2, modulus: 2.3e11, viscosity: 0.05}
+slide_roll: -0.1
+lubricant: {viscosity: {law: barus, alpha: 15e-9}, shear: {law: limiting, limit: 0.06}}
+grid: {x_min: -4, x_max: 2, step: 0.05}
+transient: {end_time: 4, fixed_step: 0.05, load: {law: ramp, to: 1.2, duration: 0.2}}
+YAML
+    fullrun sliding.yml -o moving.h5 --quiet --set output.fields=true
+    sed -e '/^transient/d' -e 's/transient/stationary/' sliding.yml >first.yml
+    fullrun first.yml -o first.h5 --quiet
+    fullrun --check moving.h5
+    /usr/bin/python3 -c "
+import h5py
+moving, first = h5py.File('moving.h5'), h5py.File('first.h5')
+for name in ('friction_force', 'rolling_moment', 'power_loss', 'largest_shear_stress'):
+    assert abs(moving[name][0] / first[name][0] - 1) < 1e-5, name
+assert moving['friction_coefficient'][0] < 0
+assert abs(moving['friction_force'][-1] / moving['load'][-1] / moving['friction_coefficient'][-1] - 1) < 1e-9
+assert moving['shear_stress_1'].shape == moving['pressure'].shape"
+}
+
 @test "its file opens with h5py, xarray and ncdump" {
     fullrun scene.yml -o result.h5
     run "$BATS_TEST_DIRNAME/open_elsewhere.py" result.h5
@@ -297,6 +363,22 @@ bad_value() {
     grep -v viscosity scene.yml | bad_scene "bad.yml: .*lubricant.viscosity"
     sed 's/, L: 8//' scene.yml | bad_scene "bad.yml: .*moes.L"
     (cat scene.yml && echo 'physical: {load: 1e5}') | bad_scene "bad.yml: .*physical"
+}
+
+@test "sliding is refused where it says nothing, or twice" {
+    local physical='physical: {load: 1e5, radius: 0.01, speed: 1, modulus: 2.3e11, viscosity: 0.05}'
+    (cat scene.yml && echo 'slide_roll: 0.1') | bad_scene "bad.yml:[0-9]*: slide_roll: found with moes, expected it with physical"
+    sed '/^moes/d' scene.yml >si.yml
+    echo "$physical" >>si.yml
+    (cat si.yml && echo 'lubricant.shear.law: newtonian') |
+        bad_scene "bad.yml:[0-9]*: lubricant.shear.law: found a value, expected slide_roll"
+    (cat si.yml && echo 'slide_roll: 0.1' && echo 'lubricant.shear.tau0: 1e6') |
+        bad_scene "lubricant.shear.tau0: found a value, expected lubricant.shear.law too"
+    (cat si.yml && echo 'physical.speed_1: 1.1') | bad_scene "physical.speed_1: found beside physical.speed, expected only one"
+    sed 's/speed: 1/speed_1: 1.1/' si.yml | bad_scene "physical: found 5 of its 6 keys, expected also physical.speed_2"
+    sed 's/speed: 1/speed_1: 1, speed_2: -1/' si.yml | bad_scene "physical.speed_1: found 1 with physical.speed_2 of -1 m/s, expected a mean above 0"
+    (sed 's/speed: 1/speed_1: 1, speed_2: 2/' si.yml && echo 'slide_roll: 0.1') |
+        bad_scene "physical.speed_1: found beside slide_roll, expected only one"
 }
 
 @test "bad numbers are refused with key, value and range" {
