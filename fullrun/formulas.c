@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "fullrun/formulas.h"
 
+#include "common/output/grid_file.h"
 #include "common/output/time_result.h"
 #include "common/physics/film_formulas.h"
 #include "common/program/program.h"
@@ -126,6 +127,8 @@ ehd_status formulas_print_in_time(const char *path, const scene *given,
     weighted *deviations = NULL;
     ehd_status status = time_series_read(&series, path, reference->kind, error);
 
+    if (!status)
+        status = grid_check_shape(&series.grid, path, &reference->grid, "the scene", error);
     if (!status) status = histories_init(&histories, given, error);
     if (!status) deviations = malloc((series.num_times + 1) * sizeof *deviations);
     if (!status && !deviations) status = ehd_fail(error, EHD_MEMORY, "%s: found no memory", path);

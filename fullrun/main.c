@@ -498,6 +498,10 @@ static ehd_status run(const program *self, const fullrun_options *options, ehd_e
     if (transient) status = widen_for_reversal(&contact, &given, error);
     if (!status) status = take_grid(&contact, &given, options->grid_of, error);
     if (!status) status = check_usage(self, options, transient, error);
+    if (!status && options->formulas && contact.kind == &contact_ellipse)
+        status = ehd_fail(error, EHD_USAGE,
+                          "--formulas: found with the contact ellipse, expected line or point, of "
+                          "which the formulas are");
     if (!status)
         status = (transient ? run_transient : run_stationary)(self, options, &contact, &given, text,
                                                               error);

@@ -349,7 +349,7 @@ static void add_mass(double *mass, double weight, const previous_state *self, or
         double density = 1;
         if (law && inside)
             density = lubricant_density(&reference->lubricant, carrier->pressure[r] * hertz);
-        mass[r] += weight * density * (film + contact_gap(x, y));
+        mass[r] += weight * density * (film + contact_gap(&grid->shape, x, y));
     }
 }
 

@@ -261,10 +261,11 @@ static ehd_status read_against(stationary_run *self, bool with_fields, ehd_error
     stored_result *against = &self->against;
     if (!path) return EHD_OK;
     ehd_status status = result_read(against, path, self->contact->kind, with_fields, error);
+    if (status) return status;
 
-    return status ? status
-                  : against_check(against->moes_M, against->alpha_p_H, against->hertz_pressure,
-                                  path, self->contact, error);
+    const ehd_grid grid = result_grid(against);
+    return against_check(against->moes_M, against->alpha_p_H, against->hertz_pressure, &grid, path,
+                         self->contact, error);
 }
 
 /* The solution as a result, with its exits and, where wanted, fields and what the grid does. */
@@ -461,7 +462,7 @@ static ehd_status run_transient(const program *self, const romrun_options *optio
     if (!status && options->against) {
         status = time_series_read(&full, options->against, contact->kind, error);
         if (!status)
-            status = against_check(full.moes_M, full.alpha_p_H, full.hertz_pressure,
+            status = against_check(full.moes_M, full.alpha_p_H, full.hertz_pressure, &full.grid,
                                    options->against, contact, error);
     }
     if (!status) {

@@ -74,7 +74,10 @@ enum {
         ATTRIBUTE(                                                                                 \
             "boundary", ARTEFACT_TEXT, "1", NEED_OPTIONAL, VALUES_ANY,                             \
             "what lies around the grid of a point contact: open, the far field, or zero, no "      \
-            "pressure; zero where missing")
+            "pressure; zero where missing"),                                                       \
+        ATTRIBUTE("ellipticity", ARTEFACT_REAL, "1", NEED_OPTIONAL, VALUES_POSITIVE,               \
+                  "b/a of an ellipse, the half width across over that along, by which y and x "    \
+                  "are scaled; needed there")
 #define TRANSPORT_ATTRIBUTE                                                                        \
     ATTRIBUTE("transport", ARTEFACT_TEXT, "1", NEED_OPTIONAL, VALUES_ANY,                          \
               "how films are carried on the trajectories of the training: upwind or path; where "  \
@@ -159,6 +162,8 @@ static const artefact_scale time_scale = {{"time_unit", NULL}, NULL},
                             moment_scale = {{"line_moment", "point_moment"}, NULL},
                             power_scale = {{"line_power", "point_power"}, NULL},
                             place_in_frame = {{"half_width", NULL}, "contact_half_width"},
+                            place_across_in_frame = {{"half_width_across", "half_width"},
+                                                     "contact_half_width"},
                             film_in_frame = {{"film_unit", NULL}, "frame_film_unit"},
                             pressure_in_frame = {{"hertz_pressure", NULL}, "frame_hertz_pressure"};
 
@@ -169,7 +174,7 @@ static const artefact_axis result_axes[] = {
      "lines of inner nodes across the sliding direction, in Hertz contact half widths of the "
      "frame; "
      "of a point contact",
-     MAX_Y, true, &place_in_frame},
+     MAX_Y, true, &place_across_in_frame},
     {"exit", "1",
      "index of the exit, the farthest downstream first; where the entrainment reverses", MAX_FEW,
      true, NULL},
@@ -285,7 +290,7 @@ static const artefact_field result_fields[] = {
     {0}};
 
 static const artefact_attribute result_attributes[] = {
-    GRID_ATTRIBUTES("line or point", &length_scale),
+    GRID_ATTRIBUTES("line, point or ellipse", &length_scale),
     ATTRIBUTE("hertz_pressure", ARTEFACT_REAL, "Pa", NEED_ALWAYS, VALUES_NOT_NEGATIVE,
               "Hertz pressure of the reference"),
     ATTRIBUTE("moes_M", ARTEFACT_REAL, "1", NEED_ALWAYS, VALUES_POSITIVE,
@@ -295,8 +300,10 @@ static const artefact_attribute result_attributes[] = {
     ATTRIBUTE("alpha_p_H", ARTEFACT_REAL, "1", NEED_ALWAYS, VALUES_NOT_NEGATIVE,
               "pressure-viscosity coefficient times Hertz pressure"),
     ATTRIBUTE("half_width", ARTEFACT_REAL, "m", NEED_OPTIONAL, VALUES_POSITIVE,
-              "half width a of the reference, which X = 1 stands for; this and the next four of a "
+              "half width a of the reference, which X = 1 stands for; this and the next five of a "
               "contact given in SI units"),
+    ATTRIBUTE("half_width_across", ARTEFACT_REAL, "m", NEED_OPTIONAL, VALUES_POSITIVE,
+              "b of an ellipse, which Y = 1 stands for; of a point contact that is half_width"),
     ATTRIBUTE("film_unit", ARTEFACT_REAL, "m", NEED_OPTIONAL, VALUES_POSITIVE,
               "a^2/R of the reference, which H = 1 and an approach of 1 stand for"),
     ATTRIBUTE("time_unit", ARTEFACT_REAL, "s", NEED_OPTIONAL, VALUES_POSITIVE,
@@ -374,7 +381,7 @@ static const artefact_attribute result_attributes[] = {
 
 const artefact_schema schema_result = {"ehdrom-result",
                                        1,
-                                       11,
+                                       12,
                                        "Solution of an elastohydrodynamic contact",
                                        result_axes,
                                        result_fields,
@@ -475,7 +482,7 @@ static const artefact_field snapshots_fields[] = {
     {0}};
 
 static const artefact_attribute snapshots_attributes[] = {
-    GRID_ATTRIBUTES("line or point", NULL),
+    GRID_ATTRIBUTES("line, point or ellipse", NULL),
     TRANSPORT_ATTRIBUTE,
     HALF_ATTRIBUTE,
     ATTRIBUTE("compressed_snapshots", ARTEFACT_INTEGER, "1", NEED_OPTIONAL, VALUES_COUNT,
@@ -486,7 +493,7 @@ static const artefact_attribute snapshots_attributes[] = {
 
 const artefact_schema schema_snapshots = {"ehdrom-snapshots",
                                           2,
-                                          3,
+                                          4,
                                           "Training solutions of an elastohydrodynamic contact",
                                           snapshots_axes,
                                           snapshots_fields,
@@ -524,7 +531,7 @@ static const artefact_field basis_fields[] = {
     {0}};
 
 static const artefact_attribute basis_attributes[] = {
-    GRID_ATTRIBUTES("line or point", NULL),
+    GRID_ATTRIBUTES("line, point or ellipse", NULL),
     TRANSPORT_ATTRIBUTE,
     HALF_ATTRIBUTE,
     DEFORMATION_ATTRIBUTE,
@@ -536,7 +543,7 @@ static const artefact_attribute basis_attributes[] = {
 
 const artefact_schema schema_basis = {"ehdrom-basis",
                                       2,
-                                      3,
+                                      4,
                                       "Reduced bases of an elastohydrodynamic contact",
                                       basis_axes,
                                       basis_fields,
@@ -578,7 +585,7 @@ static const artefact_field residuals_fields[] = {
     {0}};
 
 static const artefact_attribute residuals_attributes[] = {
-    GRID_ATTRIBUTES("line or point", NULL),
+    GRID_ATTRIBUTES("line, point or ellipse", NULL),
     HALF_ATTRIBUTE,
     DEFORMATION_ATTRIBUTE,
     BASIS_ATTRIBUTE,
@@ -591,7 +598,7 @@ static const artefact_attribute residuals_attributes[] = {
 const artefact_schema schema_residuals = {
     "ehdrom-residuals",
     2,
-    1,
+    2,
     "Residuals and Newton steps of a reduced elastohydrodynamic contact",
     residuals_axes,
     residuals_fields,
@@ -808,7 +815,7 @@ static const artefact_field model_fields[] = {
     {0}};
 
 static const artefact_attribute model_attributes[] = {
-    GRID_ATTRIBUTES("line or point", NULL),
+    GRID_ATTRIBUTES("line, point or ellipse", NULL),
     TRANSPORT_ATTRIBUTE,
     HALF_ATTRIBUTE,
     DEFORMATION_ATTRIBUTE,
@@ -846,7 +853,7 @@ static const artefact_attribute model_attributes[] = {
 
 const artefact_schema schema_model = {"ehdrom-model",
                                       2,
-                                      4,
+                                      5,
                                       "Reduced model of an elastohydrodynamic contact",
                                       model_axes,
                                       model_fields,
@@ -905,11 +912,12 @@ static const artefact_field cases_fields[] = {
     REAL("solve_seconds", "s", NEED_OWN, VALUES_ANY, "time of the solution", "case"),
     {0}};
 
-static const artefact_attribute cases_attributes[] = {GRID_ATTRIBUTES("line or point", NULL), {0}};
+static const artefact_attribute cases_attributes[] = {
+    GRID_ATTRIBUTES("line, point or ellipse", NULL), {0}};
 
 const artefact_schema schema_cases = {"ehdrom-cases",
                                       1,
-                                      0,
+                                      1,
                                       "Solutions of many elastohydrodynamic contacts",
                                       cases_axes,
                                       cases_fields,

@@ -17,6 +17,8 @@ ehd_status result_put_contact(artefact *file, const ehd_contact *contact, ehd_er
         const char *name;
         double value; // NaN where the scene is not physical
     } units[] = {{"half_width", contact->half_width},
+                 {"half_width_across",
+                  contact->kind == &contact_ellipse ? contact_half_width_across(contact) : NAN},
                  {"film_unit", contact_film_scale(contact)},
                  {"time_unit", contact_time_scale(contact)},
                  {contact->kind->dimensions > 1 ? "point_load" : "line_load", contact->load}};
@@ -279,6 +281,7 @@ ehd_status result_get_contact(stored_result *stored, artefact *file, const conta
     stored->boundary = BOUNDARY_ZERO;
     if (!status && kind->dimensions > 1)
         status = grid_read_boundary(&stored->boundary, file, error);
+    if (!status) status = grid_read_shape(&stored->shape, file, kind, error);
     if (!status) status = artefact_get_real(file, "hertz_pressure", &stored->hertz_pressure, error);
     if (!status) status = artefact_get_real(file, "moes_M", &stored->moes_M, error);
     if (!status) status = artefact_get_real(file, "alpha_p_H", &stored->alpha_p_H, error);
@@ -380,7 +383,9 @@ void result_free(stored_result *stored) {
 }
 
 ehd_grid result_grid(const stored_result *stored) {
-    const ehd_grid like = {.discretization = stored->discretization, .boundary = stored->boundary};
+    const ehd_grid like = {.discretization = stored->discretization,
+                           .boundary = stored->boundary,
+                           .shape = stored->shape};
 
     return grid_like(&like, stored->x_min, stored->step, stored->num_inner / stored->num_lines,
                      stored->num_lines);

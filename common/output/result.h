@@ -73,6 +73,7 @@ void result_print(const run_result *result, const ehd_contact *contact);
 typedef struct stored_result {
     ehd_discretization discretization;
     ehd_boundary boundary;
+    contact_shape shape;
     double x_min; // grid of the file, and of the fields
     double step;
     size_t num_inner; // nodes of a field; 0: neither fields nor an axis x

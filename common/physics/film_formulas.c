@@ -106,20 +106,26 @@ const film_formula film_formulas[] = {
 
 film_numbers film_numbers_of(const ehd_contact *contact) {
     const contact_kind *kind = contact->kind;
+    const contact_shape *shape = &contact->grid.shape;
     const double width = contact->half_width;
     const int power = kind->dimensions + 1; // of the half width, to which the load is proportional
     const double modulus =
-        isnan(width) ? STEEL_MODULUS
-                     : pow(kind->half_width(contact->load, contact->radius, 1) / width, power);
+        isnan(width)
+            ? STEEL_MODULUS
+            : pow(kind->half_width(shape, contact->load, contact->radius, 1) / width, power);
     const double ratio = contact->hertz_pressure / modulus;
-    film_numbers numbers = {
-        .moes_M = contact->moes_M, .radius_ratio = 1, .ellipticity = 1, .width_ratio = 1};
+    film_numbers numbers = {.moes_M = contact->moes_M,
+                            .radius_ratio = ellipse_radius_ratio(shape->ellipticity),
+                            .ellipticity = shape->ellipticity,
+                            .width_ratio = cbrt(shape->compliance)};
 
-    numbers.moes_L = contact->alpha_p_H / kind->alpha_p_H(contact->moes_M, 1);
+    numbers.moes_L = contact->alpha_p_H / kind->alpha_p_H(shape, contact->moes_M, 1);
     if (!(contact->alpha_p_H > 0)) return numbers;
-    // p_H = w/(a^dimensions kind->load), and L = G (2 U)^(1/4)
-    numbers.load = pow(ratio * kind->load * pow(kind->half_width(1, 1, 1), power - 1), power);
-    numbers.half_width = kind->half_width(numbers.load, 1, 1);
+    // p_H = w/(a^dimensions b/a kind->load), and L = G (2 U)^(1/4)
+    numbers.load = pow(ratio * shape->ellipticity * kind->load *
+                           pow(kind->half_width(shape, 1, 1, 1), power - 1),
+                       power);
+    numbers.half_width = kind->half_width(shape, numbers.load, 1, 1);
     numbers.material = contact->alpha_p_H / ratio;
     numbers.speed = pow(numbers.moes_L / numbers.material, 4) / 2;
     return numbers;

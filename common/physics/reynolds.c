@@ -165,9 +165,9 @@ static inline void add_mean_flow(reynolds_row *row, int a, int b, double scale,
     row->by_film[a] += scale * eps[a].by_film / 2 * drop;
 }
 
-static inline void add_published_row(reynolds_row *row, double step, double entrainment,
+static inline void add_published_row(reynolds_row *row, const ehd_grid *grid, double entrainment,
                                      const row_nodes *at) {
-    const double flow = 1 / (step * step);
+    const double step = grid->step, flow = 1 / (step * step);
     const size_t *node = at->stencil->node;
     conductance eps[NUM_STENCIL];
 
@@ -178,8 +178,8 @@ static inline void add_published_row(reynolds_row *row, double step, double entr
     if (node[NODE_LEFT] != NO_NODE) {
         eps[NODE_LEFT] = conductance_at(at, NODE_LEFT);
         eps[NODE_RIGHT] = conductance_at(at, NODE_RIGHT);
-        add_mean_flow(row, NODE_LEFT, NODE_HERE, -flow, eps, at);
-        add_mean_flow(row, NODE_HERE, NODE_RIGHT, flow, eps, at);
+        add_mean_flow(row, NODE_LEFT, NODE_HERE, -flow * grid->shape.flow_across, eps, at);
+        add_mean_flow(row, NODE_HERE, NODE_RIGHT, flow * grid->shape.flow_across, eps, at);
     }
     if (node[NODE_BACK2] == NO_NODE) {
         add_mass(row, NODE_HERE, -entrainment / step, at);
@@ -404,7 +404,7 @@ static const int half_back[NUM_HALF] = {NODE_BACK3, NODE_BACK2, NODE_BACK, NODE_
 
 /* *ahead: the flux behind the HERE of the row before, where that is the BACK of this one, and then
  * that behind its own. */
-static void add_accurate_row(reynolds_row *row, half_flux *ahead, bool known, double step,
+static void add_accurate_row(reynolds_row *row, half_flux *ahead, bool known, const ehd_grid *grid,
                              double entrainment, const row_nodes *at) {
     static const int half_ahead[NUM_HALF] = {NODE_BACK2, NODE_BACK, NODE_HERE, NODE_AHEAD,
                                              NODE_AHEAD2};
@@ -412,15 +412,15 @@ static void add_accurate_row(reynolds_row *row, half_flux *ahead, bool known, do
                                             NODE_RIGHT};
     static const int half_right[NUM_HALF] = {NODE_LEFT, NODE_LEFT, NODE_HERE, NODE_RIGHT,
                                              NODE_RIGHT2};
-    const double scale = 1 / (step * step);
+    const double step = grid->step, scale = 1 / (step * step);
 
     const half_flux back = known ? *ahead : flux_along(half_back, step, entrainment, at);
     *ahead = flux_along(half_ahead, step, entrainment, at);
     add_flux(row, half_ahead, -scale, ahead);
     add_flux(row, half_back, scale, &back);
     if (at->stencil->node[NODE_LEFT] == NO_NODE) return;
-    add_flow_across(row, half_left, -scale, at);
-    add_flow_across(row, half_right, scale, at);
+    add_flow_across(row, half_left, -scale * grid->shape.flow_across, at);
+    add_flow_across(row, half_right, scale * grid->shape.flow_across, at);
 }
 
 // ---- rows
@@ -444,10 +444,10 @@ void reynolds_rows(reynolds_row *rows, const ehd_grid *grid, double entrainment,
 
         memset(row, 0, sizeof *row);
         if (grid->discretization == DISCRETIZATION_ACCURATE)
-            add_accurate_row(row, &ahead, r > 0 && follows(&stencils[r], &stencils[r - 1]),
-                             grid->step, entrainment, &at);
+            add_accurate_row(row, &ahead, r > 0 && follows(&stencils[r], &stencils[r - 1]), grid,
+                             entrainment, &at);
         else
-            add_published_row(row, grid->step, entrainment, &at);
+            add_published_row(row, grid, entrainment, &at);
         if (squeeze) {
             add_mass(row, NODE_HERE, -squeeze->rate, &at);
             row->residual -= squeeze->previous[r];

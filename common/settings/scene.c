@@ -43,9 +43,14 @@ static void fill_real(double *value, double default_value) {
     if (isnan(*value)) *value = default_value;
 }
 
+/* Whether there are lines of nodes across: of a point contact or an ellipse. */
+static bool has_lines(const scene *of) {
+    return *of->contact && strcmp(of->contact, "line") != 0;
+}
+
 /* That of the paper, whatever M and L. */
 static void fill_published_grid(scene *of) {
-    const bool point = strcmp(of->contact, "point") == 0;
+    const bool point = has_lines(of);
 
     fill_real(&of->grid.x_min, -4);
     fill_real(&of->grid.x_max, 2);
@@ -55,9 +60,9 @@ static void fill_published_grid(scene *of) {
 
 static void fill_boundary(scene *of) {
     const bool published = strcmp(of->discretization, "published") == 0;
+    const bool zero = published || strcmp(of->contact, "ellipse") == 0;
 
-    if (!*of->boundary)
-        snprintf(of->boundary, sizeof of->boundary, "%s", published ? "zero" : "open");
+    if (!*of->boundary) snprintf(of->boundary, sizeof of->boundary, "%s", zero ? "zero" : "open");
 }
 
 /* What follows from the way that films are carried. */
@@ -85,7 +90,7 @@ void scene_complete(scene *of) {
     fill_law(of, "lubricant.viscosity", laws_find(viscosity_laws, of->lubricant.viscosity.law));
     fill_law(of, "lubricant.density", laws_find(density_laws, of->lubricant.density.law));
     if (strcmp(of->discretization, "published") == 0) fill_published_grid(of);
-    if (strcmp(of->contact, "point") == 0) fill_boundary(of);
+    if (has_lines(of)) fill_boundary(of);
     if (strcmp(of->regime, "transient") == 0) fill_transient(of);
 }
 

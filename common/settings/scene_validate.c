@@ -8,7 +8,7 @@ static const double whole_number_tolerance = 1e-9; // relative, of the number of
 
 // ---- groups of keys
 
-/* How many of some keys are given, and the others as a list "moes.M, moes.L". */
+/* How many of some keys are given that need no other, and the others as a list "moes.M, moes.L". */
 typedef struct key_count {
     size_t given;
     size_t all;
@@ -28,7 +28,8 @@ static void count_key(key_count *count, const setting *row, const scene *of) {
 static key_count count_below(const char *prefix, const scene *of) {
     key_count count = {0};
     for (const setting *row = scene_settings(); row->key; row++)
-        if (strncmp(row->key, prefix, strlen(prefix)) == 0) count_key(&count, row, of);
+        if (strncmp(row->key, prefix, strlen(prefix)) == 0 && !row->when[0].key)
+            count_key(&count, row, of);
     return count;
 }
 
@@ -57,7 +58,7 @@ static bool has_viscosity_of_law(const key_count *physical, const scene *of) {
            (lubricant_init(&lubricant, &of->lubricant, NULL) || !isnan(lubricant.eta0));
 }
 
-/* The five of `physical`: either the mean speed counts, or both surfaces' where one of them is given. */
+/* The five of `physical` that every contact needs: either the mean speed counts, or both surfaces' where one of them is given. */
 static key_count count_physical(bool *both_speeds, const scene *of) {
     static const char *const own[] = {"physical.speed_1", "physical.speed_2"};
     const setting *mean = setting_find("physical.speed");
@@ -67,7 +68,7 @@ static key_count count_physical(bool *both_speeds, const scene *of) {
     *both_speeds = setting_is_given(surfaces[0], of) || setting_is_given(surfaces[1], of);
     for (const setting *row = scene_settings(); row->key; row++) {
         const bool of_surface = row == surfaces[0] || row == surfaces[1];
-        if (strncmp(row->key, "physical.", strlen("physical.")) != 0) continue;
+        if (strncmp(row->key, "physical.", strlen("physical.")) != 0 || row->when[0].key) continue;
         if (row == mean ? !*both_speeds : of_surface ? *both_speeds : true)
             count_key(&count, row, of);
     }
@@ -128,6 +129,25 @@ static ehd_status check_traction(const scene_source *source, ehd_error *error) {
             setting_is_given(row, of))
             return place_fail(error, place_of_key(source, row->key),
                               "%s: found a value, expected %s too", row->key, law->key);
+    return EHD_OK;
+}
+
+/* An ellipse has its shape from one of two keys. */
+static ehd_status check_ellipse(const scene_source *source, ehd_error *error) {
+    const scene *of = &source->values;
+    const bool by_radius = !isnan(of->physical.radius_across);
+
+    if (strcmp(of->contact, "ellipse") != 0) return EHD_OK;
+    if (by_radius && isnan(of->physical.radius))
+        return place_fail(error, place_of_key(source, "physical.radius_across"),
+                          "physical.radius_across: found a value with moes, expected ellipticity");
+    if (by_radius && !isnan(of->ellipticity))
+        return place_fail(error, place_of_key(source, "ellipticity"),
+                          "ellipticity: found it and physical.radius_across, expected only one");
+    if (!by_radius && isnan(of->ellipticity))
+        return place_fail(error, place_of_key(source, "contact"),
+                          "contact: found ellipse without its shape, expected ellipticity or "
+                          "physical.radius_across");
     return EHD_OK;
 }
 
@@ -253,7 +273,7 @@ static ehd_status check_lubricant(const scene_source *source, ehd_error *error) 
 // ---- grid
 
 static bool is_point(const scene *of) {
-    return strcmp(of->contact, "point") == 0;
+    return strcmp(of->contact, "line") != 0;
 }
 
 /* The allowed step nearest to the given one that divides the extent. */
@@ -330,6 +350,7 @@ ehd_status source_validate(const scene_source *source, ehd_error *error) {
     if (!status) status = check_needed(source, error);
     if (!status) status = check_operating_point(source, error);
     if (!status) status = check_traction(source, error);
+    if (!status) status = check_ellipse(source, error);
     if (!status) status = check_lubricant(source, error);
     if (!status) status = check_grid(source, error);
     return status;

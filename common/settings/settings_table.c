@@ -22,14 +22,15 @@
 
 // clang-format off
 #define ALWAYS       {{NULL, NULL}}
-#define ON_A_POINT   {{"contact", "point"}}
+#define ON_A_POINT   {{"contact", "point|ellipse"}}
+#define ON_AN_ELLIPSE {{"contact", "ellipse"}}
 #define IN_TIME      {{"regime", "transient"}}
 #define LAW(laws)    {{NULL, laws}} // of the same history
 #define LAST_ROW     {NULL, SETTING_FLAG, 0, 0, NULL, NULL, 0, 0, NULL, NULL, ALWAYS, false}
 
 // columns: key, type, offset, size, default, choices, min, max, unit, help, when, required
 static const setting contact_rows[] = {
-    {"contact", CHOICE(contact), NULL, "line|point", 0, 0, "1",
+    {"contact", CHOICE(contact), NULL, "line|point|ellipse", 0, 0, "1",
      "Kind of contact", ALWAYS, true},
     {"regime", CHOICE(regime), NULL, "stationary|transient", 0, 0, "1",
      "Whether the contact varies with time", ALWAYS, true},
@@ -49,7 +50,10 @@ static const setting contact_rows[] = {
     {"physical.load", REAL(physical.load), NULL, NULL, 1e-6, 1e9, "N/m|N",
      "Load, of a line contact per length", ALWAYS, false},
     {"physical.radius", REAL(physical.radius), NULL, NULL, 1e-6, 1e3, "m",
-     "Reduced radius of curvature", ALWAYS, false},
+     "Reduced radius of curvature, of an ellipse along the entrainment", ALWAYS, false},
+    {"physical.radius_across", REAL(physical.radius_across), NULL, NULL, 1e-6, 1e3, "m",
+     "Reduced radius of curvature across the entrainment, which the ellipticity follows from",
+     ON_AN_ELLIPSE, false},
     {"physical.speed", REAL(physical.speed), NULL, NULL, 1e-9, 1e4, "m/s",
      "Mean velocity (u1 + u2)/2 of the surfaces", ALWAYS, false},
     {"physical.speed_1", REAL(physical.speed_1), NULL, NULL, -1e4, 1e4, "m/s",
@@ -63,6 +67,9 @@ static const setting contact_rows[] = {
      "(wlf, roelands, and barus with eta0)", ALWAYS, false},
     {"slide_roll", REAL(slide_roll), NULL, NULL, -1e6, 1e6, "1",
      "Slide-roll ratio (u1 - u2)/u_m: results then tell the traction; with physical.speed", ALWAYS, false},
+    {"ellipticity", REAL(ellipticity), NULL, NULL, 0.05, 20, "1",
+     "b/a, the half width of the dry contact across the entrainment over that along it; "
+     "or physical.radius_across says it", ON_AN_ELLIPSE, false},
     {"hertz_pressure", REAL(hertz_pressure), NULL, NULL, 1e5, 2e10, "Pa",
      "Hertz pressure, where it shall not follow from the other settings", ALWAYS, false},
     LAST_ROW};

@@ -406,6 +406,7 @@ static ehd_status scales_of_fields(unit_factors *scales, const ehdrom_contact *s
     if (self->last == LAST_SOLVED) return EHD_OK;
     const contact_frame frame = online_transient_frame(self->in_time);
     scales->length *= frame.half_width;
+    scales->length_across *= frame.half_width;
     scales->pressure *= frame.hertz_pressure;
     scales->film *= frame.film_scale;
     return EHD_OK;
@@ -421,7 +422,7 @@ ehdrom_status ehdrom_axes(ehdrom_contact *self, double *x, double *y) {
     for (size_t i = 0; x && i < whole.inner_x; i++)
         x[i] = grid_x(&whole, grid_node_of_row(&whole, i)) * scales.length;
     for (size_t l = 0; y && l < whole.inner_lines; l++)
-        y[l] = grid_y(&whole, grid_node_of_row(&whole, l * whole.inner_x)) * scales.length;
+        y[l] = grid_y(&whole, grid_node_of_row(&whole, l * whole.inner_x)) * scales.length_across;
     return EHDROM_OK;
 }
 

@@ -28,7 +28,7 @@ static double film_of(const char *name, const ehd_contact *contact) {
 // ---- a roller and a ball of steel
 
 static const double LOAD = 300e3, BALL_LOAD = 50, RADIUS = 0.0125, SPEED = 0.8, VISCOSITY = 0.08,
-                    ALPHA = 2e-8; // as in sample_scene
+                    ALPHA = 2e-8, ELLIPTICITY = 3; // alpha as in sample_scene
 
 /* A contact of this kind and modulus, in Pa. */
 static ehd_contact steel(const char *kind, double load, double modulus) {
@@ -37,6 +37,10 @@ static ehd_contact steel(const char *kind, double load, double modulus) {
     ehd_error error;
 
     strcpy(given.contact, kind);
+    if (strcmp(kind, "ellipse") == 0) {
+        given.ellipticity = ELLIPTICITY;
+        strcpy(given.boundary, "zero");
+    }
     given.physical.load = load;
     given.physical.radius = RADIUS;
     given.physical.speed = SPEED;
@@ -68,10 +72,11 @@ static void numbers_of_a_physical_contact(void **unused) {
         ehd_contact contact;
         double load;
     } cases[] = {{roller(modulus), LOAD / (modulus * RADIUS)},
-                 {ball(modulus), BALL_LOAD / (modulus * RADIUS * RADIUS)}};
+                 {ball(modulus), BALL_LOAD / (modulus * RADIUS * RADIUS)},
+                 {steel("ellipse", BALL_LOAD, modulus), BALL_LOAD / (modulus * RADIUS * RADIUS)}};
     (void)unused;
 
-    for (int i = 0; i < 2; i++) {
+    for (int i = 0; i < 3; i++) {
         const ehd_contact *contact = &cases[i].contact;
         const film_numbers numbers = film_numbers_of(contact);
         check_close(numbers.speed, VISCOSITY * SPEED / (modulus * RADIUS), 1e-12, 0);
@@ -279,6 +284,20 @@ static void slender_ellipses_are_lines(void **unused) {
         }
 }
 
+/* A contact has the numbers of its shape, with and without a modulus. */
+static void an_elliptical_contact(void **unused) {
+    const ehd_contact contact = steel("ellipse", BALL_LOAD, 226e9);
+    const ehd_contact bare = without_modulus(&contact);
+    const film_numbers expected = ellipse(ELLIPTICITY, contact.moes_M, contact.moes_L);
+    (void)unused;
+
+    for (const film_formula *formula = film_formulas; formula->name; formula++) {
+        if (formula->dimensions != 2) continue;
+        check_close(film_of(formula->name, &contact), formula->film(formula, &expected), 1e-11, 0);
+        check_close(film_of(formula->name, &bare), formula->film(formula, &expected), 1e-11, 0);
+    }
+}
+
 /* Two fits of solutions of the same authors, where both were made. */
 static void fits_agree(void **unused) {
     (void)unused;
@@ -348,6 +367,7 @@ int main(void) {
         cmocka_unit_test(a_circle_is_an_ellipse),
         cmocka_unit_test(films_of_an_ellipse),
         cmocka_unit_test(slender_ellipses_are_lines),
+        cmocka_unit_test(an_elliptical_contact),
         cmocka_unit_test(fits_agree),
         cmocka_unit_test(grubin_fits_the_inlet),
     };

@@ -87,7 +87,8 @@ static double film_by_hand(double x, const double *place, const double *pressure
     double film = approach + x * x / (2 * factor[2]);
 
     for (size_t k = 0; k < count; k++)
-        film += pressure[k] * contact_line.kernel(fabs(x - place[k]), 0, step) / factor[3];
+        film += pressure[k] * contact_line.kernel(&shape_round, fabs(x - place[k]), 0, step) /
+                factor[3];
     return film;
 }
 
