@@ -4,6 +4,7 @@
 #include "common/output/grid_file.h"
 #include "common/output/time_result.h"
 #include "common/physics/film_formulas.h"
+#include "common/physics/traction_formula.h"
 #include "common/program/program.h"
 #include "common/time/frame.h"
 #include "common/time/history.h"
@@ -55,6 +56,26 @@ void formulas_print(const contact_scalars *solution, const ehd_contact *contact)
         printf("  %-11.6g %+8.3f %%", film, 100 * (film / of_solution - 1));
         print_tail(formula, &numbers);
     }
+}
+
+void formulas_print_traction(const contact_traction *solution, const ehd_contact *contact) {
+    static const double curve[] = {0.001, 0.003, 0.01, 0.03, 0.1, 0.3, 1};
+    const double film = film_central(contact);
+    const traction_estimate own = traction_at_mean_pressure(contact, film, contact->slide_roll);
+    const bool within = own.excess >= TRACTION_MIN_EXCESS;
+
+    if (isnan(own.coefficient)) return;
+    printf("traction %-20s %-8s  %-11.6g", "evans-johnson", "friction", own.coefficient);
+    // in pure rolling both are 0
+    if (solution->coefficient != 0)
+        printf(" %+8.3f %%", 100 * (own.coefficient / solution->coefficient - 1));
+    printf("  %s; viscous stress from %g Eyring stresses on, %s: %.3g\n", traction_formula_source,
+           TRACTION_MIN_EXCESS, within ? "here" : "here outside", own.excess);
+    printf("traction %-20s", "slide-roll: friction");
+    for (size_t i = 0; i < sizeof curve / sizeof *curve; i++)
+        printf("%s %g: %.4g", i ? "," : "", curve[i],
+               traction_at_mean_pressure(contact, film, curve[i]).coefficient);
+    putchar('\n');
 }
 
 // ---- in time

@@ -130,3 +130,9 @@ film_numbers film_numbers_of(const ehd_contact *contact) {
     numbers.speed = pow(numbers.moes_L / numbers.material, 4) / 2;
     return numbers;
 }
+
+double film_central(const ehd_contact *contact) {
+    const film_numbers numbers = film_numbers_of(contact);
+
+    return (contact->kind->dimensions > 1 ? nijenbanning : moes)(NULL, &numbers);
+}

@@ -53,6 +53,9 @@ double film_nijenbanning_ellipse(double moes_M, double moes_L, double radius_rat
 /* That of the circular contact, divided by (3 M/2)^(2/3), which gives H. */
 double film_nijenbanning(double moes_M, double moes_L);
 
+/* H at the centre by the fits of Moes (lines) and of Nijenbanning, Venner and Moes. */
+double film_central(const ehd_contact *contact);
+
 /* The numbers of a contact as it is now. Its film depends on M and alpha p_H alone, and so do
  * most formulas (optimum similarity); those of Pan and Hamrock, of Hamrock and Dowson and of
  * Chittenden et al. also depend on E', by 1 % or less for 20 % of E'. E' is known in a physical scene only; else that of

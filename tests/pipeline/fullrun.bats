@@ -215,6 +215,31 @@ PYTHON
     grep -q '^moes .* central .*Moes, Wear' formulas
 }
 
+# A contact in SI units that slides, with Eyring's law: the curve goes through the scene's own point.
+@test "--formulas prints the traction curve of an Eyring fluid" {
+    cat >sliding.yml <<'YAML'
+contact: line
+regime: stationary
+physical: {load: 2.0e5, radius: 0.01, speed: 1, modulus: 2.3e11, viscosity: 0.05}
+slide_roll: 0.1
+lubricant:
+  viscosity: {law: barus, alpha: 2.0e-8}
+  shear: {law: eyring, tau0: 1.0e6}
+YAML
+    run -0 fullrun sliding.yml -o r.h5 --formulas
+    echo "$output"
+    awk -v friction="$(number r.h5 friction_coefficient)" '
+        /^traction evans-johnson +friction/ { own = 100 * ($4 / friction - 1) - $5; coefficient = $4; found = $5 }
+        /^traction slide-roll: friction/ { sub(".*[, ]0.1: ", ""); sub(",.*", ""); on_curve = $0 }
+        END { exit !(own < 0.002 && own > -0.002 && found < 5 && found > -5 &&
+                     on_curve / coefficient > 0.999 && on_curve / coefficient < 1.001) }' <<<"$output"
+    grep -q '^traction evans-johnson .*viscous stress from 100 Eyring stresses on, here: ' <<<"$output"
+    run -0 fullrun sliding.yml --formulas --set lubricant.viscosity.alpha=1.2e-8
+    grep -q '^traction evans-johnson .*, here outside: ' <<<"$output"
+    run -0 fullrun sliding.yml --formulas --set lubricant.shear.law=newtonian --set lubricant.shear.tau0=
+    [[ "$output" != *evans-johnson* ]]
+}
+
 @test "the same scene gives the same bits" {
     fullrun scene.yml -o a.h5
     fullrun scene.yml -o b.h5
