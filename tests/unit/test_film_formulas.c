@@ -235,6 +235,25 @@ static void a_circle_is_an_ellipse(void **unused) {
                         0);
 }
 
+/* As they are printed (Nijenbanning et al. 1994), where each is all that counts. */
+static void nijenbanning_goes_to_its_asymptotes(void **unused) {
+    (void)unused;
+
+    for (double ratio = 1; ratio < 60; ratio *= 3) {
+        const double lambda = 1 / ratio;
+        const double elastic = 1 + 0.006 * log(lambda) + 0.63 * pow(lambda, 4. / 7);
+        check_close(film_nijenbanning_ellipse(1e-4, 0, ratio) * 1e-8,
+                    145 * pow(1 + 0.796 * pow(lambda, 14. / 15), -15. / 7) / lambda, 1e-3, 0);
+        check_close(film_nijenbanning_ellipse(1e12, 0, ratio) * pow(1e12, 2. / 15),
+                    3.18 * pow(elastic, -14. / 25) * pow(lambda, -1. / 15), 1e-3, 0);
+        check_close(film_nijenbanning_ellipse(1e3, 1e9, ratio) / 1e6,
+                    1.29 * pow(1 + 0.691 * lambda, -2. / 3), 1e-3, 0);
+        check_close(film_nijenbanning_ellipse(1e20, 1e6, ratio) * pow(1e20, 1. / 12) /
+                        pow(1e6, 0.75),
+                    1.48 * pow(elastic, -7. / 20) * pow(lambda, -1. / 24), 1e-3, 0);
+    }
+}
+
 /* H as it is printed: h/R_x, by R_x^2/a^2. */
 static void films_of_an_ellipse(void **unused) {
     const film_numbers n = ellipse(3, 200, 10);
@@ -365,6 +384,7 @@ int main(void) {
         cmocka_unit_test(moes_goes_to_its_asymptotes),
         cmocka_unit_test(isoviscous_contact),
         cmocka_unit_test(a_circle_is_an_ellipse),
+        cmocka_unit_test(nijenbanning_goes_to_its_asymptotes),
         cmocka_unit_test(films_of_an_ellipse),
         cmocka_unit_test(slender_ellipses_are_lines),
         cmocka_unit_test(an_elliptical_contact),
