@@ -45,8 +45,8 @@ static const program_option own_options[] = {
      "compare on the same", OPTION_TEXT(grid_of)},
     {"tolerance", 0, "X", "Largest scaled residual at which Newton's iteration may end; default 1e-10",
      OPTION_REAL(tolerance, 1e-13, 1)},
-    {"formulas", 0, NULL, "Print beside the solution what published film formulas say; in time, of the contact "
-     "at each time as if it were stationary", OPTION_FLAG(formulas)},
+    {"formulas", 0, NULL, "Print beside the solution what published film formulas say, and the traction curve of an "
+     "Eyring fluid; in time, the films of the contact at each time as if it were stationary", OPTION_FLAG(formulas)},
     {"repeat", 0, "N", "Solve N times and report the median time; default 1 (stationary)",
      OPTION_COUNT(repeats, 1, 1000000)},
     {"resume", 0, NULL, "Continue an interrupted run of the same scene, where there is one (transient)",
@@ -338,7 +338,7 @@ static ehd_status report_stationary(artefact **file, const stationary_run *self,
     run_result result =
         make_result(&self->info, &self->state, contact, self->given->output.fields != 0);
     film_effects effects = film_effects_unknown();
-    contact_traction traction;
+    contact_traction traction = contact_traction_unknown();
     ehd_status status = EHD_OK;
 
     result.exits = self->exits;
@@ -358,6 +358,7 @@ static ehd_status report_stationary(artefact **file, const stationary_run *self,
     if (self->options->formulas) {
         const contact_scalars scalars = full_evaluate_scalars(&self->state, contact);
         formulas_print(&scalars, contact);
+        formulas_print_traction(&traction, contact);
     }
     return EHD_OK;
 }
@@ -498,10 +499,6 @@ static ehd_status run(const program *self, const fullrun_options *options, ehd_e
     if (transient) status = widen_for_reversal(&contact, &given, error);
     if (!status) status = take_grid(&contact, &given, options->grid_of, error);
     if (!status) status = check_usage(self, options, transient, error);
-    if (!status && options->formulas && contact.kind == &contact_ellipse)
-        status = ehd_fail(error, EHD_USAGE,
-                          "--formulas: found with the contact ellipse, expected line or point, of "
-                          "which the formulas are");
     if (!status)
         status = (transient ? run_transient : run_stationary)(self, options, &contact, &given, text,
                                                               error);

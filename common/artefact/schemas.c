@@ -324,6 +324,12 @@ static const artefact_attribute result_attributes[] = {
               "the same of a point contact"),
     ATTRIBUTE("slide_roll", ARTEFACT_REAL, "1", NEED_OPTIONAL, VALUES_ANY,
               "slide-roll ratio (u1 - u2)/u_m, where the scene gives one"),
+    ATTRIBUTE("thermal_loading", ARTEFACT_REAL, "1", NEED_OPTIONAL, VALUES_POSITIVE,
+              "thermal loading parameter of the inlet, eta0 beta u^2/k; of a scene that gives the "
+              "lubricant's conductivity, when stationary"),
+    ATTRIBUTE("inlet_heating_factor", ARTEFACT_REAL, "1", NEED_OPTIONAL, VALUES_POSITIVE,
+              "factor by which shear heating of the inlet thins the films, which are isothermal "
+              "here; not where its formula does not hold"),
     ATTRIBUTE("solve_seconds", ARTEFACT_REAL, "s", NEED_OWN, VALUES_ANY,
               "time of the solution, without reading and writing"),
     ATTRIBUTE("solve_seconds_rows", ARTEFACT_REAL, "s", NEED_OPTIONAL, VALUES_ANY,
@@ -375,7 +381,7 @@ static const artefact_attribute result_attributes[] = {
 
 const artefact_schema schema_result = {"ehdrom-result",
                                        1,
-                                       11,
+                                       12,
                                        "Solution of an elastohydrodynamic contact",
                                        result_axes,
                                        result_fields,

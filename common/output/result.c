@@ -2,6 +2,7 @@
 #include "common/output/result.h"
 
 #include "common/output/grid_file.h"
+#include "common/physics/inlet_heating.h"
 #include "common/program/arena.h"
 
 #include <math.h>
@@ -133,6 +134,18 @@ static ehd_status put_effects(artefact *file, const film_effects *effects, ehd_e
     return status;
 }
 
+/* What shear heating of the inlet does; outside of its range the factor is not known. */
+static ehd_status put_heating(artefact *file, const ehd_contact *contact, ehd_error *error) {
+    const inlet_heating heating = inlet_heating_of(contact);
+    ehd_status status = EHD_OK;
+
+    if (isfinite(heating.loading))
+        status = artefact_put_real(file, "thermal_loading", heating.loading, error);
+    if (!status && isfinite(heating.factor))
+        status = artefact_put_real(file, "inlet_heating_factor", heating.factor, error);
+    return status;
+}
+
 ehd_status result_write(artefact **file, const run_result *result, const ehd_contact *contact,
                         ehd_error *error) {
     ehd_status status = put_fields(*file, result, &contact->grid, error);
@@ -142,6 +155,7 @@ ehd_status result_write(artefact **file, const run_result *result, const ehd_con
     if (!status && result->traction && result->pressure && result->film)
         status = traction_put_stresses(*file, 0, contact, result->pressure, result->film, error);
     if (!status) status = put_effects(*file, result->effects, error);
+    if (!status) status = put_heating(*file, contact, error);
     if (!status) status = result_put_seconds(*file, result, error);
     if (!status) return artefact_finish(file, error);
     artefact_close(file);
@@ -199,6 +213,19 @@ static void print_indicated(const double *indicated) {
     putchar('\n');
 }
 
+/* A line of what shear heating of the inlet does, where something is known of it. */
+static void print_heating(const ehd_contact *contact) {
+    const inlet_heating heating = inlet_heating_of(contact);
+
+    if (!isfinite(heating.loading)) return;
+    printf("%-24s", "inlet shear heating");
+    if (isfinite(heating.factor))
+        printf("%.4f of the films above, which are isothermal", heating.factor);
+    else
+        printf("not known, outside of the range of its formula");
+    printf(" (thermal loading %.3g)\n", heating.loading);
+}
+
 void result_print(const run_result *result, const ehd_contact *contact) {
     const double micro = 1e6;
     const double film = contact_film_scale(contact) * micro;
@@ -215,6 +242,7 @@ void result_print(const run_result *result, const ehd_contact *contact) {
     print_value("minimum film thickness", result->minimum_film_thickness, film, "µm");
     print_parts(result->indicated_deviation_minimum, effects.of[EFFECT_STEP_MINIMUM],
                 effects.of[EFFECT_INLET_MINIMUM]);
+    print_heating(contact);
     print_value("central pressure", result->central_pressure, pressure, "GPa");
     print_value("rigid approach", result->rigid_approach, film, "µm");
     print_value("exit position", result->exit_position, width, "µm");

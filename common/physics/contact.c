@@ -4,6 +4,7 @@
 #include "common/physics/film_formulas.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 // ---- line contact
@@ -423,18 +424,34 @@ bool grid_same(const ehd_grid *a, const ehd_grid *b) {
            fabs(a->x_min - b->x_min) <= slack && fabs(a->step - b->step) <= slack;
 }
 
+/* A viscosity that is given is that of the law, at its temperature, where the law has one. */
+static ehd_status check_viscosity(double viscosity, const ehd_lubricant *lubricant,
+                                  ehd_error *error) {
+    const double eta0 = lubricant->eta0; // NaN where the law has none
+    char where[48] = "";
+
+    if (isnan(eta0) ? !isnan(viscosity) : fabs(viscosity - eta0) <= 0.01 * eta0) return EHD_OK;
+    if (isnan(eta0))
+        return ehd_fail(error, EHD_DATA,
+                        "physical.viscosity: found nothing, expected a value with the law %s",
+                        lubricant->viscosity->name);
+    if (!isnan(lubricant->temperature))
+        snprintf(where, sizeof where, " and the temperature of %g degC", lubricant->temperature);
+    return ehd_fail(error, EHD_DATA,
+                    "physical.viscosity: found %g, expected %.6g Pa s, the lubricant's own at "
+                    "zero pressure%s, within 1 %%, or nothing",
+                    viscosity, eta0, where);
+}
+
 /* Moes numbers and scales from load, radius, speed, modulus and viscosity. */
 static ehd_status contact_from_physical(ehd_contact *contact, const contact_settings *given,
                                         ehd_error *error) {
-    double eta0 = contact->lubricant.eta0; // NaN where the law has none
+    const double viscosity = isnan(given->viscosity) ? contact->lubricant.eta0 : given->viscosity;
+    ehd_status status = check_viscosity(viscosity, &contact->lubricant, error);
 
-    if (!isnan(eta0) && fabs(given->viscosity - eta0) > 0.01 * eta0)
-        return ehd_fail(error, EHD_DATA,
-                        "physical.viscosity: found %g, expected %.6g Pa s, the lubricant's own "
-                        "at zero pressure, within 1 %%",
-                        given->viscosity, eta0);
+    if (status) return status;
     double sum_speed = 2 * given->speed;
-    double speed_number = given->viscosity * sum_speed / (given->modulus * given->radius);
+    double speed_number = viscosity * sum_speed / (given->modulus * given->radius);
     double load_number =
         given->load / (given->modulus * pow(given->radius, contact->kind->dimensions));
     contact->moes_M = contact->kind->physical_M(load_number, speed_number);
@@ -442,8 +459,24 @@ static ehd_status contact_from_physical(ehd_contact *contact, const contact_sett
     contact->load = given->load;
     contact->radius = given->radius;
     contact->speed = given->speed;
+    contact->modulus = given->modulus;
+    contact->viscosity = viscosity;
     contact->half_width =
         contact->kind->half_width(&contact->grid.shape, given->load, given->radius, given->modulus);
+    return EHD_OK;
+}
+
+/* What the factor of the inlet's heating needs, where a scene asks for it. */
+static ehd_status check_heating(const ehd_contact *contact, ehd_error *error) {
+    if (isnan(contact->lubricant.thermal_conductivity)) return EHD_OK;
+    if (isnan(contact->speed))
+        return ehd_fail(error, EHD_DATA,
+                        "lubricant.thermal_conductivity: found a value with moes, expected it with "
+                        "physical, whose speed heats the inlet");
+    if (isnan(contact->lubricant.temperature_coefficient))
+        return ehd_fail(error, EHD_DATA,
+                        "lubricant.viscosity.temperature_coefficient: found nothing, expected a "
+                        "value with lubricant.thermal_conductivity");
     return EHD_OK;
 }
 
@@ -485,6 +518,8 @@ ehd_status contact_init(ehd_contact *contact, const contact_settings *given, ehd
         .radius = NAN,
         .load = NAN,
         .speed = NAN,
+        .modulus = NAN,
+        .viscosity = NAN,
         .slide_roll = NAN};
     ehd_status status = check_shape(&contact->grid.shape, given, error);
     if (!status) status = lubricant_init(&contact->lubricant, &given->lubricant, error);
@@ -497,6 +532,8 @@ ehd_status contact_init(ehd_contact *contact, const contact_settings *given, ehd
         contact->moes_M = given->moes_M;
         contact->moes_L = given->moes_L;
     }
+    status = check_heating(contact, error);
+    if (status) return status;
     contact_set_moes(contact, contact->moes_M, contact->moes_L);
     // a given Hertz pressure overrides the one that L implies; L is then only reported
     if (!isnan(given->hertz_pressure)) {

@@ -211,6 +211,8 @@ typedef struct ehd_contact {
     double radius;           // m, the same
     double load;             // N/m or N, NaN unless the scene is physical
     double speed;            // m/s, mean of the two surfaces, NaN unless the scene is physical
+    double modulus;          // Pa, E', NaN unless the scene is physical
+    double viscosity;        // Pa s, at zero pressure, NaN unless the scene is physical
     double slide_roll;       // (u1 - u2)/speed, NaN: traction is not asked for
 } ehd_contact;
 
@@ -236,7 +238,7 @@ typedef struct contact_settings {
     double ellipticity;    // of an ellipse, b/a; not used with radius_across
     double speed;          // m/s, mean of the two surfaces
     double modulus;        // Pa, E' = 2/[(1-nu1^2)/E1 + (1-nu2^2)/E2]
-    double viscosity;      // Pa s at zero pressure
+    double viscosity;      // Pa s at zero pressure; NaN: the law's own
     double hertz_pressure; // Pa; NaN: the one that M, L and the lubricant imply
     bool approach_given;   // instead of the load
     double

@@ -28,7 +28,8 @@ typedef enum law_need {
 } law_need;
 
 /* A parameter of a law: a key below lubricant.viscosity, lubricant.density or lubricant.shear. Where several laws
- * of a table have the same key, all of them describe it in the same way. */
+ * of a table have the same key, all of them describe it in the same way; only whether a scene must
+ * give it and its default are each law's own. */
 typedef struct law_parameter {
     const char *key; // "alpha"
     law_need need;
@@ -52,9 +53,10 @@ typedef struct law_settings {
 } law_settings;
 
 typedef struct lubricant_settings {
-    law_settings viscosity; // one of viscosity_laws
-    law_settings density;   // one of density_laws
-    law_settings shear;     // one of shear_laws; "": the first one
+    law_settings viscosity;      // one of viscosity_laws
+    law_settings density;        // one of density_laws
+    law_settings shear;          // one of shear_laws; "": the first one
+    double thermal_conductivity; // W/(m K), of what the inlet's heating does; NaN: not given
 } lubricant_settings;
 
 typedef struct ehd_lubricant ehd_lubricant;
@@ -88,20 +90,34 @@ struct ehd_lubricant {
     double density_constants[MAX_LAW_CONSTANTS];
     double shear_constants[MAX_LAW_CONSTANTS];
     double thinning_stress; // Pa, Eyring's, where the law thins the flow too; 0: it does not
-    double eta0;            // Pa s, viscosity at zero pressure; NaN where the law has none
+    double eta0; // Pa s, viscosity at zero pressure and the temperature; NaN where the law has none
     double alpha; // 1/Pa, the coefficient behind the Moes number L (README.md, lubricants); by
                   // default the derivative of ln(eta) at zero pressure
     double pressure_limit; // Pa, the law is not to be used above; by default infinite
+    double temperature;    // degC; NaN where the law is not at a temperature
+    // 1/K, -d ln(eta0)/dT at the temperature; NaN where it is not known
+    double temperature_coefficient;
+    double thermal_conductivity; // W/(m K); NaN where it is not known
 };
 
 size_t law_num_parameters(const lubricant_law *law);
 
-/* The keys of a table of laws, each once, in the order of the laws: number `slot`, or NULL. Those
- * beyond MAX_LAW_KEYS have no number. */
+/* The law's parameter of this key, or NULL. */
+const law_parameter *law_key(const lubricant_law *law, const char *key);
+
+/* The keys of a table of laws, each once, in the order of the laws and where the last law that has
+ * it stands: number `slot`, or NULL. Those beyond MAX_LAW_KEYS have no number. It is the order of
+ * stored scenes too, which must not change. */
 const law_parameter *laws_key(const lubricant_law *const *laws, size_t slot);
 
 /* The number of a key; MAX_LAW_KEYS where it has none. */
 size_t laws_slot(const lubricant_law *const *laws, const char *key);
+
+/* The default that all laws with this key share, or NULL. */
+const char *laws_default(const lubricant_law *const *laws, const char *key);
+
+/* Whether all laws with this key need it. */
+bool laws_require(const lubricant_law *const *laws, const char *key);
 
 /* NULL where there is no such law. */
 const lubricant_law *laws_find(const lubricant_law *const *laws, const char *name);

@@ -32,8 +32,8 @@ typedef struct history_settings {
     char interpolation[8]; // spline, linear
 } history_settings;
 
-/* The five of `physical`, or none; in place of the mean speed those of both surfaces, and of an
- * ellipse perhaps another radius. */
+/* The five of `physical`, or none; in place of the mean speed those of both surfaces, of an ellipse
+ * perhaps another radius, and the viscosity may be left to a law that has its own. */
 typedef struct physical_settings {
     double load;          // N/m of a line contact, N of a point contact
     double radius;        // m

@@ -50,6 +50,14 @@ static ehd_status check_whole(const scene_source *source, const char *name, cons
                       count->all, count->missing);
 }
 
+/* Whether it has all keys of physical but the viscosity, which the law has. A lubricant that is wrong
+ * is told elsewhere. */
+static bool has_viscosity_of_law(const key_count *physical, const scene *of) {
+    ehd_lubricant lubricant;
+    return physical->given + 1 == physical->all && isnan(of->physical.viscosity) &&
+           (lubricant_init(&lubricant, &of->lubricant, NULL) || !isnan(lubricant.eta0));
+}
+
 /* The five of `physical` that every contact needs: either the mean speed counts, or both surfaces' where one of them is given. */
 static key_count count_physical(bool *both_speeds, const scene *of) {
     static const char *const own[] = {"physical.speed_1", "physical.speed_2"};
@@ -98,7 +106,8 @@ static ehd_status check_operating_point(const scene_source *source, ehd_error *e
         return place_fail(error, where, "moes: found moes and physical, expected only one");
     ehd_status status = check_whole(source, "moes", &moes, error);
     if (!status) status = check_speeds(source, both_speeds, error);
-    return status ? status : check_whole(source, "physical", &physical, error);
+    if (status || has_viscosity_of_law(&physical, &source->values)) return status;
+    return check_whole(source, "physical", &physical, error);
 }
 
 /* The traction's stresses are in pascals, and a law of shear is for the traction. */
@@ -154,8 +163,27 @@ static bool same_reason(const setting *left, const setting *right) {
     return a && b ? strcmp(a, b) == 0 : a == b;
 }
 
+/* Whether the scene's law needs a key that other laws may do without. */
+static bool law_needs(const setting *row, const scene *of) {
+    const struct {
+        const char *group;
+        const lubricant_law *const *laws;
+        const char *name;
+    } groups[] = {{"lubricant.viscosity.", viscosity_laws, of->lubricant.viscosity.law},
+                  {"lubricant.density.", density_laws, of->lubricant.density.law}};
+    for (size_t i = 0; row->when[0].key && i < sizeof groups / sizeof *groups; i++) {
+        const size_t length = strlen(groups[i].group);
+        if (strncmp(row->key, groups[i].group, length) != 0) continue;
+        const lubricant_law *law = laws_find(groups[i].laws, groups[i].name);
+        const law_parameter *parameter = law ? law_key(law, row->key + length) : NULL;
+        return parameter && parameter->need == LAW_REQUIRED;
+    }
+    return false;
+}
+
 static bool is_missing(const setting *row, const scene *of) {
-    return row->required && !setting_is_given(row, of) && !setting_unmet(row, of);
+    return !setting_is_given(row, of) && (row->required || law_needs(row, of)) &&
+           !setting_unmet(row, of);
 }
 
 /* All required keys are given. */

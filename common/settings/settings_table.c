@@ -63,7 +63,8 @@ static const setting contact_rows[] = {
     {"physical.modulus", REAL(physical.modulus), NULL, NULL, 1e3, 1e13, "Pa",
      "Reduced modulus 2/[(1 - nu1^2)/E1 + (1 - nu2^2)/E2]", ALWAYS, false},
     {"physical.viscosity", REAL(physical.viscosity), NULL, NULL, 1e-6, 1e6, "Pa s",
-     "Viscosity at zero pressure", ALWAYS, false},
+     "Viscosity at zero pressure and the lubricant's temperature; may be left out where the law has its own "
+     "(wlf, roelands, and barus with eta0)", ALWAYS, false},
     {"slide_roll", REAL(slide_roll), NULL, NULL, -1e6, 1e6, "1",
      "Slide-roll ratio (u1 - u2)/u_m: results then tell the traction; with physical.speed", ALWAYS, false},
     {"ellipticity", REAL(ellipticity), NULL, NULL, 0.05, 20, "1",
@@ -74,6 +75,9 @@ static const setting contact_rows[] = {
     LAST_ROW};
 
 static const setting run_rows[] = {
+    {"lubricant.thermal_conductivity", REAL(lubricant.thermal_conductivity), NULL, NULL, 1e-3, 1e3, "W/(m K)",
+     "Thermal conductivity of the lubricant: results then tell beside the films, which are isothermal, the factor "
+     "by which shear heating of the inlet thins them", {{"regime", "stationary"}}, false},
     {"discretization", CHOICE(discretization), "accurate", "accurate|published", 0, 0, "1",
      "How the equations are discretised on the grid: by rows of higher order, or as published",
      ALWAYS, false},
@@ -217,14 +221,14 @@ static void add_laws(const char *group, size_t offset, const lubricant_law *cons
                              .offset =
                                  offset + offsetof(law_settings, values) + slot * sizeof(law_value),
                              .size = sizeof(law_value),
-                             .default_value = parameter->default_value,
+                             .default_value = laws_default(laws, parameter->key),
                              .choices = parameter->choices,
                              .min = parameter->min,
                              .max = parameter->max,
                              .unit = parameter->unit,
                              .help = parameter->help,
                              .when = {{law.key, make_text("%s", list)}},
-                             .required = parameter->need == LAW_REQUIRED};
+                             .required = laws_require(laws, parameter->key)};
         add_row(&row);
     }
 }

@@ -245,7 +245,8 @@ static void take_regime(scene *of, const ehdrom_contact *self, bool in_time) {
             starts_with(row->key, "transport") || starts_with(row->key, "transient.smoothing");
         if (starts_with(row->key, "output.") || strcmp(row->key, "approach") == 0 ||
             (starts_with(row->key, "transient.") && !(in_time && how_carried)) ||
-            (how_carried && !in_time) || (strcmp(row->key, "approach_length") == 0 && !in_time))
+            (how_carried && !in_time) || (strcmp(row->key, "approach_length") == 0 && !in_time) ||
+            (strcmp(row->key, "lubricant.thermal_conductivity") == 0 && in_time))
             setting_clear(row, of);
     }
     take_shape(of, self);

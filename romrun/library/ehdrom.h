@@ -206,9 +206,12 @@ typedef struct ehdrom_result {
     double local_error; /* of this step, relative to the central film; 0: not known yet */
     double residual;    /* of the reduced equations */
     size_t iterations;
+    /* of ehdrom_solve, where lubricant.thermal_conductivity is set: the factor by which shear heating of the inlet
+     * thins the films, which are isothermal here; NaN: not known, in time too, or outside of its formula's range */
+    double inlet_heating_factor;
 } ehdrom_result;
 #define EHDROM_RESULT_INIT                                                                         \
-    { sizeof(ehdrom_result), 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0 }
+    { sizeof(ehdrom_result), 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0 }
 
 /* The stationary solution of the settings. */
 EHDROM_API ehdrom_status ehdrom_solve(ehdrom_contact *contact, ehdrom_result *result);

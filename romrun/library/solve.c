@@ -3,6 +3,7 @@
 #include "romrun/library/internal.h"
 
 #include "common/output/grid_file.h"
+#include "common/physics/inlet_heating.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -70,7 +71,8 @@ static ehd_status solve(ehdrom_contact *self, ehdrom_result *result) {
                          .indicated_deviation = found.indicated,
                          .indicated_deviation_minimum = found.indicated_minimum,
                          .residual = found.residual,
-                         .iterations = found.iterations};
+                         .iterations = found.iterations,
+                         .inlet_heating_factor = inlet_heating_of(&self->solved).factor};
     fill(&own, &found.scalars, found.peak_pressure, 1, &self->solved_units);
     if (found.status != EHD_NOT_CONVERGED) {
         self->last = LAST_SOLVED;
@@ -194,7 +196,8 @@ static ehd_status give_state(ehdrom_contact *self, ehdrom_result *result,
                          .indicated_deviation_minimum = state->indicated_minimum,
                          .local_error = state->local_error,
                          .residual = state->residual,
-                         .iterations = state->iterations};
+                         .iterations = state->iterations,
+                         .inlet_heating_factor = NAN};
     const double peak =
         state->status == EHD_NOT_CONVERGED ? NAN : online_transient_peak(self->in_time);
 

@@ -112,9 +112,13 @@ PYTHON
     refused "boundary: found open, expected zero" --set boundary=open
 }
 
-@test "formulas of round contacts are not those of an ellipse" {
-    run -64 fullrun scene.yml --formulas
-    [[ $output == *"--formulas: found with the contact ellipse"* ]]
+@test "formulas of an ellipse stand beside its solution" {
+    run -0 fullrun scene.yml --formulas
+    echo "$output"
+    [ "$(sed -n 's/^formula \([a-z-]*\) .*/\1/p' <<<"$output" | tr '\n' ' ')" = \
+        "nijenbanning hamrock-dowson-central hamrock-dowson-minimum chittenden-central chittenden-minimum " ]
+    run -0 fullrun scene.yml --formulas --set ellipticity=0.8
+    [ "$(grep -c 'b/a from 1.*, here outside: 0.8$' <<<"$output")" -eq 3 ]
 }
 
 @test "a start of another ellipse is refused" {

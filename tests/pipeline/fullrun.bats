@@ -215,6 +215,31 @@ PYTHON
     grep -q '^moes .* central .*Moes, Wear' formulas
 }
 
+# A contact in SI units that slides, with Eyring's law: the curve goes through the scene's own point.
+@test "--formulas prints the traction curve of an Eyring fluid" {
+    cat >sliding.yml <<'YAML'
+contact: line
+regime: stationary
+physical: {load: 2.0e5, radius: 0.01, speed: 1, modulus: 2.3e11, viscosity: 0.05}
+slide_roll: 0.1
+lubricant:
+  viscosity: {law: barus, alpha: 2.0e-8}
+  shear: {law: eyring, tau0: 1.0e6}
+YAML
+    run -0 fullrun sliding.yml -o r.h5 --formulas
+    echo "$output"
+    awk -v friction="$(number r.h5 friction_coefficient)" '
+        /^traction evans-johnson +friction/ { own = 100 * ($4 / friction - 1) - $5; coefficient = $4; found = $5 }
+        /^traction slide-roll: friction/ { sub(".*[, ]0.1: ", ""); sub(",.*", ""); on_curve = $0 }
+        END { exit !(own < 0.002 && own > -0.002 && found < 5 && found > -5 &&
+                     on_curve / coefficient > 0.999 && on_curve / coefficient < 1.001) }' <<<"$output"
+    grep -q '^traction evans-johnson .*viscous stress from 100 Eyring stresses on, here: ' <<<"$output"
+    run -0 fullrun sliding.yml --formulas --set lubricant.viscosity.alpha=1.2e-8
+    grep -q '^traction evans-johnson .*, here outside: ' <<<"$output"
+    run -0 fullrun sliding.yml --formulas --set lubricant.shear.law=newtonian --set lubricant.shear.tau0=
+    [[ "$output" != *evans-johnson* ]]
+}
+
 @test "the same scene gives the same bits" {
     fullrun scene.yml -o a.h5
     fullrun scene.yml -o b.h5
@@ -460,6 +485,50 @@ lubricant:
 YAML
     refused 65 "physical.yml: physical.viscosity: found 0.5, expected 0.05" \
         fullrun physical.yml -o r.h5
+}
+
+# An oil of 40 degC at another temperature: the film is that of the viscosity there, which the scene may give.
+@test "a temperature stands for the viscosity that it makes" {
+    cat >hot.yml <<'YAML'
+contact: line
+regime: stationary
+physical: {load: 1.0e5, radius: 0.01, speed: 1, modulus: 2.3e11}
+lubricant:
+  viscosity: {law: barus, eta0: 0.05, alpha: 2.0e-8, temperature: 60, reference_temperature: 40, temperature_coefficient: 0.03}
+YAML
+    fullrun hot.yml -o hot.h5 --quiet
+    sed -e 's/eta0: 0.05, alpha.*/alpha: 2.0e-8}/' -e 's/2.3e11/2.3e11, viscosity: 0.02744058180470132/' hot.yml >known.yml
+    fullrun known.yml -o known.h5 --quiet
+    for name in moes_M moes_L central_film_thickness film_unit; do
+        close_to "$(number hot.h5 $name)" "$(number known.h5 $name)" 1e-12
+    done
+    refused 65 "hot.yml: physical.viscosity: found 0.05, expected 0.0274406 .*temperature of 60 degC" \
+        fullrun hot.yml -o r.h5 --set physical.viscosity=0.05
+    refused 65 "hot.yml: lubricant.viscosity.reference_temperature: found nothing" \
+        fullrun hot.yml -o r.h5 --set lubricant.viscosity.reference_temperature=
+}
+
+@test "the inlet's heating is a factor beside films that do not change, or unknown" {
+    cat >hot.yml <<'YAML'
+contact: line
+regime: stationary
+physical: {load: 1.0e5, radius: 0.01, speed: 2, modulus: 2.3e11, viscosity: 0.05}
+lubricant:
+  viscosity: {law: barus, alpha: 2.0e-8, temperature_coefficient: 0.03}
+YAML
+    fullrun hot.yml -o cold.h5 --quiet
+    [ -z "$(fullrun --print cold.h5 inlet_heating_factor 2>&1 | grep '^[0-9]')" ]
+    run -0 fullrun hot.yml -o hot.h5 --set lubricant.thermal_conductivity=0.14
+    grep 'inlet shear heating     0\.9[0-9]* of the films above, which are isothermal (thermal loading 0.0429)' <<<"$output"
+    close_to "$(number hot.h5 thermal_loading)" 0.042857142857142858 1e-12
+    [ "$(number hot.h5 central_film_thickness)" = "$(number cold.h5 central_film_thickness)" ]
+    fullrun --check hot.h5
+    run -0 fullrun hot.yml -o far.h5 --set lubricant.thermal_conductivity=0.001 --set physical.speed=20
+    grep 'inlet shear heating     not known, outside of the range of its formula (thermal loading 600)' <<<"$output"
+    refused 65 "thermal_conductivity: found a value, expected none with the regime transient" \
+        fullrun hot.yml -o r.h5 --set lubricant.thermal_conductivity=0.14 --set regime=transient --set transient.end_time=1
+    refused 65 "temperature_coefficient: found nothing" \
+        fullrun hot.yml -o r.h5 --set lubricant.thermal_conductivity=0.14 --set lubricant.viscosity.temperature_coefficient=
 }
 
 # ---- not converged
