@@ -40,10 +40,15 @@ const law_parameter *laws_key(const lubricant_law *const *laws, size_t slot) {
 }
 
 size_t laws_slot(const lubricant_law *const *laws, const char *key) {
-    const law_parameter *parameter;
+    size_t slot = 0;
 
-    for (size_t slot = 0; (parameter = laws_key(laws, slot)); slot++)
-        if (strcmp(parameter->key, key) == 0) return slot;
+    for (const lubricant_law *const *law = laws; *law; law++)
+        for (size_t i = 0; i < law_num_parameters(*law); i++) {
+            if (!is_last_with(law, (*law)->parameters[i].key)) continue;
+            if (slot == MAX_LAW_KEYS) return MAX_LAW_KEYS;
+            if (strcmp((*law)->parameters[i].key, key) == 0) return slot;
+            slot++;
+        }
     return MAX_LAW_KEYS;
 }
 
