@@ -176,6 +176,7 @@ static struct {
     size_t num_rows;
     char texts[MAX_TEXTS][TEXT_ROOM];
     size_t num_texts;
+    const setting *of_condition[MAX_ROWS + 1][MAX_CONDITIONS]; // rows that the conditions are on
 } table;
 
 /* A text stored with the table. */
@@ -247,6 +248,15 @@ static void add_history(int quantity) {
     }
 }
 
+/* Looked up once: each case of a table of cases asks for all of them. */
+static void find_conditions(void) {
+    for (size_t r = 0; r < table.num_rows; r++)
+        for (size_t i = 0; i < MAX_CONDITIONS && table.rows[r].when[i].key; i++)
+            for (size_t other = 0; other < r; other++)
+                if (strcmp(table.rows[other].key, table.rows[r].when[i].key) == 0)
+                    table.of_condition[r][i] = &table.rows[other];
+}
+
 static void make_table(void) {
     add_rows(contact_rows);
     add_laws("lubricant.viscosity", offsetof(scene, lubricant.viscosity), viscosity_laws, true,
@@ -259,6 +269,7 @@ static void make_table(void) {
     add_rows(run_rows);
     for (int i = 0; i < NUM_VARY; i++)
         add_history(i);
+    find_conditions();
 }
 
 const setting *scene_settings(void) {
@@ -420,7 +431,7 @@ static const char *const_text_at(const setting *row, const scene *of) {
 
 const setting_condition *setting_unmet(const setting *row, const scene *of) {
     for (size_t i = 0; i < MAX_CONDITIONS && row->when[i].key; i++) {
-        const setting *other = setting_find(row->when[i].key);
+        const setting *other = table.of_condition[setting_index(row)][i];
         const setting_condition *unmet = setting_unmet(other, of);
         if (unmet) return unmet;
         if (!setting_has_choice(row->when[i].values, const_text_at(other, of)))
