@@ -887,6 +887,13 @@ static const artefact_field cases_fields[] = {
     REAL("point_load", "N", NEED_OPTIONAL, VALUES_ANY, "load of a point contact", "case"),
     REAL("radius", "m", NEED_OPTIONAL, VALUES_ANY, "reduced radius R", "case"),
     REAL("speed", "m s-1", NEED_OPTIONAL, VALUES_ANY, "mean speed of both surfaces", "case"),
+    REAL("thermal_loading", "1", NEED_OPTIONAL, VALUES_ANY,
+         "thermal loading parameter of the inlet, of scenes with the lubricant's conductivity",
+         "case"),
+    REAL("inlet_heating_factor", "1", NEED_OPTIONAL, VALUES_ANY,
+         "factor by which shear heating of the inlet thins the films, which are isothermal here; "
+         "NaN where its formula does not hold",
+         "case"),
     SCALED("central_film_thickness", film_of_case, NEED_OWN, VALUES_ANY,
            "film thickness H at X = 0 (Y = 0); this and all that follow up to the indicated "
            "deviations NaN where the scene did not converge",
@@ -917,7 +924,7 @@ static const artefact_attribute cases_attributes[] = {
 
 const artefact_schema schema_cases = {"ehdrom-cases",
                                       1,
-                                      1,
+                                      2,
                                       "Solutions of many elastohydrodynamic contacts",
                                       cases_axes,
                                       cases_fields,

@@ -4,6 +4,7 @@
 #include "common/artefact/table.h"
 #include "common/output/grid_file.h"
 #include "common/output/print.h"
+#include "common/physics/inlet_heating.h"
 #include "common/program/arena.h"
 #include "common/program/output_file.h"
 
@@ -31,6 +32,8 @@ static const struct {
     {"point_load", offsetof(case_row, load)},
     COLUMN(radius),
     COLUMN(speed),
+    COLUMN(thermal_loading),
+    COLUMN(inlet_heating_factor),
     COLUMN(central_film_thickness),
     COLUMN(minimum_film_thickness),
     COLUMN(central_pressure),
@@ -46,6 +49,8 @@ static const struct {
 enum { NUM_COLUMNS = sizeof columns / sizeof *columns, NOT_WRITTEN = -1 };
 
 case_row case_row_of(const ehd_contact *contact) {
+    const inlet_heating heating = inlet_heating_of(contact);
+
     return (case_row){.moes_M = contact->moes_M,
                       .moes_L = contact->moes_L,
                       .alpha_p_H = contact->alpha_p_H,
@@ -55,6 +60,8 @@ case_row case_row_of(const ehd_contact *contact) {
                       .load = contact->load,
                       .radius = contact->radius,
                       .speed = contact->speed,
+                      .thermal_loading = heating.loading,
+                      .inlet_heating_factor = heating.factor,
                       .central_film_thickness = NAN,
                       .minimum_film_thickness = NAN,
                       .central_pressure = NAN,

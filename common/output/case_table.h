@@ -13,10 +13,11 @@ typedef struct case_row {
     double moes_M, moes_L, alpha_p_H;
     double hertz_pressure; // Pa
     // of a scene in SI units:
-    double half_width, film_unit; // m
-    double load;                  // N/m of a line contact, N of a point contact
-    double radius;                // m
-    double speed;                 // m/s
+    double half_width, film_unit;                 // m
+    double load;                                  // N/m of a line contact, N of a point contact
+    double radius;                                // m
+    double speed;                                 // m/s
+    double thermal_loading, inlet_heating_factor; // of a scene with the lubricant's conductivity
     double central_film_thickness, minimum_film_thickness;
     double central_pressure, peak_pressure;
     double rigid_approach;

@@ -11,7 +11,7 @@ typedef struct contact_shape {
     double ellipticity; // b/a, as k of Hamrock and Dowson
     double gap_across;  // R_x b^2/(R_y a^2): of Y^2/2 in the gap
     double flow_across; // (a/b)^2
-    double compliance;  // w R_x/(E' a^3) over that of the circle, 2 A/pi of README.md
+    double compliance;  // E' a^3/(w R_x) over that of the circle, 2 A/pi of README.md
 } contact_shape;
 
 /* Of a circle, and of a line contact. */

@@ -85,7 +85,17 @@ for row, again, load in zip(rows, printed, (60e3, 62e3)):
     assert close("half_width [m]", a) and close("line_load [N m-1]", load) and close("hertz_pressure [Pa]", 2 * load / (math.pi * a))
     assert close("minimum_film_thickness [m]", float(row["minimum_film_thickness"]) * a * a / 0.01)
     assert close("central_pressure [Pa]", float(row["central_pressure"]) * 2 * load / (math.pi * a))
-assert "point_load [N]" not in rows[0]
+assert "point_load [N]" not in rows[0] and "inlet_heating_factor" not in rows[0]
+PYTHON
+    # what the inlet's heating does to each, which its result has too
+    heated="--set lubricant.thermal_conductivity=0.14 --set lubricant.viscosity.temperature_coefficient=0.03"
+    romrun si.yml --cases cases.csv --model c.h5 -o hot.csv --quiet --allow-untrusted $heated >/dev/null
+    romrun si.yml --model c.h5 -o one.h5 --quiet --allow-untrusted $heated --set physical.load=62e3 --set physical.speed=0.21
+    /usr/bin/python3 - "$(number one.h5 inlet_heating_factor)" "$(number one.h5 thermal_loading)" <<'PYTHON'
+import csv, sys
+row, cold = (list(csv.DictReader(open(name)))[1] for name in ("hot.csv", "t.csv"))
+assert float(row["inlet_heating_factor"]) == float(sys.argv[1]) < 1 and float(row["thermal_loading"]) == float(sys.argv[2])
+assert row["minimum_film_thickness"] == cold["minimum_film_thickness"]
 PYTHON
 }
 

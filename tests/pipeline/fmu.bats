@@ -173,6 +173,9 @@ PYTHON
     run -73 romrun --fmu scene.yml --model m.h5 -o 3.fmu
     run -65 romrun --fmu scene.yml --model m.h5 -o "$all/x.fmu" --set physical.load= --set physical.radius= \
         --set physical.speed= --set physical.modulus= --set physical.viscosity= --set moes.M=10 --set moes.L=4
+    run -65 romrun --fmu scene.yml --model m.h5 -o "$all/x.fmu" --set lubricant.thermal_conductivity=0.14 \
+        --set lubricant.viscosity.temperature_coefficient=0.03
+    [[ $output == *"lubricant.thermal_conductivity: found a value, expected none in an FMU"* ]]
     run -66 romrun --fmu scene.yml --model none.h5 -o "$all/x.fmu"
     SOURCE_DATE_EPOCH=now run -64 romrun --fmu scene.yml --model m.h5 -o "$all/x.fmu"
     [ ! -e "$all/x.fmu" ]
