@@ -200,6 +200,8 @@ typedef struct ehd_contact {
     double radius;           // m, NaN unless the scene is physical
     double load;             // N/m or N, NaN unless the scene is physical
     double speed;            // m/s, mean of the two surfaces, NaN unless the scene is physical
+    // in time what one of them has (common/time/surface.h); NULL: both are smooth
+    const struct ehd_surface *surface;
 } ehd_contact;
 
 /* The scalars of a solution, in the contact's own frame. */
