@@ -76,6 +76,7 @@ typedef struct surface_settings {
     double depth, radius;
     char file[256]; // relative to the working folder
     char column[64];
+    char across[64]; // column of y; "": the table is of x alone
 } surface_settings;
 
 /* Values that are not given and have no default are NaN, "" or -1. */

@@ -142,6 +142,9 @@ static const setting surface_rows[] = {
      "smooth where it ends", ON_A_SURFACE("file"), true},
     {"surface.column", WORD(surface.column), NULL, NULL, 0, 0, "1",
      "Column or dataset of the heights, by which the gap grows", ON_A_SURFACE("file"), true},
+    {"surface.across", WORD(surface.across), NULL, NULL, 0, 0, "1",
+     "Column or dataset of y, of a table on a grid, x fastest; without it heights are the same across",
+     {{"surface.kind", "file"}, {"contact", "point"}}, false},
     LAST_ROW};
 
 /* The keys of one history, below "transient.<quantity>.". */

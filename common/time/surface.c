@@ -23,9 +23,10 @@ typedef struct surface_kind surface_kind;
 struct ehd_surface {
     const surface_kind *kind;
     surface_settings given;
-    double *x, *values; // [count], of a table
-    size_t count;
-    spline *spline;
+    bool is_half;           // the contact
+    double *x, *y, *values; // [count], of a table; y NULL: it is of one line
+    size_t count, num_x, num_lines;
+    spline **lines;     // [num_lines]
     double front, rear; // x up to which, and from which on, it is not smooth
     double length;      // sqrt(height/curvature), of the largest ones: what a step is measured by
 };
@@ -92,32 +93,85 @@ static double dent_height(const ehd_surface *self, double x, double y) {
 
 // ---- table
 
-static ehd_status check_table(const ehd_surface *self, ehd_error *error) {
-    const char *path = self->given.file, *column = self->given.column;
-    const size_t last = self->count - 1;
+static ehd_status check_row(const ehd_surface *self, size_t i, ehd_error *error) {
+    const char *path = self->given.file;
+    const double x = self->x[i], y = self->y ? self->y[i] : 0;
 
-    if (self->count < MIN_ROWS)
-        return ehd_fail(error, EHD_DATA, "%s: found %zu row%s, expected at least %d", path,
-                        self->count, self->count == 1 ? "" : "s", MIN_ROWS);
-    for (size_t i = 0; i < self->count; i++) {
-        if (!(fabs(self->x[i]) <= MAX_X))
-            return ehd_fail(error, EHD_DATA,
-                            "%s: found x = %g half widths in row %zu, expected from %g to %g", path,
-                            self->x[i], i + 1, -MAX_X, MAX_X);
-        if (i > 0 && !(self->x[i] - self->x[i - 1] >= MIN_DISTANCE))
-            return ehd_fail(error, EHD_DATA,
-                            "%s: found x = %.10g half widths in row %zu, expected at least %g more "
-                            "than %.10g in the row before",
-                            path, self->x[i], i + 1, MIN_DISTANCE, self->x[i - 1]);
-        if (!isfinite(self->values[i]))
-            return ehd_fail(error, EHD_DATA, "%s: %s: found %g in row %zu, expected a height", path,
-                            column, self->values[i], i + 1);
-    }
-    if (self->values[0] != 0 || self->values[last] != 0)
+    if (!(fabs(x) <= MAX_X && fabs(y) <= MAX_X))
         return ehd_fail(error, EHD_DATA,
-                        "%s: %s: found %g in row %zu, expected 0, as beyond the table", path,
-                        column, self->values[self->values[0] != 0 ? 0 : last],
-                        self->values[0] != 0 ? 1 : last + 1);
+                        "%s: found a place of %g half widths in row %zu, expected from %g to %g",
+                        path, fabs(x) <= MAX_X ? y : x, i + 1, -MAX_X, MAX_X);
+    if (!isfinite(self->values[i]))
+        return ehd_fail(error, EHD_DATA, "%s: %s: found %g in row %zu, expected a height", path,
+                        self->given.column, self->values[i], i + 1);
+    return EHD_OK;
+}
+
+/* Increasing x in each line of the grid, that of the first one, and increasing y from line to line. */
+static bool is_in_order(const ehd_surface *self, size_t i) {
+    const size_t column = i % self->num_x;
+
+    if (column > 0 && !(self->x[i] - self->x[i - 1] >= MIN_DISTANCE)) return false;
+    if (!self->y) return true;
+    if (!(fabs(self->x[i] - self->x[column]) < MIN_DISTANCE)) return false;
+    if (column > 0) return fabs(self->y[i] - self->y[i - 1]) < MIN_DISTANCE;
+    return i == 0 || self->y[i] - self->y[i - 1] >= MIN_DISTANCE;
+}
+
+/* Beyond the table there is nothing. */
+static bool is_at_edge(const ehd_surface *self, size_t i) {
+    const size_t column = i % self->num_x, line = i / self->num_x;
+
+    return column == 0 || column + 1 == self->num_x ||
+           (self->y && (line == 0 || line + 1 == self->num_lines));
+}
+
+static ehd_status check_table(ehd_surface *self, ehd_error *error) {
+    const char *path = self->given.file;
+    ehd_status status = EHD_OK;
+
+    for (size_t i = 0; i < self->count && !status; i++)
+        status = check_row(self, i, error);
+    if (status) return status;
+    self->num_x = self->count;
+    for (size_t i = 1; i < self->count && self->y && self->num_x == self->count; i++)
+        if (self->y[i] != self->y[0]) self->num_x = i;
+    self->num_lines = self->num_x > 0 ? self->count / self->num_x : 0;
+    if (self->num_x < MIN_ROWS || (self->y && self->num_lines < MIN_ROWS) ||
+        self->num_x * self->num_lines != self->count)
+        return ehd_fail(
+            error, EHD_DATA,
+            "%s: found %zu rows, %zu of them of the first line, expected at least %d of "
+            "each of %s",
+            path, self->count, self->num_x, MIN_ROWS,
+            self->y ? "three lines along x or more" : "one line");
+    for (size_t i = 0; i < self->count; i++) {
+        if (!is_in_order(self, i))
+            return ehd_fail(error, EHD_DATA,
+                            "%s: found x = %.10g%s in row %zu, expected increasing x%s", path,
+                            self->x[i], self->y ? " out of order" : "", i + 1,
+                            self->y ? ", the same in lines of increasing y" : "");
+        if (is_at_edge(self, i) && self->values[i] != 0)
+            return ehd_fail(error, EHD_DATA,
+                            "%s: %s: found %g in row %zu, expected 0, as beyond the table", path,
+                            self->given.column, self->values[i], i + 1);
+    }
+    return EHD_OK;
+}
+
+/* Half a contact is that of a surface whose halves are alike. */
+static ehd_status check_halves(const ehd_surface *self, ehd_error *error) {
+    for (size_t i = 0; i < self->count; i++) {
+        const size_t line = self->num_lines - 1 - i / self->num_x;
+        const size_t mirrored = line * self->num_x + i % self->num_x;
+        if (fabs(self->y[i] + self->y[mirrored]) < MIN_DISTANCE &&
+            self->values[i] == self->values[mirrored])
+            continue;
+        return ehd_fail(error, EHD_DATA,
+                        "%s: found another height at -y than in row %zu, expected the same, or "
+                        "grid.half: false",
+                        self->given.file, i + 1);
+    }
     return EHD_OK;
 }
 
@@ -125,14 +179,28 @@ static ehd_status check_table(const ehd_surface *self, ehd_error *error) {
 static ehd_status read_table(ehd_surface *self, ehd_error *error) {
     static const char *const x_name[] = {"x", NULL};
     const char *path = self->given.file, *const value_name[] = {self->given.column, NULL};
+    const char *const y_name[] = {self->given.across, NULL};
     const bool hdf5 = artefact_is_table(path);
-    table_column columns[] = {{.names = hdf5 ? x_name : NULL}, {.names = value_name}};
-    ehd_status status =
-        (hdf5 ? artefact_read_table : csv_read_table)(path, columns, 2, &self->count, error);
+    table_column columns[] = {
+        {.names = hdf5 ? x_name : NULL}, {.names = value_name}, {.names = y_name}};
+    ehd_status status = (hdf5 ? artefact_read_table : csv_read_table)(
+        path, columns, self->given.across[0] ? 3 : 2, &self->count, error);
 
     self->x = columns[0].values;
     self->values = columns[1].values;
+    self->y = columns[2].values;
     return status;
+}
+
+static ehd_status fit_lines(ehd_surface *self, ehd_error *error) {
+    self->lines = calloc(self->num_lines, sizeof *self->lines);
+    for (size_t l = 0; self->lines && l < self->num_lines; l++) {
+        self->lines[l] = spline_create(self->num_x);
+        if (!self->lines[l]) break;
+        spline_fit(self->lines[l], self->x, self->values + l * self->num_x);
+    }
+    if (self->lines && self->lines[self->num_lines - 1]) return EHD_OK;
+    return ehd_fail(error, EHD_MEMORY, "%s: found no memory for its splines", self->given.file);
 }
 
 static ehd_status prepare_file(ehd_surface *self, double of_length, double of_height,
@@ -143,27 +211,57 @@ static ehd_status prepare_file(ehd_surface *self, double of_length, double of_he
     for (size_t i = 0; i < self->count && !status; i++) {
         self->x[i] *= of_length;
         self->values[i] *= of_height;
+        if (self->y) self->y[i] *= of_length;
     }
     if (!status) status = check_table(self, error);
+    if (!status && self->y && self->is_half) status = check_halves(self, error);
+    if (!status) status = fit_lines(self, error);
     if (status) return status;
-    self->spline = spline_create(self->count);
-    if (!self->spline)
-        return ehd_fail(error, EHD_MEMORY, "%s: found no memory for its spline", self->given.file);
-    spline_fit(self->spline, self->x, self->values);
     self->rear = self->x[0];
-    self->front = self->x[self->count - 1];
+    self->front = self->x[self->num_x - 1];
     for (size_t i = 0; i < self->count; i++) {
+        const spline *line = self->lines[i / self->num_x];
         highest = fmax(highest, fabs(self->values[i]));
-        most_bent = fmax(most_bent, fabs(spline_bend(self->spline, self->x[i])));
+        most_bent = fmax(most_bent, fabs(spline_bend(line, self->x[i % self->num_x])));
     }
     self->length = most_bent > 0 ? sqrt(highest / most_bent) : INFINITY;
     return EHD_OK;
 }
 
-/* The same on all lines of a point contact. */
+/* Y of a line of the table. */
+static double line_y(const ehd_surface *self, size_t line) {
+    return self->y[line * self->num_x];
+}
+
+/* Height of a line and its slope across at one x, by the parabola through it and its neighbours; none
+ * at the edge. */
+static void line_at(double *height, double *slope, const ehd_surface *self, size_t line, double x) {
+    *height = *slope = 0;
+    if (line == 0 || line + 1 == self->num_lines) return;
+    const double before = line_y(self, line) - line_y(self, line - 1);
+    const double after = line_y(self, line + 1) - line_y(self, line);
+    *height = spline_at(self->lines[line], x);
+    const double down = (*height - spline_at(self->lines[line - 1], x)) / before;
+    const double up = (spline_at(self->lines[line + 1], x) - *height) / after;
+    *slope = (down * after + up * before) / (before + after);
+}
+
+/* Along x by splines, across by cubics with these slopes; of one line the same everywhere across. */
 static double file_height(const ehd_surface *self, double x, double y) {
-    (void)y;
-    return x > self->rear && x < self->front ? spline_at(self->spline, x) : 0;
+    double height[2], slope[2];
+    size_t line = 0;
+
+    if (!(x > self->rear && x < self->front)) return 0;
+    if (!self->y) return spline_at(self->lines[0], x);
+    if (!(y > line_y(self, 0) && y < line_y(self, self->num_lines - 1))) return 0;
+    while (y >= line_y(self, line + 1))
+        line++;
+    for (size_t i = 0; i < 2; i++)
+        line_at(&height[i], &slope[i], self, line + i, x);
+    const double step = line_y(self, line + 1) - line_y(self, line);
+    const double s = (y - line_y(self, line)) / step, t = 1 - s;
+    return t * t * ((1 + 2 * s) * height[0] + s * step * slope[0]) +
+           s * s * ((1 + 2 * t) * height[1] - t * step * slope[1]);
 }
 
 // ---- the kinds
@@ -216,6 +314,7 @@ ehd_status surface_init(ehd_surface **result, const scene *given, const ehd_cont
     if (!self) return ehd_fail(error, EHD_MEMORY, "surface: found no memory");
     self->kind = kind;
     self->given = given->surface;
+    self->is_half = reference->grid.half;
     const double of_length = si ? 1 / reference->half_width : 1;
     status = kind->prepare(self, of_length, si ? 1 / contact_film_scale(reference) : 1, error);
     if (!status) set_position(self, of_length, &reference->grid);
@@ -226,9 +325,12 @@ ehd_status surface_init(ehd_surface **result, const scene *given, const ehd_cont
 
 ehd_surface *surface_free(ehd_surface *self) {
     if (!self) return NULL;
+    for (size_t l = 0; self->lines && l < self->num_lines; l++)
+        spline_free(self->lines[l]);
+    free(self->lines);
     free(self->x);
+    free(self->y);
     free(self->values);
-    spline_free(self->spline);
     free(self);
     return NULL;
 }
