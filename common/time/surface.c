@@ -159,13 +159,23 @@ static ehd_status check_table(ehd_surface *self, ehd_error *error) {
     return EHD_OK;
 }
 
-/* Half a contact is that of a surface whose halves are alike. */
+static double highest_of(const ehd_surface *self) {
+    double highest = 0;
+
+    for (size_t i = 0; i < self->count; i++)
+        highest = fmax(highest, fabs(self->values[i]));
+    return highest;
+}
+
+/* Half a contact is that of a surface whose halves are alike, to rounding. */
 static ehd_status check_halves(const ehd_surface *self, ehd_error *error) {
+    const double rounding = 1e-9 * highest_of(self);
+
     for (size_t i = 0; i < self->count; i++) {
         const size_t line = self->num_lines - 1 - i / self->num_x;
         const size_t mirrored = line * self->num_x + i % self->num_x;
         if (fabs(self->y[i] + self->y[mirrored]) < MIN_DISTANCE &&
-            self->values[i] == self->values[mirrored])
+            fabs(self->values[i] - self->values[mirrored]) <= rounding)
             continue;
         return ehd_fail(error, EHD_DATA,
                         "%s: found another height at -y than in row %zu, expected the same, or "
@@ -205,7 +215,7 @@ static ehd_status fit_lines(ehd_surface *self, ehd_error *error) {
 
 static ehd_status prepare_file(ehd_surface *self, double of_length, double of_height,
                                ehd_error *error) {
-    double highest = 0, most_bent = 0;
+    double most_bent = 0;
     ehd_status status = read_table(self, error);
 
     for (size_t i = 0; i < self->count && !status; i++) {
@@ -221,10 +231,9 @@ static ehd_status prepare_file(ehd_surface *self, double of_length, double of_he
     self->front = self->x[self->num_x - 1];
     for (size_t i = 0; i < self->count; i++) {
         const spline *line = self->lines[i / self->num_x];
-        highest = fmax(highest, fabs(self->values[i]));
         most_bent = fmax(most_bent, fabs(spline_bend(line, self->x[i % self->num_x])));
     }
-    self->length = most_bent > 0 ? sqrt(highest / most_bent) : INFINITY;
+    self->length = most_bent > 0 ? sqrt(highest_of(self) / most_bent) : INFINITY;
     return EHD_OK;
 }
 

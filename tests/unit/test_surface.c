@@ -145,7 +145,7 @@ static void write_dent(const char *name, double aside) {
             const double r = hypot(x, y - aside) / 0.48;
             const bool edge = abs(i) == 24 || abs(j) == 20;
             fprintf(file, "%.17g,%.17g,%.17g\n", x, y,
-                    edge || r >= 1 ? 0 : 0.03 * pow(1 - r * r, 4));
+                    edge || r >= 1 ? 0 : (0.03 + 1e-15 * j) * pow(1 - r * r, 4));
         }
     fclose(file);
 }
