@@ -35,9 +35,9 @@ void full_start_dry(full_state *state, full_solver *solver, const ehd_contact *c
     full_state_fill(state, grid);
     for (size_t r = 0; r < grid->num_inner; r++) {
         size_t k = grid_node_of_row(grid, r);
-        double gap = 2 * grid_gap(grid, k); // the square of the distance from the centre
-        if (gap < 1)
-            state->pressure[k] = sqrt(1 - gap);
+        double distance = grid_square_distance(grid, k);
+        if (distance < 1)
+            state->pressure[k] = sqrt(1 - distance);
         else if (grid_x(grid, k) > 0)
             end_zone(state, grid, k);
     }
@@ -49,7 +49,8 @@ void full_start_dry(full_state *state, full_solver *solver, const ehd_contact *c
 }
 
 static void start_dry(full_state *state, full_solver *solver, const ehd_contact *contact) {
-    double film = contact->kind->central_film(contact->moes_M, contact->moes_L);
+    double film =
+        contact->kind->central_film(&contact->grid.shape, contact->moes_M, contact->moes_L);
 
     full_start_dry(state, solver, contact, START_FILM * film);
 }

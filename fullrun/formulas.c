@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "fullrun/formulas.h"
 
+#include "common/output/grid_file.h"
 #include "common/output/time_result.h"
 #include "common/physics/film_formulas.h"
+#include "common/physics/traction_formula.h"
 #include "common/program/program.h"
 #include "common/time/frame.h"
 #include "common/time/history.h"
@@ -27,8 +29,19 @@ static void print_head(const film_formula *formula) {
     printf("formula %-20s %-8s", formula->name, formula->of_minimum ? "minimum" : "central");
 }
 
-static void print_tail(const film_formula *formula, double seconds) {
-    printf("  %4.0f ns  %s\n", seconds * 1e9, formula->source);
+/* For which shapes it was made, where that is known, and whether this is one of them. */
+static void print_range(const film_formula *formula, double ellipticity) {
+    const double min = formula->min_ellipticity, max = formula->max_ellipticity;
+
+    if (min > 0) printf("; b/a from %g", min);
+    if (min > 0 && isfinite(max)) printf(" to %g", max);
+    if (!(min <= ellipticity && ellipticity <= max)) printf(", here outside: %.3g", ellipticity);
+}
+
+static void print_tail(const film_formula *formula, const film_numbers *numbers) {
+    printf("  %4.0f ns  %s", seconds_of(formula, numbers) * 1e9, formula->source);
+    print_range(formula, numbers->ellipticity);
+    putchar('\n');
 }
 
 void formulas_print(const contact_scalars *solution, const ehd_contact *contact) {
@@ -41,8 +54,28 @@ void formulas_print(const contact_scalars *solution, const ehd_contact *contact)
                                                  : solution->central_film_thickness;
         print_head(formula);
         printf("  %-11.6g %+8.3f %%", film, 100 * (film / of_solution - 1));
-        print_tail(formula, seconds_of(formula, &numbers));
+        print_tail(formula, &numbers);
     }
+}
+
+void formulas_print_traction(const contact_traction *solution, const ehd_contact *contact) {
+    static const double curve[] = {0.001, 0.003, 0.01, 0.03, 0.1, 0.3, 1};
+    const double film = film_central(contact);
+    const traction_estimate own = traction_at_mean_pressure(contact, film, contact->slide_roll);
+    const bool within = own.excess >= TRACTION_MIN_EXCESS;
+
+    if (isnan(own.coefficient)) return;
+    printf("traction %-20s %-8s  %-11.6g", "evans-johnson", "friction", own.coefficient);
+    // in pure rolling both are 0
+    if (solution->coefficient != 0)
+        printf(" %+8.3f %%", 100 * (own.coefficient / solution->coefficient - 1));
+    printf("  %s; viscous stress from %g Eyring stresses on, %s: %.3g\n", traction_formula_source,
+           TRACTION_MIN_EXCESS, within ? "here" : "here outside", own.excess);
+    printf("traction %-20s", "slide-roll: friction");
+    for (size_t i = 0; i < sizeof curve / sizeof *curve; i++)
+        printf("%s %g: %.4g", i ? "," : "", curve[i],
+               traction_at_mean_pressure(contact, film, curve[i]).coefficient);
+    putchar('\n');
 }
 
 // ---- in time
@@ -105,7 +138,7 @@ static void print_formula_in_time(weighted *deviations, const film_formula *form
            100 * quantile_in_time(deviations, last + 1, 0.95),
            100 * quantile_in_time(deviations, last + 1, 0.5));
     const film_numbers at_start = numbers_at(&scale, series, 0, histories, reference);
-    print_tail(formula, seconds_of(formula, &at_start));
+    print_tail(formula, &at_start);
 }
 
 ehd_status formulas_print_in_time(const char *path, const scene *given,
@@ -115,6 +148,8 @@ ehd_status formulas_print_in_time(const char *path, const scene *given,
     weighted *deviations = NULL;
     ehd_status status = time_series_read(&series, path, reference->kind, error);
 
+    if (!status)
+        status = grid_check_shape(&series.grid, path, &reference->grid, "the scene", error);
     if (!status) status = histories_init(&histories, given, error);
     if (!status) deviations = malloc((series.num_times + 1) * sizeof *deviations);
     if (!status && !deviations) status = ehd_fail(error, EHD_MEMORY, "%s: found no memory", path);

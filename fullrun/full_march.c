@@ -61,11 +61,12 @@ double full_march_bytes(const ehd_contact *reference) {
 /* Central film at a hundredth of the speed and the same alpha p_H. */
 static double dry_start_film(const ehd_contact *reference) {
     const contact_kind *kind = reference->kind;
+    const contact_shape *shape = &reference->grid.shape;
     const double slowness = 100;
-    double moes_M = kind->moes_M(reference->lambda / slowness);
-    double moes_L = reference->alpha_p_H / kind->alpha_p_H(moes_M, 1);
+    double moes_M = kind->moes_M(shape, reference->lambda / slowness);
+    double moes_L = reference->alpha_p_H / kind->alpha_p_H(shape, moes_M, 1);
 
-    return kind->central_film(moes_M, moes_L);
+    return kind->central_film(shape, moes_M, moes_L);
 }
 
 ehd_status full_march_create(full_march **created, const ehd_contact *reference,
@@ -455,7 +456,7 @@ static double largest_error(const full_march *self, const bdf_formula *formula,
 }
 
 static bool is_in_dry_contact(const ehd_grid *grid, size_t node) {
-    return contact_gap(grid_x(grid, node), grid_y(grid, node)) <= 0.5;
+    return grid_square_distance(grid, node) <= 1;
 }
 
 /* What a film takes up of them on its way through the dry contact, from anywhere to the centre: their

@@ -8,6 +8,7 @@
 #include "common/physics/deflection.h"
 #include "common/physics/far_field.h"
 #include "common/physics/reynolds.h"
+#include "common/physics/traction.h"
 #include "common/program/status.h"
 #include <stdbool.h>
 #include <stddef.h>
@@ -177,5 +178,6 @@ void full_place_exits(double *positions, const full_state *state, const full_sol
 void full_film(full_state *state, full_solver *solver);
 
 contact_scalars full_evaluate_scalars(const full_state *state, const ehd_contact *contact);
+contact_traction full_evaluate_traction(const full_state *state, const ehd_contact *contact);
 
 #endif

@@ -160,7 +160,10 @@ static reach reach_of(const ehd_grid *grid, size_t node, ptrdiff_t near_field) {
                    wanted.last_line > last_line ? last_line : wanted.last_line};
 }
 
-/* Adds by_film times the shifted near field of a line's cells at a node `apart` lines away. */
+/* Adds by_film times the shifted near field of a line's cells at a node `apart` lines away. The next
+ * line of a wide ellipse is farther than what is beyond the band along, and left out: with its
+ * negative entries a cold start of b/a = 9.4 (81 by 49 nodes, M = 1429, L = 16) takes 960 iterations,
+ * without 95. A near field as many nodes wide as b/a takes 37, but its factors cost more than that. */
 static void add_near_line(double *window, const reach *at, double by_film, ptrdiff_t column,
                           ptrdiff_t apart, const full_system *system) {
     const ptrdiff_t m = (ptrdiff_t)system->near_field;
@@ -170,7 +173,7 @@ static void add_near_line(double *window, const reach *at, double by_film, ptrdi
     ptrdiff_t low = column - m < at->first_column ? at->first_column : column - m;
     ptrdiff_t high = column + m > at->last_column ? at->last_column : column + m;
 
-    if (labs(apart) > m) return;
+    if (labs(apart) > m || !(of_line[0] > far)) return;
     for (ptrdiff_t c = low; c <= high; c++)
         window[c - at->first_column] += by_film * (of_line[labs(c - column)] - far);
 }

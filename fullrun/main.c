@@ -46,8 +46,8 @@ static const program_option own_options[] = {
      "compare on the same", OPTION_TEXT(grid_of)},
     {"tolerance", 0, "X", "Largest scaled residual at which Newton's iteration may end; default 1e-10",
      OPTION_REAL(tolerance, 1e-13, 1)},
-    {"formulas", 0, NULL, "Print beside the solution what published film formulas say; in time, of the contact "
-     "at each time as if it were stationary", OPTION_FLAG(formulas)},
+    {"formulas", 0, NULL, "Print beside the solution what published film formulas say, and the traction curve of an "
+     "Eyring fluid; in time, the films of the contact at each time as if it were stationary", OPTION_FLAG(formulas)},
     {"repeat", 0, "N", "Solve N times and report the median time; default 1 (stationary)",
      OPTION_COUNT(repeats, 1, 1000000)},
     {"resume", 0, NULL, "Continue an interrupted run of the same scene, where there is one (transient)",
@@ -339,9 +339,14 @@ static ehd_status report_stationary(artefact **file, const stationary_run *self,
     run_result result =
         make_result(&self->info, &self->state, contact, self->given->output.fields != 0);
     film_effects effects = film_effects_unknown();
+    contact_traction traction = contact_traction_unknown();
     ehd_status status = EHD_OK;
 
     result.exits = self->exits;
+    if (contact_has_traction(contact)) {
+        traction = full_evaluate_traction(&self->state, contact);
+        result.traction = &traction;
+    }
     result.effects = &effects;
     if (!result.status && self->given->output.resolution != 0)
         status = report_resolution(&effects, *file, self->caller, &self->state, contact, error);
@@ -354,6 +359,7 @@ static ehd_status report_stationary(artefact **file, const stationary_run *self,
     if (self->options->formulas) {
         const contact_scalars scalars = full_evaluate_scalars(&self->state, contact);
         formulas_print(&scalars, contact);
+        formulas_print_traction(&traction, contact);
     }
     return EHD_OK;
 }

@@ -359,7 +359,7 @@ static void add_mass(double *mass, double weight, const previous_state *self,
         if (law && inside)
             density = lubricant_density(&reference->lubricant, carrier->pressure[r] * hertz);
         if (surface) film += surface_height(surface, &self->frame, x, y);
-        mass[r] += weight * density * (film + contact_gap(x, y));
+        mass[r] += weight * density * (film + contact_gap(&grid->shape, x, y));
     }
 }
 

@@ -60,13 +60,14 @@ static void viscous_pressure(double *viscous, const double *log_viscosity, const
  * from -200 to -1.5) 5, 20, 50, 200 intervals are at most 3e-2, 2e-3, 3e-4, 2e-5 off. */
 static double missing_pressure(const central_line *line, const ehd_contact *contact, double start) {
     const int num_intervals = 200;
+    const contact_shape *shape = &contact->grid.shape;
     const double first = grid_x(&contact->grid, 0);
     double flux = line->film[line->exit], sum = 0;
 
     for (int i = 0; i < num_intervals; i++) {
         double s = (i + 0.5) / num_intervals, x = start / s;
-        double film =
-            line->film[0] + contact_gap(x, 0) - contact_gap(first, 0) + 0.5 * log(fabs(first / x));
+        double film = line->film[0] + contact_gap(shape, x, 0) - contact_gap(shape, first, 0) +
+                      0.5 * log(fabs(first / x));
         sum += contact->lambda * fmax(film - flux, 0) / (film * film * film) * fabs(x) / s;
     }
     return sum / num_intervals;
@@ -295,13 +296,14 @@ static ehd_status solve_coarse(film_pair *films, film_effects *of_inlet, const e
     coarse_grid coarse = {.contact = *contact};
     const ehd_grid *grid = &coarse.contact.grid;
     const bool open = far_field_is_there(grid);
+    const bool round = grid->shape.ellipticity == 1; // there is a far field of round contacts alone
 
     ehd_status status = create_coarse(&coarse, error);
     if (!status) {
         restrict_state(&coarse.state, grid, solution, fine, stride);
         status = solve_on(films, &coarse, error);
     }
-    if (!status && of_inlet && !isnan(films->central))
+    if (!status && of_inlet && round && !isnan(films->central))
         status = (open ? solve_shorter : solve_unbounded)(of_inlet, &coarse, films, error);
     free_coarse(&coarse);
     return status;

@@ -119,3 +119,9 @@ contact_scalars full_evaluate_scalars(const full_state *state, const ehd_contact
         .load = (sum * grid_cell(grid) + beyond) / contact->kind->load};
     return scalars;
 }
+
+contact_traction full_evaluate_traction(const full_state *state, const ehd_contact *contact) {
+    const contact_scalars scalars = full_evaluate_scalars(state, contact);
+
+    return contact_traction_of(contact, state->pressure, state->film, &scalars);
+}

@@ -237,13 +237,14 @@ typedef struct stationary_run {
     const ehd_contact *contact;
     stored_result against; // of --against
     attempt attempt;
-    fallback full;           // zero while the reduced solution is good enough
-    bool by_full_model;      // the result is its
-    double *pressure, *film; // [nodes of the grid], NULL unless fields are wanted
-    double *exits;           // [inner lines of the whole grid]
-    film_effects effects;    // of that grid
-    run_result result;       // views of these
-    char *text;              // settings
+    fallback full;             // zero while the reduced solution is good enough
+    bool by_full_model;        // the result is its
+    double *pressure, *film;   // [nodes of the grid], NULL unless fields are wanted, or traction
+    double *exits;             // [inner lines of the whole grid]
+    film_effects effects;      // of that grid
+    contact_traction traction; // where the scene asks for it
+    run_result result;         // views of these
+    char *text;                // settings
 } stationary_run;
 
 static void stationary_run_free(stationary_run *self) {
@@ -261,10 +262,11 @@ static ehd_status read_against(stationary_run *self, bool with_fields, ehd_error
     stored_result *against = &self->against;
     if (!path) return EHD_OK;
     ehd_status status = result_read(against, path, self->contact->kind, with_fields, error);
+    if (status) return status;
 
-    return status ? status
-                  : against_check(against->moes_M, against->alpha_p_H, against->hertz_pressure,
-                                  path, self->contact, error);
+    const ehd_grid grid = result_grid(against);
+    return against_check(against->moes_M, against->alpha_p_H, against->hertz_pressure, &grid, path,
+                         self->contact, error);
 }
 
 /* The solution as a result, with its exits and, where wanted, fields and what the grid does. */
@@ -278,7 +280,8 @@ static ehd_status fill_result(stationary_run *self, bool with_fields, bool with_
     self->exits = malloc(grid_whole(grid).inner_lines * sizeof(double));
     if (!self->exits) return ehd_fail(error, EHD_MEMORY, "exits: found no memory for the lines");
     online_exits(self->exits, done->solver);
-    if (with_fields) {
+    const bool with_traction = contact_has_traction(self->contact);
+    if (with_fields || with_traction) {
         self->pressure = malloc(grid->num_nodes * sizeof(double));
         self->film = malloc(grid->num_nodes * sizeof(double));
         status = online_prepare_fields(done->model, error);
@@ -289,8 +292,13 @@ static ehd_status fill_result(stationary_run *self, bool with_fields, bool with_
             online_judge_pressure(&done->solution, self->contact, self->pressure, grid->num_nodes);
     }
     self->result = reduced_result(&done->solution);
-    self->result.pressure = self->pressure;
-    self->result.film = self->film;
+    self->result.pressure = with_fields ? self->pressure : NULL;
+    self->result.film = with_fields ? self->film : NULL;
+    if (!status && with_traction) {
+        self->traction =
+            contact_traction_of(self->contact, self->pressure, self->film, &done->solution.scalars);
+        self->result.traction = &self->traction;
+    }
     self->result.exits = self->exits;
     if (with_effects) {
         self->effects = online_effects(done->model, self->contact);
@@ -340,6 +348,10 @@ static ehd_status fall_back(stationary_run *self, bool with_fields, bool with_ef
     self->by_full_model = true;
     self->result = fallback_result(full, contact, with_fields);
     add_seconds(&self->result, &reduced);
+    if (reduced.traction) {
+        self->traction = full_evaluate_traction(&full->state, contact);
+        self->result.traction = &self->traction;
+    }
     if (!with_effects || self->result.status) return EHD_OK;
     status = full_resolution_estimate(&resolution, &full->state, contact, error);
     if (status) return status;
@@ -451,7 +463,7 @@ static ehd_status run_transient(const program *self, const romrun_options *optio
     if (!status && options->against) {
         status = time_series_read(&full, options->against, contact->kind, error);
         if (!status)
-            status = against_check(full.moes_M, full.alpha_p_H, full.hertz_pressure,
+            status = against_check(full.moes_M, full.alpha_p_H, full.hertz_pressure, &full.grid,
                                    options->against, contact, error);
     }
     if (!status) {

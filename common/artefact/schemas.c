@@ -74,7 +74,10 @@ enum {
         ATTRIBUTE(                                                                                 \
             "boundary", ARTEFACT_TEXT, "1", NEED_OPTIONAL, VALUES_ANY,                             \
             "what lies around the grid of a point contact: open, the far field, or zero, no "      \
-            "pressure; zero where missing")
+            "pressure; zero where missing"),                                                       \
+        ATTRIBUTE("ellipticity", ARTEFACT_REAL, "1", NEED_OPTIONAL, VALUES_POSITIVE,               \
+                  "b/a of an ellipse, the half width across over that along, by which y and x "    \
+                  "are scaled; needed there")
 #define TRANSPORT_ATTRIBUTE                                                                        \
     ATTRIBUTE("transport", ARTEFACT_TEXT, "1", NEED_OPTIONAL, VALUES_ANY,                          \
               "how films are carried on the trajectories of the training: upwind or path; where "  \
@@ -156,7 +159,11 @@ static const artefact_scale time_scale = {{"time_unit", NULL}, NULL},
                             film_scale = {{"film_unit", NULL}, NULL},
                             pressure_scale = {{"hertz_pressure", NULL}, NULL},
                             load_scale = {{"line_load", "point_load"}, NULL},
+                            moment_scale = {{"line_moment", "point_moment"}, NULL},
+                            power_scale = {{"line_power", "point_power"}, NULL},
                             place_in_frame = {{"half_width", NULL}, "contact_half_width"},
+                            place_across_in_frame = {{"half_width_across", "half_width"},
+                                                     "contact_half_width"},
                             film_in_frame = {{"film_unit", NULL}, "frame_film_unit"},
                             pressure_in_frame = {{"hertz_pressure", NULL}, "frame_hertz_pressure"};
 
@@ -167,7 +174,7 @@ static const artefact_axis result_axes[] = {
      "lines of inner nodes across the sliding direction, in Hertz contact half widths of the "
      "frame; "
      "of a point contact",
-     MAX_Y, true, &place_in_frame},
+     MAX_Y, true, &place_across_in_frame},
     {"exit", "1",
      "index of the exit, the farthest downstream first; where the entrainment reverses", MAX_FEW,
      true, NULL},
@@ -180,6 +187,11 @@ static const artefact_axis result_axes[] = {
 static const artefact_field result_fields[] = {
     ENTRIES("pressure", pressure_in_frame, "pressure P, in Hertz pressures of the current frame"),
     ENTRIES("film_thickness", film_in_frame, "film thickness H in the current frame"),
+    ENTRIES(
+        "shear_stress_1", pressure_in_frame,
+        "what the fluid does to surface 1 along X, in Hertz pressures of the current frame; where "
+        "the scene gives a slide-roll ratio, 0 where there is no pressure"),
+    ENTRIES("shear_stress_2", pressure_in_frame, "the same of surface 2"),
     SCALED("central_film_thickness", film_scale, NEED_ALWAYS, VALUES_ANY,
            "film thickness H at X = 0 (Y = 0) in the reference frame", "time"),
     SCALED("minimum_film_thickness", film_scale, NEED_ALWAYS, VALUES_ANY,
@@ -208,6 +220,29 @@ static const artefact_field result_fields[] = {
            "NaN "
            "where there is none",
            "time", "y", "exit"),
+    REAL(
+        "friction_coefficient", "1", NEED_OPTIONAL, VALUES_ANY,
+        "friction over the load, positive where surface 1 is the faster one; this and the next six "
+        "where the scene gives a slide-roll ratio",
+        "time"),
+    SCALED("friction_force", load_scale, NEED_OPTIONAL, VALUES_ANY,
+           "integral of the shear stress in the middle of the film, over the reference load: on "
+           "surface 2 along X, on surface 1 against it",
+           "time"),
+    SCALED("rolling_resistance", load_scale, NEED_OPTIONAL, VALUES_ANY,
+           "integral of h/2 dp/dx, over the reference load: on either surface against X", "time"),
+    SCALED("rolling_moment", moment_scale, NEED_OPTIONAL, VALUES_ANY,
+           "moment of the pressure against the rolling, over reference load and half width",
+           "time"),
+    SCALED("power_loss", power_scale, NEED_OPTIONAL, VALUES_ANY,
+           "power that both surfaces put into the film, over reference load and mean speed",
+           "time"),
+    SCALED("mean_shear_stress", pressure_scale, NEED_OPTIONAL, VALUES_ANY,
+           "mean of the magnitude of the shear stress in the middle of the film over the dry "
+           "contact, in reference Hertz pressures",
+           "time"),
+    SCALED("largest_shear_stress", pressure_scale, NEED_OPTIONAL, VALUES_ANY,
+           "largest magnitude of that stress", "time"),
     INTEGER("newton_iterations", NEED_OWN, VALUES_ANY, "Newton iterations that the entry took",
             "time"),
     REAL("residual_norm", "1", NEED_OWN, VALUES_ANY,
@@ -259,7 +294,7 @@ static const artefact_field result_fields[] = {
     {0}};
 
 static const artefact_attribute result_attributes[] = {
-    GRID_ATTRIBUTES("line or point", &length_scale),
+    GRID_ATTRIBUTES("line, point or ellipse", &length_scale),
     ATTRIBUTE("hertz_pressure", ARTEFACT_REAL, "Pa", NEED_ALWAYS, VALUES_NOT_NEGATIVE,
               "Hertz pressure of the reference"),
     ATTRIBUTE("moes_M", ARTEFACT_REAL, "1", NEED_ALWAYS, VALUES_POSITIVE,
@@ -269,8 +304,10 @@ static const artefact_attribute result_attributes[] = {
     ATTRIBUTE("alpha_p_H", ARTEFACT_REAL, "1", NEED_ALWAYS, VALUES_NOT_NEGATIVE,
               "pressure-viscosity coefficient times Hertz pressure"),
     ATTRIBUTE("half_width", ARTEFACT_REAL, "m", NEED_OPTIONAL, VALUES_POSITIVE,
-              "half width a of the reference, which X = 1 stands for; this and the next four of a "
+              "half width a of the reference, which X = 1 stands for; this and the next five of a "
               "contact given in SI units"),
+    ATTRIBUTE("half_width_across", ARTEFACT_REAL, "m", NEED_OPTIONAL, VALUES_POSITIVE,
+              "b of an ellipse, which Y = 1 stands for; of a point contact that is half_width"),
     ATTRIBUTE("film_unit", ARTEFACT_REAL, "m", NEED_OPTIONAL, VALUES_POSITIVE,
               "a^2/R of the reference, which H = 1 and an approach of 1 stand for"),
     ATTRIBUTE("time_unit", ARTEFACT_REAL, "s", NEED_OPTIONAL, VALUES_POSITIVE,
@@ -279,6 +316,24 @@ static const artefact_attribute result_attributes[] = {
               "load of the reference, which a load of 1 stands for; of a line contact"),
     ATTRIBUTE("point_load", ARTEFACT_REAL, "N", NEED_OPTIONAL, VALUES_POSITIVE,
               "the same of a point contact"),
+    ATTRIBUTE(
+        "line_moment", ARTEFACT_REAL, "N", NEED_OPTIONAL, VALUES_POSITIVE,
+        "load times half width, which a rolling moment of 1 stands for; of a line contact, this "
+        "and the next three where the scene gives a slide-roll ratio"),
+    ATTRIBUTE("point_moment", ARTEFACT_REAL, "N m", NEED_OPTIONAL, VALUES_POSITIVE,
+              "the same of a point contact"),
+    ATTRIBUTE("line_power", ARTEFACT_REAL, "W m-1", NEED_OPTIONAL, VALUES_POSITIVE,
+              "load times mean speed, which a power loss of 1 stands for; of a line contact"),
+    ATTRIBUTE("point_power", ARTEFACT_REAL, "W", NEED_OPTIONAL, VALUES_POSITIVE,
+              "the same of a point contact"),
+    ATTRIBUTE("slide_roll", ARTEFACT_REAL, "1", NEED_OPTIONAL, VALUES_ANY,
+              "slide-roll ratio (u1 - u2)/u_m, where the scene gives one"),
+    ATTRIBUTE("thermal_loading", ARTEFACT_REAL, "1", NEED_OPTIONAL, VALUES_POSITIVE,
+              "thermal loading parameter of the inlet, eta0 beta u^2/k; of a scene that gives the "
+              "lubricant's conductivity, when stationary"),
+    ATTRIBUTE("inlet_heating_factor", ARTEFACT_REAL, "1", NEED_OPTIONAL, VALUES_POSITIVE,
+              "factor by which shear heating of the inlet thins the films, which are isothermal "
+              "here; not where its formula does not hold"),
     ATTRIBUTE("solve_seconds", ARTEFACT_REAL, "s", NEED_OWN, VALUES_ANY,
               "time of the solution, without reading and writing"),
     ATTRIBUTE("solve_seconds_rows", ARTEFACT_REAL, "s", NEED_OPTIONAL, VALUES_ANY,
@@ -330,7 +385,7 @@ static const artefact_attribute result_attributes[] = {
 
 const artefact_schema schema_result = {"ehdrom-result",
                                        1,
-                                       11,
+                                       13,
                                        "Solution of an elastohydrodynamic contact",
                                        result_axes,
                                        result_fields,
@@ -431,7 +486,7 @@ static const artefact_field snapshots_fields[] = {
     {0}};
 
 static const artefact_attribute snapshots_attributes[] = {
-    GRID_ATTRIBUTES("line or point", NULL),
+    GRID_ATTRIBUTES("line, point or ellipse", NULL),
     TRANSPORT_ATTRIBUTE,
     HALF_ATTRIBUTE,
     ATTRIBUTE("compressed_snapshots", ARTEFACT_INTEGER, "1", NEED_OPTIONAL, VALUES_COUNT,
@@ -442,7 +497,7 @@ static const artefact_attribute snapshots_attributes[] = {
 
 const artefact_schema schema_snapshots = {"ehdrom-snapshots",
                                           2,
-                                          3,
+                                          4,
                                           "Training solutions of an elastohydrodynamic contact",
                                           snapshots_axes,
                                           snapshots_fields,
@@ -480,7 +535,7 @@ static const artefact_field basis_fields[] = {
     {0}};
 
 static const artefact_attribute basis_attributes[] = {
-    GRID_ATTRIBUTES("line or point", NULL),
+    GRID_ATTRIBUTES("line, point or ellipse", NULL),
     TRANSPORT_ATTRIBUTE,
     HALF_ATTRIBUTE,
     DEFORMATION_ATTRIBUTE,
@@ -492,7 +547,7 @@ static const artefact_attribute basis_attributes[] = {
 
 const artefact_schema schema_basis = {"ehdrom-basis",
                                       2,
-                                      3,
+                                      4,
                                       "Reduced bases of an elastohydrodynamic contact",
                                       basis_axes,
                                       basis_fields,
@@ -534,7 +589,7 @@ static const artefact_field residuals_fields[] = {
     {0}};
 
 static const artefact_attribute residuals_attributes[] = {
-    GRID_ATTRIBUTES("line or point", NULL),
+    GRID_ATTRIBUTES("line, point or ellipse", NULL),
     HALF_ATTRIBUTE,
     DEFORMATION_ATTRIBUTE,
     BASIS_ATTRIBUTE,
@@ -547,7 +602,7 @@ static const artefact_attribute residuals_attributes[] = {
 const artefact_schema schema_residuals = {
     "ehdrom-residuals",
     2,
-    1,
+    2,
     "Residuals and Newton steps of a reduced elastohydrodynamic contact",
     residuals_axes,
     residuals_fields,
@@ -764,7 +819,7 @@ static const artefact_field model_fields[] = {
     {0}};
 
 static const artefact_attribute model_attributes[] = {
-    GRID_ATTRIBUTES("line or point", NULL),
+    GRID_ATTRIBUTES("line, point or ellipse", NULL),
     TRANSPORT_ATTRIBUTE,
     HALF_ATTRIBUTE,
     DEFORMATION_ATTRIBUTE,
@@ -802,7 +857,7 @@ static const artefact_attribute model_attributes[] = {
 
 const artefact_schema schema_model = {"ehdrom-model",
                                       2,
-                                      4,
+                                      5,
                                       "Reduced model of an elastohydrodynamic contact",
                                       model_axes,
                                       model_fields,
@@ -861,11 +916,12 @@ static const artefact_field cases_fields[] = {
     REAL("solve_seconds", "s", NEED_OWN, VALUES_ANY, "time of the solution", "case"),
     {0}};
 
-static const artefact_attribute cases_attributes[] = {GRID_ATTRIBUTES("line or point", NULL), {0}};
+static const artefact_attribute cases_attributes[] = {
+    GRID_ATTRIBUTES("line, point or ellipse", NULL), {0}};
 
 const artefact_schema schema_cases = {"ehdrom-cases",
                                       1,
-                                      0,
+                                      1,
                                       "Solutions of many elastohydrodynamic contacts",
                                       cases_axes,
                                       cases_fields,

@@ -10,16 +10,8 @@
 /* What the reader of a result needs to know of it. */
 static ehd_status look_at_result(const contact_kind **kind, size_t *num_times, artefact *file,
                                  ehd_error *error) {
-    char *name = NULL;
-    ehd_status status = artefact_get_text(file, "contact", &name, error);
-
     *num_times = artefact_length(file, "time");
-    *kind = status ? NULL : contact_kind_find(name);
-    if (!status && !*kind)
-        status = ehd_fail(error, EHD_DATA, "%s: contact: found %.32s, expected %s|%s",
-                          artefact_path(file), name, contact_line.name, contact_point.name);
-    free(name);
-    return status;
+    return contact_kind_read(kind, file, error);
 }
 
 static ehd_status read_result(const char *path, const contact_kind *kind, size_t num_times,

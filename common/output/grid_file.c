@@ -81,6 +81,8 @@ ehd_status grid_write_attributes(artefact *file, const contact_kind *kind, const
                                    discretization_name(grid->discretization), error);
     if (!status && kind->dimensions > 1)
         status = artefact_put_text(file, "boundary", boundary_name(grid->boundary), error);
+    if (!status && kind == &contact_ellipse)
+        status = artefact_put_real(file, "ellipticity", grid->shape.ellipticity, error);
     return status;
 }
 
@@ -133,15 +135,39 @@ ehd_status grid_read_boundary(ehd_boundary *boundary, artefact *file, ehd_error 
     return status;
 }
 
-ehd_status grid_read(ehd_grid *grid, const contact_kind **kind, artefact *file, ehd_error *error) {
-    char *contact = NULL;
-    ehd_status status = artefact_get_text(file, "contact", &contact, error);
+ehd_status grid_read_shape(contact_shape *shape, artefact *file, const contact_kind *kind,
+                           ehd_error *error) {
+    double found = NAN;
 
-    *kind = status ? &contact_line : contact_kind_find(contact);
+    *shape = shape_round;
+    if (kind != &contact_ellipse) return EHD_OK;
+    const ehd_status status = artefact_has(file, "ellipticity")
+                                  ? artefact_get_real(file, "ellipticity", &found, error)
+                                  : EHD_OK;
+    if (status) return status;
+    if (!(found >= MIN_ELLIPTICITY && found <= MAX_ELLIPTICITY))
+        return ehd_fail(error, EHD_DATA, "%s: ellipticity: found %g, expected %g to %g",
+                        artefact_path(file), found, MIN_ELLIPTICITY, MAX_ELLIPTICITY);
+    *shape = shape_of(found);
+    return EHD_OK;
+}
+
+ehd_status contact_kind_read(const contact_kind **kind, artefact *file, ehd_error *error) {
+    char *name = NULL;
+    ehd_status status = artefact_get_text(file, "contact", &name, error);
+
+    *kind = status ? &contact_line : contact_kind_find(name);
     if (!*kind)
-        status = ehd_fail(error, EHD_DATA, "%s: contact: found %.32s, expected %s|%s",
-                          artefact_path(file), contact, contact_line.name, contact_point.name);
-    free(contact);
+        status = ehd_fail(error, EHD_DATA, "%s: contact: found %.32s, expected %s|%s|%s",
+                          artefact_path(file), name, contact_line.name, contact_point.name,
+                          contact_ellipse.name);
+    free(name);
+    return status;
+}
+
+ehd_status grid_read(ehd_grid *grid, const contact_kind **kind, artefact *file, ehd_error *error) {
+    ehd_status status = contact_kind_read(kind, file, error);
+
     if (!status) status = artefact_get_real(file, "x_min", &grid->x_min, error);
     if (!status) status = artefact_get_real(file, "step", &grid->step, error);
     size_t num_lines = 1;
@@ -152,6 +178,7 @@ ehd_status grid_read(ehd_grid *grid, const contact_kind **kind, artefact *file, 
     ehd_grid like = {.half = num_lines > 1 && half != 0};
     if (!status) status = grid_read_discretization(&like.discretization, file, error);
     if (!status && num_lines > 1) status = grid_read_boundary(&like.boundary, file, error);
+    if (!status) status = grid_read_shape(&like.shape, file, *kind, error);
     if (status) return status;
     *grid = grid_like(&like, grid->x_min, grid->step, artefact_length(file, "x"), num_lines);
     return grid_check_extent(grid, artefact_path(file), error);
@@ -208,6 +235,13 @@ ehd_status grid_of_file(ehd_grid *grid, const contact_kind **kind, const char *p
     return status;
 }
 
+ehd_status grid_check_shape(const ehd_grid *grid, const char *path, const ehd_grid *expected,
+                            const char *expected_path, ehd_error *error) {
+    if (shape_same(&grid->shape, &expected->shape)) return EHD_OK;
+    return ehd_fail(error, EHD_DATA, "%s: ellipticity: found %.9g, expected %.9g, as in %s", path,
+                    grid->shape.ellipticity, expected->shape.ellipticity, expected_path);
+}
+
 ehd_status grid_check(const ehd_grid *grid, const char *path, const ehd_grid *expected,
                       const char *expected_path, ehd_error *error) {
     if (grid_same(grid, expected)) return EHD_OK;
@@ -219,6 +253,8 @@ ehd_status grid_check(const ehd_grid *grid, const char *path, const ehd_grid *ex
         return ehd_fail(error, EHD_DATA, "%s: boundary: found %s, expected %s, as in %s", path,
                         boundary_name(grid->boundary), boundary_name(expected->boundary),
                         expected_path);
+    const ehd_status status = grid_check_shape(grid, path, expected, expected_path, error);
+    if (status) return status;
     return ehd_fail(error, EHD_DATA,
                     "%s: x: found %zu nodes from %g by %g, expected %zu from %g by %g, as in %s",
                     path, grid->num_inner, grid->x_min, grid->step, expected->num_inner,
@@ -252,6 +288,14 @@ void grid_print_nodes(const ehd_grid *grid) {
 void grid_print_equations(const ehd_contact *contact) {
     const ehd_grid *grid = &contact->grid;
 
+    if (contact->kind == &contact_ellipse) {
+        const double micro = 1e6, half_width = contact->half_width * micro;
+        printf("%-24sb/a = %.8g", "ellipse", grid->shape.ellipticity);
+        if (isfinite(half_width))
+            printf(", a = %.6g µm, b = %.6g µm", half_width,
+                   contact_half_width_across(contact) * micro);
+        putchar('\n');
+    }
     printf("%-24s%s\n", "discretization", discretization_name(grid->discretization));
     if (contact->kind->dimensions > 1)
         printf("%-24s%s\n", "boundary",

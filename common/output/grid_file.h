@@ -12,7 +12,8 @@
 /* Axis x, the inner nodes, and of a point contact y, their lines. */
 ehd_status grid_write_axes(artefact *file, const ehd_grid *grid, ehd_error *error);
 
-/* Attributes contact, x_min, step, discretization and, of a point contact, boundary. */
+/* Attributes contact, x_min, step, discretization, of a point contact or an ellipse boundary, and of
+ * an ellipse ellipticity. */
 ehd_status grid_write_attributes(artefact *file, const contact_kind *kind, const ehd_grid *grid,
                                  ehd_error *error);
 
@@ -46,6 +47,14 @@ ehd_status grid_read_discretization(ehd_discretization *discretization, artefact
  * one. */
 ehd_status grid_read_boundary(ehd_boundary *boundary, artefact *file, ehd_error *error);
 
+/* The shape of a file of an ellipse; that of the others is round. EHD_DATA: missing or out of
+ * bounds. */
+ehd_status grid_read_shape(contact_shape *shape, artefact *file, const contact_kind *kind,
+                           ehd_error *error);
+
+/* Its kind of contact. EHD_DATA: an unknown one. */
+ehd_status contact_kind_read(const contact_kind **kind, artefact *file, ehd_error *error);
+
 /* Grid and kind of contact of an open file. EHD_DATA when the dry contact does not lie inside, or
  * the kind is not known. */
 ehd_status grid_read(ehd_grid *grid, const contact_kind **kind, artefact *file, ehd_error *error);
@@ -63,7 +72,9 @@ ehd_status carriage_read(ehd_carriage *carriage, artefact *file, ehd_error *erro
 ehd_status grid_of_file(ehd_grid *grid, const contact_kind **kind, const char *path,
                         ehd_error *error);
 
-/* EHD_DATA naming `path` when its grid differs from the one of `expected_path`. */
+/* EHD_DATA naming `path` when the shape of its contact, or its grid, differs from the one of `expected_path`. */
+ehd_status grid_check_shape(const ehd_grid *grid, const char *path, const ehd_grid *expected,
+                            const char *expected_path, ehd_error *error);
 ehd_status grid_check(const ehd_grid *grid, const char *path, const ehd_grid *expected,
                       const char *expected_path, ehd_error *error);
 

@@ -2,6 +2,7 @@
 #include "common/output/result.h"
 
 #include "common/output/grid_file.h"
+#include "common/physics/inlet_heating.h"
 #include "common/program/arena.h"
 
 #include <math.h>
@@ -16,6 +17,8 @@ ehd_status result_put_contact(artefact *file, const ehd_contact *contact, ehd_er
         const char *name;
         double value; // NaN where the scene is not physical
     } units[] = {{"half_width", contact->half_width},
+                 {"half_width_across",
+                  contact->kind == &contact_ellipse ? contact_half_width_across(contact) : NAN},
                  {"film_unit", contact_film_scale(contact)},
                  {"time_unit", contact_time_scale(contact)},
                  {contact->kind->dimensions > 1 ? "point_load" : "line_load", contact->load}};
@@ -27,6 +30,7 @@ ehd_status result_put_contact(artefact *file, const ehd_contact *contact, ehd_er
     for (size_t i = 0; i < sizeof units / sizeof *units && !status; i++)
         if (isfinite(units[i].value))
             status = artefact_put_real(file, units[i].name, units[i].value, error);
+    if (!status && contact_has_traction(contact)) status = traction_put_units(file, contact, error);
     return status;
 }
 
@@ -130,12 +134,28 @@ static ehd_status put_effects(artefact *file, const film_effects *effects, ehd_e
     return status;
 }
 
+/* What shear heating of the inlet does; outside of its range the factor is not known. */
+static ehd_status put_heating(artefact *file, const ehd_contact *contact, ehd_error *error) {
+    const inlet_heating heating = inlet_heating_of(contact);
+    ehd_status status = EHD_OK;
+
+    if (isfinite(heating.loading))
+        status = artefact_put_real(file, "thermal_loading", heating.loading, error);
+    if (!status && isfinite(heating.factor))
+        status = artefact_put_real(file, "inlet_heating_factor", heating.factor, error);
+    return status;
+}
+
 ehd_status result_write(artefact **file, const run_result *result, const ehd_contact *contact,
                         ehd_error *error) {
     ehd_status status = put_fields(*file, result, &contact->grid, error);
 
     if (!status) status = put_scalars(*file, result, error);
+    if (!status && result->traction) status = traction_put(*file, result->traction, error);
+    if (!status && result->traction && result->pressure && result->film)
+        status = traction_put_stresses(*file, 0, contact, result->pressure, result->film, error);
     if (!status) status = put_effects(*file, result->effects, error);
+    if (!status) status = put_heating(*file, contact, error);
     if (!status) status = result_put_seconds(*file, result, error);
     if (!status) return artefact_finish(file, error);
     artefact_close(file);
@@ -193,6 +213,19 @@ static void print_indicated(const double *indicated) {
     putchar('\n');
 }
 
+/* A line of what shear heating of the inlet does, where something is known of it. */
+static void print_heating(const ehd_contact *contact) {
+    const inlet_heating heating = inlet_heating_of(contact);
+
+    if (!isfinite(heating.loading)) return;
+    printf("%-24s", "inlet shear heating");
+    if (isfinite(heating.factor))
+        printf("%.4f of the films above, which are isothermal", heating.factor);
+    else
+        printf("not known, outside of the range of its formula");
+    printf(" (thermal loading %.3g)\n", heating.loading);
+}
+
 void result_print(const run_result *result, const ehd_contact *contact) {
     const double micro = 1e6;
     const double film = contact_film_scale(contact) * micro;
@@ -209,10 +242,12 @@ void result_print(const run_result *result, const ehd_contact *contact) {
     print_value("minimum film thickness", result->minimum_film_thickness, film, "µm");
     print_parts(result->indicated_deviation_minimum, effects.of[EFFECT_STEP_MINIMUM],
                 effects.of[EFFECT_INLET_MINIMUM]);
+    print_heating(contact);
     print_value("central pressure", result->central_pressure, pressure, "GPa");
     print_value("rigid approach", result->rigid_approach, film, "µm");
     print_value("exit position", result->exit_position, width, "µm");
     print_value("load", result->load, contact->load, contact->kind->dimensions > 1 ? "N" : "N/m");
+    if (result->traction) traction_print(result->traction, contact);
     printf("%-24s%zu, residual %.1e\n", "Newton iterations", result->newton_iterations,
            result->residual);
     if (!isnan(result->indicated_deviation))
@@ -246,6 +281,7 @@ ehd_status result_get_contact(stored_result *stored, artefact *file, const conta
     stored->boundary = BOUNDARY_ZERO;
     if (!status && kind->dimensions > 1)
         status = grid_read_boundary(&stored->boundary, file, error);
+    if (!status) status = grid_read_shape(&stored->shape, file, kind, error);
     if (!status) status = artefact_get_real(file, "hertz_pressure", &stored->hertz_pressure, error);
     if (!status) status = artefact_get_real(file, "moes_M", &stored->moes_M, error);
     if (!status) status = artefact_get_real(file, "alpha_p_H", &stored->alpha_p_H, error);
@@ -347,7 +383,9 @@ void result_free(stored_result *stored) {
 }
 
 ehd_grid result_grid(const stored_result *stored) {
-    const ehd_grid like = {.discretization = stored->discretization, .boundary = stored->boundary};
+    const ehd_grid like = {.discretization = stored->discretization,
+                           .boundary = stored->boundary,
+                           .shape = stored->shape};
 
     return grid_like(&like, stored->x_min, stored->step, stored->num_inner / stored->num_lines,
                      stored->num_lines);

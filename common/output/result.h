@@ -6,6 +6,7 @@
 #include "common/artefact/artefact.h"
 #include "common/output/film_effects.h"
 #include "common/output/indicated.h"
+#include "common/output/traction_output.h"
 #include "common/physics/contact.h"
 #include "common/program/program.h"
 #include "common/program/status.h"
@@ -19,9 +20,10 @@ typedef enum result_model { SOLVED_BY_ANY, SOLVED_BY_REDUCED, SOLVED_BY_FULL } r
 
 /* What a solver found. Numbers are dimensionless; NaN stands for "not known". */
 typedef struct run_result {
-    const double *pressure; // [num_nodes] of the contact's grid, NULL: no fields
-    const double *film;     // [num_nodes], NULL: no fields
-    const double *exits;    // [lines] X at which the pressure ends, of a point contact's whole grid
+    const double *pressure;           // [num_nodes] of the contact's grid, NULL: no fields
+    const double *film;               // [num_nodes], NULL: no fields
+    const contact_traction *traction; // NULL: not asked for; with fields the file has its stresses
+    const double *exits; // [lines] X at which the pressure ends, of a point contact's whole grid
     double central_film_thickness;
     double minimum_film_thickness;
     double central_pressure;
@@ -71,6 +73,7 @@ void result_print(const run_result *result, const ehd_contact *contact);
 typedef struct stored_result {
     ehd_discretization discretization;
     ehd_boundary boundary;
+    contact_shape shape;
     double x_min; // grid of the file, and of the fields
     double step;
     size_t num_inner; // nodes of a field; 0: neither fields nor an axis x

@@ -4,6 +4,7 @@
 #include "common/output/grid_file.h"
 #include "common/output/inputs.h"
 #include "common/output/result.h"
+#include "common/output/traction_output.h"
 #include "common/program/arena.h"
 
 #include <math.h>
@@ -38,6 +39,16 @@ static const struct {
 enum { NUM_REALS = sizeof reals / sizeof *reals };
 
 // ---- creating
+
+static ehd_status declare_traction(artefact *file, bool with_fields, ehd_error *error) {
+    ehd_status status = EHD_OK;
+
+    for (size_t i = 0; i < NUM_TRACTION && !status; i++)
+        status = artefact_declare(file, traction_entries[i].field, error);
+    if (!status && with_fields) status = artefact_declare(file, "shear_stress_1", error);
+    if (!status && with_fields) status = artefact_declare(file, "shear_stress_2", error);
+    return status;
+}
 
 static ehd_status declare_scalars(artefact *file, ehd_error *error) {
     ehd_status status = EHD_OK;
@@ -84,6 +95,8 @@ ehd_status time_result_create(artefact **file, const program *caller, const ehd_
     if (!status && with_models) status = artefact_declare(*file, "by_full_model", error);
     if (!status && reference->surface) status = artefact_declare(*file, "surface_position", error);
     if (!status && with_fields) status = declare_fields(*file, error);
+    if (!status && contact_has_traction(reference))
+        status = declare_traction(*file, with_fields, error);
     if (!status && restart_size > 0) status = declare_restart(*file, restart_size, error);
     if (!status) status = artefact_begin_streaming(*file, error);
     if (status) artefact_close(file);
@@ -124,6 +137,11 @@ static ehd_status put_scalars(artefact *file, const time_entry *entries, size_t 
     for (size_t i = 0; i < NUM_REALS && !status; i++)
         status =
             put_real(file, reals[i].name, reals[i].entry, entries, count, index, column, error);
+    for (size_t i = 0; i < NUM_TRACTION && !status; i++)
+        if (artefact_has(file, traction_entries[i].field))
+            status = put_real(file, traction_entries[i].field,
+                              offsetof(time_entry, traction) + traction_entries[i].offset, entries,
+                              count, index, column, error);
     if (!status) status = put_exits(file, entries, count, num_lines, index, error);
     for (size_t i = 0; i < count; i++)
         integers[i] = (int64_t)entries[i].newton_iterations;
@@ -151,6 +169,9 @@ static ehd_status put_fields(artefact *file, const time_entry *entry, const ehd_
         status = grid_put_field(file, "pressure", index, entry->pressure, grid, true, error);
     if (!status && entry->film)
         status = grid_put_field(file, "film_thickness", index, entry->film, grid, true, error);
+    if (!status && entry->pressure && entry->film && entry->frame)
+        status =
+            traction_put_stresses(file, index, entry->frame, entry->pressure, entry->film, error);
     return status;
 }
 

@@ -5,7 +5,7 @@
 #define EHD_TIME_RESULT_H
 
 #include "common/artefact/artefact.h"
-#include "common/physics/contact.h"
+#include "common/physics/traction.h"
 #include "common/program/program.h"
 #include "common/program/status.h"
 #include "common/settings/scene.h"
@@ -34,6 +34,8 @@ typedef struct time_entry {
     double step;                         // of the integration that led here, 0 at the start
     double effect, effect_minimum;       // of the steps in time on the films, as in march_step
     double indicated, indicated_minimum; // deviation of the films, as in march_step
+    contact_traction traction;           // in the reference frame, where the reference has it
+    const ehd_contact *frame;            // of the fields; NULL: without traction
     const double *pressure; // [num_nodes] in the current frame, NULL: no field at this time
     const double *film;     // [num_nodes] in the current frame, NULL: no field at this time
 } time_entry;

@@ -4,6 +4,7 @@
 #include "common/output/grid_file.h"
 #include "common/output/inputs.h"
 #include "common/output/time_result.h"
+#include "common/output/traction_output.h"
 #include "common/time/surface.h"
 
 #include <limits.h>
@@ -194,11 +195,21 @@ static ehd_status store(void *sink, const march_step *step, size_t index, ehd_er
         frame_to_reference(&step->scalars, &step->frame, self->task->reference);
     const ehd_surface *surface = self->task->reference->surface;
     const double position = surface ? surface_position(surface, step->frame.path) : NAN;
-    bool fields = self->pressure && index % (size_t)self->task->given->output.fields_every == 0;
+    bool fields =
+        self->task->with_fields && index % (size_t)self->task->given->output.fields_every == 0;
     ehd_status status = EHD_OK;
     char shown[64];
 
-    if (fields) status = solver->fields(self->pressure, self->film, solver->self, error);
+    const bool traction = contact_has_traction(self->task->reference);
+    ehd_contact frame;
+    contact_traction tractions = contact_traction_unknown();
+    if (fields || traction)
+        status = solver->fields(self->pressure, self->film, solver->self, error);
+    if (traction && !status) {
+        frame_contact(&frame, &step->frame, self->task->reference);
+        tractions = frame_traction_to_reference(
+            contact_traction_of(&frame, self->pressure, self->film, &step->scalars), &step->frame);
+    }
     const time_entry entry = {.time = step->frame.time,
                               .central_film_thickness = scalars.central_film_thickness,
                               .minimum_film_thickness = scalars.minimum_film_thickness,
@@ -220,6 +231,8 @@ static ehd_status store(void *sink, const march_step *step, size_t index, ehd_er
                               .effect_minimum = step->effect_minimum,
                               .indicated = step->indicated,
                               .indicated_minimum = step->indicated_minimum,
+                              .traction = tractions,
+                              .frame = fields && traction ? &frame : NULL,
                               .pressure = fields ? self->pressure : NULL,
                               .film = fields ? self->film : NULL};
     self->totals.min_film = fmin(self->totals.min_film, entry.minimum_film_thickness);
@@ -478,12 +491,13 @@ static ehd_status prepare(runner *self, ehd_histories **histories, ehd_error *er
         if (status) return status;
     }
     self->restart = malloc((AT_SOLVER + solver->saved_size(solver->self)) * sizeof(double));
-    if (task->with_fields) {
+    const bool states = task->with_fields || contact_has_traction(task->reference);
+    if (states) {
         self->pressure = malloc(num_nodes * sizeof(double));
         self->film = malloc(num_nodes * sizeof(double));
     }
     self->exits = malloc(MAX_WAITING * grid_whole(grid).inner_lines * GRID_EXITS * sizeof(double));
-    whole = self->restart && self->exits && (!task->with_fields || (self->pressure && self->film));
+    whole = self->restart && self->exits && (!states || (self->pressure && self->film));
     return whole ? EHD_OK
                  : ehd_fail(error, EHD_MEMORY, "result: found no memory for %zu nodes", num_nodes);
 }

@@ -26,7 +26,7 @@ typedef struct images {
     const program *caller;
     size_t num_times, num_x, num_lines; // lines as the file has them
     double *x, *y, *time;
-    si_units of_x, of_time;
+    si_units of_x, of_y, of_time;
     field fields[NUM_FIELDS];
 } images;
 
@@ -55,6 +55,7 @@ static ehd_status read_axes(images *self, ehd_error *error) {
     if (!status && num_y > 0) status = read_axis(&self->y, self, "y", num_y, error);
     if (!status) status = read_axis(&self->time, self, "time", self->num_times, error);
     if (!status) status = si_units_read(&self->of_x, file, "x", true, error);
+    if (!status) status = si_units_read(&self->of_y, file, "y", true, error);
     return status ? status : si_units_read(&self->of_time, file, "time", true, error);
 }
 
@@ -89,6 +90,7 @@ static void release(images *self) {
     free(self->y);
     free(self->time);
     si_units_free(&self->of_x);
+    si_units_free(&self->of_y);
     si_units_free(&self->of_time);
     for (int f = 0; f < NUM_FIELDS; f++) {
         free(self->fields[f].values);
@@ -134,10 +136,11 @@ static void write_block(const images *self, const field *one, FILE *stream) {
 }
 
 static void write_header(const images *self, size_t time, FILE *stream) {
-    const double unit = si_units_at(&self->of_x, time);
+    const double unit = si_units_at(&self->of_x, time), unit_y = si_units_at(&self->of_y, time);
     const double step = (self->x[self->num_x - 1] - self->x[0]) / (double)(self->num_x - 1) * unit;
     const size_t lines = image_lines(self);
-    const double first_y = self->y ? self->y[0] * unit : -0.5 * step;
+    const double step_y = step * unit_y / unit; // square cells in half widths
+    const double first_y = self->y ? self->y[0] * unit_y : -0.5 * step;
     char extent[80];
 
     snprintf(extent, sizeof extent, "0 %zu 0 %zu 0 %d", self->num_x - 1, lines - 1, NUM_LAYERS - 1);
@@ -152,7 +155,7 @@ static void write_header(const images *self, size_t time, FILE *stream) {
             "format=\"ascii\">%.17g</DataArray></FieldData>\n"
             "<Piece Extent=\"%s\">\n<PointData Scalars=\"%s\">\n",
             __BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__ ? "LittleEndian" : "BigEndian", extent,
-            self->x[0] * unit, first_y, step, step, step,
+            self->x[0] * unit, first_y, step, step_y, step,
             self->time[time] * si_units_at(&self->of_time, time), extent,
             self->fields[0].values ? field_names[0] : field_names[1]);
 }

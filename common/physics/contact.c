@@ -4,6 +4,7 @@
 #include "common/physics/film_formulas.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 // ---- line contact
@@ -14,25 +15,30 @@ static double line_primitive(double x) {
 }
 
 /* -(1/2pi) int ln(X'^2) over the cell (README.md, deflection). */
-static double line_kernel(double distance, double y, double step) {
+static double line_kernel(const contact_shape *shape, double distance, double y, double step) {
+    (void)shape;
     (void)y;
     return -(line_primitive(distance + step / 2) - line_primitive(distance - step / 2)) / M_PI;
 }
 
-static double line_lambda(double moes_M) {
+static double line_lambda(const contact_shape *shape, double moes_M) {
+    (void)shape;
     return 3 * M_PI * M_PI / (8 * moes_M * moes_M);
 }
 
-static double line_moes_M(double lambda) {
+static double line_moes_M(const contact_shape *shape, double lambda) {
+    (void)shape;
     return sqrt(3 * M_PI * M_PI / (8 * lambda));
 }
 
-static double line_alpha_p_H(double moes_M, double moes_L) {
+static double line_alpha_p_H(const contact_shape *shape, double moes_M, double moes_L) {
+    (void)shape;
     return moes_L * sqrt(moes_M / (2 * M_PI));
 }
 
 /* Half of x sqrt(x^2 - 1) - acosh(x) (K. L. Johnson, Contact Mechanics, 1985, section 4.2). */
-static double line_dry_gap(double x) {
+static double line_dry_gap(const contact_shape *shape, double x) {
+    (void)shape;
     return 0.5 * (fabs(x) * sqrt(x * x - 1) - acosh(fabs(x)));
 }
 
@@ -42,11 +48,18 @@ static double line_approach_shift(double half_width, double length) {
     return 0.5 * log(half_width / length);
 }
 
+static double line_central_film(const contact_shape *shape, double moes_M, double moes_L) {
+    (void)shape;
+    return film_moes(moes_M, moes_L);
+}
+
 static double line_physical_M(double load_number, double speed_number) {
     return load_number / sqrt(speed_number);
 }
 
-static double line_half_width(double load, double radius, double modulus) {
+static double line_half_width(const contact_shape *shape, double load, double radius,
+                              double modulus) {
+    (void)shape;
     return sqrt(8 * load * radius / (M_PI * modulus));
 }
 
@@ -58,14 +71,14 @@ const contact_kind contact_line = {
     .lambda = line_lambda,
     .moes_M = line_moes_M,
     .alpha_p_H = line_alpha_p_H,
-    .central_film = film_moes,
+    .central_film = line_central_film,
     .dry_gap = line_dry_gap,
     .approach_shift = line_approach_shift,
     .physical_M = line_physical_M,
     .half_width = line_half_width,
 };
 
-// ---- point contact
+// ---- point contact and ellipse, of which it is the one with b/a = 1 (README.md, Elliptical contacts)
 
 /* The integral of 1/r over a rectangle from the origin to a corner: a asinh(b/a) + b asinh(a/b). */
 static double point_primitive(double a, double b) {
@@ -87,27 +100,47 @@ static double far_cell(double x, double y, double step) {
     return cell / sqrt(square) * (1 + small * (1. / 24 + small * fourth));
 }
 
-/* (2/pi^2) iint 1/r over the cell (README.md, deflection). */
-static double point_kernel(double x, double y, double step) {
-    if (x * x + y * y > FAR_CELL * FAR_CELL * step * step)
-        return 2 / (M_PI * M_PI) * far_cell(x, y, step);
-    double left = x - step / 2, right = x + step / 2, low = y - step / 2, high = y + step / 2;
+/* The same of a rectangle, which has moments of its own. */
+static double far_rectangle(double x, double y, double along, double across) {
+    const double square = x * x + y * y, u = x * x / square, v = y * y / square;
+    const double a = along * along / square, b = across * across / square;
+    const double second = (a * (3 * u - 1) + b * (3 * v - 1)) / 24;
+    const double fourth =
+        (a * a * (105 * u * u - 90 * u + 9) + b * b * (105 * v * v - 90 * v + 9)) / 1920 +
+        a * b * (105 * u * v - 12) / 576;
 
-    return 2 / (M_PI * M_PI) *
-           (point_primitive(right, high) - point_primitive(left, high) -
-            point_primitive(right, low) + point_primitive(left, low));
+    return along * across / sqrt(square) * (1 + second + fourth);
 }
 
-static double point_lambda(double moes_M) {
-    return cbrt(128 * M_PI * M_PI * M_PI / (3 * pow(moes_M, 4)));
+/* (2/pi^2) iint 1/r over the cell (README.md, deflection), which of an ellipse is a rectangle. */
+static double point_kernel(const contact_shape *shape, double x, double lines, double step) {
+    const double k = shape->ellipticity, y = k * lines, width = k * step;
+    const double scale = 2 / (M_PI * M_PI) / (shape->compliance * k), side = fmax(step, width);
+
+    if (x * x + y * y > FAR_CELL * FAR_CELL * side * side)
+        return scale * (k == 1 ? far_cell(x, y, step) : far_rectangle(x, y, step, width));
+    double left = x - step / 2, right = x + step / 2, low = y - width / 2, high = y + width / 2;
+
+    return scale * (point_primitive(right, high) - point_primitive(left, high) -
+                    point_primitive(right, low) + point_primitive(left, low));
 }
 
-static double point_moes_M(double lambda) {
-    return pow(128 * M_PI * M_PI * M_PI / (3 * lambda * lambda * lambda), 0.25);
+static double point_lambda(const contact_shape *shape, double moes_M) {
+    return cbrt(128 * M_PI * M_PI * M_PI / (3 * pow(moes_M, 4))) * shape->ellipticity /
+           cbrt(shape->compliance);
 }
 
-static double point_alpha_p_H(double moes_M, double moes_L) {
-    return moes_L / M_PI * cbrt(1.5 * moes_M);
+static double point_moes_M(const contact_shape *shape, double lambda) {
+    const double of_circle = lambda * cbrt(shape->compliance) / shape->ellipticity;
+
+    return pow(128 * M_PI * M_PI * M_PI / (3 * of_circle * of_circle * of_circle), 0.25);
+}
+
+static double point_alpha_p_H(const contact_shape *shape, double moes_M, double moes_L) {
+    const double compliance = shape->compliance;
+
+    return moes_L / M_PI * cbrt(1.5 * moes_M) /
+           (shape->ellipticity * cbrt(compliance * compliance));
 }
 
 /* The kernel of a point contact decays to zero: its approach is measured from infinity. */
@@ -118,35 +151,38 @@ static double point_approach_shift(double half_width, double length) {
 }
 
 /* ((x^2 - 2) acos(1/x) + sqrt(x^2 - 1))/pi (Johnson, section 3.4). */
-static double point_dry_gap(double x) {
+static double point_dry_gap(const contact_shape *shape, double x) {
+    if (shape->ellipticity != 1) return ellipse_dry_gap(shape, x);
     return ((x * x - 2) * acos(1 / fabs(x)) + sqrt(x * x - 1)) / M_PI;
+}
+
+/* That of the circle with the same Hertz pressure, R_x and L, whose radius is a/(k compliance). */
+static double point_central_film(const contact_shape *shape, double moes_M, double moes_L) {
+    const double k = shape->ellipticity, ratio = k * shape->compliance; // a over that radius
+
+    return film_nijenbanning(moes_M / (k * ratio * ratio), moes_L) / (ratio * ratio);
 }
 
 static double point_physical_M(double load_number, double speed_number) {
     return load_number / pow(speed_number, 0.75);
 }
 
-static double point_half_width(double load, double radius, double modulus) {
-    return cbrt(3 * load * radius / (2 * modulus));
+static double point_half_width(const contact_shape *shape, double load, double radius,
+                               double modulus) {
+    return cbrt(3 * load * radius / (2 * modulus)) * cbrt(shape->compliance);
 }
 
-const contact_kind contact_point = {
-    .name = "point",
-    .dimensions = 2,
-    .load = 2 * M_PI / 3,
-    .kernel = point_kernel,
-    .lambda = point_lambda,
-    .moes_M = point_moes_M,
-    .alpha_p_H = point_alpha_p_H,
-    .central_film = film_nijenbanning,
-    .dry_gap = point_dry_gap,
-    .approach_shift = point_approach_shift,
-    .physical_M = point_physical_M,
-    .half_width = point_half_width,
-};
+#define POINT_FUNCTIONS                                                                            \
+    .dimensions = 2, .load = 2 * M_PI / 3, .kernel = point_kernel, .lambda = point_lambda,         \
+    .moes_M = point_moes_M, .alpha_p_H = point_alpha_p_H, .central_film = point_central_film,      \
+    .dry_gap = point_dry_gap, .approach_shift = point_approach_shift,                              \
+    .physical_M = point_physical_M, .half_width = point_half_width
+
+const contact_kind contact_point = {.name = "point", POINT_FUNCTIONS};
+const contact_kind contact_ellipse = {.name = "ellipse", POINT_FUNCTIONS};
 
 const contact_kind *contact_kind_find(const char *name) {
-    static const contact_kind *const kinds[] = {&contact_line, &contact_point};
+    static const contact_kind *const kinds[] = {&contact_line, &contact_point, &contact_ellipse};
 
     for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++)
         if (strcmp(kinds[i]->name, name) == 0) return kinds[i];
@@ -224,8 +260,8 @@ ehd_status carriage_check(const ehd_carriage *found, const char *found_in,
 
 // ---- any contact
 
-double contact_gap(double x, double y) {
-    return (x * x + y * y) / 2;
+double contact_gap(const contact_shape *shape, double x, double y) {
+    return (x * x + shape->gap_across * (y * y)) / 2;
 }
 
 ehd_grid grid_of(double x_min, double step, size_t inner_x, size_t inner_lines, bool half,
@@ -236,7 +272,8 @@ ehd_grid grid_of(double x_min, double step, size_t inner_x, size_t inner_lines, 
                      .inner_lines = inner_lines,
                      .half = half,
                      .num_inner = inner_x * inner_lines,
-                     .discretization = discretization};
+                     .discretization = discretization,
+                     .shape = shape_round};
 
     grid.num_nodes = grid_width(&grid) * grid_lines(&grid);
     return grid;
@@ -247,6 +284,7 @@ ehd_grid grid_like(const ehd_grid *grid, double x_min, double step, size_t inner
     ehd_grid other = grid_of(x_min, step, inner_x, inner_lines, grid->half, grid->discretization);
 
     other.boundary = grid->boundary;
+    other.shape = grid->shape;
     return other;
 }
 
@@ -283,7 +321,13 @@ double grid_y(const ehd_grid *grid, size_t node) {
 }
 
 double grid_gap(const ehd_grid *grid, size_t node) {
-    return contact_gap(grid_x(grid, node), grid_y(grid, node));
+    return contact_gap(&grid->shape, grid_x(grid, node), grid_y(grid, node));
+}
+
+double grid_square_distance(const ehd_grid *grid, size_t node) {
+    const double x = grid_x(grid, node), y = grid_y(grid, node);
+
+    return x * x + y * y;
 }
 
 size_t grid_node_of_row(const ehd_grid *grid, size_t row) {
@@ -375,22 +419,39 @@ bool grid_same(const ehd_grid *a, const ehd_grid *b) {
     const double slack = 1e-9 * b->step;
 
     return a->discretization == b->discretization && a->boundary == b->boundary &&
-           a->inner_x == b->inner_x && a->inner_lines == b->inner_lines && a->half == b->half &&
+           shape_same(&a->shape, &b->shape) && a->inner_x == b->inner_x &&
+           a->inner_lines == b->inner_lines && a->half == b->half &&
            fabs(a->x_min - b->x_min) <= slack && fabs(a->step - b->step) <= slack;
+}
+
+/* A viscosity that is given is that of the law, at its temperature, where the law has one. */
+static ehd_status check_viscosity(double viscosity, const ehd_lubricant *lubricant,
+                                  ehd_error *error) {
+    const double eta0 = lubricant->eta0; // NaN where the law has none
+    char where[48] = "";
+
+    if (isnan(eta0) ? !isnan(viscosity) : fabs(viscosity - eta0) <= 0.01 * eta0) return EHD_OK;
+    if (isnan(eta0))
+        return ehd_fail(error, EHD_DATA,
+                        "physical.viscosity: found nothing, expected a value with the law %s",
+                        lubricant->viscosity->name);
+    if (!isnan(lubricant->temperature))
+        snprintf(where, sizeof where, " and the temperature of %g degC", lubricant->temperature);
+    return ehd_fail(error, EHD_DATA,
+                    "physical.viscosity: found %g, expected %.6g Pa s, the lubricant's own at "
+                    "zero pressure%s, within 1 %%, or nothing",
+                    viscosity, eta0, where);
 }
 
 /* Moes numbers and scales from load, radius, speed, modulus and viscosity. */
 static ehd_status contact_from_physical(ehd_contact *contact, const contact_settings *given,
                                         ehd_error *error) {
-    double eta0 = contact->lubricant.eta0; // NaN where the law has none
+    const double viscosity = isnan(given->viscosity) ? contact->lubricant.eta0 : given->viscosity;
+    ehd_status status = check_viscosity(viscosity, &contact->lubricant, error);
 
-    if (!isnan(eta0) && fabs(given->viscosity - eta0) > 0.01 * eta0)
-        return ehd_fail(error, EHD_DATA,
-                        "physical.viscosity: found %g, expected %.6g Pa s, the lubricant's own "
-                        "at zero pressure, within 1 %%",
-                        given->viscosity, eta0);
+    if (status) return status;
     double sum_speed = 2 * given->speed;
-    double speed_number = given->viscosity * sum_speed / (given->modulus * given->radius);
+    double speed_number = viscosity * sum_speed / (given->modulus * given->radius);
     double load_number =
         given->load / (given->modulus * pow(given->radius, contact->kind->dimensions));
     contact->moes_M = contact->kind->physical_M(load_number, speed_number);
@@ -398,8 +459,47 @@ static ehd_status contact_from_physical(ehd_contact *contact, const contact_sett
     contact->load = given->load;
     contact->radius = given->radius;
     contact->speed = given->speed;
-    contact->half_width = contact->kind->half_width(given->load, given->radius, given->modulus);
+    contact->modulus = given->modulus;
+    contact->viscosity = viscosity;
+    contact->half_width =
+        contact->kind->half_width(&contact->grid.shape, given->load, given->radius, given->modulus);
     return EHD_OK;
+}
+
+/* What the factor of the inlet's heating needs, where a scene asks for it. */
+static ehd_status check_heating(const ehd_contact *contact, ehd_error *error) {
+    if (isnan(contact->lubricant.thermal_conductivity)) return EHD_OK;
+    if (isnan(contact->speed))
+        return ehd_fail(error, EHD_DATA,
+                        "lubricant.thermal_conductivity: found a value with moes, expected it with "
+                        "physical, whose speed heats the inlet");
+    if (isnan(contact->lubricant.temperature_coefficient))
+        return ehd_fail(error, EHD_DATA,
+                        "lubricant.viscosity.temperature_coefficient: found nothing, expected a "
+                        "value with lubricant.thermal_conductivity");
+    return EHD_OK;
+}
+
+/* As contact_settings say it, of an ellipse. */
+static contact_shape shape_given(const contact_settings *given) {
+    if (given->kind != &contact_ellipse) return shape_round;
+    return shape_of(isnan(given->radius_across)
+                        ? given->ellipticity
+                        : ellipse_ellipticity(given->radius_across / given->radius));
+}
+
+static ehd_status check_shape(const contact_shape *shape, const contact_settings *given,
+                              ehd_error *error) {
+    const double found = shape->ellipticity;
+
+    if (found >= MIN_ELLIPTICITY && found <= MAX_ELLIPTICITY) return EHD_OK;
+    if (isnan(given->radius_across))
+        return ehd_fail(error, EHD_DATA, "ellipticity: found %g, expected %g to %g", found,
+                        MIN_ELLIPTICITY, MAX_ELLIPTICITY);
+    return ehd_fail(error, EHD_DATA,
+                    "physical.radius_across: found %g m, an ellipticity of %g, expected one of %g "
+                    "to %g",
+                    given->radius_across, found, MIN_ELLIPTICITY, MAX_ELLIPTICITY);
 }
 
 const double far_approach_length = 10;
@@ -409,6 +509,7 @@ ehd_status contact_init(ehd_contact *contact, const contact_settings *given, ehd
 
     *contact = (ehd_contact){
         .kind = given->kind,
+        .grid = {.shape = shape_given(given)},
         .entrainment = 1,
         .far_speed = 1,
         .closure = contact_load_closure(given->kind),
@@ -416,8 +517,12 @@ ehd_status contact_init(ehd_contact *contact, const contact_settings *given, ehd
         .half_width = NAN,
         .radius = NAN,
         .load = NAN,
-        .speed = NAN};
-    ehd_status status = lubricant_init(&contact->lubricant, &given->lubricant, error);
+        .speed = NAN,
+        .modulus = NAN,
+        .viscosity = NAN,
+        .slide_roll = NAN};
+    ehd_status status = check_shape(&contact->grid.shape, given, error);
+    if (!status) status = lubricant_init(&contact->lubricant, &given->lubricant, error);
     if (status) return status;
 
     if (isnan(given->moes_M)) {
@@ -427,6 +532,8 @@ ehd_status contact_init(ehd_contact *contact, const contact_settings *given, ehd
         contact->moes_M = given->moes_M;
         contact->moes_L = given->moes_L;
     }
+    status = check_heating(contact, error);
+    if (status) return status;
     contact_set_moes(contact, contact->moes_M, contact->moes_L);
     // a given Hertz pressure overrides the one that L implies; L is then only reported
     if (!isnan(given->hertz_pressure)) {
@@ -456,7 +563,8 @@ void contact_take_grid(ehd_contact *contact, const ehd_grid *grid) {
 
     if (!contact_has_chosen_grid(contact) || !same_kind ||
         grid->discretization != contact->grid.discretization ||
-        grid->boundary != contact->grid.boundary || !grid_has(grid, &contact->grid_given))
+        grid->boundary != contact->grid.boundary ||
+        !shape_same(&grid->shape, &contact->grid.shape) || !grid_has(grid, &contact->grid_given))
         return;
     contact->grid = *grid;
     contact->grid_given = grid_extent_of(grid);
@@ -465,8 +573,8 @@ void contact_take_grid(ehd_contact *contact, const ehd_grid *grid) {
 void contact_set_moes(ehd_contact *contact, double moes_M, double moes_L) {
     contact->moes_M = moes_M;
     contact->moes_L = moes_L;
-    contact->lambda = contact->kind->lambda(moes_M);
-    contact->alpha_p_H = contact->kind->alpha_p_H(moes_M, moes_L);
+    contact->lambda = contact->kind->lambda(&contact->grid.shape, moes_M);
+    contact->alpha_p_H = contact->kind->alpha_p_H(&contact->grid.shape, moes_M, moes_L);
     contact->hertz_pressure = contact->alpha_p_H / contact->lubricant.alpha;
 }
 
@@ -483,6 +591,10 @@ ehd_status contact_check_approach(const ehd_contact *contact, ehd_error *error) 
 
 contact_closure contact_load_closure(const contact_kind *kind) {
     return (contact_closure){.by_approach = 0, .by_load = 1, .value = kind->load};
+}
+
+double contact_half_width_across(const ehd_contact *contact) {
+    return contact->half_width * contact->grid.shape.ellipticity;
 }
 
 double contact_film_scale(const ehd_contact *contact) {

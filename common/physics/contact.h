@@ -4,33 +4,39 @@
 #ifndef EHD_CONTACT_H
 #define EHD_CONTACT_H
 
+#include "common/physics/ellipse.h"
 #include "common/physics/lubricant.h"
 #include "common/program/status.h"
 #include <stdbool.h>
 #include <stddef.h>
 
-/* What differs between a line and a point contact (README.md, kinds of contact). */
+/* What differs between a line, a point and an elliptical contact (README.md, kinds of contact). Of what depends on
+ * the shape of the contact this is the first argument. */
 typedef struct contact_kind {
     const char *name; // "line"
     int dimensions;   // of the pressurised zone: 1, 2
     double load;      // dimensionless load: pi/2, 2 pi/3
     // deflection at a distance (along, across) from a cell of unit pressure, `step` wide
-    double (*kernel)(double x, double y, double step);
-    double (*lambda)(double moes_M);                      // the steady contact's speed parameter
-    double (*moes_M)(double lambda);                      // and back
-    double (*alpha_p_H)(double moes_M, double moes_L);    // alpha times Hertz pressure
-    double (*central_film)(double moes_M, double moes_L); // estimate of H at the centre
-    double (*dry_gap)(double x);                          // of the dry contact on Y = 0, |x| >= 1
+    double (*kernel)(const contact_shape *shape, double x, double y, double step);
+    // the steady contact's speed parameter, and back
+    double (*lambda)(const contact_shape *shape, double moes_M);
+    double (*moes_M)(const contact_shape *shape, double lambda);
+    // alpha times Hertz pressure
+    double (*alpha_p_H)(const contact_shape *shape, double moes_M, double moes_L);
+    // estimate of H at the centre
+    double (*central_film)(const contact_shape *shape, double moes_M, double moes_L);
+    double (*dry_gap)(const contact_shape *shape, double x); // dry contact on Y = 0, |x| >= 1
     // change of the approach per unit of load when the half width is `half_width` times the
     // reference and the approach is measured from a distance of `length` reference half widths
     double (*approach_shift)(double half_width, double length);
     // Moes number M and half width from load, radius, speed and modulus; the speed number is
-    // eta0 2 u_m/(E' R)
+    // eta0 2 u_m/(E' R). Of any one shape a half width is the same powers of all three
     double (*physical_M)(double load_number, double speed_number);
-    double (*half_width)(double load, double radius, double modulus);
+    double (*half_width)(const contact_shape *shape, double load, double radius, double modulus);
 } contact_kind;
 
-extern const contact_kind contact_line, contact_point;
+/* The functions of a point contact are those of an ellipse, whose shape is not round. */
+extern const contact_kind contact_line, contact_point, contact_ellipse;
 
 /* The kind of this name, or NULL. */
 const contact_kind *contact_kind_find(const char *name);
@@ -96,6 +102,7 @@ typedef struct ehd_grid {
     size_t num_nodes;
     ehd_discretization discretization;
     ehd_boundary boundary; // BOUNDARY_ZERO of a line contact
+    contact_shape shape;   // what X and Y are scaled by
 } ehd_grid;
 
 /* How wide and how fine a grid is, in contact half widths. */
@@ -104,10 +111,11 @@ typedef struct grid_extent {
     double y_max; // NaN of a line contact
 } grid_extent;
 
-/* Fills the counts; with BOUNDARY_ZERO. */
+/* Fills the counts; with BOUNDARY_ZERO, of a round contact. */
 ehd_grid grid_of(double x_min, double step, size_t inner_x, size_t inner_lines, bool half,
                  ehd_discretization discretization);
-/* Another grid with the discretisation and the boundary of this one, and also half where it is. */
+/* Another grid with the discretisation, the boundary and the shape of this one, and also half where
+ * it is. */
 ehd_grid grid_like(const ehd_grid *grid, double x_min, double step, size_t inner_x,
                    size_t inner_lines);
 
@@ -115,8 +123,11 @@ double grid_x(const ehd_grid *grid, size_t node);
 double grid_y(const ehd_grid *grid, size_t node); // 0 of a line contact
 double grid_gap(const ehd_grid *grid, size_t node);
 
-/* Undeformed gap (X^2 + Y^2)/2. */
-double contact_gap(double x, double y);
+/* Undeformed gap, of a round contact (X^2 + Y^2)/2. */
+double contact_gap(const contact_shape *shape, double x, double y);
+
+/* X^2 + Y^2, at most 1 inside the dry contact. */
+double grid_square_distance(const ehd_grid *grid, size_t node);
 
 /* Number of nodes on a line, of lines, and of boundary lines before the first inner line. */
 size_t grid_width(const ehd_grid *grid);
@@ -196,10 +207,13 @@ typedef struct ehd_contact {
     double hertz_pressure;   // Pa
     double moes_M, moes_L;   // 1
     double alpha_p_H;        // 1
-    double half_width;       // m, NaN unless the scene is physical
-    double radius;           // m, NaN unless the scene is physical
+    double half_width;       // m, along the entrainment; NaN unless the scene is physical
+    double radius;           // m, the same
     double load;             // N/m or N, NaN unless the scene is physical
     double speed;            // m/s, mean of the two surfaces, NaN unless the scene is physical
+    double modulus;          // Pa, E', NaN unless the scene is physical
+    double viscosity;        // Pa s, at zero pressure, NaN unless the scene is physical
+    double slide_roll;       // (u1 - u2)/speed, NaN: traction is not asked for
     // in time what one of them has (common/time/surface.h); NULL: both are smooth
     const struct ehd_surface *surface;
 } ehd_contact;
@@ -221,10 +235,12 @@ typedef struct contact_settings {
     lubricant_settings lubricant;
     double moes_M, moes_L; // 1; NaN: by the next five, which are otherwise not used
     double load;           // N/m of a line contact, N of a point contact
-    double radius;         // m
+    double radius;         // m, of an ellipse along the entrainment
+    double radius_across;  // m, of an ellipse; NaN: by the ellipticity
+    double ellipticity;    // of an ellipse, b/a; not used with radius_across
     double speed;          // m/s, mean of the two surfaces
     double modulus;        // Pa, E' = 2/[(1-nu1^2)/E1 + (1-nu2^2)/E2]
-    double viscosity;      // Pa s at zero pressure
+    double viscosity;      // Pa s at zero pressure; NaN: the law's own
     double hertz_pressure; // Pa; NaN: the one that M, L and the lubricant imply
     bool approach_given;   // instead of the load
     double
@@ -261,6 +277,9 @@ ehd_status contact_check_approach(const ehd_contact *contact, ehd_error *error);
 
 /* The closure by a given load: the load balance, eq. 9 of Maier et al. */
 contact_closure contact_load_closure(const contact_kind *kind);
+
+/* Half width across the entrainment in m, b of an ellipse. NaN unless the scene is physical. */
+double contact_half_width_across(const ehd_contact *contact);
 
 /* Film scale a^2/R in m: physical film = H * film_scale. NaN unless the scene is physical. */
 double contact_film_scale(const ehd_contact *contact);

@@ -80,12 +80,14 @@ static size_t wrapped(size_t index, size_t period) {
 }
 
 double deflection_influence(const contact_kind *kind, const ehd_grid *grid, double x, double y) {
-    const double h = grid->step, here = kind->kernel(x, y, h);
+    const contact_shape *shape = &grid->shape;
+    const double h = grid->step, here = kind->kernel(shape, x, y, h);
 
     if (grid->discretization == DISCRETIZATION_PUBLISHED) return here;
-    double curvature = kind->kernel(x - h, y, h) - 2 * here + kind->kernel(x + h, y, h);
+    double curvature =
+        kind->kernel(shape, x - h, y, h) - 2 * here + kind->kernel(shape, x + h, y, h);
     if (kind->dimensions > 1)
-        curvature += kind->kernel(x, y - h, h) - 2 * here + kind->kernel(x, y + h, h);
+        curvature += kind->kernel(shape, x, y - h, h) - 2 * here + kind->kernel(shape, x, y + h, h);
     return here - curvature / 24;
 }
 

@@ -125,7 +125,7 @@ void exit_cell_at(exit_cell *cell, const ehd_grid *grid, double entrainment, dou
     const size_t here = stencil->node[NODE_HERE], ahead = stencil->node[NODE_AHEAD];
     const double step = grid->step, h = film[here], scale = h * h * h / (step * step);
     const double density = fluid->density ? fluid->density[ahead] : 1; // without pressure
-    const reynolds_link drop = reynolds_link_ahead(stencil, fluid, pressure);
+    const reynolds_link drop = reynolds_link_ahead(stencil, fluid, pressure, film);
 
     // q at the exit, at the node, and half way
     quantity at_exit = film_behind(offset, 1, stencil, film);
@@ -160,7 +160,7 @@ void exit_cell_at(exit_cell *cell, const ehd_grid *grid, double entrainment, dou
     add_row(row, -4 * length * scale, &second.row);
     row->residual += scale * drop.value;
     row->by_pressure[NODE_HERE] += scale * drop.by_before;
-    row->by_film[NODE_HERE] += 3 * row->residual / h;
+    row->by_film[NODE_HERE] += 3 * row->residual / h + scale * drop.by_film;
     const double by_offset =
         -scale * (step * entrainment / 6 * sum + length * (first.by_offset + 4 * second.by_offset));
     add_row(row, by_offset, &cell->offset);

@@ -77,13 +77,14 @@ static const grid_rule *rule_of(const ehd_contact *contact) {
 /* The integral of gap/(gap + film)^3 from minus infinity to -start: the viscous pressure of an inlet
  * with the gap of the dry contact (Grubin), but for a factor. X = -start/s, s = 1 - t^2, midpoint
  * rule in t. */
-static double grubin_integral(const contact_kind *kind, double film, double start) {
+static double grubin_integral(const ehd_contact *contact, double film, double start) {
     const int num_intervals = 400;
     double sum = 0;
 
     for (int i = 0; i < num_intervals; i++) {
         const double t = (i + 0.5) / num_intervals, s = 1 - t * t;
-        const double gap = kind->dry_gap(start / s), whole = gap + film;
+        const double gap = contact->kind->dry_gap(&contact->grid.shape, start / s),
+                     whole = gap + film;
         sum += gap / (whole * whole * whole) * start / (s * s) * 2 * t;
     }
     return sum / num_intervals;
@@ -96,9 +97,10 @@ static double grubin_integral(const contact_kind *kind, double film, double star
  * times as much. The film in Hertz units grows with the radius, so M^(-2/3), where the load falls. */
 static double load_length(const ehd_contact *contact, double moes_L, double effect) {
     const contact_kind *kind = contact->kind;
+    const contact_shape *shape = &contact->grid.shape;
     const double change = 1e-3, moes_M = contact->moes_M;
-    const double thicker = log(kind->central_film(moes_M * exp(-change), moes_L) /
-                               kind->central_film(moes_M, moes_L)) /
+    const double thicker = log(kind->central_film(shape, moes_M * exp(-change), moes_L) /
+                               kind->central_film(shape, moes_M, moes_L)) /
                            change;
 
     return 1.66 * 1.925 * contact->lambda / kind->load * (thicker - 2. / 3) / effect;
@@ -110,26 +112,26 @@ static double load_length(const ehd_contact *contact, double moes_L, double effe
  * the far field is around the grid, what it leaves out: c^2/r^4, of H = r^2/2 + c. */
 static double inlet_length(const ehd_contact *contact, const grid_rule *rule, double moes_L,
                            double film) {
-    const contact_kind *kind = contact->kind;
     const double left_out = sqrt(2 * film / sqrt(rule->far_terms)); // length where it is as allowed
-    const double all = grubin_integral(kind, film, 1);
+    const double all = grubin_integral(contact, film, 1);
     const double for_load = load_length(contact, moes_L, rule->load_effect);
     double length = rule->shortest;
 
     while (length < rule->longest &&
            (length < for_load || length < left_out ||
-            8. / 11 * grubin_integral(kind, film, length) > rule->inlet_effect * all))
+            8. / 11 * grubin_integral(contact, film, length) > rule->inlet_effect * all))
         length *= fmod(log2(length), 1) == 0 ? 1.5 : 4. / 3;
     return length;
 }
 
 grid_extent grid_extent_needed(const ehd_contact *contact) {
     const contact_kind *kind = contact->kind;
+    const contact_shape *shape = &contact->grid.shape;
     const grid_rule *rule = rule_of(contact);
     // L where the Hertz pressure follows from it, else what would give the Hertz pressure
-    const double moes_L = contact->alpha_p_H / kind->alpha_p_H(contact->moes_M, 1);
-    const double film = kind->central_film(contact->moes_M, moes_L);
-    const double isoviscous = kind->central_film(contact->moes_M, 0);
+    const double moes_L = contact->alpha_p_H / kind->alpha_p_H(shape, contact->moes_M, 1);
+    const double film = kind->central_film(shape, contact->moes_M, moes_L);
+    const double isoviscous = kind->central_film(shape, contact->moes_M, 0);
     const double length = inlet_length(contact, rule, moes_L, film);
     // a lubricant of higher L has a thicker film, but a narrower spike
     const double widest = fmin(rule->steps * pow(isoviscous, 2. / 3),

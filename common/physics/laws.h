@@ -7,5 +7,6 @@
 
 extern const lubricant_law viscosity_barus, viscosity_roelands, viscosity_wlf; // viscosity.c
 extern const lubricant_law density_incompressible, density_dowson_higginson;   // density.c
+extern const lubricant_law shear_newtonian, shear_eyring, shear_limiting, shear_carreau; // shear.c
 
 #endif

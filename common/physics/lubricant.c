@@ -17,10 +17,16 @@ size_t law_num_parameters(const lubricant_law *law) {
     return count;
 }
 
-static bool has_key(const lubricant_law *law, const char *key) {
+const law_parameter *law_key(const lubricant_law *law, const char *key) {
     for (size_t i = 0; i < law_num_parameters(law); i++)
-        if (strcmp(law->parameters[i].key, key) == 0) return true;
-    return false;
+        if (strcmp(law->parameters[i].key, key) == 0) return &law->parameters[i];
+    return NULL;
+}
+
+static bool is_last_with(const lubricant_law *const *law, const char *key) {
+    for (law++; *law; law++)
+        if (law_key(*law, key)) return false;
+    return true;
 }
 
 const law_parameter *laws_key(const lubricant_law *const *laws, size_t slot) {
@@ -28,10 +34,7 @@ const law_parameter *laws_key(const lubricant_law *const *laws, size_t slot) {
     for (const lubricant_law *const *law = laws; *law; law++)
         for (size_t i = 0; i < law_num_parameters(*law); i++) {
             const law_parameter *parameter = &(*law)->parameters[i];
-            const lubricant_law *const *first = laws;
-            while (!has_key(*first, parameter->key))
-                first++;
-            if (first == law && slot-- == 0) return parameter;
+            if (is_last_with(law, parameter->key) && slot-- == 0) return parameter;
         }
     return NULL;
 }
@@ -42,6 +45,27 @@ size_t laws_slot(const lubricant_law *const *laws, const char *key) {
     for (size_t slot = 0; (parameter = laws_key(laws, slot)); slot++)
         if (strcmp(parameter->key, key) == 0) return slot;
     return MAX_LAW_KEYS;
+}
+
+const char *laws_default(const lubricant_law *const *laws, const char *key) {
+    const char *shared = NULL;
+
+    for (const lubricant_law *const *law = laws; *law; law++) {
+        const law_parameter *parameter = law_key(*law, key);
+        if (!parameter) continue;
+        if (!parameter->default_value) return NULL;
+        if (shared && strcmp(shared, parameter->default_value) != 0) return NULL;
+        shared = parameter->default_value;
+    }
+    return shared;
+}
+
+bool laws_require(const lubricant_law *const *laws, const char *key) {
+    for (; *laws; laws++) {
+        const law_parameter *parameter = law_key(*laws, key);
+        if (parameter && parameter->need != LAW_REQUIRED) return false;
+    }
+    return true;
 }
 
 const lubricant_law *laws_find(const lubricant_law *const *laws, const char *name) {
@@ -55,7 +79,7 @@ void laws_list(char *list, size_t size, const lubricant_law *const *laws, const 
 
     *list = '\0';
     for (; *laws && used < size; laws++)
-        if (!key || has_key(*laws, key))
+        if (!key || law_key(*laws, key))
             used +=
                 (size_t)snprintf(list + used, size - used, "%s%s", used ? "|" : "", (*laws)->name);
 }
@@ -105,12 +129,21 @@ static ehd_status prepare_law(const lubricant_law **law, ehd_lubricant *lubrican
 
 ehd_status lubricant_init(ehd_lubricant *lubricant, const lubricant_settings *settings,
                           ehd_error *error) {
-    *lubricant = (ehd_lubricant){.eta0 = NAN, .alpha = NAN, .pressure_limit = INFINITY};
+    *lubricant = (ehd_lubricant){.eta0 = NAN,
+                                 .alpha = NAN,
+                                 .pressure_limit = INFINITY,
+                                 .temperature = NAN,
+                                 .temperature_coefficient = NAN,
+                                 .thermal_conductivity = settings->thermal_conductivity};
     ehd_status status = prepare_law(&lubricant->viscosity, lubricant, viscosity_laws,
                                     &settings->viscosity, "lubricant.viscosity", error);
     if (!status)
         status = prepare_law(&lubricant->density, lubricant, density_laws, &settings->density,
                              "lubricant.density", error);
+    lubricant->shear = shear_laws[0];
+    if (!status && *settings->shear.law)
+        status = prepare_law(&lubricant->shear, lubricant, shear_laws, &settings->shear,
+                             "lubricant.shear", error);
     if (status) return status;
 
     if (!lubricant->density->evaluate) lubricant->density = NULL;
@@ -123,6 +156,19 @@ double lubricant_density(const ehd_lubricant *lubricant, double pressure) {
 
     if (!lubricant->density) return 1;
     return lubricant->density->evaluate(lubricant, fmax(pressure, 0), &derivative);
+}
+
+double lubricant_shear_stress(const ehd_lubricant *lubricant, double hertz_pressure,
+                              double isoviscous, double pressure) {
+    const double p = fmin(fmax(pressure, 0) * hertz_pressure, lubricant->pressure_limit);
+    double slope;
+    const double viscous =
+        fabs(isoviscous) * exp(lubricant->viscosity->evaluate(lubricant, p, &slope));
+
+    if (!lubricant->shear->shear) return copysign(viscous, isoviscous);
+    return copysign(lubricant->shear->shear(lubricant, viscous * hertz_pressure, p) /
+                        hertz_pressure,
+                    isoviscous);
 }
 
 const char *const lubricant_rise_names[NUM_RISES] = {"viscosity_rise", "density_rise"};

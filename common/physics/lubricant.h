@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Lubricant laws: viscosity and density as functions of pressure.
+/* Lubricant laws: viscosity and density as functions of pressure, shear stress as one of the rate of
+ * shear too.
  *
  * A law is one lubricant_law, which also says what its parameters are called in a scene, and one
  * line in a table of laws.c: settings, --help and the stored text of a scene follow from the
@@ -26,8 +27,9 @@ typedef enum law_need {
     LAW_CONSTANT  // yes, or else the preset
 } law_need;
 
-/* A parameter of a law: a key below lubricant.viscosity or lubricant.density. Where several laws
- * of a table have the same key, all of them describe it in the same way. */
+/* A parameter of a law: a key below lubricant.viscosity, lubricant.density or lubricant.shear. Where several laws
+ * of a table have the same key, all of them describe it in the same way; only whether a scene must
+ * give it and its default are each law's own. */
 typedef struct law_parameter {
     const char *key; // "alpha"
     law_need need;
@@ -51,13 +53,15 @@ typedef struct law_settings {
 } law_settings;
 
 typedef struct lubricant_settings {
-    law_settings viscosity; // one of viscosity_laws
-    law_settings density;   // one of density_laws
+    law_settings viscosity;      // one of viscosity_laws
+    law_settings density;        // one of density_laws
+    law_settings shear;          // one of shear_laws; "": the first one
+    double thermal_conductivity; // W/(m K), of what the inlet's heating does; NaN: not given
 } lubricant_settings;
 
 typedef struct ehd_lubricant ehd_lubricant;
 
-/* A law of viscosity or density. */
+/* A law of viscosity, density or shear stress. */
 typedef struct lubricant_law {
     const char *name;
     law_parameter parameters[MAX_LAW_PARAMETERS]; // where fewer, then one whose key is NULL
@@ -68,31 +72,52 @@ typedef struct lubricant_law {
     /* ln(eta(p)/eta(0)) or rho(p)/rho(0) at a pressure in Pa, and its derivative in 1/Pa. NULL: the
      * density is constant. */
     double (*evaluate)(const ehd_lubricant *self, double pressure, double *derivative);
+    /* Shear stress in Pa at what it would be without the law, viscosity times rate of shear, not
+     * negative, and a pressure, both in Pa. NULL: just that, or not a law of shear. */
+    double (*shear)(const ehd_lubricant *self, double viscous, double pressure);
     bool exponential; // a viscosity whose logarithm is linear in the pressure
 } lubricant_law;
 
-extern const lubricant_law *const viscosity_laws[]; // both end with NULL
+extern const lubricant_law *const viscosity_laws[]; // all end with NULL
 extern const lubricant_law *const density_laws[];
+extern const lubricant_law *const shear_laws[];
 
 struct ehd_lubricant {
     const lubricant_law *viscosity;
     const lubricant_law *density; // NULL when incompressible: no density term is evaluated
+    const lubricant_law *shear;
     double viscosity_constants[MAX_LAW_CONSTANTS];
     double density_constants[MAX_LAW_CONSTANTS];
-    double eta0;  // Pa s, viscosity at zero pressure; NaN where the law has none
+    double shear_constants[MAX_LAW_CONSTANTS];
+    double thinning_stress; // Pa, Eyring's, where the law thins the flow too; 0: it does not
+    double eta0; // Pa s, viscosity at zero pressure and the temperature; NaN where the law has none
     double alpha; // 1/Pa, the coefficient behind the Moes number L (README.md, lubricants); by
                   // default the derivative of ln(eta) at zero pressure
     double pressure_limit; // Pa, the law is not to be used above; by default infinite
+    double temperature;    // degC; NaN where the law is not at a temperature
+    // 1/K, -d ln(eta0)/dT at the temperature; NaN where it is not known
+    double temperature_coefficient;
+    double thermal_conductivity; // W/(m K); NaN where it is not known
 };
 
 size_t law_num_parameters(const lubricant_law *law);
 
-/* The keys of a table of laws, each once, in the order of the laws: number `slot`, or NULL. Those
- * beyond MAX_LAW_KEYS have no number. */
+/* The law's parameter of this key, or NULL. */
+const law_parameter *law_key(const lubricant_law *law, const char *key);
+
+/* The keys of a table of laws, each once, in the order of the laws and where the last law that has
+ * it stands: number `slot`, or NULL. Those beyond MAX_LAW_KEYS have no number. It is the order of
+ * stored scenes too, which must not change. */
 const law_parameter *laws_key(const lubricant_law *const *laws, size_t slot);
 
 /* The number of a key; MAX_LAW_KEYS where it has none. */
 size_t laws_slot(const lubricant_law *const *laws, const char *key);
+
+/* The default that all laws with this key share, or NULL. */
+const char *laws_default(const lubricant_law *const *laws, const char *key);
+
+/* Whether all laws with this key need it. */
+bool laws_require(const lubricant_law *const *laws, const char *key);
 
 /* NULL where there is no such law. */
 const lubricant_law *laws_find(const lubricant_law *const *laws, const char *name);
@@ -115,6 +140,12 @@ ehd_status lubricant_init(
 
 /* rho(p)/rho(0) at a pressure in Pa; 1 when incompressible. A negative pressure counts as zero. */
 double lubricant_density(const ehd_lubricant *lubricant, double pressure);
+
+/* Shear stress over the Hertz pressure at a dimensionless pressure p / p_H, where a fluid of the
+ * viscosity at zero pressure would have `isoviscous` of it, of either sign (README.md, shear
+ * stress). */
+double lubricant_shear_stress(const ehd_lubricant *lubricant, double hertz_pressure, // Pa
+                              double isoviscous, double pressure);
 
 /* How far viscosity and density rise to a pressure: ln(eta/eta(0)) and ln(rho/rho(0)). NaN where
  * that is not known. At the Hertz pressure they tell lubricants apart, beside alpha p_H. */

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "common/physics/reynolds.h"
 
+#include "common/physics/traction.h"
+
 #include <math.h>
 #include <string.h>
 
@@ -74,7 +76,8 @@ reynolds_fluid reynolds_fluid_in(double *memory, size_t num_nodes, const ehd_con
         .log_mobility = accurate ? memory + 2 * num_nodes : NULL,
         .density = compressible ? memory + 3 * num_nodes : NULL,
         .density_slope = compressible ? memory + 4 * num_nodes : NULL,
-        .between = accurate && !contact->lubricant.viscosity->exponential ? contact : NULL};
+        .between = accurate && !contact->lubricant.viscosity->exponential ? contact : NULL,
+        .thinned = traction_thins_flow(contact) ? contact : NULL};
 }
 
 void reynolds_fluid_evaluate(reynolds_fluid *fluid, const ehd_contact *contact,
@@ -165,9 +168,9 @@ static inline void add_mean_flow(reynolds_row *row, int a, int b, double scale,
     row->by_film[a] += scale * eps[a].by_film / 2 * drop;
 }
 
-static inline void add_published_row(reynolds_row *row, double step, double entrainment,
+static inline void add_published_row(reynolds_row *row, const ehd_grid *grid, double entrainment,
                                      const row_nodes *at) {
-    const double flow = 1 / (step * step);
+    const double step = grid->step, flow = 1 / (step * step);
     const size_t *node = at->stencil->node;
     conductance eps[NUM_STENCIL];
 
@@ -178,8 +181,8 @@ static inline void add_published_row(reynolds_row *row, double step, double entr
     if (node[NODE_LEFT] != NO_NODE) {
         eps[NODE_LEFT] = conductance_at(at, NODE_LEFT);
         eps[NODE_RIGHT] = conductance_at(at, NODE_RIGHT);
-        add_mean_flow(row, NODE_LEFT, NODE_HERE, -flow, eps, at);
-        add_mean_flow(row, NODE_HERE, NODE_RIGHT, flow, eps, at);
+        add_mean_flow(row, NODE_LEFT, NODE_HERE, -flow * grid->shape.flow_across, eps, at);
+        add_mean_flow(row, NODE_HERE, NODE_RIGHT, flow * grid->shape.flow_across, eps, at);
     }
     if (node[NODE_BACK2] == NO_NODE) {
         add_mass(row, NODE_HERE, -entrainment / step, at);
@@ -207,25 +210,30 @@ static void add_published_flux(reynolds_row *flux, double step, double entrainme
 /* Mobility at a pressure, with what its means need of it. */
 typedef struct mobility {
     double value, slope, logarithm, pressure;
+    double density, density_slope; // of a flow that is thinned
+    double log_by_film;            // of that, derivative of the logarithm by the film
 } mobility;
 
 static mobility mobility_at(const row_nodes *at, int a) {
     const reynolds_fluid *fluid = at->fluid;
     const size_t node = at->stencil->node[a];
 
-    return (mobility){fluid->mobility[node], fluid->mobility_slope[node], fluid->log_mobility[node],
-                      at->pressure[node]};
+    return (mobility){.value = fluid->mobility[node],
+                      .slope = fluid->mobility_slope[node],
+                      .logarithm = fluid->log_mobility[node],
+                      .pressure = at->pressure[node]};
 }
 
-/* By the logarithmic mean of the mobilities. */
-static reynolds_link exponential_link(const mobility *before, const mobility *after) {
+/* By the logarithmic mean of the mobilities; `thinned`: these depend on the film. */
+static inline reynolds_link logarithmic_link(const mobility *before, const mobility *after,
+                                             bool thinned) {
     const double a = before->value, b = after->value;
     const double logarithm = before->logarithm - after->logarithm;
     const double drop = after->pressure - before->pressure;
     double mean, by_log_a, by_log_b;
 
     // a viscosity so large that the mobility is zero in floating point lets nothing through
-    if (!(a > 0 && b > 0)) return (reynolds_link){0, 0, 0};
+    if (!(a > 0 && b > 0)) return (reynolds_link){0, 0, 0, 0};
     if (fabs(logarithm) < 1) {
         // sqrt(a b) sinh(y)/y with y = ln(a/b)/2, by the series of sinh
         double y = logarithm / 2, s = y * y, geometric = a * sqrt(b / a);
@@ -246,42 +254,93 @@ static reynolds_link exponential_link(const mobility *before, const mobility *af
         by_log_a = (a - mean) / logarithm;
         by_log_b = (mean - b) / logarithm;
     }
-    return (reynolds_link){mean * drop, -mean + by_log_a / a * before->slope * drop,
-                           mean + by_log_b / b * after->slope * drop};
+    return (reynolds_link){
+        mean * drop, -mean + by_log_a / a * before->slope * drop,
+        mean + by_log_b / b * after->slope * drop,
+        thinned ? (by_log_a * before->log_by_film + by_log_b * after->log_by_film) * drop : 0};
+}
+
+static reynolds_link exponential_link(const mobility *before, const mobility *after) {
+    return logarithmic_link(before, after, false);
+}
+
+/* At the mean pressure of two nodes. */
+static inline mobility mobility_between(const mobility *before, const mobility *after,
+                                        const ehd_contact *contact) {
+    mobility middle = {.pressure = (before->pressure + after->pressure) / 2, .density = 1};
+    const bool compressible = contact->lubricant.density != NULL;
+    reynolds_fluid fluid = {.mobility = &middle.value,
+                            .mobility_slope = &middle.slope,
+                            .log_mobility = &middle.logarithm,
+                            .density = compressible ? &middle.density : NULL,
+                            .density_slope = compressible ? &middle.density_slope : NULL};
+
+    reynolds_fluid_evaluate(&fluid, contact, &middle.pressure, 1);
+    return middle;
 }
 
 /* By the law's mobility at the mean pressure as well: the two halves' and the whole link,
  * extrapolated to fourth order. The halves of a falling mobility are more than half of the whole,
  * so that the link is never against the pressures. */
-static reynolds_link link_with_middle(const mobility *before, const mobility *after,
-                                      const ehd_contact *contact) {
-    mobility middle = {.pressure = (before->pressure + after->pressure) / 2};
-    const bool compressible = contact->lubricant.density != NULL;
-    double density = 1, density_slope = 0;
-    reynolds_fluid fluid = {.mobility = &middle.value,
-                            .mobility_slope = &middle.slope,
-                            .log_mobility = &middle.logarithm,
-                            .density = compressible ? &density : NULL,
-                            .density_slope = compressible ? &density_slope : NULL};
-
-    reynolds_fluid_evaluate(&fluid, contact, &middle.pressure, 1);
-    const reynolds_link whole = exponential_link(before, after);
-    const reynolds_link first = exponential_link(before, &middle);
-    const reynolds_link second = exponential_link(&middle, after);
+static inline reynolds_link link_with_middle(const mobility *before, const mobility *middle,
+                                             const mobility *after, bool thinned) {
+    const reynolds_link whole = logarithmic_link(before, after, thinned);
+    const reynolds_link first = logarithmic_link(before, middle, thinned);
+    const reynolds_link second = logarithmic_link(middle, after, thinned);
     const double by_middle = (first.by_after + second.by_before) / 2; // by either end
 
     return (reynolds_link){
         (4 * (first.value + second.value) - whole.value) / 3,
         (4 * (first.by_before + by_middle) - whole.by_before) / 3,
         (4 * (second.by_after + by_middle) - whole.by_after) / 3,
+        thinned ? (4 * (first.by_film + second.by_film) - whole.by_film) / 3 : 0,
     };
 }
 
 static reynolds_link link_between(const row_nodes *at, int before, int after) {
     const mobility a = mobility_at(at, before), b = mobility_at(at, after);
 
-    return at->fluid->between ? link_with_middle(&a, &b, at->fluid->between)
-                              : exponential_link(&a, &b);
+    if (!at->fluid->between) return exponential_link(&a, &b);
+    const mobility middle = mobility_between(&a, &b, at->fluid->between);
+    return link_with_middle(&a, &middle, &b, false);
+}
+
+/* Makes it the mobility of a flow that the sliding thins, through a film. */
+static void thin(mobility *self, const ehd_contact *contact, double film, bool along) {
+    // ln eta = ln rho - ln mobility
+    const double viscosity = self->density / (self->value * contact->lambda);
+    const double viscosity_slope = self->density_slope / self->density - self->slope / self->value;
+    const flow_thinning by = traction_thinning(contact, viscosity, film, along);
+
+    // a viscosity that is infinite in floating point: nothing flows, and nothing is thinned
+    if (!(self->value > 0)) return;
+    self->slope = by.factor * (self->slope + self->value * by.by_log_rate * viscosity_slope);
+    self->value *= by.factor;
+    self->logarithm += log(by.factor);
+    self->log_by_film = -by.by_log_rate / film;
+}
+
+/* The link of a flow that the sliding thins, along it or across: with the mobilities of both nodes and
+ * between them through the film of the half node. */
+static reynolds_link thinned_link(const row_nodes *at, int before, int after, double film,
+                                  bool along) {
+    const ehd_contact *contact = at->fluid->thinned;
+    mobility a = mobility_at(at, before), b = mobility_at(at, after);
+
+    if (at->fluid->density) {
+        const size_t *node = at->stencil->node;
+        a.density = at->fluid->density[node[before]];
+        a.density_slope = at->fluid->density_slope[node[before]];
+        b.density = at->fluid->density[node[after]];
+        b.density_slope = at->fluid->density_slope[node[after]];
+    } else {
+        a.density = b.density = 1;
+    }
+    mobility middle = mobility_between(&a, &b, contact);
+    thin(&a, contact, film, along);
+    thin(&b, contact, film, along);
+    thin(&middle, contact, film, along);
+    return link_with_middle(&a, &middle, &b, true);
 }
 
 /* Stencil nodes around a half node: i - 2 … i + 2 about the one between i and i + 1. Across, where
@@ -332,11 +391,13 @@ static half_flux flux_along(const int of[NUM_HALF], double step, double entrainm
                             const row_nodes *at) {
     const int a = of[HALF_BEFORE], b = of[HALF_AFTER];
     const double *film_weight = film_weights(of, at), *mass_weight = mass_weights(of, at);
-    const reynolds_link change = link_between(at, a, b);
+    const double film = film_at_half(of, film_weight, at);
+    const reynolds_link change =
+        at->fluid->thinned ? thinned_link(at, a, b, film, true) : link_between(at, a, b);
     // 1/H and 1/H^3
     const double inverse_a = 1 / at->film[at->stencil->node[a]];
     const double inverse_b = 1 / at->film[at->stencil->node[b]];
-    const double inverse = 1 / film_at_half(of, film_weight, at);
+    const double inverse = 1 / film;
     const double cube_a = inverse_a * inverse_a * inverse_a;
     const double cube_b = inverse_b * inverse_b * inverse_b;
     const double cube = inverse * inverse * inverse;
@@ -361,7 +422,7 @@ static half_flux flux_along(const int of[NUM_HALF], double step, double entrainm
 
     flux.value = step * entrainment * here.value - flow;
     for (int k = 0; k < NUM_HALF; k++) {
-        flux.by_film[k] = -2 * flow * cube * inverse * over_sum * film_weight[k];
+        flux.by_film[k] = -(2 * flow * cube * inverse + change.by_film) * over_sum * film_weight[k];
         if (!entrained || mass_weight[k] == 0) continue;
         double by_mass = mass_weight[k] * (step * entrainment - by_here);
         if (k == HALF_BEFORE) by_mass -= by_mass_a;
@@ -389,22 +450,25 @@ static void add_flux(reynolds_row *row, const int of[NUM_HALF], double scale,
 static void add_flow_across(reynolds_row *row, const int of[NUM_HALF], double scale,
                             const row_nodes *at) {
     const double *film_weight = film_weights(of, at);
-    const reynolds_link change = link_between(at, of[HALF_BEFORE], of[HALF_AFTER]);
     const double film = film_at_half(of, film_weight, at), cube = film * film * film;
+    const int a = of[HALF_BEFORE], b = of[HALF_AFTER];
+    const reynolds_link change =
+        at->fluid->thinned ? thinned_link(at, a, b, film, false) : link_between(at, a, b);
 
     row->residual += scale * cube * change.value;
     row->by_pressure[of[HALF_BEFORE]] += scale * cube * change.by_before;
     row->by_pressure[of[HALF_AFTER]] += scale * cube * change.by_after;
     for (int k = 0; k < NUM_HALF; k++)
         if (film_weight[k] != 0)
-            row->by_film[of[k]] += scale * 3 * film * film * film_weight[k] * change.value;
+            row->by_film[of[k]] +=
+                scale * film_weight[k] * (3 * film * film * change.value + cube * change.by_film);
 }
 
 static const int half_back[NUM_HALF] = {NODE_BACK3, NODE_BACK2, NODE_BACK, NODE_HERE, NODE_AHEAD};
 
 /* *ahead: the flux behind the HERE of the row before, where that is the BACK of this one, and then
  * that behind its own. */
-static void add_accurate_row(reynolds_row *row, half_flux *ahead, bool known, double step,
+static void add_accurate_row(reynolds_row *row, half_flux *ahead, bool known, const ehd_grid *grid,
                              double entrainment, const row_nodes *at) {
     static const int half_ahead[NUM_HALF] = {NODE_BACK2, NODE_BACK, NODE_HERE, NODE_AHEAD,
                                              NODE_AHEAD2};
@@ -412,15 +476,15 @@ static void add_accurate_row(reynolds_row *row, half_flux *ahead, bool known, do
                                             NODE_RIGHT};
     static const int half_right[NUM_HALF] = {NODE_LEFT, NODE_LEFT, NODE_HERE, NODE_RIGHT,
                                              NODE_RIGHT2};
-    const double scale = 1 / (step * step);
+    const double step = grid->step, scale = 1 / (step * step);
 
     const half_flux back = known ? *ahead : flux_along(half_back, step, entrainment, at);
     *ahead = flux_along(half_ahead, step, entrainment, at);
     add_flux(row, half_ahead, -scale, ahead);
     add_flux(row, half_back, scale, &back);
     if (at->stencil->node[NODE_LEFT] == NO_NODE) return;
-    add_flow_across(row, half_left, -scale, at);
-    add_flow_across(row, half_right, scale, at);
+    add_flow_across(row, half_left, -scale * grid->shape.flow_across, at);
+    add_flow_across(row, half_right, scale * grid->shape.flow_across, at);
 }
 
 // ---- rows
@@ -444,10 +508,10 @@ void reynolds_rows(reynolds_row *rows, const ehd_grid *grid, double entrainment,
 
         memset(row, 0, sizeof *row);
         if (grid->discretization == DISCRETIZATION_ACCURATE)
-            add_accurate_row(row, &ahead, r > 0 && follows(&stencils[r], &stencils[r - 1]),
-                             grid->step, entrainment, &at);
+            add_accurate_row(row, &ahead, r > 0 && follows(&stencils[r], &stencils[r - 1]), grid,
+                             entrainment, &at);
         else
-            add_published_row(row, grid->step, entrainment, &at);
+            add_published_row(row, grid, entrainment, &at);
         if (squeeze) {
             add_mass(row, NODE_HERE, -squeeze->rate, &at);
             row->residual -= squeeze->previous[r];
@@ -470,8 +534,10 @@ reynolds_row reynolds_flux(const ehd_grid *grid, double entrainment,
 }
 
 reynolds_link reynolds_link_ahead(const reynolds_stencil *stencil, const reynolds_fluid *fluid,
-                                  const double *pressure) {
-    const row_nodes at = {stencil, fluid, pressure, NULL};
+                                  const double *pressure, const double *film) {
+    const row_nodes at = {stencil, fluid, pressure, film};
 
+    if (fluid->thinned)
+        return thinned_link(&at, NODE_HERE, NODE_AHEAD, film[stencil->node[NODE_HERE]], true);
     return link_between(&at, NODE_HERE, NODE_AHEAD);
 }

@@ -49,6 +49,7 @@ typedef struct reynolds_fluid {
     double *density_slope;
     const ehd_contact *between; // whose mobility is evaluated between two nodes too; NULL where the
                                 // mean of theirs is enough
+    const ehd_contact *thinned; // whose flow is thinned by the sliding; NULL: not
 } reynolds_fluid;
 
 enum { NUM_FLUID_ARRAYS = 5 };
@@ -110,10 +111,11 @@ reynolds_row reynolds_flux(const ehd_grid *grid, double entrainment,
  * accurate discretisation. */
 typedef struct reynolds_link {
     double value, by_before, by_after; // derivatives by the pressures
+    double by_film;                    // by the film at the half node; 0 but where flow is thinned
 } reynolds_link;
 
-/* From the HERE to the AHEAD of a stencil. */
+/* From the HERE to the AHEAD of a stencil, where flow is thinned with the film at HERE. */
 reynolds_link reynolds_link_ahead(const reynolds_stencil *stencil, const reynolds_fluid *fluid,
-                                  const double *pressure);
+                                  const double *pressure, const double *film);
 
 #endif

@@ -4,6 +4,7 @@
 
 #include <gsl/gsl_integration.h>
 #include <math.h>
+#include <stdbool.h>
 #include <string.h>
 
 // ---- shared by laws
@@ -20,7 +21,70 @@ static ehd_status check_alpha(double alpha, ehd_error *error) {
                     alpha);
 }
 
-// ---- Barus: ln eta = alpha p
+/* Of Barus and of Roelands, in this order. What is a reference's is so where a temperature is given,
+ * and otherwise the lubricant's. */
+enum { OIL_ALPHA, OIL_ETA0, OIL_TEMPERATURE, OIL_REFERENCE, OIL_COEFFICIENT };
+
+#define ETA0(need)                                                                                 \
+    {                                                                                              \
+        "eta0", need, NULL, NULL, 1e-4, 1e6, "Pa s",                                               \
+            "Viscosity at zero pressure, with a temperature that at the reference temperature; "   \
+            "roelands needs it, barus with a temperature"                                          \
+    }
+
+#define TEMPERATURE(default)                                                                       \
+    {                                                                                              \
+        "temperature", LAW_OPTIONAL, NULL, default, -100, 400, "degC",                             \
+            "Temperature of the lubricant; default 25 with wlf, the others' where eta0 and alpha " \
+            "are given for"                                                                        \
+    }
+
+#define REFERENCE_TEMPERATURE                                                                      \
+    {                                                                                              \
+        "reference_temperature", LAW_OPTIONAL, NULL, NULL, -100, 400, "degC",                      \
+            "Temperature that eta0, alpha and temperature_coefficient are given for; needed with " \
+            "temperature"                                                                          \
+    }
+
+#define TEMPERATURE_COEFFICIENT                                                                    \
+    {                                                                                              \
+        "temperature_coefficient", LAW_OPTIONAL, NULL, NULL, 1e-4, 1, "1/K",                       \
+            "Temperature-viscosity coefficient -d ln(eta0)/dT; needed with temperature"            \
+    }
+
+static ehd_status lacks_with_temperature(const char *key, ehd_error *error) {
+    return ehd_fail(error, EHD_DATA,
+                    "lubricant.viscosity.%s: found nothing, expected a value with temperature",
+                    key);
+}
+
+/* All that the temperature needs is given, or none of it. */
+static ehd_status check_temperature(const law_value *values, ehd_error *error) {
+    const bool reference = !isnan(values[OIL_REFERENCE].number);
+
+    if (isnan(values[OIL_TEMPERATURE].number))
+        return reference ? ehd_fail(error, EHD_DATA,
+                                    "lubricant.viscosity.temperature: found nothing, expected a "
+                                    "value with reference_temperature")
+                         : EHD_OK;
+    if (!reference) return lacks_with_temperature("reference_temperature", error);
+    if (isnan(values[OIL_COEFFICIENT].number))
+        return lacks_with_temperature("temperature_coefficient", error);
+    return isnan(values[OIL_ETA0].number) ? lacks_with_temperature("eta0", error) : EHD_OK;
+}
+
+/* The viscosity at the temperature is one that physical.viscosity might have. */
+static ehd_status check_eta0(const ehd_lubricant *self, ehd_error *error) {
+    const double min = 1e-6, max = 1e6; // Pa s
+
+    if (isnan(self->eta0) || (self->eta0 >= min && self->eta0 <= max)) return EHD_OK;
+    return ehd_fail(error, EHD_DATA,
+                    "lubricant.viscosity.temperature: found %g degC, where the viscosity is %.3g "
+                    "Pa s, expected one where it is from %g to %g Pa s",
+                    self->temperature, self->eta0, min, max);
+}
+
+// ---- Barus: ln eta = alpha p, ln eta0 = ln eta0_ref - beta (T - T_ref)
 
 enum { BARUS_ALPHA };
 
@@ -30,22 +94,36 @@ static double barus(const ehd_lubricant *self, double pressure, double *derivati
 }
 
 static ehd_status barus_prepare(ehd_lubricant *self, const law_value *values, ehd_error *error) {
-    self->viscosity_constants[BARUS_ALPHA] = values[BARUS_ALPHA].number;
-    return check_alpha(values[BARUS_ALPHA].number, error);
+    const double temperature = values[OIL_TEMPERATURE].number;
+    ehd_status status = check_alpha(values[OIL_ALPHA].number, error);
+
+    if (!status) status = check_temperature(values, error);
+    if (status) return status;
+    self->viscosity_constants[BARUS_ALPHA] = values[OIL_ALPHA].number;
+    self->eta0 = values[OIL_ETA0].number; // NaN where the scene has none
+    self->temperature = temperature;
+    self->temperature_coefficient = values[OIL_COEFFICIENT].number;
+    if (!isnan(temperature))
+        self->eta0 *=
+            exp(-values[OIL_COEFFICIENT].number * (temperature - values[OIL_REFERENCE].number));
+    return check_eta0(self, error);
 }
 
 const lubricant_law viscosity_barus = {.name = "barus",
-                                       .parameters = {ALPHA},
+                                       .parameters = {ALPHA, ETA0(LAW_OPTIONAL), TEMPERATURE(NULL),
+                                                      REFERENCE_TEMPERATURE,
+                                                      TEMPERATURE_COEFFICIENT},
                                        .prepare = barus_prepare,
                                        .evaluate = barus,
                                        .exponential = true};
 
-// ---- Roelands: ln eta = (ln eta0 + 9.67) [(1 + p/1.96e8)^z - 1]
+// ---- Roelands: ln eta = (ln eta0 + 9.67) [(1 + p/1.96e8)^z - 1], and for the temperature the factor
+// ((T - 138)/(T_ref - 138))^-S0 on ln eta0 + 9.67 (README.md, Temperature)
 
 static const double ROELANDS_PRESSURE = 1.96e8; // Pa
-
-enum { ROELANDS_ALPHA, ROELANDS_ETA0 };     // parameters
-enum { ROELANDS_RATIO, ROELANDS_EXPONENT }; // constants
+static const double ROELANDS_TEMPERATURE = 138; // K
+static const double ICE_POINT = 273.15;         // K
+enum { ROELANDS_RATIO, ROELANDS_EXPONENT };     // constants
 
 static double roelands(const ehd_lubricant *self, double pressure, double *derivative) {
     double z = self->viscosity_constants[ROELANDS_EXPONENT];
@@ -57,10 +135,28 @@ static double roelands(const ehd_lubricant *self, double pressure, double *deriv
     return ratio * (power - 1);
 }
 
+/* From ln eta0 + 9.67 of the reference temperature to that of the temperature; the pressure's
+ * exponent stays, so that alpha, their product, changes as the first. */
+static void roelands_set_temperature(ehd_lubricant *self, const law_value *values) {
+    const double coefficient = values[OIL_COEFFICIENT].number;
+    const double ratio = self->viscosity_constants[ROELANDS_RATIO];
+    const double above = values[OIL_TEMPERATURE].number + ICE_POINT - ROELANDS_TEMPERATURE;
+    const double reference = values[OIL_REFERENCE].number + ICE_POINT - ROELANDS_TEMPERATURE;
+    const double s0 = coefficient * reference / ratio;
+    const double factor = pow(above / reference, -s0);
+
+    self->viscosity_constants[ROELANDS_RATIO] = factor * ratio;
+    self->eta0 *= exp(ratio * (factor - 1));
+    self->alpha *= factor;
+    self->temperature_coefficient = factor * ratio * s0 / above;
+    self->temperature = values[OIL_TEMPERATURE].number;
+}
+
 static ehd_status roelands_prepare(ehd_lubricant *self, const law_value *values, ehd_error *error) {
-    double alpha = values[ROELANDS_ALPHA].number, eta0 = values[ROELANDS_ETA0].number;
+    double alpha = values[OIL_ALPHA].number, eta0 = values[OIL_ETA0].number;
     ehd_status status = check_alpha(alpha, error);
 
+    if (!status) status = check_temperature(values, error);
     if (status) return status;
     // eta0 above the Roelands pole viscosity 6.31e-5 Pa s, else ln eta0 + 9.67 is not positive
     if (!(eta0 > 6.4e-5 && isfinite(eta0)))
@@ -71,14 +167,15 @@ static ehd_status roelands_prepare(ehd_lubricant *self, const law_value *values,
     self->viscosity_constants[ROELANDS_EXPONENT] = ROELANDS_PRESSURE * alpha / ratio;
     self->alpha = alpha;
     self->eta0 = eta0;
-    return EHD_OK;
+    self->temperature_coefficient = values[OIL_COEFFICIENT].number;
+    if (!isnan(values[OIL_TEMPERATURE].number)) roelands_set_temperature(self, values);
+    return check_eta0(self, error);
 }
 
 const lubricant_law viscosity_roelands = {
     .name = "roelands",
-    .parameters = {ALPHA,
-                   {"eta0", LAW_REQUIRED, NULL, NULL, 1e-4, 1e6, "Pa s",
-                    "Viscosity at zero pressure"}},
+    .parameters = {ALPHA, ETA0(LAW_REQUIRED), TEMPERATURE(NULL), REFERENCE_TEMPERATURE,
+                   TEMPERATURE_COEFFICIENT},
     .prepare = roelands_prepare,
     .evaluate = roelands,
 };
@@ -250,6 +347,10 @@ static ehd_status wlf_prepare(ehd_lubricant *self, const law_value *values, ehd_
                         constants[WLF_TEMPERATURE]);
     constants[WLF_LOG_AT_ZERO] = wlf_log_absolute(constants, 0, &slope);
     self->eta0 = constants[WLF_MU_G] * exp(constants[WLF_LOG_AT_ZERO]);
+    self->temperature = constants[WLF_TEMPERATURE];
+    // y changes by 1 a kelvin at zero pressure
+    self->temperature_coefficient = constants[WLF_C1] * M_LN10 * constants[WLF_C2] /
+                                    ((constants[WLF_C2] + y) * (constants[WLF_C2] + y));
     self->pressure_limit = wlf_pressure_limit(constants);
     return wlf_reciprocal_coefficient(self, error);
 }
@@ -261,8 +362,7 @@ const lubricant_law viscosity_wlf = {
     .name = "wlf",
     .parameters = {{"preset", LAW_PRESET, wlf_choices, NULL, 0, 0, "1",
                     "Lubricant of Table 1, in place of the eight constants"},
-                   {"temperature", LAW_OPTIONAL, NULL, "25", -100, 400, "degC",
-                    "Temperature of the lubricant"},
+                   TEMPERATURE("25"),
                    CONSTANT("A1", 0, 1e3, "degC", "Constant A1 of the modified WLF law"),
                    CONSTANT("A2", 0, 1e3, "1/GPa", "Constant A2 of the modified WLF law"),
                    CONSTANT("B1", 0, 10, "1", "Constant B1 of the modified WLF law"),

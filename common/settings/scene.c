@@ -26,13 +26,31 @@ void scene_defaults(scene *of) {
     }
 }
 
+/* Defaults that are a law's own. */
+static void fill_law(scene *of, const char *group, const lubricant_law *law) {
+    char key[MAX_KEY];
+
+    for (size_t i = 0; law && i < law_num_parameters(law); i++) {
+        if (!law->parameters[i].default_value) continue;
+        snprintf(key, sizeof key, "%s.%s", group, law->parameters[i].key);
+        const setting *row = setting_find(key);
+        if (row && !setting_is_given(row, of))
+            setting_assign(of, row, law->parameters[i].default_value, (place){0}, NULL);
+    }
+}
+
 static void fill_real(double *value, double default_value) {
     if (isnan(*value)) *value = default_value;
 }
 
+/* Whether there are lines of nodes across: of a point contact or an ellipse. */
+static bool has_lines(const scene *of) {
+    return *of->contact && strcmp(of->contact, "line") != 0;
+}
+
 /* That of the paper, whatever M and L. */
 static void fill_published_grid(scene *of) {
-    const bool point = strcmp(of->contact, "point") == 0;
+    const bool point = has_lines(of);
 
     fill_real(&of->grid.x_min, -4);
     fill_real(&of->grid.x_max, 2);
@@ -42,9 +60,9 @@ static void fill_published_grid(scene *of) {
 
 static void fill_boundary(scene *of) {
     const bool published = strcmp(of->discretization, "published") == 0;
+    const bool zero = published || strcmp(of->contact, "ellipse") == 0;
 
-    if (!*of->boundary)
-        snprintf(of->boundary, sizeof of->boundary, "%s", published ? "zero" : "open");
+    if (!*of->boundary) snprintf(of->boundary, sizeof of->boundary, "%s", zero ? "zero" : "open");
 }
 
 /* What follows from the way that films are carried. */
@@ -56,11 +74,29 @@ static void fill_transient(scene *of) {
     fill_real(&of->transient.tolerance, strcmp(of->transport, "path") == 0 ? 1.5e-3 : 1e-4);
 }
 
+double scene_speed(const scene *of) {
+    return isnan(of->physical.speed) ? (of->physical.speed_1 + of->physical.speed_2) / 2
+                                     : of->physical.speed;
+}
+
+double scene_slide_roll(const scene *of) {
+    return isnan(of->slide_roll) ? (of->physical.speed_1 - of->physical.speed_2) / scene_speed(of)
+                                 : of->slide_roll;
+}
+
+bool scene_thins_flow(const scene *of) {
+    const size_t slot = laws_slot(shear_laws, "in_film");
+
+    return strcmp(of->lubricant.shear.values[slot].word, "true") == 0;
+}
+
 void scene_complete(scene *of) {
     for (const setting *row = scene_settings(); row->key; row++)
         fill_default(of, row);
+    fill_law(of, "lubricant.viscosity", laws_find(viscosity_laws, of->lubricant.viscosity.law));
+    fill_law(of, "lubricant.density", laws_find(density_laws, of->lubricant.density.law));
     if (strcmp(of->discretization, "published") == 0) fill_published_grid(of);
-    if (strcmp(of->contact, "point") == 0) fill_boundary(of);
+    if (has_lines(of)) fill_boundary(of);
     if (strcmp(of->regime, "transient") == 0) fill_transient(of);
 }
 

@@ -32,13 +32,17 @@ typedef struct history_settings {
     char interpolation[8]; // spline, linear
 } history_settings;
 
-/* The five of `physical`, or none. */
+/* The five of `physical`, or none; in place of the mean speed those of both surfaces, of an ellipse
+ * perhaps another radius, and the viscosity may be left to a law that has its own. */
 typedef struct physical_settings {
-    double load;      // N/m of a line contact, N of a point contact
-    double radius;    // m
-    double speed;     // m/s, mean of the two surfaces
-    double modulus;   // Pa, E' = 2/[(1-nu1^2)/E1 + (1-nu2^2)/E2]
-    double viscosity; // Pa s at zero pressure
+    double load;          // N/m of a line contact, N of a point contact
+    double radius;        // m
+    double radius_across; // m, of an ellipse; NaN: by the ellipticity
+    double speed;         // m/s, mean of the two surfaces
+    double speed_1;       // m/s, of one surface
+    double speed_2;       // m/s, of the other
+    double modulus;       // Pa, E' = 2/[(1-nu1^2)/E1 + (1-nu2^2)/E2]
+    double viscosity;     // Pa s at zero pressure
 } physical_settings;
 
 /* NaN: as the contact needs it (scene_contact.h). */
@@ -81,7 +85,7 @@ typedef struct surface_settings {
 
 /* Values that are not given and have no default are NaN, "" or -1. */
 typedef struct scene {
-    char contact[16];        // line, point
+    char contact[16];        // line, point, ellipse
     char regime[16];         // stationary, transient
     char closure[16];        // load, approach
     char discretization[16]; // accurate, published
@@ -93,6 +97,8 @@ typedef struct scene {
         double M, L; // 1, given both or neither
     } moes;
     physical_settings physical;
+    double slide_roll;     // (u1 - u2)/u_m; NaN: traction is not asked for
+    double ellipticity;    // b/a of an ellipse; NaN: by physical.radius_across
     double hertz_pressure; // Pa, optional
     lubricant_settings lubricant;
     grid_settings grid;
@@ -130,8 +136,8 @@ typedef struct setting {
     const char *default_value; // as it would stand in a scene; NULL: none
     const char *choices;       // "line" or "barus|roelands|wlf", for SETTING_CHOICE
     double min, max;           // allowed range, both included, for SETTING_REAL and SETTING_WHOLE
-    const char *unit; // "1", "Pa", ...; "N/m|N": by the kind of contact, in the order of its key
-    const char *help; // one sentence
+    const char *unit;          // "1", "Pa", ...; "N/m|N": of a line contact, and of others
+    const char *help;          // one sentence
     // the key is used only where all of these hold, and refused elsewhere; they end with a NULL
     // key, and refer to keys of rows before this one
     setting_condition when[MAX_CONDITIONS];
@@ -148,6 +154,14 @@ void scene_defaults(scene *scene);
 /* Fills in the defaults of all keys that are used with the scene's contact, regime, closure and
  * laws. scene_read, scene_parse and plan_read do this themselves. */
 void scene_complete(scene *scene);
+
+/* The mean speed of both surfaces in m/s, and (u1 - u2) over it, from what is given of the two; NaN:
+ * not given. */
+double scene_speed(const scene *scene);
+double scene_slide_roll(const scene *scene);
+
+/* Whether its law of shear stress counts in the film's flow. */
+bool scene_thins_flow(const scene *scene);
 
 /* Reads a YAML file. `overrides` are "key.path=value" strings ("--set"), applied after the file
  * and before validation; "key.path=" unsets the key, as if nothing had given it. Relative names
@@ -173,7 +187,8 @@ ehd_status scene_parse(
 ehd_status scene_set(scene *scene, const char *key, const char *value, const char *where,
                      ehd_error *error);
 
-/* The checks that involve several keys: either moes or physical is given; required keys are
+/* The checks that involve several keys: either moes or physical is given, and of an ellipse either
+ * ellipticity or radius_across; required keys are
  * given, and none that regime, closure or laws do not use; the grid's extent is a whole number of
  * steps; the contact lies inside the grid. */
 ehd_status scene_validate(const scene *scene, const char *where, ehd_error *error);

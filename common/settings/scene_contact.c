@@ -23,9 +23,17 @@ ehd_status scene_check_kind(const scene *given, const contact_kind *kind, const 
                             ehd_error *error) {
     const contact_kind *found = kind_of(given);
 
-    return found == kind ? EHD_OK
-                         : ehd_fail(error, EHD_DATA, "contact: found %s, expected %s as in %s",
-                                    found->name, kind->name, path);
+    if (found != kind)
+        return ehd_fail(error, EHD_DATA, "contact: found %s, expected %s as in %s", found->name,
+                        kind->name, path);
+    return scene_check_flow(given, error);
+}
+
+ehd_status scene_check_flow(const scene *given, ehd_error *error) {
+    if (!scene_thins_flow(given)) return EHD_OK;
+    return ehd_fail(error, EHD_DATA,
+                    "lubricant.shear.in_film: found true, expected false: reduced models have the "
+                    "flow of a Newtonian fluid");
 }
 
 ehd_status scene_check_approach(const scene *given, const ehd_contact *contact, ehd_error *error) {
@@ -50,6 +58,10 @@ ehd_status scene_contact(ehd_contact *contact, const scene *given, ehd_error *er
                         "closure: found approach in a stationary scene, expected load; a transient "
                         "scene finds the load of an approach");
 
+    if (kind_of(given) == &contact_ellipse && strcmp(given->boundary, "zero") != 0)
+        return ehd_fail(error, EHD_DATA,
+                        "boundary: found %s, expected zero with the contact ellipse",
+                        given->boundary);
     const contact_settings settings = {
         .kind = kind_of(given),
         .lubricant = given->lubricant,
@@ -57,7 +69,9 @@ ehd_status scene_contact(ehd_contact *contact, const scene *given, ehd_error *er
         .moes_L = given->moes.L,
         .load = given->physical.load,
         .radius = given->physical.radius,
-        .speed = given->physical.speed,
+        .radius_across = given->physical.radius_across,
+        .ellipticity = given->ellipticity,
+        .speed = scene_speed(given),
         .modulus = given->physical.modulus,
         .viscosity = given->physical.viscosity,
         .hertz_pressure = given->hertz_pressure,
@@ -66,6 +80,7 @@ ehd_status scene_contact(ehd_contact *contact, const scene *given, ehd_error *er
     };
     ehd_status status = contact_init(contact, &settings, error);
     if (status) return status;
+    contact->slide_roll = scene_slide_roll(given);
     contact->grid.half = given->grid.half != 0;
     discretization_find(&contact->grid.discretization, given->discretization); // a choice
     boundary_find(&contact->grid.boundary, given->boundary); // a choice, or none of a line

@@ -8,7 +8,7 @@ static const double whole_number_tolerance = 1e-9; // relative, of the number of
 
 // ---- groups of keys
 
-/* How many of some keys are given, and the others as a list "moes.M, moes.L". */
+/* How many of some keys are given that need no other, and the others as a list "moes.M, moes.L". */
 typedef struct key_count {
     size_t given;
     size_t all;
@@ -28,7 +28,8 @@ static void count_key(key_count *count, const setting *row, const scene *of) {
 static key_count count_below(const char *prefix, const scene *of) {
     key_count count = {0};
     for (const setting *row = scene_settings(); row->key; row++)
-        if (strncmp(row->key, prefix, strlen(prefix)) == 0) count_key(&count, row, of);
+        if (strncmp(row->key, prefix, strlen(prefix)) == 0 && !row->when[0].key)
+            count_key(&count, row, of);
     return count;
 }
 
@@ -49,16 +50,109 @@ static ehd_status check_whole(const scene_source *source, const char *name, cons
                       count->all, count->missing);
 }
 
+/* Whether it has all keys of physical but the viscosity, which the law has. A lubricant that is wrong
+ * is told elsewhere. */
+static bool has_viscosity_of_law(const key_count *physical, const scene *of) {
+    ehd_lubricant lubricant;
+    return physical->given + 1 == physical->all && isnan(of->physical.viscosity) &&
+           (lubricant_init(&lubricant, &of->lubricant, NULL) || !isnan(lubricant.eta0));
+}
+
+/* The five of `physical` that every contact needs: either the mean speed counts, or both surfaces' where one of them is given. */
+static key_count count_physical(bool *both_speeds, const scene *of) {
+    static const char *const own[] = {"physical.speed_1", "physical.speed_2"};
+    const setting *mean = setting_find("physical.speed");
+    const setting *surfaces[] = {setting_find(own[0]), setting_find(own[1])};
+    key_count count = {0};
+
+    *both_speeds = setting_is_given(surfaces[0], of) || setting_is_given(surfaces[1], of);
+    for (const setting *row = scene_settings(); row->key; row++) {
+        const bool of_surface = row == surfaces[0] || row == surfaces[1];
+        if (strncmp(row->key, "physical.", strlen("physical.")) != 0 || row->when[0].key) continue;
+        if (row == mean ? !*both_speeds : of_surface ? *both_speeds : true)
+            count_key(&count, row, of);
+    }
+    return count;
+}
+
+static ehd_status check_speeds(const scene_source *source, bool both_speeds, ehd_error *error) {
+    const scene *of = &source->values;
+    const place where = place_of_key(source, "physical.speed_1");
+
+    if (both_speeds && !isnan(of->physical.speed))
+        return place_fail(
+            error, where,
+            "physical.speed_1: found beside physical.speed, expected only one of them");
+    if (both_speeds && !isnan(of->slide_roll))
+        return place_fail(error, where,
+                          "physical.speed_1: found beside slide_roll, expected only one of them");
+    // where one is missing the count says so
+    if (both_speeds && scene_speed(of) < setting_find("physical.speed")->min)
+        return place_fail(error, where,
+                          "physical.speed_1: found %g with physical.speed_2 of %g m/s, expected a "
+                          "mean above 0",
+                          of->physical.speed_1, of->physical.speed_2);
+    return EHD_OK;
+}
+
 static ehd_status check_operating_point(const scene_source *source, ehd_error *error) {
     const key_count moes = count_below("moes.", &source->values);
-    const key_count physical = count_below("physical.", &source->values);
+    bool both_speeds;
+    const key_count physical = count_physical(&both_speeds, &source->values);
     const place where = place_of_file(source);
     if (moes.given == 0 && physical.given == 0)
         return place_fail(error, where, "moes: found neither moes nor physical, expected one");
     if (moes.given > 0 && physical.given > 0)
         return place_fail(error, where, "moes: found moes and physical, expected only one");
-    const ehd_status status = check_whole(source, "moes", &moes, error);
-    return status ? status : check_whole(source, "physical", &physical, error);
+    ehd_status status = check_whole(source, "moes", &moes, error);
+    if (!status) status = check_speeds(source, both_speeds, error);
+    if (status || has_viscosity_of_law(&physical, &source->values)) return status;
+    return check_whole(source, "physical", &physical, error);
+}
+
+/* The traction's stresses are in pascals, and a law of shear is for the traction. */
+static ehd_status check_traction(const scene_source *source, ehd_error *error) {
+    const scene *of = &source->values;
+    const bool has_law = *of->lubricant.shear.law;
+    const setting *law = setting_find("lubricant.shear.law");
+
+    if (!isnan(of->slide_roll) && isnan(of->physical.load))
+        return place_fail(error, place_of_key(source, "slide_roll"),
+                          "slide_roll: found with moes, expected it with physical");
+    if (has_law && isnan(scene_slide_roll(of)))
+        return place_fail(error, place_of_key(source, law->key),
+                          "%s: found a value, expected slide_roll, or physical.speed_1 and "
+                          "speed_2, with it",
+                          law->key);
+    if (strcmp(of->discretization, "published") == 0 && scene_thins_flow(of))
+        return place_fail(error, place_of_key(source, "lubricant.shear.in_film"),
+                          "lubricant.shear.in_film: found true with the discretization published, "
+                          "expected accurate");
+    for (const setting *row = law; !has_law && row->key; row++)
+        if (strncmp(row->key, "lubricant.shear.", strlen("lubricant.shear.")) == 0 &&
+            setting_is_given(row, of))
+            return place_fail(error, place_of_key(source, row->key),
+                              "%s: found a value, expected %s too", row->key, law->key);
+    return EHD_OK;
+}
+
+/* An ellipse has its shape from one of two keys. */
+static ehd_status check_ellipse(const scene_source *source, ehd_error *error) {
+    const scene *of = &source->values;
+    const bool by_radius = !isnan(of->physical.radius_across);
+
+    if (strcmp(of->contact, "ellipse") != 0) return EHD_OK;
+    if (by_radius && isnan(of->physical.radius))
+        return place_fail(error, place_of_key(source, "physical.radius_across"),
+                          "physical.radius_across: found a value with moes, expected ellipticity");
+    if (by_radius && !isnan(of->ellipticity))
+        return place_fail(error, place_of_key(source, "ellipticity"),
+                          "ellipticity: found it and physical.radius_across, expected only one");
+    if (!by_radius && isnan(of->ellipticity))
+        return place_fail(error, place_of_key(source, "contact"),
+                          "contact: found ellipse without its shape, expected ellipticity or "
+                          "physical.radius_across");
+    return EHD_OK;
 }
 
 // ---- conditions
@@ -69,8 +163,27 @@ static bool same_reason(const setting *left, const setting *right) {
     return a && b ? strcmp(a, b) == 0 : a == b;
 }
 
+/* Whether the scene's law needs a key that other laws may do without. */
+static bool law_needs(const setting *row, const scene *of) {
+    const struct {
+        const char *group;
+        const lubricant_law *const *laws;
+        const char *name;
+    } groups[] = {{"lubricant.viscosity.", viscosity_laws, of->lubricant.viscosity.law},
+                  {"lubricant.density.", density_laws, of->lubricant.density.law}};
+    for (size_t i = 0; row->when[0].key && i < sizeof groups / sizeof *groups; i++) {
+        const size_t length = strlen(groups[i].group);
+        if (strncmp(row->key, groups[i].group, length) != 0) continue;
+        const lubricant_law *law = laws_find(groups[i].laws, groups[i].name);
+        const law_parameter *parameter = law ? law_key(law, row->key + length) : NULL;
+        return parameter && parameter->need == LAW_REQUIRED;
+    }
+    return false;
+}
+
 static bool is_missing(const setting *row, const scene *of) {
-    return row->required && !setting_is_given(row, of) && !setting_unmet(row, of);
+    return !setting_is_given(row, of) && (row->required || law_needs(row, of)) &&
+           !setting_unmet(row, of);
 }
 
 /* All required keys are given. */
@@ -164,7 +277,7 @@ static ehd_status check_lubricant(const scene_source *source, ehd_error *error) 
 // ---- grid
 
 static bool is_point(const scene *of) {
-    return strcmp(of->contact, "point") == 0;
+    return strcmp(of->contact, "line") != 0;
 }
 
 /* The allowed step nearest to the given one that divides the extent. */
@@ -240,6 +353,8 @@ ehd_status source_validate(const scene_source *source, ehd_error *error) {
     ehd_status status = check_used(source, error);
     if (!status) status = check_needed(source, error);
     if (!status) status = check_operating_point(source, error);
+    if (!status) status = check_traction(source, error);
+    if (!status) status = check_ellipse(source, error);
     if (!status) status = check_lubricant(source, error);
     if (!status) status = check_grid(source, error);
     return status;

@@ -24,14 +24,15 @@
 
 // clang-format off
 #define ALWAYS       {{NULL, NULL}}
-#define ON_A_POINT   {{"contact", "point"}}
+#define ON_A_POINT   {{"contact", "point|ellipse"}}
+#define ON_AN_ELLIPSE {{"contact", "ellipse"}}
 #define IN_TIME      {{"regime", "transient"}}
 #define LAW(laws)    {{NULL, laws}} // of the same history
 #define LAST_ROW     {NULL, SETTING_FLAG, 0, 0, NULL, NULL, 0, 0, NULL, NULL, ALWAYS, false}
 
 // columns: key, type, offset, size, default, choices, min, max, unit, help, when, required
 static const setting contact_rows[] = {
-    {"contact", CHOICE(contact), NULL, "line|point", 0, 0, "1",
+    {"contact", CHOICE(contact), NULL, "line|point|ellipse", 0, 0, "1",
      "Kind of contact", ALWAYS, true},
     {"regime", CHOICE(regime), NULL, "stationary|transient", 0, 0, "1",
      "Whether the contact varies with time", ALWAYS, true},
@@ -51,18 +52,34 @@ static const setting contact_rows[] = {
     {"physical.load", REAL(physical.load), NULL, NULL, 1e-6, 1e9, "N/m|N",
      "Load, of a line contact per length", ALWAYS, false},
     {"physical.radius", REAL(physical.radius), NULL, NULL, 1e-6, 1e3, "m",
-     "Reduced radius of curvature", ALWAYS, false},
+     "Reduced radius of curvature, of an ellipse along the entrainment", ALWAYS, false},
+    {"physical.radius_across", REAL(physical.radius_across), NULL, NULL, 1e-6, 1e3, "m",
+     "Reduced radius of curvature across the entrainment, which the ellipticity follows from",
+     ON_AN_ELLIPSE, false},
     {"physical.speed", REAL(physical.speed), NULL, NULL, 1e-9, 1e4, "m/s",
      "Mean velocity (u1 + u2)/2 of the surfaces", ALWAYS, false},
+    {"physical.speed_1", REAL(physical.speed_1), NULL, NULL, -1e4, 1e4, "m/s",
+     "Velocity u1 of one surface; with speed_2 in place of physical.speed and slide_roll", ALWAYS, false},
+    {"physical.speed_2", REAL(physical.speed_2), NULL, NULL, -1e4, 1e4, "m/s",
+     "Velocity u2 of the other surface", ALWAYS, false},
     {"physical.modulus", REAL(physical.modulus), NULL, NULL, 1e3, 1e13, "Pa",
      "Reduced modulus 2/[(1 - nu1^2)/E1 + (1 - nu2^2)/E2]", ALWAYS, false},
     {"physical.viscosity", REAL(physical.viscosity), NULL, NULL, 1e-6, 1e6, "Pa s",
-     "Viscosity at zero pressure", ALWAYS, false},
+     "Viscosity at zero pressure and the lubricant's temperature; may be left out where the law has its own "
+     "(wlf, roelands, and barus with eta0)", ALWAYS, false},
+    {"slide_roll", REAL(slide_roll), NULL, NULL, -1e6, 1e6, "1",
+     "Slide-roll ratio (u1 - u2)/u_m: results then tell the traction; with physical.speed", ALWAYS, false},
+    {"ellipticity", REAL(ellipticity), NULL, NULL, 0.05, 20, "1",
+     "b/a, the half width of the dry contact across the entrainment over that along it; "
+     "or physical.radius_across says it", ON_AN_ELLIPSE, false},
     {"hertz_pressure", REAL(hertz_pressure), NULL, NULL, 1e5, 2e10, "Pa",
      "Hertz pressure, where it shall not follow from the other settings", ALWAYS, false},
     LAST_ROW};
 
 static const setting run_rows[] = {
+    {"lubricant.thermal_conductivity", REAL(lubricant.thermal_conductivity), NULL, NULL, 1e-3, 1e3, "W/(m K)",
+     "Thermal conductivity of the lubricant: results then tell beside the films, which are isothermal, the factor "
+     "by which shear heating of the inlet thins them", {{"regime", "stationary"}}, false},
     {"discretization", CHOICE(discretization), "accurate", "accurate|published", 0, 0, "1",
      "How the equations are discretised on the grid: by rows of higher order, or as published",
      ALWAYS, false},
@@ -144,7 +161,7 @@ static const setting surface_rows[] = {
      "Column or dataset of the heights, by which the gap grows", ON_A_SURFACE("file"), true},
     {"surface.across", WORD(surface.across), NULL, NULL, 0, 0, "1",
      "Column or dataset of y, of a table on a grid, x fastest; without it heights are the same across",
-     {{"surface.kind", "file"}, {"contact", "point"}}, false},
+     {{"surface.kind", "file"}, {"contact", "point|ellipse"}}, false},
     LAST_ROW};
 
 /* The keys of one history, below "transient.<quantity>.". */
@@ -184,9 +201,9 @@ const char *const vary_names[NUM_VARY] = {"load", "speed", "radius", "modulus", 
 #define ROWS_OF(rows) (sizeof(rows) / sizeof *(rows)-1)
 enum {
     LAW_ROWS = 1 + MAX_LAW_KEYS,
-    MAX_ROWS = ROWS_OF(contact_rows) + 2 * LAW_ROWS + ROWS_OF(run_rows) + ROWS_OF(surface_rows) +
+    MAX_ROWS = ROWS_OF(contact_rows) + 3 * LAW_ROWS + ROWS_OF(run_rows) + ROWS_OF(surface_rows) +
                NUM_VARY * ROWS_OF(history_rows),
-    MAX_TEXTS = 2 * 2 * LAW_ROWS + NUM_VARY * (1 + ROWS_OF(history_rows)),
+    MAX_TEXTS = 2 * 3 * LAW_ROWS + NUM_VARY * (1 + ROWS_OF(history_rows)),
     TEXT_ROOM = 512
 };
 _Static_assert((int)MAX_ROWS <= (int)MAX_SETTINGS, "MAX_SETTINGS is too small");
@@ -221,7 +238,7 @@ static void add_rows(const setting *rows) {
 /* Adds rows for the choice of a law and the parameters of all laws, stored in a law_settings at
  * `offset` in a scene. */
 static void add_laws(const char *group, size_t offset, const lubricant_law *const *laws,
-                     const char *default_value, const char *help) {
+                     bool required, const char *default_value, const char *help) {
     char list[TEXT_ROOM];
     const law_parameter *parameter;
     laws_list(list, sizeof list, laws, NULL);
@@ -233,7 +250,7 @@ static void add_laws(const char *group, size_t offset, const lubricant_law *cons
                          .choices = make_text("%s", list),
                          .unit = "1",
                          .help = help,
-                         .required = !default_value};
+                         .required = required};
     add_row(&law);
     for (size_t slot = 0; (parameter = laws_key(laws, slot)); slot++) {
         laws_list(list, sizeof list, laws, parameter->key);
@@ -242,14 +259,14 @@ static void add_laws(const char *group, size_t offset, const lubricant_law *cons
                              .offset =
                                  offset + offsetof(law_settings, values) + slot * sizeof(law_value),
                              .size = sizeof(law_value),
-                             .default_value = parameter->default_value,
+                             .default_value = laws_default(laws, parameter->key),
                              .choices = parameter->choices,
                              .min = parameter->min,
                              .max = parameter->max,
                              .unit = parameter->unit,
                              .help = parameter->help,
                              .when = {{law.key, make_text("%s", list)}},
-                             .required = parameter->need == LAW_REQUIRED};
+                             .required = laws_require(laws, parameter->key)};
         add_row(&row);
     }
 }
@@ -270,10 +287,13 @@ static void add_history(int quantity) {
 
 static void make_table(void) {
     add_rows(contact_rows);
-    add_laws("lubricant.viscosity", offsetof(scene, lubricant.viscosity), viscosity_laws, NULL,
-             "How viscosity depends on pressure");
-    add_laws("lubricant.density", offsetof(scene, lubricant.density), density_laws,
+    add_laws("lubricant.viscosity", offsetof(scene, lubricant.viscosity), viscosity_laws, true,
+             NULL, "How viscosity depends on pressure");
+    add_laws("lubricant.density", offsetof(scene, lubricant.density), density_laws, false,
              "incompressible", "How density depends on pressure");
+    add_laws("lubricant.shear", offsetof(scene, lubricant.shear), shear_laws, false, NULL,
+             "How shear stress depends on viscosity times the rate of shear, for the traction; "
+             "default newtonian");
     add_rows(run_rows);
     add_rows(surface_rows);
     for (int i = 0; i < NUM_VARY; i++)

@@ -11,7 +11,7 @@
 #include <stdio.h>
 
 enum {
-    MAX_SETTINGS = 192, // with fewer than there may be, settings_table.c does not compile
+    MAX_SETTINGS = 256, // with fewer than there may be, settings_table.c does not compile
     MAX_KEY = 128
 };
 

@@ -16,8 +16,9 @@ contact_frame frame_at(const contact_kind *kind, double time, const double *valu
                            .modulus = values[VARY_MODULUS],
                            .approach = approach};
 
-    frame.half_width =
-        kind->half_width(frame.load, frame.radius, frame.modulus) / kind->half_width(1, 1, 1);
+    // a ratio, the same of all shapes
+    frame.half_width = kind->half_width(&shape_round, frame.load, frame.radius, frame.modulus) /
+                       kind->half_width(&shape_round, 1, 1, 1);
     frame.hertz_pressure = frame.load / pow(frame.half_width, kind->dimensions);
     frame.film_scale = frame.half_width * frame.half_width / frame.radius;
     return frame;
@@ -53,6 +54,7 @@ static contact_closure approach_closure(const contact_frame *frame, const ehd_co
 
 void frame_contact(ehd_contact *contact, const contact_frame *frame, const ehd_contact *reference) {
     const contact_kind *kind = reference->kind;
+    const contact_shape *shape = &reference->grid.shape;
     double width = frame->half_width;
 
     *contact = *reference;
@@ -62,9 +64,11 @@ void frame_contact(ehd_contact *contact, const contact_frame *frame, const ehd_c
     contact->hertz_pressure *= frame->hertz_pressure;
     contact->alpha_p_H *= frame->hertz_pressure;
     // the stationary contact of the same lambda U
-    contact->moes_M = fmin(kind->moes_M(contact->lambda * fabs(contact->entrainment)), MAX_MOES_M);
+    contact->moes_M =
+        fmin(kind->moes_M(shape, contact->lambda * fabs(contact->entrainment)), MAX_MOES_M);
     contact->moes_L = reference->moes_L * frame->hertz_pressure *
-                      kind->alpha_p_H(reference->moes_M, 1) / kind->alpha_p_H(contact->moes_M, 1);
+                      kind->alpha_p_H(shape, reference->moes_M, 1) /
+                      kind->alpha_p_H(shape, contact->moes_M, 1);
     contact->half_width *= width;
     contact->radius *= frame->radius;
     contact->load *= frame->load;
@@ -103,4 +107,14 @@ contact_scalars frame_to_reference(const contact_scalars *current, const contact
     scalars.exit_position *= frame->half_width;
     scalars.load *= frame->load;
     return scalars;
+}
+
+contact_traction frame_traction_to_reference(contact_traction current, const contact_frame *frame) {
+    current.friction *= frame->load;
+    current.rolling_resistance *= frame->load;
+    current.rolling_moment *= frame->load * frame->half_width;
+    current.power *= frame->load * frame->half_width; // the speed is in half widths
+    current.mean_stress *= frame->hertz_pressure;
+    current.largest_stress *= frame->hertz_pressure;
+    return current;
 }

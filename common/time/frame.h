@@ -4,7 +4,7 @@
 #ifndef EHD_FRAME_H
 #define EHD_FRAME_H
 
-#include "common/physics/contact.h"
+#include "common/physics/traction.h"
 #include <stdbool.h>
 
 /* What holds at one time, relative to the reference. */
@@ -58,5 +58,8 @@ double frame_rate(const contact_frame *now, const contact_frame *before);
  * to the reference. */
 contact_scalars frame_to_reference(const contact_scalars *current, const contact_frame *frame,
                                    const ehd_contact *reference);
+
+/* The same of its traction, which does not depend on the reference's numbers. */
+contact_traction frame_traction_to_reference(contact_traction current, const contact_frame *frame);
 
 #endif

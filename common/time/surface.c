@@ -24,6 +24,7 @@ struct ehd_surface {
     const surface_kind *kind;
     surface_settings given;
     bool is_half;           // the contact
+    double ellipticity;     // of it, by which Y is scaled
     double *x, *y, *values; // [count], of a table; y NULL: it is of one line
     size_t count, num_x, num_lines;
     spline **lines;     // [num_lines]
@@ -305,6 +306,18 @@ static void set_position(ehd_surface *self, double of_length, const ehd_grid *gr
             given->speed > 0 ? first_x(grid) - self->front : last_x(grid) - self->rear;
 }
 
+/* Where a scene says how fast both surfaces are, it is one of them. */
+static ehd_status check_slide_roll(double speed, double slide_roll, ehd_error *error) {
+    const double faster = 1 + slide_roll / 2, slower = 1 - slide_roll / 2, rounding = 1e-9;
+
+    if (isnan(slide_roll) || fabs(speed - faster) <= rounding || fabs(speed - slower) <= rounding)
+        return EHD_OK;
+    return ehd_fail(error, EHD_DATA,
+                    "surface.speed: found %.10g, expected %.10g or %.10g, those of the surfaces by "
+                    "the slide-roll ratio",
+                    speed, faster, slower);
+}
+
 ehd_status surface_init(ehd_surface **result, const scene *given, const ehd_contact *reference,
                         ehd_error *error) {
     const surface_kind *kind = find_kind(given->surface.kind);
@@ -319,11 +332,14 @@ ehd_status surface_init(ehd_surface **result, const scene *given, const ehd_cont
     if (si && isnan(reference->half_width))
         return ehd_fail(error, EHD_DATA,
                         "surface.units: found si, expected contact in a scene without physical");
+    status = check_slide_roll(given->surface.speed, reference->slide_roll, error);
+    if (status) return status;
     ehd_surface *self = calloc(1, sizeof *self);
     if (!self) return ehd_fail(error, EHD_MEMORY, "surface: found no memory");
     self->kind = kind;
     self->given = given->surface;
     self->is_half = reference->grid.half;
+    self->ellipticity = reference->grid.shape.ellipticity;
     const double of_length = si ? 1 / reference->half_width : 1;
     status = kind->prepare(self, of_length, si ? 1 / contact_film_scale(reference) : 1, error);
     if (!status) set_position(self, of_length, &reference->grid);
@@ -377,7 +393,9 @@ double surface_position(const ehd_surface *self, double path) {
 double surface_height(const ehd_surface *self, const contact_frame *frame, double x, double y) {
     const double along = x * frame->half_width - surface_position(self, frame->path);
 
-    return self->kind->height(self, along, y * frame->half_width) / frame->film_scale;
+    const double across = y * self->ellipticity * frame->half_width;
+
+    return self->kind->height(self, along, across) / frame->film_scale;
 }
 
 void surface_heights(double *heights, const ehd_surface *self, const contact_frame *frame,

@@ -29,6 +29,7 @@ static ehd_status make_contact(ehd_contact *contact, bool *inside, const plan *o
     char name[POINT_NAME];
     ehd_error cause = {""};
     ehd_status status = scene_contact(contact, &point->scene, &cause);
+    if (!status) status = scene_check_flow(&point->scene, &cause);
 
     // a point that is left out may lie where the lubricant's law does not hold
     bool known = contact->alpha_p_H > 0 || !status;
@@ -97,8 +98,27 @@ static ehd_status check_carriages(const training_set *set, const char *plan_path
     return EHD_OK;
 }
 
+/* All points are of one kind and, of ellipses, of one shape: that of the first. */
+static ehd_status check_alike(training_set *set, contact_shape *shape, const ehd_contact *contact,
+                              const char *plan_path, ehd_error *error) {
+    if (!set->kind) {
+        set->kind = contact->kind;
+        *shape = contact->grid.shape;
+    }
+    if (contact->kind != set->kind)
+        return ehd_fail(error, EHD_DATA, "%s: contact: found %s and %s, expected one of them",
+                        plan_path, set->kind->name, contact->kind->name);
+    if (!shape_same(&contact->grid.shape, shape))
+        return ehd_fail(error, EHD_DATA,
+                        "%s: ellipticity: found %.9g and %.9g, expected one of them, of which a "
+                        "reduced model is",
+                        plan_path, shape->ellipticity, contact->grid.shape.ellipticity);
+    return EHD_OK;
+}
+
 static ehd_status make_points(training_set *set, const plan *of, const char *plan_path,
                               ehd_error *error) {
+    contact_shape shape = shape_round;
     ehd_status status = EHD_OK;
 
     for (size_t i = 0; i < of->num_points && !status; i++) {
@@ -111,12 +131,8 @@ static ehd_status make_points(training_set *set, const plan *of, const char *pla
             set->num_dropped++;
             continue;
         }
-        if (!set->kind) set->kind = contact.kind;
-        if (contact.kind != set->kind) {
-            status = ehd_fail(error, EHD_DATA, "%s: contact: found %s and %s, expected one of them",
-                              plan_path, set->kind->name, contact.kind->name);
-            break;
-        }
+        status = check_alike(set, &shape, &contact, plan_path, error);
+        if (status) break;
         if (strcmp(given->regime, "transient") == 0) {
             set->trajectories[set->num_trajectories++] = (trajectory_scene){i, *given, contact};
         } else {
@@ -209,7 +225,8 @@ void training_set_places(tree_point *places, const training_set *set) {
         const ehd_contact *contact = &set->contacts[i];
         double log_M = log(contact->moes_M);
         // L where the Hertz pressure follows from it, else what would give the Hertz pressure
-        double material = contact->alpha_p_H / contact->kind->alpha_p_H(contact->moes_M, 1);
+        double material =
+            contact->alpha_p_H / contact->kind->alpha_p_H(&contact->grid.shape, contact->moes_M, 1);
         places[i] = (tree_point){.family = family_of(set, i),
                                  .place = {log_M, material},
                                  .effort = fabs(log_M - log(12)) + 0.5 * material};

@@ -109,10 +109,13 @@ static void print_heading(const char *path, const ehd_grid *grid, const ehd_grid
     printf("%s:\n", moved || discretized || bounded ? ": what it does is in the deviations)" : "");
 }
 
-ehd_status against_check(double moes_M, double alpha_p_H, double hertz_pressure, const char *path,
-                         const ehd_contact *contact, ehd_error *error) {
+ehd_status against_check(double moes_M, double alpha_p_H, double hertz_pressure,
+                         const ehd_grid *grid, const char *path, const ehd_contact *contact,
+                         ehd_error *error) {
     const double slack = 1e-6;
+    const ehd_status status = grid_check_shape(grid, path, &contact->grid, "the scene", error);
 
+    if (status) return status;
     if (fabs(moes_M - contact->moes_M) <= slack * contact->moes_M &&
         fabs(hertz_pressure - contact->hertz_pressure) <=
             slack * fmax(contact->hertz_pressure, 1) &&

@@ -173,7 +173,9 @@ void fmu_describe(FILE *file, const fmu_description *of, int fmi) {
     put(file, "modelName", of->name);
     put(file, fmi == 2 ? "guid" : "instantiationToken", contents->token);
     put(file, "description",
-        contents->point ? "Elastohydrodynamic point contact" : "Elastohydrodynamic line contact");
+        contents->ellipse ? "Elastohydrodynamic elliptical contact"
+        : contents->point ? "Elastohydrodynamic point contact"
+                          : "Elastohydrodynamic line contact");
     put(file, "generationTool", "ehdrom " EHDROM_VERSION);
     if (of->generated) put(file, "generationDateAndTime", of->generated);
     if (fmi == 2) put(file, "numberOfEventIndicators", "0");
@@ -215,7 +217,7 @@ void fmu_document(FILE *file, const fmu_description *of) {
             "<b>trusted</b> says whether the result is to be relied on; the calls' status does "
             "not. Linux, x86-64, glibc 2.35 or newer. Licences: folder licenses.</p>\n<table>\n"
             "<tr><th>Variable</th><th>Unit</th><th>Kind</th><th>Start</th><th>Meaning</th></tr>\n",
-            contents->point ? "point" : "line");
+            contents->ellipse ? "elliptical" : fmu_contact(contents));
     for (size_t i = 0; i < FMU_NUM_VARIABLES; i++) {
         const fmu_variable *variable = &fmu_variables[i];
         const char *unit = unit_of(variable, contents);

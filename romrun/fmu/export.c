@@ -227,7 +227,8 @@ static ehd_status fill_contents(export_job *job, ehd_error *error) {
         return ehd_fail(error, EHD_DATA,
                         "%s: found moes.M and moes.L, expected physical.load and the others",
                         job->caller->arguments[0]);
-    contents->point = strcmp(given->contact, "point") == 0;
+    contents->ellipse = strcmp(given->contact, "ellipse") == 0;
+    contents->point = contents->ellipse || strcmp(given->contact, "point") == 0;
     contents->approach_given = strcmp(given->closure, "approach") == 0;
     for (size_t i = 0; i < FMU_NUM_VARIABLES; i++) {
         const fmu_variable *variable = &fmu_variables[i];

@@ -82,13 +82,17 @@ bool fmu_variable_fits(const fmu_variable *variable, bool approach_given) {
 
 static const char heading[] = "ehdrom-fmu 1";
 
+const char *fmu_contact(const fmu_contents *contents) {
+    return contents->ellipse ? "ellipse" : contents->point ? "point" : "line";
+}
+
 static bool has_start(const fmu_variable *variable) {
     return variable->role == FMU_INPUT || variable->role == FMU_PARAMETER;
 }
 
 void fmu_contents_write(FILE *file, const fmu_contents *contents) {
     fprintf(file, "%s\ntoken %s\ncontact %s\ngiven %s\n", heading, contents->token,
-            contents->point ? "point" : "line", contents->approach_given ? "approach" : "load");
+            fmu_contact(contents), contents->approach_given ? "approach" : "load");
     for (size_t i = 0; i < FMU_NUM_VARIABLES; i++)
         if (contents->has[i] && has_start(&fmu_variables[i]))
             fprintf(file, "%s %.17g\n", fmu_variables[i].name, contents->start[i]);
@@ -101,7 +105,8 @@ static bool read_heading(fmu_contents *contents, FILE *file) {
         return false;
     if (fscanf(file, " token %39s contact %7s given %15s", contents->token, contact, given) != 3)
         return false;
-    contents->point = strcmp(contact, "point") == 0;
+    contents->ellipse = strcmp(contact, "ellipse") == 0;
+    contents->point = contents->ellipse || strcmp(contact, "point") == 0;
     contents->approach_given = strcmp(given, "approach") == 0;
     return (contents->point || strcmp(contact, "line") == 0) &&
            (contents->approach_given || strcmp(given, "load") == 0);

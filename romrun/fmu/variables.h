@@ -66,14 +66,18 @@ extern const fmu_variable fmu_variables[FMU_NUM_VARIABLES];
 enum { FMU_TOKEN = 40 };
 typedef struct fmu_contents {
     char token[FMU_TOKEN]; // that tells this FMU from others
-    bool point;            // a point contact
-    bool approach_given;   // else the load
+    bool point;            // a point contact or an ellipse
+    bool ellipse;
+    bool approach_given; // else the load
     bool has[FMU_NUM_VARIABLES];
     double start[FMU_NUM_VARIABLES]; // of inputs and parameters
 } fmu_contents;
 
 /* Whether a row's variable may be in an FMU of that kind; those with a key only if that is set. */
 bool fmu_variable_fits(const fmu_variable *variable, bool approach_given);
+
+/* The contact's name in scenes. */
+const char *fmu_contact(const fmu_contents *contents);
 
 void fmu_contents_write(FILE *file, const fmu_contents *contents);
 /* False where it is not such a file; `file` is read to its end. */

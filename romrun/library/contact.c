@@ -227,6 +227,14 @@ ehdrom_status ehdrom_contact_set_step_tolerance(ehdrom_contact *self, double tol
 
 // ---- the contact of the settings
 
+/* The model is of one ellipse, which a scene need not say. */
+static void take_shape(scene *of, const ehdrom_contact *self) {
+    const bool ellipse = online_kind(self->model->online) == &contact_ellipse;
+
+    if (ellipse && isnan(of->ellipticity) && isnan(of->physical.radius_across))
+        of->ellipticity = online_grid(self->model->online)->shape.ellipticity;
+}
+
 /* The settings as a scene of one regime, whichever they were of: without what the caller says in
  * place of the scene, how conditions change in time and what is written. */
 static void take_regime(scene *of, const ehdrom_contact *self, bool in_time) {
@@ -238,9 +246,11 @@ static void take_regime(scene *of, const ehdrom_contact *self, bool in_time) {
             starts_with(row->key, "transport") || starts_with(row->key, "transient.smoothing");
         if (starts_with(row->key, "output.") || strcmp(row->key, "approach") == 0 ||
             (starts_with(row->key, "transient.") && !(in_time && how_carried)) ||
-            (how_carried && !in_time) || (strcmp(row->key, "approach_length") == 0 && !in_time))
+            (how_carried && !in_time) || (strcmp(row->key, "approach_length") == 0 && !in_time) ||
+            (strcmp(row->key, "lubricant.thermal_conductivity") == 0 && in_time))
             setting_clear(row, of);
     }
+    take_shape(of, self);
     scene_set(of, "regime", in_time ? "transient" : "stationary", NULL, NULL);
     if (in_time) {
         scene_set(of, "transient.end_time", "1", NULL, NULL); // which a scene needs
@@ -255,13 +265,14 @@ static void take_regime(scene *of, const ehdrom_contact *self, bool in_time) {
 
 static unit_factors units_of(const ehd_contact *contact, const scene *settings,
                              bool dimensionless) {
-    if (dimensionless) return (unit_factors){1, 1, 1, 1, 1, 1, 1, 1};
+    if (dimensionless) return (unit_factors){1, 1, 1, 1, 1, 1, 1, 1, 1};
     return (unit_factors){.length = contact->half_width,
+                          .length_across = contact_half_width_across(contact),
                           .film = contact_film_scale(contact),
                           .pressure = contact->hertz_pressure,
                           .load = settings->physical.load,
-                          .time = contact->half_width / settings->physical.speed,
-                          .speed = settings->physical.speed,
+                          .time = contact_time_scale(contact),
+                          .speed = contact->speed,
                           .radius = settings->physical.radius,
                           .modulus = settings->physical.modulus};
 }
@@ -309,7 +320,8 @@ ehdrom_status ehdrom_contact_scales(ehdrom_contact *self, ehdrom_scales *scales)
                                    .speed = units.speed,
                                    .time = units.time,
                                    .moes_M = contact.moes_M,
-                                   .moes_L = contact.moes_L};
+                                   .moes_L = contact.moes_L,
+                                   .half_width_across = units.length_across};
         status = library_give(scales, &own, sizeof own, "scales", &self->error);
     }
     library_leave(before);

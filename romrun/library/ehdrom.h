@@ -18,7 +18,7 @@
  *     ehdrom_model_close(model);
  *
  * Units are SI unless others are asked for (ehdrom_contact_set_units): N/m of a line contact, N of a
- * point contact, m, s, m/s, Pa, Pa s.
+ * point contact or an ellipse, m, s, m/s, Pa, Pa s.
  *
  * A model does not change once it is open; any number of contacts in any number of threads may use
  * it. A contact is used by one thread at a time. Models may be opened in several threads too, of HDF5 files
@@ -99,7 +99,7 @@ EHDROM_API const char *ehdrom_model_error(const ehdrom_model *model);
 
 typedef struct ehdrom_model_info {
     size_t size;         /* sizeof(ehdrom_model_info) */
-    int dimensions;      /* of the pressurised zone: 1 of a line, 2 of a point contact */
+    int dimensions;      /* of the pressurised zone: 1 of a line, 2 of a point contact or ellipse */
     size_t num_x, num_y; /* nodes along and across the whole contact; num_y 1 of a line */
     double x_min, y_min; /* the first node, in half widths */
     double step;         /* between nodes, in half widths */
@@ -107,9 +107,10 @@ typedef struct ehdrom_model_info {
     int checked;         /* 1: these sizes were checked, so that deviations are indicated */
     int checked_in_time; /* 1: on trajectories too */
     int in_time;         /* 1: loaded for steps in time */
+    double ellipticity;  /* b/a, half width across over that along; 1 of a line or point contact */
 } ehdrom_model_info;
 #define EHDROM_MODEL_INFO_INIT                                                                     \
-    { sizeof(ehdrom_model_info), 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0 }
+    { sizeof(ehdrom_model_info), 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0 }
 
 /* EHDROM_DATA: a struct of no size; EHDROM_INTERNAL: the model was not opened. */
 EHDROM_API ehdrom_status ehdrom_model_describe(const ehdrom_model *model, ehdrom_model_info *info);
@@ -118,7 +119,9 @@ EHDROM_API ehdrom_status ehdrom_model_describe(const ehdrom_model *model, ehdrom
 
 typedef struct ehdrom_contact ehdrom_contact;
 
-/* A contact without settings but the model's kind and discretisation. *contact is to be freed in any
+/* A contact without settings but the model's kind and discretisation. Of an ellipse the model's
+ * ellipticity counts where neither "ellipticity" nor "physical.radius_across" is set; another one is
+ * EHDROM_DATA. *contact is to be freed in any
  * case, as above. The model must outlive it. */
 EHDROM_API ehdrom_status ehdrom_contact_create(ehdrom_contact **contact, const ehdrom_model *model);
 /* Accepts NULL. */
@@ -166,17 +169,18 @@ EHDROM_API ehdrom_status ehdrom_contact_set_step_tolerance(ehdrom_contact *conta
 
 /* What makes the contact's quantities dimensionless, SI; NaN where the scene gives M and L. */
 typedef struct ehdrom_scales {
-    size_t size;           /* sizeof(ehdrom_scales) */
-    double half_width;     /* a, m */
-    double film;           /* a^2/R, m */
-    double hertz_pressure; /* p_H, Pa */
-    double load;           /* N/m or N */
-    double speed;          /* u, m/s */
-    double time;           /* a/u, s */
-    double moes_M, moes_L; /* 1 */
+    size_t size;              /* sizeof(ehdrom_scales) */
+    double half_width;        /* a, m */
+    double film;              /* a^2/R, m */
+    double hertz_pressure;    /* p_H, Pa */
+    double load;              /* N/m or N */
+    double speed;             /* u, m/s */
+    double time;              /* a/u, s */
+    double moes_M, moes_L;    /* 1 */
+    double half_width_across; /* m: b of an ellipse, else a */
 } ehdrom_scales;
 #define EHDROM_SCALES_INIT                                                                         \
-    { sizeof(ehdrom_scales), 0, 0, 0, 0, 0, 0, 0, 0 }
+    { sizeof(ehdrom_scales), 0, 0, 0, 0, 0, 0, 0, 0, 0 }
 EHDROM_API ehdrom_status ehdrom_contact_scales(ehdrom_contact *contact, ehdrom_scales *scales);
 
 /* ---- solutions */
@@ -202,9 +206,12 @@ typedef struct ehdrom_result {
     double local_error; /* of this step, relative to the central film; 0: not known yet */
     double residual;    /* of the reduced equations */
     size_t iterations;
+    /* of ehdrom_solve, where lubricant.thermal_conductivity is set: the factor by which shear heating of the inlet
+     * thins the films, which are isothermal here; NaN: not known, in time too, or outside of its formula's range */
+    double inlet_heating_factor;
 } ehdrom_result;
 #define EHDROM_RESULT_INIT                                                                         \
-    { sizeof(ehdrom_result), 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0 }
+    { sizeof(ehdrom_result), 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0 }
 
 /* The stationary solution of the settings. */
 EHDROM_API ehdrom_status ehdrom_solve(ehdrom_contact *contact, ehdrom_result *result);

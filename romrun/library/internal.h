@@ -17,6 +17,7 @@ struct ehdrom_model {
 /* Factors from dimensionless quantities to those of the caller. */
 typedef struct unit_factors {
     double length, film, pressure, load, time;
+    double length_across;          // of Y
     double speed, radius, modulus; // of conditions, which are relative to the reference
 } unit_factors;
 

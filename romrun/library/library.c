@@ -137,7 +137,8 @@ ehdrom_status ehdrom_model_describe(const ehdrom_model *self, ehdrom_model_info 
                                    .states = properties.states,
                                    .checked = properties.checked,
                                    .checked_in_time = properties.checked_in_time,
-                                   .in_time = self->in_time};
+                                   .in_time = self->in_time,
+                                   .ellipticity = online_grid(self->online)->shape.ellipticity};
 
     return (ehdrom_status)library_give(info, &own, sizeof own, "info", NULL);
 }

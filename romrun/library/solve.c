@@ -3,6 +3,7 @@
 #include "romrun/library/internal.h"
 
 #include "common/output/grid_file.h"
+#include "common/physics/inlet_heating.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -70,7 +71,8 @@ static ehd_status solve(ehdrom_contact *self, ehdrom_result *result) {
                          .indicated_deviation = found.indicated,
                          .indicated_deviation_minimum = found.indicated_minimum,
                          .residual = found.residual,
-                         .iterations = found.iterations};
+                         .iterations = found.iterations,
+                         .inlet_heating_factor = inlet_heating_of(&self->solved).factor};
     fill(&own, &found.scalars, found.peak_pressure, 1, &self->solved_units);
     if (found.status != EHD_NOT_CONVERGED) {
         self->last = LAST_SOLVED;
@@ -194,7 +196,8 @@ static ehd_status give_state(ehdrom_contact *self, ehdrom_result *result,
                          .indicated_deviation_minimum = state->indicated_minimum,
                          .local_error = state->local_error,
                          .residual = state->residual,
-                         .iterations = state->iterations};
+                         .iterations = state->iterations,
+                         .inlet_heating_factor = NAN};
     const double peak =
         state->status == EHD_NOT_CONVERGED ? NAN : online_transient_peak(self->in_time);
 
@@ -403,6 +406,7 @@ static ehd_status scales_of_fields(unit_factors *scales, const ehdrom_contact *s
     if (self->last == LAST_SOLVED) return EHD_OK;
     const contact_frame frame = online_transient_frame(self->in_time);
     scales->length *= frame.half_width;
+    scales->length_across *= frame.half_width;
     scales->pressure *= frame.hertz_pressure;
     scales->film *= frame.film_scale;
     return EHD_OK;
@@ -418,7 +422,7 @@ ehdrom_status ehdrom_axes(ehdrom_contact *self, double *x, double *y) {
     for (size_t i = 0; x && i < whole.inner_x; i++)
         x[i] = grid_x(&whole, grid_node_of_row(&whole, i)) * scales.length;
     for (size_t l = 0; y && l < whole.inner_lines; l++)
-        y[l] = grid_y(&whole, grid_node_of_row(&whole, l * whole.inner_x)) * scales.length;
+        y[l] = grid_y(&whole, grid_node_of_row(&whole, l * whole.inner_x)) * scales.length_across;
     return EHDROM_OK;
 }
 

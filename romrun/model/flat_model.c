@@ -13,11 +13,13 @@ enum { MAX_MODES = 100000, MAX_STATES = 10000000 };
 // ---- what it is of
 
 static void walk_kind(flat *file, reduced_model *model) {
-    const bool reading = file->reading;
-    const size_t dimensions =
-        flat_whole(file, "dimensions", reading ? 1 : (size_t)model->kind->dimensions, 1, 2);
+    static const contact_kind *const kinds[] = {&contact_line, &contact_point, &contact_ellipse};
+    const size_t num_kinds = sizeof kinds / sizeof *kinds;
+    size_t kind = 0;
 
-    model->kind = dimensions == 1 ? &contact_line : &contact_point;
+    while (kinds[kind] != model->kind)
+        kind++;
+    model->kind = kinds[flat_whole(file, "kind", kind, 0, num_kinds - 1)];
 }
 
 /* Grids are made of few numbers. */
@@ -35,7 +37,15 @@ static void walk_grid(flat *file, reduced_model *model) {
         file, "discretization", (size_t)own->discretization, 0, DISCRETIZATION_ACCURATE);
     like.boundary = (ehd_boundary)flat_whole(file, "boundary", (size_t)own->boundary, 0,
                                              point ? BOUNDARY_OPEN : 0);
+    const double found = flat_real(file, "ellipticity", own->shape.ellipticity);
     if (!file->reading || !flat_good(file)) return;
+    if (model->kind == &contact_ellipse ? !(found >= MIN_ELLIPTICITY && found <= MAX_ELLIPTICITY)
+                                        : found != 1) {
+        flat_refuse(file, "ellipticity: found %g, expected that of a %s contact", found,
+                    model->kind->name);
+        return;
+    }
+    like.shape = shape_of(found);
     if (inner_x * lines > MAX_NODES) {
         flat_refuse(file, "grid: found %zu by %zu nodes, expected at most %d", inner_x, lines,
                     MAX_NODES);

@@ -93,7 +93,9 @@ static ehd_status make_kernel_table(film_splines *self, const contact_kind *kind
 static void widen_grid(film_splines *self, const reduced_model *model) {
     const ehd_grid *grid = &model->grid;
     const contact_kind *kind = model->kind;
-    double growth = kind->half_width(2.25, 1, 1) / kind->half_width(1, 1, 1) - 1 - 1e-9;
+    const contact_shape *shape = &grid->shape;
+    double growth =
+        kind->half_width(shape, 2.25, 1, 1) / kind->half_width(shape, 1, 1, 1) - 1 - 1e-9;
     double y_max = grid_y(grid, grid->num_nodes - 1);
     size_t lines = (size_t)ceil(growth * y_max / grid->step);
 
@@ -616,7 +618,8 @@ void previous_film_masses(double *mass, const previous_film *const *films, size_
         const double y = is_line(model) ? 0 : stretch * grid_y(&model->grid, node);
         spline_point along, across;
         locate(&along, &across, x, y, splines);
-        mass[i] = self->state.coordinates[model->num_unknowns - 1] + contact_gap(x, y) +
+        mass[i] = self->state.coordinates[model->num_unknowns - 1] +
+                  contact_gap(&model->grid.shape, x, y) +
                   evaluate(&self->film, self, &along, &across, splines);
         mass[i] *= frame_film_ratio(now, &self->frame);
         mass[i] *= density_at(self, &along, &across, splines, NULL, reference);
@@ -633,8 +636,7 @@ double previous_film_thickness(const previous_film *self, size_t node, const red
     double deflection[4] = {dot(modes, self->film.coordinates, layout->width)};
 
     add_cut(deflection, self, line, column, splines);
-    return self->state.coordinates[model->num_unknowns - 1] +
-           contact_gap(grid_x(grid, node), grid_y(grid, node)) + deflection[0];
+    return self->state.coordinates[model->num_unknowns - 1] + grid_gap(grid, node) + deflection[0];
 }
 
 double previous_film_pressure(const previous_film *self, size_t node, const reduced_model *model,
@@ -674,8 +676,10 @@ ehd_status path_films_set_base(path_films *self, const previous_film *base,
 
 /* The base's film at a point of the splines' grid. */
 static double base_film(const path_films *path, const spline_point *along,
-                        const spline_point *across, double x, double y) {
-    return evaluate_one(path->base_film, &path->base_layout, along, across) + contact_gap(x, y);
+                        const spline_point *across, double x, double y,
+                        const film_splines *splines) {
+    return evaluate_one(path->base_film, &path->base_layout, along, across) +
+           contact_gap(&splines->grid.shape, x, y);
 }
 
 /* The origins of a node in the states' frames: by the frame alone, or by the path too. */
@@ -712,9 +716,10 @@ void path_film_masses(double *mass, const previous_film *const *films, size_t nu
         double change = self->difference[model->num_unknowns - 1] +
                         evaluate(&self->film, self, along, across, splines) -
                         evaluate_one(path->base_cut, &path->base_layout, along, across);
-        double stays = base_film(path, &here.along[i], &here.across[i], here.x[i], here.y[i]);
+        double stays =
+            base_film(path, &here.along[i], &here.across[i], here.x[i], here.y[i], splines);
         if (compressible) { // the incompressible base's films before cancel
-            const double film = base_film(path, along, across, before.x[i], before.y[i]);
+            const double film = base_film(path, along, across, before.x[i], before.y[i], splines);
             const double of_base = density_at(base, along, across, splines, path, reference);
             const double own = density_at(self, along, across, splines, path, reference);
             change = own * (change + film) - of_base * film;
@@ -731,6 +736,6 @@ void path_base_at(double *film, double *density, const path_films *path, size_t 
     spline_point along, across;
 
     locate(&along, &across, x, y, splines);
-    *film = base_film(path, &along, &across, x, y);
+    *film = base_film(path, &along, &across, x, y, splines);
     *density = density_at(path->base, &along, &across, splines, path, reference);
 }

@@ -311,6 +311,9 @@ static ehd_status check_contact(const online_model *model, const ehd_contact *co
     if (contact->kind == model->reduced.kind && grid->boundary != own->boundary)
         return ehd_fail(error, EHD_DATA, "boundary: found %s, expected %s as in %s",
                         boundary_name(grid->boundary), boundary_name(own->boundary), model->path);
+    if (contact->kind == model->reduced.kind && !shape_same(&grid->shape, &own->shape))
+        return ehd_fail(error, EHD_DATA, "ellipticity: found %.9g, expected %.9g as in %s",
+                        grid->shape.ellipticity, own->shape.ellipticity, model->path);
     return ehd_fail(error, EHD_DATA,
                     "grid: found a %s contact with %zu nodes from %g in steps of %g, expected a %s "
                     "contact with %zu from %g in steps of %g as in %s",

@@ -61,6 +61,72 @@ YAML
     close_to "$micrometres" "$expected" 1e-5
 }
 
+@test "traction of a scene with sliding, by numpy from pressure and film too" {
+    cat >sliding.yml <<'YAML'
+contact: line
+regime: stationary
+physical: {load: 1.0e5, radius: 0.01, speed_1: 2.25, speed_2: 1.75, modulus: 2.3e11, viscosity: 0.05}
+lubricant: {viscosity: {law: barus, alpha: 15e-9}, shear: {law: eyring, tau0: 4e6}}
+YAML
+    run --separate-stderr fullrun sliding.yml -o sliding.h5
+    [ "$status" -eq 0 ]
+    [[ $output == *"friction coefficient "* && $output == *"power loss "*" W/m"* ]]
+    /usr/bin/python3 -c "
+import h5py, numpy
+f = h5py.File('sliding.h5')
+p = f['pressure'][0] * f.attrs['hertz_pressure']
+h = f['film_thickness'][0] * f.attrs['film_unit']
+x = f['x'][:] * f.attrs['half_width']
+step = x[1] - x[0]
+tau = 4e6 * numpy.arcsinh(0.05 * numpy.exp(15e-9 * p) * 0.5 / h / 4e6)
+force = numpy.sum(tau[p > 0]) * step
+load = f.attrs['line_load']
+def near(found, expected, part): assert abs(found / expected - 1) < part, (found, expected)
+near(f['friction_force'][0] * load, force, 1e-3)
+near(f['friction_coefficient'][0], force / load, 1e-3)
+near(f['largest_shear_stress'][0] * f.attrs['hertz_pressure'], tau[p > 0].max(), 1e-9)
+near(f['mean_shear_stress'][0] * f.attrs['hertz_pressure'], tau[abs(f['x'][:]) <= 1 + 1e-9].mean(), 1e-9)
+near(f['rolling_moment'][0] * f.attrs['line_moment'], -numpy.sum(p * x) * step, 1e-9)
+rolling = f['rolling_resistance'][0] * load
+near(2 * rolling * 0.01, f['rolling_moment'][0] * f.attrs['line_moment'], 1e-6)
+near(f['power_loss'][0] * f.attrs['line_power'], 0.5 * f['friction_force'][0] * load + 2 * 2 * rolling, 1e-9)
+on = [f['shear_stress_%d' % i][0] * f.attrs['hertz_pressure'] for i in (1, 2)]
+near(((on[1] - on[0]) / 2)[p > 0].max(), tau[p > 0].max(), 1e-9)
+near(f.attrs['slide_roll'], 0.25, 1e-15)"
+    # the same by the mean speed and the ratio, and nothing of it in a scene that does not ask
+    fullrun sliding.yml -o ratio.h5 --quiet --set physical.speed_1= --set physical.speed_2= \
+        --set physical.speed=2 --set slide_roll=0.25
+    [ "$(fullrun --print ratio.h5 friction_force)" = "$(fullrun --print sliding.h5 friction_force)" ]
+    fullrun sliding.yml -o none.h5 --set physical.speed_1= --set physical.speed_2= \
+        --set physical.speed=2 --set lubricant.shear.law= --set lubricant.shear.tau0= >none.txt
+    shows_no "friction" cat none.txt
+    [ "$(fullrun --print none.h5 film_thickness)" = "$(fullrun --print sliding.h5 film_thickness)" ]
+}
+
+@test "traction in time: as the stationary contact's while nothing changes, and as what has its load" {
+    cat >sliding.yml <<'YAML'
+contact: line
+regime: transient
+physical: {load: 1.0e5, radius: 0.01, speed: 2, modulus: 2.3e11, viscosity: 0.05}
+slide_roll: -0.1
+lubricant: {viscosity: {law: barus, alpha: 15e-9}, shear: {law: limiting, limit: 0.06}}
+grid: {x_min: -4, x_max: 2, step: 0.05}
+transient: {end_time: 4, fixed_step: 0.05, load: {law: ramp, to: 1.2, duration: 0.2}}
+YAML
+    fullrun sliding.yml -o moving.h5 --quiet --set output.fields=true
+    sed -e '/^transient/d' -e 's/transient/stationary/' sliding.yml >first.yml
+    fullrun first.yml -o first.h5 --quiet
+    fullrun --check moving.h5
+    /usr/bin/python3 -c "
+import h5py
+moving, first = h5py.File('moving.h5'), h5py.File('first.h5')
+for name in ('friction_force', 'rolling_moment', 'power_loss', 'largest_shear_stress'):
+    assert abs(moving[name][0] / first[name][0] - 1) < 1e-5, name
+assert moving['friction_coefficient'][0] < 0
+assert abs(moving['friction_force'][-1] / moving['load'][-1] / moving['friction_coefficient'][-1] - 1) < 1e-9
+assert moving['shear_stress_1'].shape == moving['pressure'].shape"
+}
+
 @test "its file opens with h5py, xarray and ncdump" {
     fullrun scene.yml -o result.h5
     run "$BATS_TEST_DIRNAME/open_elsewhere.py" result.h5
@@ -147,6 +213,31 @@ PYTHON
         { own = 100 * ($3 / ($2 == "central" ? central : minimum) - 1) - $4 }
         own > 0.002 || own < -0.002 || $4 > 25 || $4 < -25 || $5 != "%" { exit 1 }' formulas
     grep -q '^moes .* central .*Moes, Wear' formulas
+}
+
+# A contact in SI units that slides, with Eyring's law: the curve goes through the scene's own point.
+@test "--formulas prints the traction curve of an Eyring fluid" {
+    cat >sliding.yml <<'YAML'
+contact: line
+regime: stationary
+physical: {load: 2.0e5, radius: 0.01, speed: 1, modulus: 2.3e11, viscosity: 0.05}
+slide_roll: 0.1
+lubricant:
+  viscosity: {law: barus, alpha: 2.0e-8}
+  shear: {law: eyring, tau0: 1.0e6}
+YAML
+    run -0 fullrun sliding.yml -o r.h5 --formulas
+    echo "$output"
+    awk -v friction="$(number r.h5 friction_coefficient)" '
+        /^traction evans-johnson +friction/ { own = 100 * ($4 / friction - 1) - $5; coefficient = $4; found = $5 }
+        /^traction slide-roll: friction/ { sub(".*[, ]0.1: ", ""); sub(",.*", ""); on_curve = $0 }
+        END { exit !(own < 0.002 && own > -0.002 && found < 5 && found > -5 &&
+                     on_curve / coefficient > 0.999 && on_curve / coefficient < 1.001) }' <<<"$output"
+    grep -q '^traction evans-johnson .*viscous stress from 100 Eyring stresses on, here: ' <<<"$output"
+    run -0 fullrun sliding.yml --formulas --set lubricant.viscosity.alpha=1.2e-8
+    grep -q '^traction evans-johnson .*, here outside: ' <<<"$output"
+    run -0 fullrun sliding.yml --formulas --set lubricant.shear.law=newtonian --set lubricant.shear.tau0=
+    [[ "$output" != *evans-johnson* ]]
 }
 
 @test "the same scene gives the same bits" {
@@ -299,6 +390,50 @@ bad_value() {
     (cat scene.yml && echo 'physical: {load: 1e5}') | bad_scene "bad.yml: .*physical"
 }
 
+@test "an Eyring fluid in the film: thinner the lower its stress, and refused where it is not served" {
+    cat >sliding.yml <<'YAML'
+contact: line
+regime: stationary
+physical: {load: 1.0e5, radius: 0.01, speed: 2, modulus: 2.3e11, viscosity: 0.05}
+slide_roll: 0.5
+lubricant: {viscosity: {law: barus, alpha: 15e-9}, shear: {law: eyring, tau0: 1e12, in_film: true}}
+grid: {x_min: -4, x_max: 2, step: 0.05}
+YAML
+    fullrun sliding.yml -o stiff.h5 --quiet
+    fullrun sliding.yml -o newton.h5 --quiet --set lubricant.shear.in_film=false
+    close_to "$(number stiff.h5 central_film_thickness)" "$(number newton.h5 central_film_thickness)" 1e-6
+    fullrun sliding.yml -o thin.h5 --quiet --set lubricant.shear.tau0=3e5
+    far_from "$(number thin.h5 central_film_thickness)" "$(number newton.h5 central_film_thickness)" 0.1
+    # in time it stays what it is
+    sed 's/stationary/transient/' sliding.yml >moving.yml
+    echo 'transient: {end_time: 0.5, fixed_step: 0.05}' >>moving.yml
+    fullrun moving.yml -o moving.h5 --quiet --set lubricant.shear.tau0=3e5
+    /usr/bin/python3 -c "
+import h5py
+moving, thin = (h5py.File(name)['central_film_thickness'][-1] for name in ('moving.h5', 'thin.h5'))
+assert abs(moving / thin - 1) < 1e-4, (moving, thin)"
+    refused 65 "lubricant.shear.in_film: found true with the discretization published, expected accurate" \
+        fullrun sliding.yml --set discretization=published
+    printf 'groups:\n  - scene: sliding.yml\n    vary: {slide_roll: [0.1, 0.2]}\n' >plan.yml
+    refuse 65 "lubricant.shear.in_film: found true, expected false" snapgen plan.yml -o x.h5
+}
+
+@test "sliding is refused where it says nothing, or twice" {
+    local physical='physical: {load: 1e5, radius: 0.01, speed: 1, modulus: 2.3e11, viscosity: 0.05}'
+    (cat scene.yml && echo 'slide_roll: 0.1') | bad_scene "bad.yml:[0-9]*: slide_roll: found with moes, expected it with physical"
+    sed '/^moes/d' scene.yml >si.yml
+    echo "$physical" >>si.yml
+    (cat si.yml && echo 'lubricant.shear.law: newtonian') |
+        bad_scene "bad.yml:[0-9]*: lubricant.shear.law: found a value, expected slide_roll"
+    (cat si.yml && echo 'slide_roll: 0.1' && echo 'lubricant.shear.tau0: 1e6') |
+        bad_scene "lubricant.shear.tau0: found a value, expected lubricant.shear.law too"
+    (cat si.yml && echo 'physical.speed_1: 1.1') | bad_scene "physical.speed_1: found beside physical.speed, expected only one"
+    sed 's/speed: 1/speed_1: 1.1/' si.yml | bad_scene "physical: found 5 of its 6 keys, expected also physical.speed_2"
+    sed 's/speed: 1/speed_1: 1, speed_2: -1/' si.yml | bad_scene "physical.speed_1: found 1 with physical.speed_2 of -1 m/s, expected a mean above 0"
+    (sed 's/speed: 1/speed_1: 1, speed_2: 2/' si.yml && echo 'slide_roll: 0.1') |
+        bad_scene "physical.speed_1: found beside slide_roll, expected only one"
+}
+
 @test "bad numbers are refused with key, value and range" {
     for text in 1e-1O nan NaN inf -inf 1e999 1e-999 ' ' 0x10 1,5 '1 2' -3 0 1e300; do
         bad_value moes.M "$text" "--set: moes.M: found "
@@ -350,6 +485,50 @@ lubricant:
 YAML
     refused 65 "physical.yml: physical.viscosity: found 0.5, expected 0.05" \
         fullrun physical.yml -o r.h5
+}
+
+# An oil of 40 degC at another temperature: the film is that of the viscosity there, which the scene may give.
+@test "a temperature stands for the viscosity that it makes" {
+    cat >hot.yml <<'YAML'
+contact: line
+regime: stationary
+physical: {load: 1.0e5, radius: 0.01, speed: 1, modulus: 2.3e11}
+lubricant:
+  viscosity: {law: barus, eta0: 0.05, alpha: 2.0e-8, temperature: 60, reference_temperature: 40, temperature_coefficient: 0.03}
+YAML
+    fullrun hot.yml -o hot.h5 --quiet
+    sed -e 's/eta0: 0.05, alpha.*/alpha: 2.0e-8}/' -e 's/2.3e11/2.3e11, viscosity: 0.02744058180470132/' hot.yml >known.yml
+    fullrun known.yml -o known.h5 --quiet
+    for name in moes_M moes_L central_film_thickness film_unit; do
+        close_to "$(number hot.h5 $name)" "$(number known.h5 $name)" 1e-12
+    done
+    refused 65 "hot.yml: physical.viscosity: found 0.05, expected 0.0274406 .*temperature of 60 degC" \
+        fullrun hot.yml -o r.h5 --set physical.viscosity=0.05
+    refused 65 "hot.yml: lubricant.viscosity.reference_temperature: found nothing" \
+        fullrun hot.yml -o r.h5 --set lubricant.viscosity.reference_temperature=
+}
+
+@test "the inlet's heating is a factor beside films that do not change, or unknown" {
+    cat >hot.yml <<'YAML'
+contact: line
+regime: stationary
+physical: {load: 1.0e5, radius: 0.01, speed: 2, modulus: 2.3e11, viscosity: 0.05}
+lubricant:
+  viscosity: {law: barus, alpha: 2.0e-8, temperature_coefficient: 0.03}
+YAML
+    fullrun hot.yml -o cold.h5 --quiet
+    [ -z "$(fullrun --print cold.h5 inlet_heating_factor 2>&1 | grep '^[0-9]')" ]
+    run -0 fullrun hot.yml -o hot.h5 --set lubricant.thermal_conductivity=0.14
+    grep 'inlet shear heating     0\.9[0-9]* of the films above, which are isothermal (thermal loading 0.0429)' <<<"$output"
+    close_to "$(number hot.h5 thermal_loading)" 0.042857142857142858 1e-12
+    [ "$(number hot.h5 central_film_thickness)" = "$(number cold.h5 central_film_thickness)" ]
+    fullrun --check hot.h5
+    run -0 fullrun hot.yml -o far.h5 --set lubricant.thermal_conductivity=0.001 --set physical.speed=20
+    grep 'inlet shear heating     not known, outside of the range of its formula (thermal loading 600)' <<<"$output"
+    refused 65 "thermal_conductivity: found a value, expected none with the regime transient" \
+        fullrun hot.yml -o r.h5 --set lubricant.thermal_conductivity=0.14 --set regime=transient --set transient.end_time=1
+    refused 65 "temperature_coefficient: found nothing" \
+        fullrun hot.yml -o r.h5 --set lubricant.thermal_conductivity=0.14 --set lubricant.viscosity.temperature_coefficient=
 }
 
 # ---- not converged

@@ -356,6 +356,8 @@ PYTHON
     export PYTHONPATH=$root/build/$VARIANT/python
     si_scene
     romrun si.yml --model m.h5 --allow-untrusted -o r.h5 --quiet --set output.fields=true
+    romrun si.yml --model m.h5 --allow-untrusted -o hot.h5 --quiet --set lubricant.thermal_conductivity=0.14 \
+        --set lubricant.viscosity.temperature_coefficient=0.03
     romrun --export m.h5 -o m.ehdrom
     /usr/bin/python3 -B - <<'PYTHON'
 import math, threading, ehdrom, h5py, numpy
@@ -406,6 +408,16 @@ assert contact.solve().minimum_film_thickness == fresh.solve().minimum_film_thic
 contact["lubricant.viscosity.alpha"] = 1.9e-8
 fresh["lubricant.viscosity.alpha"] = "1.9e-8"
 assert contact.solve().minimum_film_thickness == fresh.solve().minimum_film_thickness
+
+# what the inlet's heating does stands beside the film, and leaves steps as they are
+assert math.isnan(result.inlet_heating_factor)
+contact = ehdrom.Contact(model, "si.yml", accuracy=math.inf, dimensionless=True)
+contact["lubricant.thermal_conductivity"], contact["lubricant.viscosity.temperature_coefficient"] = 0.14, 0.03
+hot = contact.solve()
+with h5py.File("hot.h5") as file:
+    assert 0 < hot.inlet_heating_factor == file.attrs["inlet_heating_factor"] < 1
+assert hot.central_film_thickness == result.central_film_thickness
+assert math.isnan(contact.start().inlet_heating_factor)
 
 # steps, saved and restored
 contact = ehdrom.Contact(model, "si.yml", accuracy=math.inf)

@@ -171,6 +171,26 @@ PYTHON
         "$(number full.h5 central_film_thickness)" 1e-8
 }
 
+@test "traction, from the reduced model's fields" {
+    sed -e 's/^moes: .*/physical: {load: 4e4, radius: 0.0125, speed: 0.1, modulus: 226e9, viscosity: 0.02}/' \
+        -e 's/^  density.*/&\n  shear: {law: eyring, tau0: 5e6}/' scene.yml >sliding.yml
+    echo 'slide_roll: 0.05' >>sliding.yml
+    fullrun sliding.yml -o slid.h5 --quiet
+    romrun sliding.yml --model m.h5 --allow-untrusted -o red.h5 >red.txt
+    grep -q "^friction coefficient  *0.0[0-9]*" red.txt
+    [ "$(number red.h5 friction_force)" != "$(number slid.h5 friction_force)" ]
+    for name in friction_force friction_coefficient rolling_moment power_loss mean_shear_stress; do
+        close_to "$(number red.h5 $name)" "$(number slid.h5 $name)" 5e-3
+    done
+    shows_no shear_stress_1 fullrun --print red.h5
+    romrun sliding.yml --model m.h5 --allow-untrusted -o fields.h5 --quiet --set output.fields=true
+    fullrun --print fields.h5 shear_stress_1 >fields.csv
+    romrun sliding.yml --model m.h5 --fallback full --quiet -o back.h5
+    close_to "$(number back.h5 friction_force)" "$(number slid.h5 friction_force)" 1e-7
+    refuse 65 "lubricant.shear.in_film: found true, expected false" \
+        romrun sliding.yml --model m.h5 --set lubricant.shear.in_film=true -o x.h5
+}
+
 @test "the first modes and rows of a model" {
     run --separate-stderr romrun --allow-untrusted scene.yml --model m.h5 --pressure-modes 8 --rows 13 -o red.h5
     [ "$status" -eq 0 ]

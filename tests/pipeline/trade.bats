@@ -88,8 +88,10 @@ film() { /usr/bin/python3 -c 'import json, sys; print(json.load(open(sys.argv[1]
     [ "$(head -c 4 out/trade.png | tail -c 3)" = PNG ]
     [ "$(awk -F, '$1 == "formula" { print $2, $3 }' out/trade.csv)" = "nijenbanning central
 hamrock-dowson-central central
-hamrock-dowson-minimum minimum" ]
-    [ "$(rows formula)" -eq 3 ]
+hamrock-dowson-minimum minimum
+chittenden-central central
+chittenden-minimum minimum" ]
+    [ "$(rows formula)" -eq 5 ]
     [ "$(rows "full cold")" -eq 4 ]
     [ "$(rows "full from neighbour")" -eq 6 ]
     [ "$(rows "full from reduced")" -eq 1 ]

@@ -30,6 +30,10 @@ static void physical_scene(void **state) {
     check_close(contact.load, 2e5, 0, 0);
 }
 
+static law_value *viscosity_value(scene *of, const char *key) {
+    return &of->lubricant.viscosity.values[laws_slot(viscosity_laws, key)];
+}
+
 static void contradictory_viscosity_is_refused(void **state) {
     (void)state;
     scene given = sample_scene("roelands", "incompressible", NAN, NAN);
@@ -44,6 +48,54 @@ static void contradictory_viscosity_is_refused(void **state) {
     given.physical.viscosity = 0.039;
     assert_int_equal(scene_contact(&contact, &given, &error), EHD_DATA);
     assert_non_null(strstr(error.text, "physical.viscosity: found 0.039, expected 0.04"));
+}
+
+/* Whoever gives the viscosity of the reference temperature and asks for another is told, and not given
+ * either silently. What is left out is the law's. */
+static void viscosity_is_that_of_the_temperature(void **state) {
+    static const char *const laws[] = {"barus", "roelands"};
+    (void)state;
+    for (int i = 0; i < 2; i++) {
+        scene given = sample_scene(laws[i], "incompressible", NAN, NAN);
+        ehd_contact hot, known;
+        ehd_error error;
+        given.physical.load = 2e5;
+        given.physical.radius = 0.01;
+        given.physical.speed = 1;
+        given.physical.modulus = 2.2e11;
+        given.physical.viscosity = 0.04;
+        viscosity_value(&given, "eta0")->number = 0.04;
+        viscosity_value(&given, "temperature")->number = 80;
+        viscosity_value(&given, "reference_temperature")->number = 40;
+        viscosity_value(&given, "temperature_coefficient")->number = 0.03;
+        assert_int_equal(scene_contact(&hot, &given, &error), EHD_DATA);
+        assert_non_null(strstr(error.text, "physical.viscosity: found 0.04, expected 0.01"));
+        assert_non_null(strstr(error.text, "the temperature of 80 degC, within 1 %, or nothing"));
+        given.physical.viscosity = NAN;
+        assert_int_equal(scene_contact(&hot, &given, NULL), EHD_OK);
+        given.physical.viscosity = hot.lubricant.eta0;
+        assert_int_equal(scene_contact(&known, &given, NULL), EHD_OK);
+        check_close(hot.moes_M, known.moes_M, 0, 0);
+        check_close(hot.moes_L, known.moes_L, 0, 0);
+        check_close(hot.moes_L,
+                    hot.lubricant.alpha * 2.2e11 *
+                        pow(hot.lubricant.eta0 * 2 / (2.2e11 * 0.01), 0.25),
+                    1e-13, 0);
+    }
+}
+
+static void viscosity_that_no_law_has_is_needed(void **state) {
+    (void)state;
+    scene given = sample_scene("barus", "incompressible", NAN, NAN);
+    ehd_contact contact;
+    ehd_error error;
+    given.physical.load = 2e5;
+    given.physical.radius = 0.01;
+    given.physical.speed = 1;
+    given.physical.modulus = 2.2e11;
+    assert_int_equal(scene_contact(&contact, &given, &error), EHD_DATA);
+    assert_string_equal(error.text, "physical.viscosity: found nothing, expected a value with the "
+                                    "law barus");
 }
 
 static void moes_numbers(void **state) {
@@ -141,6 +193,8 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(physical_scene),
         cmocka_unit_test(contradictory_viscosity_is_refused),
+        cmocka_unit_test(viscosity_is_that_of_the_temperature),
+        cmocka_unit_test(viscosity_that_no_law_has_is_needed),
         cmocka_unit_test(moes_numbers),
         cmocka_unit_test(given_hertz_pressure_wins),
         cmocka_unit_test(pressure_beyond_the_law_is_refused),

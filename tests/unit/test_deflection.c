@@ -73,13 +73,15 @@ static void point_kernel_is_the_integral_over_a_cell(void **state) {
         double x = places[i][0] * step, y = places[i][1] * step;
         double ends[2] = {x - step / 2, x + step / 2};
         const gsl_function influence = {strip, ends};
-        check_close(contact_point.kernel(x, y, step), integral_over_cell(&influence, y, step),
-                    2e-12, 0);
+        check_close(contact_point.kernel(&shape_round, x, y, step),
+                    integral_over_cell(&influence, y, step), 2e-12, 0);
     }
     // a square under its own centre: 8 triangles of (step/2) asinh(1)
-    check_close(contact_point.kernel(0, 0, step), 8 / (M_PI * M_PI) * step * asinh(1), 1e-14, 0);
+    check_close(contact_point.kernel(&shape_round, 0, 0, step), 8 / (M_PI * M_PI) * step * asinh(1),
+                1e-14, 0);
     // a cell far away is a force on a point
-    check_close(contact_point.kernel(4, 3, step), 2 / (M_PI * M_PI) * step * step / 5, 1e-5, 0);
+    check_close(contact_point.kernel(&shape_round, 4, 3, step), 2 / (M_PI * M_PI) * step * step / 5,
+                1e-5, 0);
 }
 
 // ---- the convolution
@@ -157,7 +159,7 @@ static double line_deviation(double step) {
     for (size_t k = 0; k < contact.grid.num_nodes; k++) {
         double x = fabs(grid_x(&contact.grid, k)), root = x > 1 ? sqrt(x * x - 1) : 0;
         double exact = x > 1 ? (x * root - log(x + root)) / 2 : 0;
-        double film = values[k] + contact_gap(x, 0) - (0.25 + M_LN2 / 2);
+        double film = values[k] + contact_gap(&shape_round, x, 0) - (0.25 + M_LN2 / 2);
         worst = fmax(worst, fabs(film - exact));
     }
     free(values);

@@ -5,6 +5,8 @@
 #include "tests/unit/check.h"
 #include "tests/unit/sample.h"
 
+#include <gsl/gsl_mode.h>
+#include <gsl/gsl_sf_ellint.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -26,7 +28,7 @@ static double film_of(const char *name, const ehd_contact *contact) {
 // ---- a roller and a ball of steel
 
 static const double LOAD = 300e3, BALL_LOAD = 50, RADIUS = 0.0125, SPEED = 0.8, VISCOSITY = 0.08,
-                    ALPHA = 2e-8; // as in sample_scene
+                    ALPHA = 2e-8, ELLIPTICITY = 3; // alpha as in sample_scene
 
 /* A contact of this kind and modulus, in Pa. */
 static ehd_contact steel(const char *kind, double load, double modulus) {
@@ -35,6 +37,10 @@ static ehd_contact steel(const char *kind, double load, double modulus) {
     ehd_error error;
 
     strcpy(given.contact, kind);
+    if (strcmp(kind, "ellipse") == 0) {
+        given.ellipticity = ELLIPTICITY;
+        strcpy(given.boundary, "zero");
+    }
     given.physical.load = load;
     given.physical.radius = RADIUS;
     given.physical.speed = SPEED;
@@ -66,10 +72,11 @@ static void numbers_of_a_physical_contact(void **unused) {
         ehd_contact contact;
         double load;
     } cases[] = {{roller(modulus), LOAD / (modulus * RADIUS)},
-                 {ball(modulus), BALL_LOAD / (modulus * RADIUS * RADIUS)}};
+                 {ball(modulus), BALL_LOAD / (modulus * RADIUS * RADIUS)},
+                 {steel("ellipse", BALL_LOAD, modulus), BALL_LOAD / (modulus * RADIUS * RADIUS)}};
     (void)unused;
 
-    for (int i = 0; i < 2; i++) {
+    for (int i = 0; i < 3; i++) {
         const ehd_contact *contact = &cases[i].contact;
         const film_numbers numbers = film_numbers_of(contact);
         check_close(numbers.speed, VISCOSITY * SPEED / (modulus * RADIUS), 1e-12, 0);
@@ -123,7 +130,8 @@ static void films_of_a_ball(void **unused) {
                 scale * film_of("nijenbanning", &contact) / (RADIUS * sqrt(2 * u)), 1e-12, 0);
 }
 
-/* Steel stands for a modulus that is not known; only those of Pan, Hamrock and Dowson see it. */
+/* Steel stands for a modulus that is not known; only those of Pan, Hamrock and Dowson, and Chittenden
+ * et al. see it. */
 static void the_modulus_hardly_matters(void **unused) {
     const ehd_contact known_steel[] = {roller(226e9), ball(226e9)};
     const ehd_contact soft[] = {roller(180e9), ball(180e9)};
@@ -133,7 +141,7 @@ static void the_modulus_hardly_matters(void **unused) {
         const int i = formula->dimensions - 1;
         const ehd_contact bare_steel = without_modulus(&known_steel[i]);
         const ehd_contact bare = without_modulus(&soft[i]);
-        bool sees_it = strstr(formula->name, "hamrock") != NULL;
+        bool sees_it = strstr(formula->name, "hamrock") || strstr(formula->name, "chittenden");
         double known = film_of(formula->name, &soft[i]), unknown = film_of(formula->name, &bare);
         check_close(film_of(formula->name, &bare_steel), film_of(formula->name, &known_steel[i]),
                     1e-12, 0);
@@ -181,6 +189,146 @@ static void isoviscous_contact(void **unused) {
         if (formula->dimensions == 1)
             check_close(film_of(formula->name, &contact),
                         strcmp(formula->name, "moes") == 0 ? film_moes(20, 0) : 0, 1e-14, 0);
+}
+
+// ---- ellipses
+
+/* Numbers of a steel ellipse of the dry contact's b/a, by Hertz: with A and B the integrals over t from 0
+ * of [(1+t)^(3/2) (k^2+t)^(1/2) t^(1/2)]^-1 and [(1+t)^(1/2) (k^2+t)^(3/2) t^(1/2)]^-1, R_y/R_x = A/B and
+ * a^3 is 2A/pi times that of the circle. */
+static film_numbers ellipse(double ellipticity, double moes_M, double moes_L) {
+    const double k2 = ellipticity * ellipticity, modulus = 226e9;
+    const double along = 2. / 3 * gsl_sf_ellint_RD(0, k2, 1, GSL_PREC_DOUBLE);
+    const double across = 2. / 3 * gsl_sf_ellint_RD(0, 1, k2, GSL_PREC_DOUBLE);
+    film_numbers numbers = {.moes_M = moes_M,
+                            .moes_L = moes_L,
+                            .material = ALPHA * modulus,
+                            .radius_ratio = along / across,
+                            .ellipticity = ellipticity,
+                            .width_ratio = cbrt(2 * along / M_PI)};
+
+    numbers.speed = pow(moes_L / numbers.material, 4) / 2;
+    numbers.load = moes_M * pow(2 * numbers.speed, 0.75);
+    numbers.half_width = numbers.width_ratio * cbrt(1.5 * numbers.load);
+    return numbers;
+}
+
+static double film_of_numbers(const char *name, const film_numbers *numbers) {
+    const film_formula *formula = formula_of(name);
+
+    return formula->film(formula, numbers);
+}
+
+static void a_circle_is_an_ellipse(void **unused) {
+    const film_numbers circle = ellipse(1, 60, 8);
+    ehd_contact contact = ball(226e9);
+    (void)unused;
+
+    check_close(circle.radius_ratio, 1, 1e-14, 0);
+    check_close(circle.width_ratio, 1, 1e-14, 0);
+    check_close(film_of_numbers("nijenbanning", &circle), film_nijenbanning(60, 8), 1e-13, 0);
+    contact_set_moes(&contact, 60, 8);
+    contact = without_modulus(&contact);
+    for (const film_formula *formula = film_formulas; formula->name; formula++)
+        if (formula->dimensions == 2)
+            check_close(formula->film(formula, &circle), film_of(formula->name, &contact), 1e-12,
+                        0);
+}
+
+/* As they are printed (Nijenbanning et al. 1994), where each is all that counts. */
+static void nijenbanning_goes_to_its_asymptotes(void **unused) {
+    (void)unused;
+
+    for (double ratio = 1; ratio < 60; ratio *= 3) {
+        const double lambda = 1 / ratio;
+        const double elastic = 1 + 0.006 * log(lambda) + 0.63 * pow(lambda, 4. / 7);
+        check_close(film_nijenbanning_ellipse(1e-4, 0, ratio) * 1e-8,
+                    145 * pow(1 + 0.796 * pow(lambda, 14. / 15), -15. / 7) / lambda, 1e-3, 0);
+        check_close(film_nijenbanning_ellipse(1e12, 0, ratio) * pow(1e12, 2. / 15),
+                    3.18 * pow(elastic, -14. / 25) * pow(lambda, -1. / 15), 1e-3, 0);
+        check_close(film_nijenbanning_ellipse(1e3, 1e9, ratio) / 1e6,
+                    1.29 * pow(1 + 0.691 * lambda, -2. / 3), 1e-3, 0);
+        check_close(film_nijenbanning_ellipse(1e20, 1e6, ratio) * pow(1e20, 1. / 12) /
+                        pow(1e6, 0.75),
+                    1.48 * pow(elastic, -7. / 20) * pow(lambda, -1. / 24), 1e-3, 0);
+    }
+}
+
+/* H as it is printed: h/R_x, by R_x^2/a^2. */
+static void films_of_an_ellipse(void **unused) {
+    const film_numbers n = ellipse(3, 200, 10);
+    const double scale = n.half_width * n.half_width;
+    const double central = pow(n.speed, 0.67) * pow(n.material, 0.53) * pow(n.load, -0.067);
+    const double minimum = pow(n.speed, 0.68) * pow(n.material, 0.49) * pow(n.load, -0.073);
+    const double x = pow(n.radius_ratio, 2. / 3);
+    (void)unused;
+
+    check_close(scale * film_of_numbers("hamrock-dowson-central", &n),
+                2.69 * central * (1 - 0.61 * exp(-0.73 * 3)), 1e-12, 0);
+    check_close(scale * film_of_numbers("hamrock-dowson-minimum", &n),
+                3.63 * minimum * (1 - exp(-0.68 * 3)), 1e-12, 0);
+    check_close(scale * film_of_numbers("chittenden-central", &n),
+                4.31 * minimum * (1 - exp(-1.23 * x)), 1e-12, 0);
+    check_close(scale * film_of_numbers("chittenden-minimum", &n),
+                3.68 * minimum * (1 - exp(-0.67 * x)), 1e-12, 0);
+    check_close(scale * film_of_numbers("nijenbanning", &n),
+                film_nijenbanning_ellipse(200, 10, n.radius_ratio) * sqrt(2 * n.speed), 1e-12, 0);
+    // the ellipticity that Hamrock and Dowson give for these radii
+    check_close(1.03 * pow(n.radius_ratio, 0.64), 3, 0.01, 0);
+}
+
+/* In the middle of a slender ellipse is the line contact of the same Hertz pressure, R_x, speed and
+ * lubricant. */
+static void slender_ellipses_are_lines(void **unused) {
+    (void)unused;
+
+    for (double moes_M = 200; moes_M < 2000; moes_M *= 5)
+        for (double k = 4; k < 50; k *= 1.5) {
+            const film_numbers n = ellipse(k, moes_M, 10);
+            // p_H = 3w/(2 pi a b), of a line E' a/(4 R) with its own a
+            const double ratio = 3 * n.load / (2 * M_PI * k * n.half_width * n.half_width);
+            const double line_load = 2 * M_PI * ratio * ratio;
+            const double line_M = line_load / sqrt(2 * n.speed);
+            const double moes_units = n.half_width * n.half_width / sqrt(2 * n.speed);
+            const double line = film_moes(line_M, 10) * 8 * line_M / M_PI;
+            const double minimum = 2.65 * pow(n.speed, 0.70) * pow(n.material, 0.54) *
+                                   pow(line_load, -0.13) / sqrt(2 * n.speed);
+            check_close(moes_units * film_of_numbers("nijenbanning", &n), line, 0.06, 0);
+            if (k > 8) continue;
+            check_close(moes_units * film_of_numbers("hamrock-dowson-minimum", &n), minimum, 0.05,
+                        0);
+            check_close(moes_units * film_of_numbers("chittenden-minimum", &n), minimum, 0.05, 0);
+            check_close(moes_units * film_of_numbers("hamrock-dowson-central", &n), line, 0.08, 0);
+            check_close(moes_units * film_of_numbers("chittenden-central", &n), line, 0.12, 0);
+        }
+}
+
+/* A contact has the numbers of its shape, with and without a modulus. */
+static void an_elliptical_contact(void **unused) {
+    const ehd_contact contact = steel("ellipse", BALL_LOAD, 226e9);
+    const ehd_contact bare = without_modulus(&contact);
+    const film_numbers expected = ellipse(ELLIPTICITY, contact.moes_M, contact.moes_L);
+    (void)unused;
+
+    for (const film_formula *formula = film_formulas; formula->name; formula++) {
+        if (formula->dimensions != 2) continue;
+        check_close(film_of(formula->name, &contact), formula->film(formula, &expected), 1e-11, 0);
+        check_close(film_of(formula->name, &bare), formula->film(formula, &expected), 1e-11, 0);
+    }
+}
+
+/* Two fits of solutions of the same authors, where both were made. */
+static void fits_agree(void **unused) {
+    (void)unused;
+
+    for (double moes_M = 50; moes_M < 2000; moes_M *= 4)
+        for (double k = 1; k < 8; k *= 1.4) {
+            const film_numbers n = ellipse(k, moes_M, 10);
+            check_close(film_of_numbers("chittenden-central", &n),
+                        film_of_numbers("hamrock-dowson-central", &n), 0.06, 0);
+            check_close(film_of_numbers("chittenden-minimum", &n),
+                        film_of_numbers("hamrock-dowson-minimum", &n), 0.03, 0);
+        }
 }
 
 // ---- theory
@@ -235,6 +383,12 @@ int main(void) {
         cmocka_unit_test(the_hertz_pressure_wins),
         cmocka_unit_test(moes_goes_to_its_asymptotes),
         cmocka_unit_test(isoviscous_contact),
+        cmocka_unit_test(a_circle_is_an_ellipse),
+        cmocka_unit_test(nijenbanning_goes_to_its_asymptotes),
+        cmocka_unit_test(films_of_an_ellipse),
+        cmocka_unit_test(slender_ellipses_are_lines),
+        cmocka_unit_test(an_elliptical_contact),
+        cmocka_unit_test(fits_agree),
         cmocka_unit_test(grubin_fits_the_inlet),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

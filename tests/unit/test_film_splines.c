@@ -40,7 +40,7 @@ static void fill_full(previous_state *full, previous_carrier *carrier, const pre
     }
     for (size_t k = 0; k < grid->num_nodes; k++) {
         double *film = &full->state.film[k];
-        *film = full->state.rigid_approach + contact_gap(nodes[k], 0);
+        *film = full->state.rigid_approach + contact_gap(&grid->shape, nodes[k], 0);
         for (size_t i = 0; i < grid->num_nodes && !basis->deformation_modes; i++)
             *film += full->state.pressure[i] *
                      deflection_influence(basis->kind, grid, fabs(nodes[k] - nodes[i]), 0);
@@ -347,7 +347,7 @@ static void compare_point(const point_film *self, const contact_frame *now, doub
         size_t node = grid_node_of_row(grid, r);
         double x = stretch * grid_x(grid, node), y = stretch * grid_y(grid, node);
         if (x > 0.9 || fabs(y) > film.y[film.lines - 1] || x < film.x[0]) continue;
-        double expected = plane_at(&film, x, y) + contact_gap(x, y);
+        double expected = plane_at(&film, x, y) + contact_gap(&grid->shape, x, y);
         double there =
             is_before_exit(self, x, y) && x > grid_x(grid, 0) ? plane_at(&uncut, x, y) : 0;
         double density = lubricant_density(&self->reference.lubricant, there * hertz);
@@ -457,7 +457,7 @@ static void straight_modes_go_on_straight(void **unused) {
                 size_t node = grid_node_of_row(grid, r);
                 double stretch = frame_stretch(&frames[f], &self.film.frame);
                 double x = stretch * grid_x(grid, node), y = stretch * grid_y(grid, node);
-                double film = approach + 0.3 * (1 + x) + lean * y + contact_gap(x, y);
+                double film = approach + 0.3 * (1 + x) + lean * y + contact_gap(&grid->shape, x, y);
                 check_close(mass_at(&self, node, &frames[f]),
                             film * frame_film_ratio(&frames[f], &self.film.frame), 1e-12, 1e-12);
             }

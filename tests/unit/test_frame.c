@@ -87,7 +87,8 @@ static double film_by_hand(double x, const double *place, const double *pressure
     double film = approach + x * x / (2 * factor[2]);
 
     for (size_t k = 0; k < count; k++)
-        film += pressure[k] * contact_line.kernel(fabs(x - place[k]), 0, step) / factor[3];
+        film += pressure[k] * contact_line.kernel(&shape_round, fabs(x - place[k]), 0, step) /
+                factor[3];
     return film;
 }
 
@@ -170,8 +171,54 @@ static void approach_closure_is_the_reported_approach(void **state) {
     }
 }
 
+/* Forces, moment, power and stresses of a state in its frame are those of the contact that has these
+ * values itself, in SI units. */
+static void traction_of_a_frame_is_physical(void **state) {
+    (void)state;
+    const contact_kind *const kinds[] = {&contact_line, &contact_point};
+    for (size_t c = 0; c < 2 * NUM_FACTORS; c++) {
+        const contact_kind *kind = kinds[c / NUM_FACTORS];
+        const size_t i = c % NUM_FACTORS;
+        ehd_contact reference = physical_contact(kind, (double[]){1, 1, 1, 1}), moved;
+        ehd_contact own = physical_contact(kind, factors[i]);
+        const contact_frame frame = frame_of_case(kind, i);
+        const size_t num_nodes = reference.grid.num_nodes;
+        double *pressure = calloc(num_nodes, sizeof *pressure),
+               *film = calloc(num_nodes, sizeof *film);
+        assert_true(pressure && film);
+        reference.lubricant.shear = own.lubricant.shear = laws_find(shear_laws, "eyring");
+        reference.lubricant.shear_constants[0] = own.lubricant.shear_constants[0] = 4e6;
+        reference.slide_roll = own.slide_roll = -0.2;
+        for (size_t k = 0; k < num_nodes; k++) {
+            const double x = grid_x(&reference.grid, k), y = grid_y(&reference.grid, k);
+            pressure[k] = fmax(1 - x * x - y * y + 0.1 * x, 0);
+            film[k] = 0.1 + fmax(x * x + y * y - 1, 0);
+        }
+        const contact_scalars scalars = {.load = 1.1, .exit_position = NAN};
+        frame_contact(&moved, &frame, &reference);
+        own.grid = reference.grid;
+        const contact_traction in_frame = frame_traction_to_reference(
+            contact_traction_of(&moved, pressure, film, &scalars), &frame);
+        const contact_traction alone = contact_traction_of(&own, pressure, film, &scalars);
+        const double force = own.load / reference.load;
+        check_close(in_frame.coefficient, alone.coefficient, 1e-12, 0);
+        check_close(in_frame.friction, alone.friction * force, 1e-12, 0);
+        check_close(in_frame.rolling_resistance, alone.rolling_resistance * force, 1e-12, 0);
+        check_close(in_frame.rolling_moment,
+                    alone.rolling_moment * force * own.half_width / reference.half_width, 1e-12, 0);
+        check_close(in_frame.power, alone.power * force * own.speed / reference.speed, 1e-12, 0);
+        check_close(in_frame.mean_stress * reference.hertz_pressure,
+                    alone.mean_stress * own.hertz_pressure, 1e-12, 0);
+        check_close(in_frame.largest_stress * reference.hertz_pressure,
+                    alone.largest_stress * own.hertz_pressure, 1e-12, 0);
+        free(pressure);
+        free(film);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(traction_of_a_frame_is_physical),
         cmocka_unit_test(frame_is_the_contact_of_its_values),
         cmocka_unit_test(frame_at_rest_is_finite),
         cmocka_unit_test(scalars_of_a_frame_are_physical),

@@ -34,17 +34,22 @@ static void dry_gaps(void **state) {
     (void)state;
     const double d = 1e-6;
 
-    check_close(contact_line.dry_gap(-1), 0, 0, 1e-15);
-    check_close(contact_point.dry_gap(-1), 0, 0, 1e-15);
+    check_close(contact_line.dry_gap(&shape_round, -1), 0, 0, 1e-15);
+    check_close(contact_point.dry_gap(&shape_round, -1), 0, 0, 1e-15);
     for (double x = 1.1; x < 5; x += 0.7) {
-        double slope = (contact_line.dry_gap(x + d) - contact_line.dry_gap(x - d)) / (2 * d);
+        double slope = (contact_line.dry_gap(&shape_round, x + d) -
+                        contact_line.dry_gap(&shape_round, x - d)) /
+                       (2 * d);
         check_close(slope, sqrt(x * x - 1), 1e-8, 0);
-        slope = (contact_point.dry_gap(x + d) - contact_point.dry_gap(x - d)) / (2 * d);
+        slope = (contact_point.dry_gap(&shape_round, x + d) -
+                 contact_point.dry_gap(&shape_round, x - d)) /
+                (2 * d);
         check_close(slope, 2 / M_PI * (x * acos(1 / x) + sqrt(1 - 1 / (x * x))), 1e-8, 0);
-        check_close(contact_line.dry_gap(-x), contact_line.dry_gap(x), 1e-15, 0);
+        check_close(contact_line.dry_gap(&shape_round, -x), contact_line.dry_gap(&shape_round, x),
+                    1e-15, 0);
     }
-    check_close(contact_line.dry_gap(100), 5000, 2e-3, 0);
-    check_close(contact_point.dry_gap(100), 5000, 1e-2, 0);
+    check_close(contact_line.dry_gap(&shape_round, 100), 5000, 2e-3, 0);
+    check_close(contact_point.dry_gap(&shape_round, 100), 5000, 1e-2, 0);
 }
 
 /* Longer for thick films, finer for thin ones; as M and L ask. */
@@ -179,7 +184,8 @@ static void parts_that_are_given_stay(void **state) {
     for (int given = 0; given < 16; given++) {
         const grid_extent of = {given & 1 ? all.x_min : NAN, given & 2 ? all.x_max : NAN,
                                 given & 4 ? all.step : NAN, given & 8 ? all.y_max : NAN};
-        const ehd_grid like = {.half = true, .discretization = DISCRETIZATION_ACCURATE};
+        const ehd_grid like = {
+            .half = true, .discretization = DISCRETIZATION_ACCURATE, .shape = shape_round};
         const ehd_grid grid = grid_choose(&of, &needed, &like);
         const grid_extent found = grid_extent_of(&grid);
         check_close(found.x_max, given & 2 ? all.x_max : needed.x_max, 0, 1e-12);

@@ -171,6 +171,111 @@ static void alpha_is_the_integral_of_fluidity(void **state) {
     gsl_integration_workspace_free(workspace);
 }
 
+// ---- temperature
+
+static void set_number(lubricant_settings *settings, const char *key, double value) {
+    settings->viscosity.values[laws_slot(viscosity_laws, key)].number = value;
+}
+
+/* An oil of 0.04 Pa s, 2e-8/Pa and 0.03/K at 40 degC, at another temperature. */
+static ehd_lubricant oil_at(const char *law, double temperature) {
+    lubricant_settings settings = sample_scene(law, "incompressible", 10, 5).lubricant;
+    ehd_lubricant lubricant;
+    ehd_error error;
+    set_number(&settings, "eta0", 0.04);
+    set_number(&settings, "temperature", temperature);
+    set_number(&settings, "reference_temperature", 40);
+    set_number(&settings, "temperature_coefficient", 0.03);
+    if (lubricant_init(&lubricant, &settings, &error)) fail_msg("%s", error.text);
+    return lubricant;
+}
+
+static void barus_at_a_temperature(void **state) {
+    (void)state;
+    const ehd_lubricant hot = oil_at("barus", 90);
+    check_close(hot.eta0, 0.04 * exp(-1.5), 1e-14, 0);
+    check_close(hot.alpha, 2e-8, 0, 0);
+    check_close(log_viscosity(&hot, 1e9), 20, 1e-14, 0);
+    check_close(hot.temperature_coefficient, 0.03, 0, 0);
+    check_close(oil_at("barus", 40).eta0, 0.04, 0, 0);
+}
+
+/* ln eta(p, T) as Roelands (1966) has it, in one formula. */
+static double roelands_formula(double pressure, double celsius) {
+    const double a = log(0.04) + 9.67, z = 2e-8 * 1.96e8 / a, reference = 40 + 273.15 - 138;
+    const double s0 = 0.03 * reference / a;
+    return log(0.04) +
+           a * (pow(1 + pressure / 1.96e8, z) * pow((celsius + 273.15 - 138) / reference, -s0) - 1);
+}
+
+static void roelands_at_a_temperature(void **state) {
+    static const double celsius[] = {-20, 40, 70, 150}, pressures[] = {0, 1e8, 1e9, 3e9};
+    (void)state;
+    for (int t = 0; t < 4; t++) {
+        const ehd_lubricant oil = oil_at("roelands", celsius[t]);
+        const double step = 1e-3; // K
+        double slope;
+        for (int p = 0; p < 4; p++)
+            check_close(log(oil.eta0) + log_viscosity(&oil, pressures[p]),
+                        roelands_formula(pressures[p], celsius[t]), 1e-12, 1e-12);
+        oil.viscosity->evaluate(&oil, 0, &slope);
+        check_close(oil.alpha, slope, 1e-12, 0);
+        check_close(
+            oil.temperature_coefficient,
+            (roelands_formula(0, celsius[t] - step) - roelands_formula(0, celsius[t] + step)) /
+                (2 * step),
+            1e-8, 0);
+    }
+    check_close(oil_at("roelands", 40).alpha, 2e-8, 1e-15, 0);
+    check_close(oil_at("roelands", 40).temperature_coefficient, 0.03, 1e-14, 0);
+}
+
+/* That of eq. 40 by differences. */
+static void wlf_has_a_temperature_coefficient(void **state) {
+    const double step = 1e-3; // K
+    double log_eta0[3];
+    ehd_lubricant oil;
+    (void)state;
+    for (int i = 0; i < 3; i++) {
+        lubricant_settings settings = sample_scene("no1", "incompressible", 10, 5).lubricant;
+        set_number(&settings, "temperature", 60 + (i - 1) * step);
+        assert_int_equal(lubricant_init(&oil, &settings, NULL), EHD_OK);
+        log_eta0[i] = log(oil.eta0);
+        if (i == 1) log_eta0[1] = oil.temperature_coefficient;
+    }
+    check_close(log_eta0[1], (log_eta0[0] - log_eta0[2]) / (2 * step), 1e-7, 0);
+}
+
+static void half_a_temperature_is_refused(void **state) {
+    static const char *const keys[] = {"eta0", "temperature", "reference_temperature",
+                                       "temperature_coefficient"};
+    char text[96];
+    (void)state;
+    for (int i = 0; i < 4; i++) {
+        lubricant_settings settings = sample_scene("barus", "incompressible", 10, 5).lubricant;
+        ehd_lubricant lubricant;
+        ehd_error error;
+        for (int k = 0; k < 4; k++)
+            set_number(&settings, keys[k], k == 3 ? 0.03 : k == 0 ? 0.04 : 40);
+        assert_int_equal(lubricant_init(&lubricant, &settings, &error), EHD_OK);
+        set_number(&settings, keys[i], NAN);
+        assert_int_equal(lubricant_init(&lubricant, &settings, &error), EHD_DATA);
+        snprintf(text, sizeof text, "lubricant.viscosity.%s: found nothing, expected a value with",
+                 keys[i]);
+        assert_non_null(strstr(error.text, text));
+    }
+    lubricant_settings settings = sample_scene("barus", "incompressible", 10, 5).lubricant;
+    ehd_lubricant lubricant;
+    ehd_error error;
+    set_number(&settings, "eta0", 1e6);
+    set_number(&settings, "temperature", -50);
+    set_number(&settings, "reference_temperature", 40);
+    set_number(&settings, "temperature_coefficient", 0.03);
+    assert_int_equal(lubricant_init(&lubricant, &settings, &error), EHD_DATA);
+    assert_non_null(
+        strstr(error.text, "temperature: found -50 degC, where the viscosity is 1.49e+07"));
+}
+
 static void bad_lubricants_are_refused(void **state) {
     (void)state;
     static const struct {
@@ -222,6 +327,10 @@ int main(void) {
         cmocka_unit_test(viscosity_rises_to_its_limit),
         cmocka_unit_test(negative_pressure_counts_as_zero),
         cmocka_unit_test(alpha_is_the_integral_of_fluidity),
+        cmocka_unit_test(barus_at_a_temperature),
+        cmocka_unit_test(roelands_at_a_temperature),
+        cmocka_unit_test(wlf_has_a_temperature_coefficient),
+        cmocka_unit_test(half_a_temperature_is_refused),
         cmocka_unit_test(bad_lubricants_are_refused),
         cmocka_unit_test(unknown_laws_are_refused),
     };

@@ -97,7 +97,8 @@ static void inlet_effect_is_integrated_finely(void **state) {
     const double flux = solution.film[solution.exit];
     for (double t = 0; t < end; t += stride) {
         const double x = start * exp(t);
-        const double film = solution.film[0] + contact_gap(x, 0) - contact_gap(start, 0) - 0.5 * t;
+        const double film = solution.film[0] + contact_gap(&shape_round, x, 0) -
+                            contact_gap(&shape_round, start, 0) - 0.5 * t;
         const double slope = contact.lambda * (film - flux) / (film * film * film);
         sum += (t > 0 ? 1 : 0.5) * stride * slope * fabs(x);
     }

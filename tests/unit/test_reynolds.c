@@ -2,6 +2,7 @@
 /* Rows of the Reynolds equation and their derivatives. Those across a point contact's lines are in
  * test_full_point.c. */
 #include "common/physics/reynolds.h"
+#include "common/physics/traction.h"
 #include "tests/unit/check.h"
 #include "tests/unit/sample.h"
 
@@ -88,6 +89,18 @@ static void check_row_derivatives(const ehd_contact *contact) {
     }
 }
 
+/* The same contact with a flow that the sliding thins: of an Eyring stress by which the rate in the
+ * middle is `rate` times as large as where thinning begins. */
+static ehd_contact thinned(ehd_contact contact, double rate) {
+    contact.grid.discretization = DISCRETIZATION_ACCURATE;
+    contact.half_width = 1e-4;
+    contact.radius = 0.01;
+    contact.slide_roll = 0.3;
+    contact.lubricant.thinning_stress =
+        fabs(contact_shear_stress(&contact, 0.5, 0.4)) * contact.hertz_pressure / rate;
+    return contact;
+}
+
 static void row_derivatives(void **state) {
     (void)state;
     for (int l = 0; l < NUM_SAMPLE_LUBRICANTS; l++)
@@ -95,6 +108,89 @@ static void row_derivatives(void **state) {
             ehd_contact contact = sample_contact(sample_lubricants[l], densities[d / 2], 5, 6, 0.1);
             if (d % 2) contact.grid.discretization = DISCRETIZATION_ACCURATE;
             check_row_derivatives(&contact);
+            contact = thinned(contact, 3);
+            check_row_derivatives(&contact);
+        }
+}
+
+/* As the stress of the law grows the rows become those of the Newtonian flow, with its square. */
+static void thinned_rows_have_the_newtonian_limit(void **state) {
+    (void)state;
+    const ehd_contact contact = sample_contact("roelands", densities[1], 5, 6, 0.1);
+    reynolds_row newton[NUM_NODES - 2], eyring[NUM_NODES - 2];
+    small_problem small;
+    double off[2] = {0, 0};
+
+    small_init(&small, &contact);
+    small.contact.grid.discretization = DISCRETIZATION_ACCURATE;
+    small_init(&small, &small.contact);
+    for (size_t k = 0; k < NUM_NODES; k++) {
+        small.pressure[k] = 0.5 + 0.03 * sin(2. * (double)k);
+        small.film[k] = 0.4 + 0.1 * cos(3. * (double)k);
+    }
+    small_rows(newton, &small, 0.8);
+    for (int i = 0; i < 2; i++) {
+        small.contact = thinned(small.contact, i == 0 ? 1e-2 : 1e-3);
+        small_rows(eyring, &small, 0.8);
+        for (size_t r = 0; r < NUM_NODES - 2; r++)
+            off[i] = fmax(off[i], fabs(eyring[r].residual - newton[r].residual) /
+                                      (fabs(newton[r].residual) + 1));
+    }
+    assert_true(off[0] > 1e-8 && off[0] < 1e-3);
+    check_close(off[1], off[0] / 100, 0.02, 0);
+}
+
+/* Flow of an Eyring fluid between two plates under a pressure gradient, from its profile of velocities by
+ * quadrature: what eq. 7 of T. F. Conry, S. Wang, C. Cusano, ASME J. Tribology 109 (1987) 648-654 is made
+ * of. For a film of 1, viscosity 1, Eyring stress 1: gradient along the sliding, or across it. The
+ * stress in the middle is what makes the speeds of the plates differ by the rate. */
+static double flow_between_plates(double rate, double gradient, bool along) {
+    enum { PARTS = 2000 };
+    double low = 0, high = asinh(rate) + fabs(gradient), flow = 0;
+
+    for (int i = 0; i < 200; i++) { // the stress in the middle, by bisection
+        const double middle = (low + high) / 2;
+        double slid = 0;
+        for (int k = 0; k < PARTS; k++) {
+            const double z = (k + 0.5) / PARTS - 0.5;
+            const double other = gradient * z;
+            const double stress = along ? middle + other : hypot(middle, other);
+            slid += (along ? sinh(stress) : sinh(stress) * middle / stress) / PARTS;
+        }
+        *(slid < rate ? &low : &high) = middle;
+    }
+    const double middle = (low + high) / 2;
+    for (int k = 0; k < PARTS; k++) {
+        const double z = (k + 0.5) / PARTS - 0.5, other = gradient * z;
+        const double stress = along ? middle + other : hypot(middle, other);
+        // int (u - mean u) dz = -int z du/dz dz, against the gradient
+        flow += z * (along ? sinh(stress) : sinh(stress) * other / stress) / PARTS;
+    }
+    return flow / (gradient / 12);
+}
+
+/* The factors on the mobility are the exact ones where the gradient changes the stress by little across
+ * the film, and off by the square of that. */
+static void thinning_is_that_of_the_velocities(void **state) {
+    (void)state;
+    ehd_contact contact = thinned(sample_contact("barus", densities[0], 5, 6, 0.1), 1);
+    for (int way = 0; way < 2; way++)
+        for (double rate = 0.01; rate < 2000; rate *= 10) {
+            // a viscosity at which the rate is this
+            const double at_one = contact_shear_stress(&contact, 0, 0.4) * contact.hertz_pressure /
+                                  contact.lubricant.thinning_stress;
+            const flow_thinning found = traction_thinning(&contact, rate / at_one, 0.4, way == 0);
+            const double small = flow_between_plates(rate, 0.02, way == 0);
+            const double large = flow_between_plates(rate, 0.2, way == 0);
+            check_close(found.factor, small, 2e-4, 0);
+            check_close(found.factor, large, 1e-2, 0);
+            // and its derivative
+            const double h = 1e-5;
+            const double up =
+                traction_thinning(&contact, rate / at_one * (1 + h), 0.4, way == 0).factor;
+            const double down =
+                traction_thinning(&contact, rate / at_one * (1 - h), 0.4, way == 0).factor;
+            check_close(found.by_log_rate, (up - down) / (2 * h) / found.factor, 1e-5, 1e-9);
         }
 }
 
@@ -211,7 +307,7 @@ static double reduced_change(const ehd_contact *contact, double before, double a
         for (size_t j = 0; j < 2; j++)
             pressure[j] = before + (after - before) * (double)(i + j) / (double)count;
         reynolds_fluid_evaluate(&fluid, contact, pressure, 2);
-        sum += reynolds_link_ahead(&stencil, &fluid, pressure).value;
+        sum += reynolds_link_ahead(&stencil, &fluid, pressure, NULL).value;
     }
     return sum;
 }
@@ -366,6 +462,8 @@ static void squeeze_derivatives(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(row_derivatives),
+        cmocka_unit_test(thinned_rows_have_the_newtonian_limit),
+        cmocka_unit_test(thinning_is_that_of_the_velocities),
         cmocka_unit_test(rows_do_not_depend_on_those_beside),
         cmocka_unit_test(rows_are_finite_at_any_viscosity),
         cmocka_unit_test(order_of_a_constant_flux),

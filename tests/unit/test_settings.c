@@ -344,8 +344,9 @@ static void refuses_keys_that_the_law_lacks_or_ignores(void **state) {
     refuses_viscosity("law: wlf, preset: no1, alpha: 1e-8",
                       "s.yml:4: lubricant.viscosity.alpha: found a value, expected none with the "
                       "law wlf");
-    refuses_viscosity("law: barus, alpha: 1e-8, eta0: 0.1", "lubricant.viscosity.eta0: found a");
-    refuses_viscosity("law: barus, alpha: 1e-8, temperature: 25", "temperature: found a value");
+    refuses_viscosity("law: wlf, preset: no1, eta0: 0.1", "lubricant.viscosity.eta0: found a");
+    refuses_viscosity("law: wlf, preset: no1, reference_temperature: 40",
+                      "reference_temperature: found a value, expected none with the law wlf");
     refuses_viscosity("law: barus, alpha: 1e-8, preset: no1", "preset: found a value");
     refuses_viscosity("law: roelands, alpha: 1e-8, eta0: 0.1, B1: 1", "B1: found a value");
 }

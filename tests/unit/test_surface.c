@@ -184,6 +184,26 @@ static void a_table_may_be_a_grid(void **state) {
     surface_free(self);
 }
 
+/* The same physical dent, round, in a contact that is wider than long. */
+static void a_dent_is_round_in_an_ellipse(void **state) {
+    (void)state;
+    ehd_contact reference;
+    ehd_surface *self =
+        surface_of(&reference, WITH("kind=dent", "depth=1", "radius=0.2", "position=-5"));
+    const contact_frame frame = frame_at_path(&reference, 1, 5);
+    const double along = surface_height(self, &frame, 0.1, 0);
+    surface_free(self);
+    scene of = marched_scene(20, 5, "incompressible", 0.05, "end_time: 1");
+    scene_set(&of, "contact", "ellipse", NULL, NULL);
+    scene_set(&of, "ellipticity", "2", NULL, NULL);
+    give(&of, WITH("kind=dent", "depth=1", "radius=0.2", "position=-5"));
+    assert_int_equal(scene_contact(&reference, &of, &error), EHD_OK);
+    assert_int_equal(surface_init(&self, &of, &reference, &error), EHD_OK);
+    check_close(surface_height(self, &frame, 0.1, 0), along, 1e-13, 0);
+    check_close(surface_height(self, &frame, 0, 0.05), along, 1e-13, 0); // Y in b
+    surface_free(self);
+}
+
 // ---- what is refused
 
 static void check_refused(const char *expected, const char *const *settings) {
@@ -217,6 +237,24 @@ static void what_cannot_be_is_refused(void **state) {
                   WITH("kind=file", table_of("x,h\n0,0\n1,1\n2,0.5\n"), "column=h"));
     check_refused("found x = 1 in row 3, expected increasing x",
                   WITH("kind=file", table_of("x,h\n0,0\n1,1\n1,1\n2,0\n"), "column=h"));
+}
+
+/* Where the scene says how fast both surfaces are. */
+static void it_is_on_one_of_the_surfaces(void **state) {
+    (void)state;
+    static const char *const speeds[] = {"speed=1.2", "speed=0.8", "speed=1"};
+    scene of = marched_scene(20, 5, "incompressible", 0.05, "end_time: 1");
+    ehd_contact reference;
+    ehd_surface *self;
+    give(&of, WITH("kind=dent", "depth=1", "radius=1"));
+    for (size_t i = 0; i < 3; i++) {
+        give(&of, WITH(speeds[i]));
+        assert_int_equal(scene_contact(&reference, &of, &error), EHD_OK);
+        reference.slide_roll = 0.4;
+        assert_int_equal(surface_init(&self, &of, &reference, &error), i < 2 ? EHD_OK : EHD_DATA);
+        surface_free(self);
+    }
+    assert_non_null(strstr(error.text, "surface.speed: found 1, expected 1.2 or 0.8"));
 }
 
 static void the_start_is_smooth(void **state) {
@@ -341,8 +379,8 @@ static void a_plug_takes_its_dent_along(void **state) {
                 const double x = grid_x(grid, k), y = grid_y(grid, k), then = x - 0.1437;
                 if (fabs(x) > 1 || fabs(y) > 1) continue;
                 check_close(mass[r],
-                            density *
-                                (0.3 + contact_gap(then, y) + surface_height(surface, &now, x, y)),
+                            density * (0.3 + contact_gap(&grid->shape, then, y) +
+                                       surface_height(surface, &now, x, y)),
                             1e-13, 0);
             }
             free(mass);
@@ -483,7 +521,9 @@ int main(void) {
         cmocka_unit_test(a_surface_keeps_its_size_as_the_contact_grows),
         cmocka_unit_test(a_table_is_a_spline_through_its_rows),
         cmocka_unit_test(a_table_may_be_a_grid),
+        cmocka_unit_test(a_dent_is_round_in_an_ellipse),
         cmocka_unit_test(what_cannot_be_is_refused),
+        cmocka_unit_test(it_is_on_one_of_the_surfaces),
         cmocka_unit_test(the_start_is_smooth),
         cmocka_unit_test(steps_see_it_come),
         cmocka_unit_test(heights_of_zero_change_no_bit),

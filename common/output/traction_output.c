@@ -1,0 +1,82 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "common/output/traction_output.h"
+
+#include "common/output/grid_file.h"
+#include "common/program/arena.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define ENTRY(field, member, text)                                                                 \
+    { #field, offsetof(contact_traction, member), text }
+
+const traction_entry traction_entries[NUM_TRACTION] = {
+    ENTRY(friction_coefficient, coefficient, "friction coefficient"),
+    ENTRY(friction_force, friction, "friction force"),
+    ENTRY(rolling_resistance, rolling_resistance, "rolling resistance"),
+    ENTRY(rolling_moment, rolling_moment, "rolling moment"),
+    ENTRY(power_loss, power, "power loss"),
+    ENTRY(mean_shear_stress, mean_stress, "mean shear stress"),
+    ENTRY(largest_shear_stress, largest_stress, "largest shear stress")};
+
+static double value_of(const contact_traction *traction, size_t entry) {
+    double value;
+
+    memcpy(&value, (const char *)traction + traction_entries[entry].offset, sizeof value);
+    return value;
+}
+
+ehd_status traction_put_units(artefact *file, const ehd_contact *contact, ehd_error *error) {
+    const bool point = contact->kind->dimensions > 1;
+    ehd_status status = artefact_put_real(file, point ? "point_moment" : "line_moment",
+                                          contact->load * contact->half_width, error);
+
+    if (!status)
+        status = artefact_put_real(file, point ? "point_power" : "line_power",
+                                   contact->load * contact->speed, error);
+    if (!status) status = artefact_put_real(file, "slide_roll", contact->slide_roll, error);
+    return status;
+}
+
+ehd_status traction_put(artefact *file, const contact_traction *traction, ehd_error *error) {
+    ehd_status status = EHD_OK;
+
+    for (size_t i = 0; i < NUM_TRACTION && !status; i++) {
+        const double value = value_of(traction, i);
+        status = artefact_put(file, traction_entries[i].field, &value, error);
+    }
+    return status;
+}
+
+ehd_status traction_put_stresses(artefact *file, size_t index, const ehd_contact *contact,
+                                 const double *pressure, const double *film, ehd_error *error) {
+    const ehd_grid *grid = &contact->grid;
+    double *on_1 = array_new(grid->num_nodes, 2, sizeof *on_1);
+
+    if (!on_1)
+        return ehd_fail(error, EHD_MEMORY, "%s: shear_stress_1: found no memory for %zu nodes",
+                        artefact_path(file), grid->num_nodes);
+    double *on_2 = on_1 + grid->num_nodes;
+    contact_surface_stresses(on_1, on_2, contact, pressure, film);
+    ehd_status status = grid_put_field(file, "shear_stress_1", index, on_1, grid, true, error);
+    if (!status) status = grid_put_field(file, "shear_stress_2", index, on_2, grid, true, error);
+    free(on_1);
+    return status;
+}
+
+void traction_print(const contact_traction *traction, const ehd_contact *contact) {
+    const double load = contact->load, stress = contact->hertz_pressure * 1e-6;
+    const double scales[NUM_TRACTION] = {
+        1, load, load, load * contact->half_width, load * contact->speed, stress, stress};
+    static const char *const units[2][NUM_TRACTION] = {{"", "N/m", "N/m", "N", "W/m", "MPa", "MPa"},
+                                                       {"", "N", "N", "N m", "W", "MPa", "MPa"}};
+
+    for (size_t i = 0; i < NUM_TRACTION; i++) {
+        const char *unit = units[contact->kind->dimensions > 1][i];
+        const double value = value_of(traction, i);
+        printf("%-24s%-14.8g", traction_entries[i].text, value);
+        if (*unit) printf("%.6g %s", value * scales[i], unit);
+        putchar('\n');
+    }
+}

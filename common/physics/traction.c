@@ -1,0 +1,112 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "common/physics/traction.h"
+
+#include <math.h>
+
+bool contact_has_traction(const ehd_contact *contact) {
+    return !isnan(contact->slide_roll) && !isnan(contact->half_width);
+}
+
+contact_traction contact_traction_unknown(void) {
+    return (contact_traction){NAN, NAN, NAN, NAN, NAN, NAN, NAN};
+}
+
+/* a/R: by how much stresses along the film are smaller than the pressures. */
+static double slope_of(const ehd_contact *contact) {
+    return contact->half_width / contact->radius;
+}
+
+double contact_shear_stress(const ehd_contact *contact, double pressure, double film) {
+    const double isoviscous =
+        contact->lambda / 12 * slope_of(contact) * contact->slide_roll * contact->far_speed / film;
+
+    return lubricant_shear_stress(&contact->lubricant, contact->hertz_pressure, isoviscous,
+                                  pressure);
+}
+
+bool traction_thins_flow(const ehd_contact *contact) {
+    return contact->lubricant.thinning_stress > 0 && contact_has_traction(contact);
+}
+
+flow_thinning traction_thinning(const ehd_contact *contact, double viscosity, double film,
+                                bool along) {
+    // of the Newtonian stress over the law's: sinh(tau/tau0)
+    const double rate = fabs(contact->lambda / 12 * slope_of(contact) * contact->slide_roll *
+                             contact->far_speed * viscosity / film) *
+                        contact->hertz_pressure / contact->lubricant.thinning_stress;
+    const double root = hypot(1, rate);
+
+    if (along) return (flow_thinning){root, rate / root * (rate / root)};
+    if (rate < 1e-4) return (flow_thinning){1 + rate * rate / 6, rate * rate / 3};
+    return (flow_thinning){rate / asinh(rate), 1 - rate / (root * asinh(rate))};
+}
+
+/* int tau dX of the half cell behind the last node with pressure, in place of half a cell: up to the
+ * exit, where the pressure is zero. */
+static double behind_last(const ehd_contact *contact, double last_stress, const double *film,
+                          size_t node, double exit) {
+    const ehd_grid *grid = &contact->grid;
+    const double place = isnan(exit) ? 1 : (exit - grid_x(grid, node)) / grid->step;
+    const double there = (1 - place) * film[node] + place * film[node + 1];
+
+    return grid->step / 2 *
+           (place * (last_stress + contact_shear_stress(contact, 0, there)) - last_stress);
+}
+
+contact_traction contact_traction_of(const ehd_contact *contact, const double *pressure,
+                                     const double *film, const contact_scalars *scalars) {
+    const ehd_grid *grid = &contact->grid;
+    const double cell = grid_cell(grid), slope = slope_of(contact);
+    const bool on_line = contact->kind->dimensions == 1;
+    double friction = 0, rolling = 0, moment = 0, dry = 0, dry_area = 0, largest = 0;
+
+    for (size_t r = 0; r < grid->num_inner; r++) {
+        const size_t k = grid_node_of_row(grid, r);
+        const double weight = grid_weight(grid, k), x = grid_x(grid, k), y = grid_y(grid, k);
+        const bool in_dry = x * x + y * y <= 1;
+        // of the cell from the node before to this one, and at the end of the line to the next
+        rolling += weight * (film[k - 1] + film[k]) / 2 * (pressure[k] - pressure[k - 1]);
+        if (r % grid->inner_x == grid->inner_x - 1)
+            rolling += weight * (film[k] + film[k + 1]) / 2 * (pressure[k + 1] - pressure[k]);
+        moment -= weight * x * pressure[k];
+        if (in_dry) dry_area += weight;
+        if (!(pressure[k] > 0)) continue;
+        const double stress = contact_shear_stress(contact, pressure[k], film[k]);
+        friction += weight * stress * cell;
+        if (!(pressure[k + 1] > 0))
+            friction +=
+                weight * cell / grid->step *
+                behind_last(contact, stress, film, k, on_line ? scalars->exit_position : NAN);
+        if (in_dry) dry += weight * fabs(stress);
+        largest = fmax(largest, fabs(stress));
+    }
+    const double per_load = 1 / contact->kind->load;
+    contact_traction traction = {
+        .coefficient = friction * per_load / scalars->load,
+        .friction = friction * per_load,
+        .rolling_resistance = slope * rolling * cell / grid->step * per_load / 2,
+        .rolling_moment = moment * cell * per_load,
+        .mean_stress = dry / dry_area,
+        .largest_stress = largest,
+    };
+    traction.power = contact->far_speed *
+                     (contact->slide_roll * traction.friction + 2 * traction.rolling_resistance);
+    return traction;
+}
+
+void contact_surface_stresses(double *on_1, double *on_2, const ehd_contact *contact,
+                              const double *pressure, const double *film) {
+    const ehd_grid *grid = &contact->grid;
+
+    for (size_t k = 0; k < grid->num_nodes; k++)
+        on_1[k] = on_2[k] = 0;
+    for (size_t r = 0; r < grid->num_inner; r++) {
+        const size_t k = grid_node_of_row(grid, r);
+        if (!(pressure[k] > 0)) continue;
+        const double gradient = (pressure[k + 1] - pressure[k - 1]) / (2 * grid->step);
+        const double stress = contact_shear_stress(contact, pressure[k], film[k]);
+        const double rolling = slope_of(contact) * film[k] / 2 * gradient;
+        on_1[k] = -stress - rolling;
+        on_2[k] = stress - rolling;
+    }
+}

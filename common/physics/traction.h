@@ -1,0 +1,61 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Traction: what the shear of the film does to the two surfaces (README.md, traction). Surface 1,
+ * below the film, moves at u1, surface 2 at u2; (u1 - u2)/u_m is the contact's slide_roll. */
+#ifndef EHD_TRACTION_H
+#define EHD_TRACTION_H
+
+#include "common/physics/contact.h"
+#include <stdbool.h>
+#include <stddef.h>
+
+/* Of a contact in its own frame: forces over the frame's reference load p_H a^d kind->load,
+ * stresses over its Hertz pressure. */
+typedef struct contact_traction {
+    double coefficient;        // friction over the load
+    double friction;           // int tau dA: on surface 2 along X, against it on surface 1
+    double rolling_resistance; // 1/2 int h dp/dx dA: on either surface, against X
+    double rolling_moment;     // -int p x dA over a: of the pressures, against the rolling
+    double power; // that both surfaces put into the film, over load times the speed of far_speed 1
+    double mean_stress;    // of |tau| over the dry contact
+    double largest_stress; // of |tau|
+} contact_traction;
+
+/* Whether a scene asks for it: its slide-roll ratio is given, and all in SI units. */
+bool contact_has_traction(const ehd_contact *contact);
+
+/* Nothing known: all NaN. */
+contact_traction contact_traction_unknown(void);
+
+/* Shear stress tau over p_H, in the middle between the surfaces, at a dimensionless pressure and
+ * film: positive where surface 1 is the faster one. */
+double contact_shear_stress(const ehd_contact *contact, double pressure, double film);
+
+/* By what the sliding of an Eyring fluid thins the pressure flow (README.md, thinned flow): the factor
+ * on its mobility, along the sliding or across, and its derivative by the logarithm of viscosity over
+ * film, over the factor. */
+typedef struct flow_thinning {
+    double factor, by_log_rate;
+} flow_thinning;
+flow_thinning traction_thinning(const ehd_contact *contact, double viscosity, // over that at p = 0
+                                double film, bool along);
+
+/* Whether the law of shear stress counts in the flow too: its in_film is true. */
+bool traction_thins_flow(const ehd_contact *contact);
+
+/* All of it from pressure and film at the nodes of the contact's grid, where there is pressure. Behind
+ * the last node with pressure of a line contact it goes on to the exit, else to the next node. */
+contact_traction
+contact_traction_of(const ehd_contact *contact,
+                    const double *pressure,          // [num_nodes]
+                    const double *film,              // [num_nodes]
+                    const contact_scalars *scalars); // of the same state: load and exit are used
+
+/* What the fluid does to each surface along X, over p_H: -tau - h/2 dp/dx and tau - h/2 dp/dx; 0
+ * where there is no pressure. */
+void contact_surface_stresses(
+    // output:
+    double *on_1, double *on_2, // [num_nodes]
+    // input:
+    const ehd_contact *contact, const double *pressure, const double *film);
+
+#endif
