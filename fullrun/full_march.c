@@ -3,6 +3,7 @@
 
 #include "common/program/arena.h"
 #include "common/time/saved_ring.h"
+#include "common/time/surface.h"
 #include "fullrun/continuation.h"
 #include "fullrun/judge.h"
 #include "fullrun/previous.h"
@@ -31,6 +32,7 @@ struct full_march {
     double *previous;           // [num_nodes] their sum with the formula's weights
     double *taken_up;           // [num_nodes] errors in rho H of the last attempt's film
     double *film;               // [num_nodes] that film without them; scratch
+    double *surface;            // [num_nodes] heights in the last attempt's frame; NULL: smooth
     double *exits;              // [lines of the whole grid, GRID_EXITS] of the last attempt
     full_march_effort effort;
     char reason[JUDGE_REASON];
@@ -50,7 +52,7 @@ full_march *full_march_free(full_march *self) {
 }
 
 double full_march_bytes(const ehd_contact *reference) {
-    const double own = (BDF_PREVIOUS + 4) * sizeof(double) + sizeof(bool);
+    const double own = (BDF_PREVIOUS + 5) * sizeof(double) + sizeof(bool);
 
     return full_solver_bytes(&reference->grid) + previous_bytes(reference, BDF_PREVIOUS + 2) +
            own * (double)reference->grid.num_nodes;
@@ -85,6 +87,7 @@ ehd_status full_march_create(full_march **created, const ehd_contact *reference,
     self->entrained = arena_array(memory, num_nodes, sizeof(double));
     self->taken_up = arena_array(memory, num_nodes, sizeof(double));
     self->film = arena_array(memory, num_nodes, sizeof(double));
+    if (reference->surface) self->surface = arena_array(memory, num_nodes, sizeof(double));
     self->exits =
         arena_array(memory, grid_whole(&reference->grid).inner_lines * GRID_EXITS, sizeof(double));
     for (size_t i = 0; i < BDF_PREVIOUS; i++)
@@ -274,6 +277,7 @@ static ehd_status find_mirrored_start(full_info *info, double *exit, full_march 
     full_march *mirror;
 
     reference.transport = TRANSPORT_UPWIND; // there it takes no step
+    reference.surface = NULL;
     reference.grid.x_min = -grid_x(grid, grid->inner_x);
     forward.speed = -frame->speed;
     ehd_status status = full_march_create(&mirror, &reference, full_solver_settings(self->solver),
@@ -301,9 +305,10 @@ static ehd_status start(march_step *outcome, void *solver, const contact_frame *
     double exit = NAN;
     ehd_contact contact;
     full_info info;
+
+    full_solver_set_surface(self->solver, NULL); // surface_check_start: it has not come in yet
     ehd_status status = backwards ? find_mirrored_start(&info, &exit, self, frame, error)
                                   : find_start(&info, self, frame, error);
-
     if (status) return status;
     judge_start(&info, self, first);
     frame_contact(&contact, &first->frame, &self->reference);
@@ -582,6 +587,12 @@ static void prepare_rows(full_march *self, const bdf_formula *formula, ehd_conta
     contact->entrainment = 0; // the rest is in the time derivative
 }
 
+static void place_surface(full_march *self, const contact_frame *frame) {
+    if (!self->surface) return;
+    surface_heights(self->surface, self->reference.surface, frame, &self->reference.grid);
+    full_solver_set_surface(self->solver, self->surface);
+}
+
 /* Why a solution is to be repeated with a shorter step; NULL: it is not. */
 static const char *why_to_repeat(const full_march *self, const bdf_formula *formula,
                                  const full_state *state, const ehd_contact *contact,
@@ -616,6 +627,7 @@ static ehd_status attempt(march_step *outcome, void *solver, const contact_frame
     const double entrainment = contact.entrainment;
     const bool backwards = entrainment < 0;
     prepare_rows(self, &formula, &contact, frame);
+    place_surface(self, frame);
     predict(self, &formula);
     ehd_status status = full_solve(&info, &next->state, self->solver, &contact, &squeeze, error);
     if (status) return status;

@@ -22,6 +22,7 @@ struct full_solver {
     ehd_grid grid;
     const contact_kind *kind;
     full_settings settings;
+    const double *surface; // [num_nodes] heights that add to the gap; NULL: smooth surfaces
     ehd_deflection *deflection;
     gmres_workspace *workspace;
     reynolds_stencil *stencils; // [num_inner]
@@ -190,6 +191,12 @@ void full_film(full_state *state, full_solver *self) {
     deflection_apply(state->film, self->deflection, state->pressure);
     for (size_t k = 0; k < self->grid.num_nodes; k++)
         state->film[k] += state->rigid_approach + grid_gap(&self->grid, k);
+    for (size_t k = 0; self->surface && k < self->grid.num_nodes; k++)
+        state->film[k] += self->surface[k];
+}
+
+void full_solver_set_surface(full_solver *self, const double *heights) {
+    self->surface = heights;
 }
 
 // ---- rows

@@ -115,6 +115,10 @@ ehd_status full_solver_create(
 full_solver *full_solver_free(full_solver *solver); // accepts and returns NULL
 const full_settings *full_solver_settings(const full_solver *solver);
 
+/* Heights by which the gap grows from now on, [num_nodes], which the caller keeps; NULL, as at first:
+ * smooth surfaces. */
+void full_solver_set_surface(full_solver *solver, const double *heights);
+
 /* A state without pressure whose zone is filled. EHD_MEMORY. */
 ehd_status full_state_init(full_state *state, const ehd_grid *grid, ehd_error *error);
 void full_state_free(full_state *state);

@@ -12,6 +12,7 @@
 #include "common/settings/scene.h"
 #include "common/settings/scene_contact.h"
 #include "common/time/history.h"
+#include "common/time/surface.h"
 #include "fullrun/continuation.h"
 #include "fullrun/formulas.h"
 #include "fullrun/full_march.h"
@@ -403,8 +404,15 @@ static ehd_status run_transient(const program *self, const fullrun_options *opti
                                 ehd_error *error) {
     const full_settings settings = make_settings(options);
     full_march *in_time = NULL;
-    ehd_status status =
-        grid_check_memory(self, self->arguments[0], contact, full_march_bytes(contact), 1, error);
+    ehd_surface *surface = NULL;
+    ehd_contact reference = *contact;
+    ehd_status status = surface_init(&surface, given, contact, error);
+
+    reference.surface = surface;
+    contact = &reference;
+    if (!status)
+        status = grid_check_memory(self, self->arguments[0], contact, full_march_bytes(contact), 1,
+                                   error);
 
     if (!status)
         status =
@@ -425,6 +433,7 @@ static ehd_status run_transient(const program *self, const fullrun_options *opti
     if (!status && options->formulas)
         status = formulas_print_in_time(self->output, given, contact, error);
     full_march_free(in_time);
+    surface_free(surface);
     return status;
 }
 

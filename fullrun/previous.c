@@ -2,6 +2,7 @@
 #include "fullrun/previous.h"
 
 #include "common/physics/deflection.h"
+#include "common/time/surface.h"
 
 #include <cblas.h>
 #include <math.h>
@@ -184,10 +185,17 @@ void previous_prepare(previous_state *self, previous_carrier *carrier) {
     const ehd_grid *grid = &carrier->reference.grid;
     const previous_state *base = previous_base(carrier, &self->frame);
 
+    const ehd_surface *surface = carrier->reference.surface;
+
     self->beyond[0] = NAN;
-    set_values(carrier, self->state.film, base ? base->state.film : NULL);
+    // of a surface that is not smooth only the rest of the film is interpolated and filtered
+    memcpy(carrier->filtered, self->state.film, grid->num_nodes * sizeof(double));
+    for (size_t k = 0; surface && k < grid->num_nodes; k++)
+        carrier->filtered[k] -=
+            surface_height(surface, &self->frame, grid_x(grid, k), grid_y(grid, k));
+    set_values(carrier, carrier->filtered, base ? base->state.film : NULL);
     for (size_t k = 0; k < grid->num_nodes; k++) {
-        carrier->filtered[k] = carrier->values[k] - self->state.film[k];
+        carrier->filtered[k] = carrier->values[k] - carrier->filtered[k];
         // natural splines of the film without gap, whose curvature at the grid's ends is small
         carrier->values[k] -= grid_gap(grid, k);
     }
@@ -331,9 +339,10 @@ static double deflection_beyond(const previous_state *self, const previous_carri
     return sum;
 }
 
-/* Adds `weight` times rho H of a state at the origins of the inner nodes. */
-static void add_mass(double *mass, double weight, const previous_state *self, origin from,
-                     previous_carrier *carrier) {
+/* Adds `weight` times rho H of a state, with a surface unless NULL, at the origins of the inner
+ * nodes. */
+static void add_mass(double *mass, double weight, const previous_state *self,
+                     const ehd_surface *surface, origin from, previous_carrier *carrier) {
     const ehd_contact *reference = &carrier->reference;
     const ehd_grid *grid = &reference->grid;
     const lubricant_law *law = reference->lubricant.density;
@@ -349,6 +358,7 @@ static void add_mass(double *mass, double weight, const previous_state *self, or
         double density = 1;
         if (law && inside)
             density = lubricant_density(&reference->lubricant, carrier->pressure[r] * hertz);
+        if (surface) film += surface_height(surface, &self->frame, x, y);
         mass[r] += weight * density * (film + contact_gap(&grid->shape, x, y));
     }
 }
@@ -359,16 +369,18 @@ void previous_mass(double *mass, const previous_state *self, const contact_frame
     const origin here = {frame_stretch(now, &self->frame), 0};
     const origin before = {here.stretch, frame_shift(now, &self->frame)};
 
+    const ehd_surface *surface = carrier->reference.surface;
+
     memset(mass, 0, carrier->reference.grid.num_inner * sizeof *mass);
     if (carrier->reference.transport != TRANSPORT_PATH) {
-        add_mass(mass, ratio, self, here, carrier);
+        add_mass(mass, ratio, self, surface, here, carrier);
         return;
     }
     const previous_state *base = previous_base(carrier, now);
-    add_mass(mass, ratio, self, before, carrier);
+    add_mass(mass, ratio, self, surface, before, carrier);
     if (!base) return;
-    add_mass(mass, -ratio, base, before, carrier);
-    add_mass(mass, ratio, base, here, carrier);
+    add_mass(mass, -ratio, base, NULL, before, carrier); // the start is smooth
+    add_mass(mass, ratio, base, NULL, here, carrier);
 }
 
 void previous_keep_errors(previous_carrier *self, const double *errors) {

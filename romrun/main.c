@@ -9,6 +9,7 @@
 #include "common/output/vtk.h"
 #include "common/program/output_file.h"
 #include "common/program/program.h"
+#include "common/time/surface.h"
 #include "common/training/pool.h"
 #include "fullrun/resolution.h"
 #include "romrun/calibrate/accuracy.h"
@@ -651,6 +652,7 @@ static ehd_status export_fmu(const program *self, const romrun_options *options,
     const char *const inputs[] = {self->arguments[0], options->model, NULL};
     ehd_status status = output_file_check_inputs(self->output, inputs, error);
     if (!status) status = scene_load(&given, &scene_lines, self, error);
+    if (!status) status = surface_refuse(&given, error);
     if (!status) status = online_open(&model, options->model, &options->sizes, error);
     if (!status)
         status = contact_load(&contact, &given, self, online_kind(model), options->model, error);
@@ -765,6 +767,7 @@ static ehd_status run_scene(const program *self, const romrun_options *given_opt
     scene given;
     char *scene_lines = NULL;
     ehd_status status = scene_load(&given, &scene_lines, self, error);
+    if (!status) status = surface_refuse(&given, error);
     bool transient = !status && strcmp(given.regime, "transient") == 0;
 
     if (!status) status = check_regime(&options, transient, error);

@@ -211,6 +211,10 @@ static const artefact_field result_fields[] = {
            "Hertz pressure that scales the frame, relative to the reference", "time"),
     SCALED("frame_film_unit", film_scale, NEED_OPTIONAL, VALUES_ANY,
            "a^2/R that scales the frame, relative to the reference", "time"),
+    SCALED("surface_position", length_scale, NEED_OPTIONAL, VALUES_ANY,
+           "X in the reference frame of what the scene's surface has: the end of a waviness, the "
+           "middle of a dent, x = 0 of a table",
+           "time"),
     SCALED("exit_position", length_scale, NEED_OWN, VALUES_ANY,
            "X at which the pressure ends, where the entrainment reverses of each of its intervals; "
            "NaN "
@@ -381,7 +385,7 @@ static const artefact_attribute result_attributes[] = {
 
 const artefact_schema schema_result = {"ehdrom-result",
                                        1,
-                                       12,
+                                       13,
                                        "Solution of an elastohydrodynamic contact",
                                        result_axes,
                                        result_fields,

@@ -15,11 +15,12 @@ size_t inputs_add_tables(const char **paths, size_t count, const scene *given) {
     for (size_t i = 0; i < NUM_VARY; i++)
         if (given->transient.vary[i].file[0])
             count = inputs_add(paths, count, given->transient.vary[i].file);
+    if (given->surface.file[0]) count = inputs_add(paths, count, given->surface.file);
     return count;
 }
 
 ehd_status inputs_check_tables(artefact *file, const scene *given, ehd_error *error) {
-    const char *tables[NUM_VARY];
+    const char *tables[MAX_TABLES];
     size_t num_tables = inputs_add_tables(tables, 0, given);
     ehd_status status = EHD_OK;
 

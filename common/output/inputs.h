@@ -14,10 +14,12 @@ size_t inputs_add(
     // input:
     size_t count, const char *path);
 
-/* The same with the tables that a scene's histories are read from. */
+enum { MAX_TABLES = NUM_VARY + 1 }; // of a scene
+
+/* The same with the tables that a scene's histories and its surface are read from. */
 size_t inputs_add_tables(
     // output:
-    const char **paths, // [count], with room for NUM_VARY more; they point into the scene
+    const char **paths, // [count], with room for MAX_TABLES more; they point into the scene
     // input:
     size_t count, const scene *given);
 

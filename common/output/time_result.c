@@ -93,6 +93,7 @@ ehd_status time_result_create(artefact **file, const program *caller, const ehd_
         status = artefact_put_axis(*file, "exit", GRID_EXITS, NULL, error);
     if (!status) status = declare_scalars(*file, error);
     if (!status && with_models) status = artefact_declare(*file, "by_full_model", error);
+    if (!status && reference->surface) status = artefact_declare(*file, "surface_position", error);
     if (!status && with_fields) status = declare_fields(*file, error);
     if (!status && contact_has_traction(reference))
         status = declare_traction(*file, with_fields, error);
@@ -154,6 +155,9 @@ static ehd_status put_scalars(artefact *file, const time_entry *entries, size_t 
         integers[i] = entries[i].by_full_model;
     if (!status && artefact_has(file, "by_full_model"))
         status = artefact_put_integers_part(file, "by_full_model", index, count, integers, error);
+    if (!status && artefact_has(file, "surface_position"))
+        status = put_real(file, "surface_position", offsetof(time_entry, surface_position), entries,
+                          count, index, column, error);
     return status;
 }
 

@@ -24,8 +24,9 @@ typedef struct time_entry {
     double load;               // relative to the reference
     double contact_half_width; // of the frame, relative to the reference; so are the next two
     double frame_hertz_pressure;
-    double frame_film_unit; // a^2/R
-    const double *exits;    // [lines of the whole grid, GRID_EXITS] as of march_solver
+    double frame_film_unit;  // a^2/R
+    double surface_position; // of a contact with a surface
+    const double *exits;     // [lines of the whole grid, GRID_EXITS] as of march_solver
     size_t newton_iterations;
     double residual;
     ehd_status status;                   // EHD_OK, EHD_NOT_CONVERGED or EHD_UNTRUSTED

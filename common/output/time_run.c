@@ -5,6 +5,7 @@
 #include "common/output/inputs.h"
 #include "common/output/time_result.h"
 #include "common/output/traction_output.h"
+#include "common/time/surface.h"
 
 #include <limits.h>
 #include <math.h>
@@ -192,6 +193,8 @@ static ehd_status store(void *sink, const march_step *step, size_t index, ehd_er
     const march_solver *solver = &self->march.solver;
     contact_scalars scalars =
         frame_to_reference(&step->scalars, &step->frame, self->task->reference);
+    const ehd_surface *surface = self->task->reference->surface;
+    const double position = surface ? surface_position(surface, step->frame.path) : NAN;
     bool fields =
         self->task->with_fields && index % (size_t)self->task->given->output.fields_every == 0;
     ehd_status status = EHD_OK;
@@ -216,6 +219,7 @@ static ehd_status store(void *sink, const march_step *step, size_t index, ehd_er
                               .contact_half_width = step->frame.half_width,
                               .frame_hertz_pressure = step->frame.hertz_pressure,
                               .frame_film_unit = step->frame.film_scale,
+                              .surface_position = position,
                               .exits = take_exits(self, step, &scalars),
                               .newton_iterations = step->iterations,
                               .residual = step->residual,
@@ -285,7 +289,7 @@ static ehd_status resume(bool *resumed, runner *self, ehd_error *error) {
 static ehd_status create(runner *self, ehd_error *error) {
     const time_run_task *task = self->task;
     const march_solver *solver = &self->march.solver;
-    const char *inputs[NUM_VARY + 4]; // scene, model, tables, another file, NULL
+    const char *inputs[MAX_TABLES + 4]; // scene, model, tables, another file, NULL
     size_t num_inputs = inputs_add(inputs, 0, task->caller->arguments[0]);
 
     num_inputs = inputs_add(inputs, num_inputs, task->model);
@@ -480,6 +484,12 @@ static ehd_status prepare(runner *self, ehd_histories **histories, ehd_error *er
                 .store = store,
                 .sink = self};
     self->march.settings.accuracy = task->accuracy;
+    if (task->reference->surface) {
+        const contact_frame start =
+            march_frame(&self->march.settings, task->reference->kind, *histories, 0, 1);
+        status = surface_check_start(task->reference->surface, &start, grid, error);
+        if (status) return status;
+    }
     self->restart = malloc((AT_SOLVER + solver->saved_size(solver->self)) * sizeof(double));
     const bool states = task->with_fields || contact_has_traction(task->reference);
     if (states) {

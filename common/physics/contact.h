@@ -214,6 +214,8 @@ typedef struct ehd_contact {
     double modulus;          // Pa, E', NaN unless the scene is physical
     double viscosity;        // Pa s, at zero pressure, NaN unless the scene is physical
     double slide_roll;       // (u1 - u2)/speed, NaN: traction is not asked for
+    // in time what one of them has (common/time/surface.h); NULL: both are smooth
+    const struct ehd_surface *surface;
 } ehd_contact;
 
 /* The scalars of a solution, in the contact's own frame. */

@@ -70,6 +70,19 @@ typedef struct transient_settings {
     history_settings vary[NUM_VARY];
 } transient_settings;
 
+/* What stands out of, or is missing from, one of the surfaces (common/time/surface.h). */
+typedef struct surface_settings {
+    char kind[16]; // sine, dent, file; "": both surfaces are smooth
+    char units[8]; // contact, si: of heights and lengths
+    double speed;  // of that surface, relative to the mean
+    double position;
+    double amplitude, wavelength, phase;
+    double depth, radius;
+    char file[256]; // relative to the working folder
+    char column[64];
+    char across[64]; // column of y; "": the table is of x alone
+} surface_settings;
+
 /* Values that are not given and have no default are NaN, "" or -1. */
 typedef struct scene {
     char contact[16];        // line, point, ellipse
@@ -91,6 +104,7 @@ typedef struct scene {
     grid_settings grid;
     output_settings output;
     transient_settings transient; // only when transient
+    surface_settings surface;     // only when transient
 } scene;
 
 enum { MAX_NODES = 2000000 }; // of a grid

@@ -15,6 +15,8 @@
 #define REAL(member)           SETTING_REAL, AT(scene, member)
 #define WHOLE(member)          SETTING_WHOLE, AT(scene, member)
 #define FLAG(member)           SETTING_FLAG, AT(scene, member)
+#define FILE_NAME(member)      SETTING_FILE, AT(scene, member)
+#define WORD(member)           SETTING_TEXT, AT(scene, member)
 #define HISTORY_CHOICE(member) SETTING_CHOICE, AT(history_settings, member)
 #define HISTORY_TEXT(member)   SETTING_TEXT, AT(history_settings, member)
 #define HISTORY_FILE(member)   SETTING_FILE, AT(history_settings, member)
@@ -126,6 +128,42 @@ static const setting run_rows[] = {
      "speed's history at T = 0", IN_TIME, false},
     LAST_ROW};
 
+#define ON_A_SURFACE(kinds) {{"surface.kind", kinds}}
+
+static const setting surface_rows[] = {
+    {"surface.kind", CHOICE(surface.kind), NULL, "sine|dent|file", 0, 0, "1",
+     "A waviness along x, a dent or a table of heights on one of the surfaces, with which it moves; "
+     "fullrun alone", IN_TIME, false},
+    {"surface.units", CHOICE(surface.units), "contact", "contact|si", 0, 0, "1",
+     "Of its lengths and heights: reference half widths a and film units a^2/R, or metres in a scene "
+     "with physical", ON_A_SURFACE("sine|dent|file"), false},
+    {"surface.speed", REAL(surface.speed), "1", NULL, -MAX_FACTOR, MAX_FACTOR, "1",
+     "Speed of that surface, a factor on the mean of both; 1 in pure rolling; not 0",
+     ON_A_SURFACE("sine|dent|file"), false},
+    {"surface.position", REAL(surface.position), NULL, NULL, -1e9, 1e9, "1",
+     "Where it is at T = 0, in front of the grid: the end of a waviness, the middle of a dent, x = 0 "
+     "of a table; default such that it is about to come in", ON_A_SURFACE("sine|dent|file"), false},
+    {"surface.amplitude", REAL(surface.amplitude), NULL, NULL, -1e3, 1e3, "1",
+     "Of the height amplitude sin(2 pi x/wavelength + phase), by which the gap grows, with x from "
+     "the waviness's end, over the first wavelength growing in", ON_A_SURFACE("sine"), true},
+    {"surface.wavelength", REAL(surface.wavelength), NULL, NULL, 1e-9, 1e3, "1",
+     "Of the waviness", ON_A_SURFACE("sine"), true},
+    {"surface.phase", REAL(surface.phase), "0", NULL, -1e3, 1e3, "rad",
+     "Of the waviness", ON_A_SURFACE("sine"), false},
+    {"surface.depth", REAL(surface.depth), NULL, NULL, -1e3, 1e3, "1",
+     "Of the dent, by which the gap grows in its middle; below 0 a bump", ON_A_SURFACE("dent"), true},
+    {"surface.radius", REAL(surface.radius), NULL, NULL, 1e-9, 1e3, "1",
+     "R of the dent depth cos(pi r/(2.4 R)) exp(-2 (r/(1.2 R))^2)", ON_A_SURFACE("dent"), true},
+    {"surface.file", FILE_NAME(surface.file), NULL, NULL, 0, 0, "1",
+     "CSV or HDF5 file (.h5, .hdf5) with a table of heights over x, the first column or dataset x; "
+     "smooth where it ends", ON_A_SURFACE("file"), true},
+    {"surface.column", WORD(surface.column), NULL, NULL, 0, 0, "1",
+     "Column or dataset of the heights, by which the gap grows", ON_A_SURFACE("file"), true},
+    {"surface.across", WORD(surface.across), NULL, NULL, 0, 0, "1",
+     "Column or dataset of y, of a table on a grid, x fastest; without it heights are the same across",
+     {{"surface.kind", "file"}, {"contact", "point|ellipse"}}, false},
+    LAST_ROW};
+
 /* The keys of one history, below "transient.<quantity>.". */
 static const setting history_rows[] = {
     {"law", HISTORY_CHOICE(law), "constant", "constant|sine|ramp|step|table", 0, 0, "1",
@@ -163,8 +201,8 @@ const char *const vary_names[NUM_VARY] = {"load", "speed", "radius", "modulus", 
 #define ROWS_OF(rows) (sizeof(rows) / sizeof *(rows)-1)
 enum {
     LAW_ROWS = 1 + MAX_LAW_KEYS,
-    MAX_ROWS =
-        ROWS_OF(contact_rows) + 3 * LAW_ROWS + ROWS_OF(run_rows) + NUM_VARY * ROWS_OF(history_rows),
+    MAX_ROWS = ROWS_OF(contact_rows) + 3 * LAW_ROWS + ROWS_OF(run_rows) + ROWS_OF(surface_rows) +
+               NUM_VARY * ROWS_OF(history_rows),
     MAX_TEXTS = 2 * 3 * LAW_ROWS + NUM_VARY * (1 + ROWS_OF(history_rows)),
     TEXT_ROOM = 512
 };
@@ -267,6 +305,7 @@ static void make_table(void) {
              "How shear stress depends on viscosity times the rate of shear, for the traction; "
              "default newtonian");
     add_rows(run_rows);
+    add_rows(surface_rows);
     for (int i = 0; i < NUM_VARY; i++)
         add_history(i);
     find_conditions();
@@ -292,15 +331,19 @@ static const char *last_part(const char *key) {
 }
 
 const setting *setting_find_short(const char *name) {
-    const setting *found = setting_find(name);
-    size_t num_found = found ? 1 : 0;
+    const setting *found = setting_find(name), *used = NULL;
+    size_t num_found = 0, num_used = 0; // the latter in any scene
     if (found) return found;
     for (const setting *row = scene_settings(); row->key; row++) {
         if (strcmp(last_part(row->key), name) != 0) continue;
         found = row;
         num_found++;
+        if (row->when[0].key) continue;
+        used = row;
+        num_used++;
     }
-    return num_found == 1 ? found : NULL;
+    if (num_found == 1) return found;
+    return num_used == 1 ? used : NULL;
 }
 
 size_t setting_index(const setting *row) {

@@ -18,7 +18,8 @@ enum {
 /* The row of a key such as "moes.M", or NULL. */
 const setting *setting_find(const char *key);
 
-/* The same; the last part of a key is enough where it is unique: "M" for "moes.M". */
+/* The same; the last part of a key is enough where it is unique, or unique among the keys that any
+ * scene uses: "M" for "moes.M", "speed" for "physical.speed" beside "surface.speed". */
 const setting *setting_find_short(const char *name);
 
 /* Position of a row in the table. */

@@ -3,6 +3,7 @@
 
 #include "common/program/program.h"
 #include "common/time/bdf.h"
+#include "common/time/surface.h"
 
 #include <float.h>
 #include <math.h>
@@ -38,7 +39,7 @@ static const double MIN_SHRINK = 0.2;
 static const double FAILED_SHRINK = 0.25; // where Newton did not converge
 static const double SAFETY = 0.85;
 static const double NOISE_KEPT = 0.9; // of what was met of the solver's noise, a step later
-enum { WATCHED_ATTEMPTS = 3000 };
+enum { WATCHED_ATTEMPTS = 3000, MAX_HALVINGS = 60 };
 static const double MIN_STEP = 1e-9;            // relative to the first one
 static const double ROUNDING = 8 * DBL_EPSILON; // of a time, relative, by sums and multiples
 
@@ -160,10 +161,30 @@ typedef struct next_stop {
     bool is_jump; // and they jump there
 } next_stop;
 
+/* Longest step in which a surface that is not smooth is resolved on its way. The path of the fluid
+ * may be longer than at the speed of now: then by halves. */
+static double step_of_surface(const march *self) {
+    const march_state *state = &self->state;
+    const ehd_surface *surface = self->reference->surface;
+    double step = state->step;
+
+    if (!surface || !isnan(self->settings.fixed_step)) return step;
+    const contact_frame frame = march_frame(&self->settings, self->reference->kind, self->histories,
+                                            state->time, state->load);
+    for (int i = 0; i < MAX_HALVINGS; i++) {
+        const double path = histories_path(self->histories, state->time + step) - frame.path;
+        const double longest =
+            surface_longest_path(surface, &frame, &self->reference->grid, path < 0);
+        if (!(fabs(path) > longest * (1 + 1e-9))) break;
+        step *= fmax(longest / fabs(path), 0.5);
+    }
+    return step;
+}
+
 /* A step further, or where the histories have an event, a fixed step's multiple is or the march
  * ends. */
 static next_stop find_next_stop(const march *self) {
-    const double time = self->state.time, step = self->state.step;
+    const double time = self->state.time, step = step_of_surface(self);
     double fixed = self->settings.fixed_step, end = self->settings.end_time;
     bool jump;
     double kink = histories_next_kink(self->histories, time, &jump), event = earlier(kink, end);

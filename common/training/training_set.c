@@ -408,7 +408,7 @@ ehd_status training_check_outcome(const training_set *set, size_t num_failed, co
 
 const char **training_inputs(const training_set *set, const char *plan_path,
                              const char *basis_path) {
-    const char **paths = malloc((3 + NUM_VARY * set->num_trajectories) * sizeof *paths);
+    const char **paths = malloc((3 + MAX_TABLES * set->num_trajectories) * sizeof *paths);
     if (!paths) return NULL;
 
     size_t count = inputs_add(paths, 0, plan_path);

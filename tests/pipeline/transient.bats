@@ -767,3 +767,116 @@ YAML
     [[ $stderr == "fullrun: dry.yml: found a film that closes between nodes (grid.step), first at T = 0.2"* ]]
     /usr/bin/python3 -c 'import h5py; assert (h5py.File("dry.h5")["minimum_film_thickness"][...] > 0).all()'
 }
+
+# ---- surfaces that are not smooth
+
+@test "a dent, a waviness and a table move through the contact: where they are, resumed, refused elsewhere" {
+    cat >dent.yml <<'YAML'
+contact: line
+regime: transient
+physical: {load: 2e5, radius: 0.01, speed: 1, modulus: 2.2e11, viscosity: 0.04}
+lubricant: {viscosity: {law: barus, alpha: 2e-8}}
+grid: {x_min: -3, x_max: 2, step: 0.05}
+transient: {end_time: 4, fixed_step: 0.05}
+surface: {kind: dent, units: si, depth: 1e-7, radius: 3e-5, speed: 1.5}
+YAML
+    fullrun dent.yml -o dent.h5 --quiet
+    fullrun --check dent.h5
+    /usr/bin/python3 - <<'PYTHON'
+import h5py, numpy
+with h5py.File("dent.h5") as file:
+    time, place, film = (file[name][...] for name in ("time", "surface_position", "film_thickness"))
+    unit, half_width, x = file.attrs["film_unit"], file.attrs["half_width"], file["x"][...]
+# it comes in at half the wave behind the first boundary node and goes one and a half times as fast
+assert abs(place - (-3.05 - 3.6 * 3e-5 / half_width + 1.5 * time)).max() < 1e-9
+# far in front of the contact, where there is hardly any pressure, the gap is the deeper by it
+k = abs(place + 2.2).argmin()
+deeper = (film[k] - film[0])[abs(x - place[k]) < 0.026].max() * unit
+assert 0.85e-7 < deeper < 1.1e-7, deeper
+PYTHON
+    # heights of zero change nothing
+    fullrun dent.yml -o flat.h5 --quiet --set surface.depth=0
+    fullrun dent.yml -o smooth.h5 --quiet --set surface.kind= --set surface.units= --set surface.speed= \
+        --set surface.depth= --set surface.radius=
+    scalars_equal flat.h5 smooth.h5
+    run -1 grep surface <(h5ls smooth.h5)
+
+    # a table of the dent is the dent
+    /usr/bin/python3 - <<'PYTHON'
+import math
+with open("dent.csv", "w") as file:
+    print("x,depth", file=file)
+    for i in range(-180, 181):
+        r = abs(i) / 50 / 1.2
+        height = 0 if abs(i) == 180 else 1e-7 * math.cos(math.pi / 2 * r) * math.exp(-2 * r * r)
+        print(f"{3e-5 * i / 50:.17g},{height:.17g}", file=file)
+PYTHON
+    grep -v ^surface dent.yml >table.yml
+    echo 'surface: {kind: file, units: si, file: dent.csv, column: depth, speed: 1.5}' >>table.yml
+    fullrun table.yml -o table.h5 --quiet
+    /usr/bin/python3 - <<'PYTHON'
+import h5py
+with h5py.File("dent.h5") as dent, h5py.File("table.h5") as table:
+    for name in "central_film_thickness", "minimum_film_thickness":
+        assert abs(dent[name][...] / table[name][...] - 1).max() < 1e-5
+    assert "dent.csv" in str([*table.attrs.values()]) or "dent.csv" in table.attrs["settings"]
+PYTHON
+    stop_when KILL "checkpoint > 0 and len(time) > checkpoint" r.h5 \
+        fullrun table.yml -o r.h5 --quiet --set transient.fixed_step=0.002
+    fullrun table.yml -o r.h5 --resume --quiet --set transient.fixed_step=0.002
+    fullrun table.yml -o at-once.h5 --quiet --set transient.fixed_step=0.002
+    scalars_equal r.h5 at-once.h5
+    # another table is another run
+    stop_when KILL "checkpoint > 0 and len(time) > checkpoint" t.h5 \
+        fullrun table.yml -o t.h5 --quiet --set transient.fixed_step=0.001
+    sed -i 's/e-08$/e-09/' dent.csv
+    refused 65 "dent.csv" fullrun table.yml -o t.h5 --resume --set transient.fixed_step=0.001
+
+    refuse 65 "surface.kind: found a value, expected none with the regime stationary" fullrun dent.yml -o x.h5 \
+        --set regime=stationary --set transient.end_time= --set transient.fixed_step=
+    refuse 65 "surface.position: found -3 half widths, expected at most -3.9" fullrun dent.yml -o x.h5 \
+        --set surface.units=contact --set surface.radius=0.25 --set surface.position=-3
+    refuse 65 "surface.speed: found 0, expected another one" fullrun dent.yml -o x.h5 --set surface.speed=0
+    refuse 65 "surface.wavelength: found a value, expected none with the kind dent" fullrun dent.yml -o x.h5 \
+        --set surface.wavelength=1
+    refuse 66 "none.csv" fullrun table.yml -o x.h5 --set surface.file=none.csv
+    refuse 65 "podbuild|dent.h5: time: found" podbuild dent.h5 -o x.h5
+    # the reduced model knows none, and is told so before it is looked for
+    refuse 65 "surface.kind: found dent, expected none with a reduced model" romrun dent.yml --model none.h5 -o x.h5
+    refuse 65 "surface.kind: found dent, expected none with a reduced model" snapgen dent.yml -o x.h5
+}
+
+@test "long waves are flattened and short ones pass, as published" {
+    # C. H. Venner, F. Couhier, A. A. Lubrecht, J. A. Greenwood, Tribology Series 32 (1997) 103-112: M = 100,
+    # L = 11, by wavelength over half width
+    cat >wave.yml <<'YAML'
+contact: line
+regime: transient
+moes: {M: 100, L: 11}
+lubricant: {viscosity: {law: roelands, eta0: 0.04, alpha: 2.2e-8}, density: {law: dowson-higginson}}
+grid: {x_min: -4, x_max: 2, step: 0.01}
+transient: {end_time: 8, fixed_step: 0.01}
+output: {fields: false}
+surface: {kind: sine, amplitude: 0.0014, wavelength: 1}
+YAML
+    while read -r wavelength published; do
+        fullrun wave.yml -o "wave-$wavelength.h5" --quiet --set surface.wavelength="$wavelength"
+        /usr/bin/python3 - "$wavelength" "$published" <<'PYTHON'
+import sys, h5py, numpy
+wavelength, published = map(float, sys.argv[1:])
+with h5py.File(f"wave-{wavelength:g}.h5") as file:
+    time, film = file["time"][...], file["central_film_thickness"][...]
+last = time > time[-1] - 2 - 1e-9 # whole waves
+phase = 2 * numpy.pi * time[last] / wavelength
+waves = numpy.linalg.lstsq(numpy.stack([numpy.ones_like(phase), numpy.cos(phase), numpy.sin(phase)], 1), film[last],
+                           rcond=None)[0]
+found = numpy.hypot(*waves[1:]) / 0.0014
+assert abs(found / published - 1) < 0.05, (wavelength, found, published)
+PYTHON
+    done <<'TABLE'
+2 0.073
+1 0.183
+0.5 0.394
+0.25 0.660
+TABLE
+}

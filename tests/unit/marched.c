@@ -68,7 +68,10 @@ void marched_begin(marched *self, const scene *of) {
     settings.linear_tolerance = 1e-10;
     if (scene_contact(&self->reference, of, &error) ||
         histories_init(&self->histories, of, &error) ||
-        full_march_create(&self->full, &self->reference, &settings, of->transient.start_film,
+        surface_init(&self->surface, of, &self->reference, &error))
+        fail_msg("%s", error.text);
+    self->reference.surface = self->surface;
+    if (full_march_create(&self->full, &self->reference, &settings, of->transient.start_film,
                           &error))
         fail_msg("%s", error.text);
     self->march = (march){.settings = march_settings_of(of, self->histories, of->approach),
@@ -92,6 +95,7 @@ void marched_on(marched *self) {
 void marched_end(marched *self) {
     full_march_free(self->full);
     histories_free(self->histories);
+    surface_free(self->surface);
 }
 
 void marched_all(marched *self, const scene *of) {

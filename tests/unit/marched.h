@@ -4,6 +4,7 @@
 #define EHD_MARCHED_H
 
 #include "common/time/march.h"
+#include "common/time/surface.h"
 #include "fullrun/full_march.h"
 #include "tests/unit/check.h"
 
@@ -14,6 +15,7 @@ typedef struct marched {
     scene scene;
     ehd_contact reference;
     ehd_histories *histories;
+    ehd_surface *surface;
     full_march *full;
     march march;
     march_step first; // the start

@@ -232,13 +232,15 @@ static void energy_and_moment(void **state) {
     static const struct {
         const char *viscosity, *density;
         double M, L, step;
-        size_t cells; // of a point contact
-    } cases[] = {{"barus", "incompressible", 10, 5, 0.0025, 0},
-                 {"roelands", "incompressible", 10, 4, 0.005, 0},
-                 {"roelands", "dowson-higginson", 20, 8, 0.0025, 0},
-                 {"no1", "dowson-higginson", 30, 5, 0.0025, 0},
-                 {"barus", "incompressible", 6, 2, 0, 256},
-                 {"roelands", "dowson-higginson", 6, 3, 0, 256}};
+        size_t cells;       // of a point contact
+        double ellipticity; // 1: round
+    } cases[] = {{"barus", "incompressible", 10, 5, 0.0025, 0, 1},
+                 {"roelands", "incompressible", 10, 4, 0.005, 0, 1},
+                 {"roelands", "dowson-higginson", 20, 8, 0.0025, 0, 1},
+                 {"no1", "dowson-higginson", 30, 5, 0.0025, 0, 1},
+                 {"barus", "incompressible", 6, 2, 0, 256, 1},
+                 {"roelands", "dowson-higginson", 6, 3, 0, 256, 1},
+                 {"roelands", "dowson-higginson", 6, 3, 0, 256, 2}};
     full_settings settings = full_default_settings();
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         ehd_contact contact = cases[i].cells > 0
@@ -246,6 +248,10 @@ static void energy_and_moment(void **state) {
                                                  cases[i].L, cases[i].cells, true)
                                   : sample_contact(cases[i].viscosity, cases[i].density, cases[i].M,
                                                    cases[i].L, cases[i].step);
+        if (cases[i].ellipticity != 1) {
+            contact.grid.shape = shape_of(cases[i].ellipticity);
+            contact_set_moes(&contact, cases[i].M, cases[i].L);
+        }
         contact = with_sliding(contact, 0);
         contact.grid.boundary = BOUNDARY_ZERO;
         problem solved;

@@ -1,0 +1,420 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "common/time/surface.h"
+
+#include "common/algebra/spline.h"
+#include "common/artefact/table.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* By how much a surface may move in a step, in its lengths. */
+static const double PART_OF_LENGTH = 0.5;
+
+/* And steps of the grid, which does not carry more. */
+static const double PART_OF_STEP = 0.25;
+
+enum { MIN_ROWS = 3 };                                // of a table
+static const double MAX_X = 1e9, MIN_DISTANCE = 1e-9; // of a table's x, half widths
+
+typedef struct surface_kind surface_kind;
+
+/* All lengths in reference half widths, heights in the reference film unit; x from the position. */
+struct ehd_surface {
+    const surface_kind *kind;
+    surface_settings given;
+    bool is_half;           // the contact
+    double ellipticity;     // of it, by which Y is scaled
+    double *x, *y, *values; // [count], of a table; y NULL: it is of one line
+    size_t count, num_x, num_lines;
+    spline **lines;     // [num_lines]
+    double front, rear; // x up to which, and from which on, it is not smooth
+    double length;      // sqrt(height/curvature), of the largest ones: what a step is measured by
+};
+
+/* A kind is a row of a table. */
+struct surface_kind {
+    const char *name;
+    /* Sets front, rear and length. */
+    ehd_status (*prepare)(ehd_surface *self, double of_length, double of_height, ehd_error *error);
+    double (*height)(const ehd_surface *self, double x, double y);
+};
+
+// ---- waviness
+
+/* Without end behind the front, which is its place. */
+static ehd_status prepare_sine(ehd_surface *self, double of_length, double of_height,
+                               ehd_error *error) {
+    (void)error;
+    self->given.wavelength *= of_length;
+    self->given.amplitude *= of_height;
+    self->length = self->given.wavelength / (2 * M_PI);
+    self->front = self->given.speed > 0 ? 0 : INFINITY;
+    self->rear = self->given.speed > 0 ? -INFINITY : 0;
+    return EHD_OK;
+}
+
+/* Grows in over a wavelength, with continuous slope and curvature. */
+static double sine_height(const ehd_surface *self, double x, double y) {
+    const surface_settings *given = &self->given;
+    const double behind = (given->speed > 0 ? -x : x) / given->wavelength;
+    const double part = fmin(fmax(behind, 0), 1);
+    (void)y;
+
+    return given->amplitude * part * part * part * (10 - part * (15 - 6 * part)) *
+           sin(2 * M_PI * x / given->wavelength + given->phase);
+}
+
+// ---- dent
+
+/* Of the radius: where cos and so the height is zero for the second time, and below 2e-8 of the depth
+ * anywhere beyond. */
+static const double DENT_ENDS = 3.6;
+
+static ehd_status prepare_dent(ehd_surface *self, double of_length, double of_height,
+                               ehd_error *error) {
+    const double width = 1.2;
+    (void)error;
+    self->given.radius *= of_length;
+    self->given.depth *= of_height;
+    self->front = DENT_ENDS * self->given.radius;
+    self->rear = -self->front;
+    // depth/r^2 ((pi/2)^2 + 4) with r = 1.2 radius is the curvature in its middle
+    self->length = width * self->given.radius / sqrt(M_PI_2 * M_PI_2 + 4);
+    return EHD_OK;
+}
+
+/* The dimple of Mourier et al., Tribology International 39 (2006) 1745-1756. */
+static double dent_height(const ehd_surface *self, double x, double y) {
+    const double radius = self->given.radius, r = hypot(x, y) / (1.2 * radius);
+
+    if (!(r < DENT_ENDS / 1.2)) return 0;
+    return self->given.depth * cos(M_PI_2 * r) * exp(-2 * r * r);
+}
+
+// ---- table
+
+static ehd_status check_row(const ehd_surface *self, size_t i, ehd_error *error) {
+    const char *path = self->given.file;
+    const double x = self->x[i], y = self->y ? self->y[i] : 0;
+
+    if (!(fabs(x) <= MAX_X && fabs(y) <= MAX_X))
+        return ehd_fail(error, EHD_DATA,
+                        "%s: found a place of %g half widths in row %zu, expected from %g to %g",
+                        path, fabs(x) <= MAX_X ? y : x, i + 1, -MAX_X, MAX_X);
+    if (!isfinite(self->values[i]))
+        return ehd_fail(error, EHD_DATA, "%s: %s: found %g in row %zu, expected a height", path,
+                        self->given.column, self->values[i], i + 1);
+    return EHD_OK;
+}
+
+/* Increasing x in each line of the grid, that of the first one, and increasing y from line to line. */
+static bool is_in_order(const ehd_surface *self, size_t i) {
+    const size_t column = i % self->num_x;
+
+    if (column > 0 && !(self->x[i] - self->x[i - 1] >= MIN_DISTANCE)) return false;
+    if (!self->y) return true;
+    if (!(fabs(self->x[i] - self->x[column]) < MIN_DISTANCE)) return false;
+    if (column > 0) return fabs(self->y[i] - self->y[i - 1]) < MIN_DISTANCE;
+    return i == 0 || self->y[i] - self->y[i - 1] >= MIN_DISTANCE;
+}
+
+/* Beyond the table there is nothing. */
+static bool is_at_edge(const ehd_surface *self, size_t i) {
+    const size_t column = i % self->num_x, line = i / self->num_x;
+
+    return column == 0 || column + 1 == self->num_x ||
+           (self->y && (line == 0 || line + 1 == self->num_lines));
+}
+
+static ehd_status check_table(ehd_surface *self, ehd_error *error) {
+    const char *path = self->given.file;
+    ehd_status status = EHD_OK;
+
+    for (size_t i = 0; i < self->count && !status; i++)
+        status = check_row(self, i, error);
+    if (status) return status;
+    self->num_x = self->count;
+    for (size_t i = 1; i < self->count && self->y && self->num_x == self->count; i++)
+        if (self->y[i] != self->y[0]) self->num_x = i;
+    self->num_lines = self->num_x > 0 ? self->count / self->num_x : 0;
+    if (self->num_x < MIN_ROWS || (self->y && self->num_lines < MIN_ROWS) ||
+        self->num_x * self->num_lines != self->count)
+        return ehd_fail(
+            error, EHD_DATA,
+            "%s: found %zu rows, %zu of them of the first line, expected at least %d of "
+            "each of %s",
+            path, self->count, self->num_x, MIN_ROWS,
+            self->y ? "three lines along x or more" : "one line");
+    for (size_t i = 0; i < self->count; i++) {
+        if (!is_in_order(self, i))
+            return ehd_fail(error, EHD_DATA,
+                            "%s: found x = %.10g%s in row %zu, expected increasing x%s", path,
+                            self->x[i], self->y ? " out of order" : "", i + 1,
+                            self->y ? ", the same in lines of increasing y" : "");
+        if (is_at_edge(self, i) && self->values[i] != 0)
+            return ehd_fail(error, EHD_DATA,
+                            "%s: %s: found %g in row %zu, expected 0, as beyond the table", path,
+                            self->given.column, self->values[i], i + 1);
+    }
+    return EHD_OK;
+}
+
+static double highest_of(const ehd_surface *self) {
+    double highest = 0;
+
+    for (size_t i = 0; i < self->count; i++)
+        highest = fmax(highest, fabs(self->values[i]));
+    return highest;
+}
+
+/* Half a contact is that of a surface whose halves are alike, to rounding. */
+static ehd_status check_halves(const ehd_surface *self, ehd_error *error) {
+    const double rounding = 1e-9 * highest_of(self);
+
+    for (size_t i = 0; i < self->count; i++) {
+        const size_t line = self->num_lines - 1 - i / self->num_x;
+        const size_t mirrored = line * self->num_x + i % self->num_x;
+        if (fabs(self->y[i] + self->y[mirrored]) < MIN_DISTANCE &&
+            fabs(self->values[i] - self->values[mirrored]) <= rounding)
+            continue;
+        return ehd_fail(error, EHD_DATA,
+                        "%s: found another height at -y than in row %zu, expected the same, or "
+                        "grid.half: false",
+                        self->given.file, i + 1);
+    }
+    return EHD_OK;
+}
+
+/* Of a CSV file the first column is x, whatever its name. */
+static ehd_status read_table(ehd_surface *self, ehd_error *error) {
+    static const char *const x_name[] = {"x", NULL};
+    const char *path = self->given.file, *const value_name[] = {self->given.column, NULL};
+    const char *const y_name[] = {self->given.across, NULL};
+    const bool hdf5 = artefact_is_table(path);
+    table_column columns[] = {
+        {.names = hdf5 ? x_name : NULL}, {.names = value_name}, {.names = y_name}};
+    ehd_status status = (hdf5 ? artefact_read_table : csv_read_table)(
+        path, columns, self->given.across[0] ? 3 : 2, &self->count, error);
+
+    self->x = columns[0].values;
+    self->values = columns[1].values;
+    self->y = columns[2].values;
+    return status;
+}
+
+static ehd_status fit_lines(ehd_surface *self, ehd_error *error) {
+    self->lines = calloc(self->num_lines, sizeof *self->lines);
+    for (size_t l = 0; self->lines && l < self->num_lines; l++) {
+        self->lines[l] = spline_create(self->num_x);
+        if (!self->lines[l]) break;
+        spline_fit(self->lines[l], self->x, self->values + l * self->num_x);
+    }
+    if (self->lines && self->lines[self->num_lines - 1]) return EHD_OK;
+    return ehd_fail(error, EHD_MEMORY, "%s: found no memory for its splines", self->given.file);
+}
+
+static ehd_status prepare_file(ehd_surface *self, double of_length, double of_height,
+                               ehd_error *error) {
+    double most_bent = 0;
+    ehd_status status = read_table(self, error);
+
+    for (size_t i = 0; i < self->count && !status; i++) {
+        self->x[i] *= of_length;
+        self->values[i] *= of_height;
+        if (self->y) self->y[i] *= of_length;
+    }
+    if (!status) status = check_table(self, error);
+    if (!status && self->y && self->is_half) status = check_halves(self, error);
+    if (!status) status = fit_lines(self, error);
+    if (status) return status;
+    self->rear = self->x[0];
+    self->front = self->x[self->num_x - 1];
+    for (size_t i = 0; i < self->count; i++) {
+        const spline *line = self->lines[i / self->num_x];
+        most_bent = fmax(most_bent, fabs(spline_bend(line, self->x[i % self->num_x])));
+    }
+    self->length = most_bent > 0 ? sqrt(highest_of(self) / most_bent) : INFINITY;
+    return EHD_OK;
+}
+
+/* Y of a line of the table. */
+static double line_y(const ehd_surface *self, size_t line) {
+    return self->y[line * self->num_x];
+}
+
+/* Height of a line and its slope across at one x, by the parabola through it and its neighbours; none
+ * at the edge. */
+static void line_at(double *height, double *slope, const ehd_surface *self, size_t line, double x) {
+    *height = *slope = 0;
+    if (line == 0 || line + 1 == self->num_lines) return;
+    const double before = line_y(self, line) - line_y(self, line - 1);
+    const double after = line_y(self, line + 1) - line_y(self, line);
+    *height = spline_at(self->lines[line], x);
+    const double down = (*height - spline_at(self->lines[line - 1], x)) / before;
+    const double up = (spline_at(self->lines[line + 1], x) - *height) / after;
+    *slope = (down * after + up * before) / (before + after);
+}
+
+/* Along x by splines, across by cubics with these slopes; of one line the same everywhere across. */
+static double file_height(const ehd_surface *self, double x, double y) {
+    double height[2], slope[2];
+    size_t line = 0;
+
+    if (!(x > self->rear && x < self->front)) return 0;
+    if (!self->y) return spline_at(self->lines[0], x);
+    if (!(y > line_y(self, 0) && y < line_y(self, self->num_lines - 1))) return 0;
+    while (y >= line_y(self, line + 1))
+        line++;
+    for (size_t i = 0; i < 2; i++)
+        line_at(&height[i], &slope[i], self, line + i, x);
+    const double step = line_y(self, line + 1) - line_y(self, line);
+    const double s = (y - line_y(self, line)) / step, t = 1 - s;
+    return t * t * ((1 + 2 * s) * height[0] + s * step * slope[0]) +
+           s * s * ((1 + 2 * t) * height[1] - t * step * slope[1]);
+}
+
+// ---- the kinds
+
+static const surface_kind kinds[] = {{"sine", prepare_sine, sine_height},
+                                     {"dent", prepare_dent, dent_height},
+                                     {"file", prepare_file, file_height}};
+
+static const surface_kind *find_kind(const char *name) {
+    for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++)
+        if (strcmp(kinds[i].name, name) == 0) return &kinds[i];
+    return NULL;
+}
+
+/* The ends of a grid, its boundary included. */
+static double first_x(const ehd_grid *grid) {
+    return grid_x(grid, 0);
+}
+
+static double last_x(const ehd_grid *grid) {
+    return grid_x(grid, grid_width(grid) - 1);
+}
+
+/* In front of the grid, on the side that it comes in from. */
+static void set_position(ehd_surface *self, double of_length, const ehd_grid *grid) {
+    surface_settings *given = &self->given;
+
+    if (!isnan(given->position))
+        given->position *= of_length;
+    else
+        given->position =
+            given->speed > 0 ? first_x(grid) - self->front : last_x(grid) - self->rear;
+}
+
+/* Where a scene says how fast both surfaces are, it is one of them. */
+static ehd_status check_slide_roll(double speed, double slide_roll, ehd_error *error) {
+    const double faster = 1 + slide_roll / 2, slower = 1 - slide_roll / 2, rounding = 1e-9;
+
+    if (isnan(slide_roll) || fabs(speed - faster) <= rounding || fabs(speed - slower) <= rounding)
+        return EHD_OK;
+    return ehd_fail(error, EHD_DATA,
+                    "surface.speed: found %.10g, expected %.10g or %.10g, those of the surfaces by "
+                    "the slide-roll ratio",
+                    speed, faster, slower);
+}
+
+ehd_status surface_init(ehd_surface **result, const scene *given, const ehd_contact *reference,
+                        ehd_error *error) {
+    const surface_kind *kind = find_kind(given->surface.kind);
+    const bool si = strcmp(given->surface.units, "si") == 0;
+    ehd_status status = EHD_OK;
+
+    *result = NULL;
+    if (!kind) return EHD_OK;
+    if (given->surface.speed == 0)
+        return ehd_fail(error, EHD_DATA,
+                        "surface.speed: found 0, expected another one: at rest it never comes in");
+    if (si && isnan(reference->half_width))
+        return ehd_fail(error, EHD_DATA,
+                        "surface.units: found si, expected contact in a scene without physical");
+    status = check_slide_roll(given->surface.speed, reference->slide_roll, error);
+    if (status) return status;
+    ehd_surface *self = calloc(1, sizeof *self);
+    if (!self) return ehd_fail(error, EHD_MEMORY, "surface: found no memory");
+    self->kind = kind;
+    self->given = given->surface;
+    self->is_half = reference->grid.half;
+    self->ellipticity = reference->grid.shape.ellipticity;
+    const double of_length = si ? 1 / reference->half_width : 1;
+    status = kind->prepare(self, of_length, si ? 1 / contact_film_scale(reference) : 1, error);
+    if (!status) set_position(self, of_length, &reference->grid);
+    if (status) self = surface_free(self);
+    *result = self;
+    return status;
+}
+
+ehd_surface *surface_free(ehd_surface *self) {
+    if (!self) return NULL;
+    for (size_t l = 0; self->lines && l < self->num_lines; l++)
+        spline_free(self->lines[l]);
+    free(self->lines);
+    free(self->x);
+    free(self->y);
+    free(self->values);
+    free(self);
+    return NULL;
+}
+
+ehd_status surface_refuse(const scene *given, ehd_error *error) {
+    if (!given->surface.kind[0]) return EHD_OK;
+    return ehd_fail(
+        error, EHD_DATA,
+        "surface.kind: found %s, expected none with a reduced model, which is of smooth "
+        "surfaces; fullrun solves it",
+        given->surface.kind);
+}
+
+ehd_status surface_check_start(const ehd_surface *self, const contact_frame *frame,
+                               const ehd_grid *grid, ehd_error *error) {
+    const bool forwards = self->given.speed > 0;
+    const double end = frame->half_width * (forwards ? first_x(grid) : last_x(grid));
+    const double most = end - (forwards ? self->front : self->rear);
+    const double slack = 1e-9 * fabs(end);
+
+    if (forwards ? self->given.position <= most + slack : self->given.position >= most - slack)
+        return EHD_OK;
+    return ehd_fail(error, EHD_DATA,
+                    "surface.position: found %.6g half widths, expected %s %.6g, in front of the "
+                    "grid: the start is smooth",
+                    self->given.position, forwards ? "at most" : "at least", most);
+}
+
+// ---- in time
+
+double surface_position(const ehd_surface *self, double path) {
+    return self->given.position + self->given.speed * path;
+}
+
+double surface_height(const ehd_surface *self, const contact_frame *frame, double x, double y) {
+    const double along = x * frame->half_width - surface_position(self, frame->path);
+
+    const double across = y * self->ellipticity * frame->half_width;
+
+    return self->kind->height(self, along, across) / frame->film_scale;
+}
+
+void surface_heights(double *heights, const ehd_surface *self, const contact_frame *frame,
+                     const ehd_grid *grid) {
+    for (size_t k = 0; k < grid->num_nodes; k++)
+        heights[k] = surface_height(self, frame, grid_x(grid, k), grid_y(grid, k));
+}
+
+double surface_longest_path(const ehd_surface *self, const contact_frame *frame,
+                            const ehd_grid *grid, bool backwards) {
+    const double speed = self->given.speed, position = surface_position(self, frame->path);
+    const double first = first_x(grid) * frame->half_width, last = last_x(grid) * frame->half_width;
+    const double front = position + self->front, rear = position + self->rear;
+    const bool to_larger = backwards ? speed < 0 : speed > 0;
+    const double resolved =
+        fmax(PART_OF_LENGTH * self->length, PART_OF_STEP * grid->step * frame->half_width);
+    double move = resolved;
+
+    if (front < first) move = to_larger ? fmax(move, first - front) : INFINITY;
+    if (rear > last) move = to_larger ? INFINITY : fmax(move, rear - last);
+    return move / fabs(speed);
+}

@@ -1,0 +1,77 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Film on the centre line of a ball on a disc as a dimple passes, beside published films (README.md):
+
+    study.py table ROLLING.h5 SLIDING.h5             differences, moment by moment
+    study.py draw PICTURE.png ROLLING.h5 SLIDING.h5
+"""
+import os
+
+import h5py
+import numpy as np
+
+import results
+
+FOLDER = os.path.join(os.path.dirname(os.path.abspath(__file__)), "mourier-2006")
+WITHIN = 90  # um from the centre: beyond, the digitised films are steep
+
+# Of the published simulations where the middle of the dimple is, um: where it is deepest, in rolling the middle at half
+# its depth. None: it has not come in yet.
+CASES = {"ssr0": [None, -99.0, -43.5, 21.6, 106.0], "ssr-05": [-128.0, -69.0, -38.0, -8.0, 81.0]}
+
+
+def published(case, kind, moment):
+    """x (um) and film (nm) of a published curve: sim, exp."""
+    name = f"mourier_{case}_{kind}_{moment}" + ("_h" if kind == "sim" else "")
+    return np.genfromtxt(os.path.join(FOLDER, name + ".csv"), delimiter=",", skip_header=1).T
+
+
+def films(file, case):
+    """x (um) and for each moment where the dimple is and the film (nm) on Y = 0, of the step nearest to it."""
+    with h5py.File(file) as result:
+        length, film = 1e6 * result.attrs["half_width"], 1e9 * result.attrs["film_unit"]
+        line = np.abs(result["y"][...]).argmin()
+        places = length * result["surface_position"][...]
+        moments = [0 if place is None else np.abs(places - place).argmin() for place in CASES[case]]
+        return length * result["x"][...], [(places[k], film * result["film_thickness"][k, line]) for k in moments]
+
+
+def table(rolling, sliding):
+    """Differences from the published simulation at its points, and from the measured film."""
+    print(f"{'case':8}{'moment':>7}{'dimple at':>11}   film against simulated, |x| <= {WITHIN} um: worst, rms, mean;"
+          " measured: rms")
+    for case, file in zip(CASES, (rolling, sliding)):
+        x, moments = films(file, case)
+        for moment, (place, film) in enumerate(moments, 1):
+            off = []
+            for kind in "sim", "exp":
+                at, given = published(case, kind, moment)
+                inside = np.abs(at) <= WITHIN
+                off.append(100 * (np.interp(at[inside], x, film) / given[inside] - 1))
+            print(f"{case:8}{moment:7}{place:8.1f} um   {np.abs(off[0]).max():5.2f} %  "
+                  f"{np.sqrt(np.mean(off[0]**2)):5.2f} %  {off[0].mean():+5.2f} %  {np.sqrt(np.mean(off[1]**2)):6.1f} %")
+
+
+def draw(picture, rolling, sliding):
+    import pictures
+
+    figure, axes = pictures.page(1000, 900, 5, 2, sharex=True, sharey=True)
+    for column, (case, file) in enumerate(zip(CASES, (rolling, sliding))):
+        x, moments = films(file, case)
+        for moment, (_, film) in enumerate(moments, 1):
+            plot = axes[moment - 1, column]
+            plot.plot(x, film, color=pictures.BLUE, label="here")
+            plot.plot(*published(case, "sim", moment), "s", color=pictures.RED, fillstyle="none", markersize=4,
+                      label="simulated, 2006")
+            plot.plot(*published(case, "exp", moment), ".", color="#666666", markersize=3, label="measured, 2006")
+            plot.set(xlim=(-160, 160), ylim=(100, 400))
+            if column == 0:
+                plot.set_ylabel("film [nm]")
+        axes[0, column].set_title(["pure rolling", "dimple on the slower surface, 0.5 of the mean speed"][column],
+                                  fontsize=11)
+        axes[-1, column].set_xlabel("x [µm]")
+    axes[0, 0].legend(fontsize=8, loc="upper center", ncol=3)
+    pictures.save(figure, picture)
+
+
+if __name__ == "__main__":
+    results.commands(table, draw)

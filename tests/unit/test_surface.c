@@ -1,0 +1,538 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* A waviness, a dent or a table on one of the surfaces: its heights, where they may be, and what a
+ * film makes of them. */
+#include "common/time/surface.h"
+
+#include "common/settings/scene_contact.h"
+#include "fullrun/previous.h"
+#include "tests/unit/check.h"
+#include "tests/unit/folder.h"
+#include "tests/unit/marched.h"
+#include "tests/unit/sample.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static ehd_error error;
+
+/* Gives a scene a surface: "kind=dent", "depth=0.1", …, NULL at the end. */
+static void give(scene *of, const char *const *settings) {
+    char key[64];
+
+    for (; *settings; settings++) {
+        const char *value = strchr(*settings, '=') + 1;
+        snprintf(key, sizeof key, "surface.%.*s", (int)(value - 1 - *settings), *settings);
+        if (scene_set(of, key, value, "test", &error)) fail_msg("%s", error.text);
+    }
+    scene_complete(of);
+    if (scene_validate(of, "test", &error)) fail_msg("%s", error.text);
+}
+
+#define WITH(...) ((const char *const[]){__VA_ARGS__, NULL})
+
+/* A surface on a line from -4 to 2, in steps of 0.05. */
+static ehd_surface *surface_of(ehd_contact *reference, const char *const *settings) {
+    scene of = marched_scene(20, 5, "incompressible", 0.05, "end_time: 1");
+    ehd_surface *self;
+
+    give(&of, settings);
+    if (scene_contact(reference, &of, &error) || surface_init(&self, &of, reference, &error))
+        fail_msg("%s", error.text);
+    return self;
+}
+
+static contact_frame frame_at_path(const ehd_contact *reference, double load, double path) {
+    const double values[NUM_VARY] = {load, 1, 1, 1, 1};
+    contact_frame frame = frame_at(reference->kind, 0, values, NAN);
+
+    frame.path = path;
+    return frame;
+}
+
+// ---- heights
+
+static void a_dent_has_the_shape_of_its_formula(void **state) {
+    (void)state;
+    const double radius = 0.2, depth = 0.07;
+    ehd_contact reference;
+    ehd_surface *self = surface_of(
+        &reference, WITH("kind=dent", "depth=0.07", "radius=0.2", "position=-5", "speed=0.5"));
+    const contact_frame frame = frame_at_path(&reference, 1, 9); // its middle is at -0.5
+    check_close(surface_position(self, 9), -0.5, 1e-15, 0);
+    check_close(surface_height(self, &frame, -0.5, 0), depth, 1e-14, 0);
+    for (double x = -1.4; x < 0.5; x += 0.0371) {
+        const double r = hypot(x + 0.5, 0.05);
+        check_close(surface_height(self, &frame, x, 0.05),
+                    r < 3.6 * radius ? depth * cos(M_PI * r / (2.4 * radius)) *
+                                           exp(-2 * r * r / (1.44 * radius * radius))
+                                     : 0,
+                    1e-12, 1e-17);
+    }
+    surface_free(self);
+}
+
+static void a_waviness_ends_where_it_is(void **state) {
+    (void)state;
+    ehd_contact reference;
+    ehd_surface *self =
+        surface_of(&reference, WITH("kind=sine", "amplitude=0.02", "wavelength=0.5", "phase=0.3"));
+    const double end = -4.05; // the first boundary node
+    const contact_frame frame = frame_at_path(&reference, 1, 5);
+    check_close(surface_position(self, 0), end, 1e-14, 0);
+    for (double x = -2; x < 2; x += 0.0371) {
+        const double behind = end + 5 - x;
+        const double height = 0.02 * sin(-2 * M_PI * behind / 0.5 + 0.3);
+        const double found = surface_height(self, &frame, x, 0.7);
+        if (behind <= 0) check_close(found, 0, 0, 0);
+        if (behind >= 0.5) check_close(found, height, 1e-11, 1e-14);
+        if (behind > 0 && behind < 0.5) assert_true(fabs(found) <= fabs(height));
+    }
+    surface_free(self);
+    // from the other side
+    self =
+        surface_of(&reference, WITH("kind=sine", "amplitude=0.02", "wavelength=0.5", "speed=-1"));
+    check_close(surface_position(self, 0), 2.05, 1e-14, 0);
+    check_close(surface_height(self, &frame, -3.5, 0), 0, 0, 0);
+    check_close(surface_height(self, &frame, -2.95 + 0.625, 0), 0.02, 1e-9, 0);
+    surface_free(self);
+}
+
+/* The physical height and place are the same in any frame. */
+static void a_surface_keeps_its_size_as_the_contact_grows(void **state) {
+    (void)state;
+    ehd_contact reference;
+    ehd_surface *self =
+        surface_of(&reference, WITH("kind=dent", "depth=0.07", "radius=0.2", "position=-6"));
+    const contact_frame small = frame_at_path(&reference, 1, 5.6),
+                        large = frame_at_path(&reference, 2, 5.6);
+    assert_true(large.half_width > 1.4);
+    for (double x = -1; x < 0.3; x += 0.09)
+        check_close(surface_height(self, &large, x / large.half_width, 0) * large.film_scale,
+                    surface_height(self, &small, x, 0), 1e-13, 1e-17);
+    surface_free(self);
+}
+
+static void a_table_is_a_spline_through_its_rows(void **state) {
+    (void)state;
+    ehd_contact reference;
+    FILE *file = fopen("heights.csv", "w");
+    assert_non_null(file);
+    fputs("x,height\n", file);
+    for (int i = -20; i <= 20; i++)
+        fprintf(file, "%.17g,%.17g\n", 0.02 * i, 0.03 * pow(1 - i * i / 400., 3));
+    fclose(file);
+    ehd_surface *self = surface_of(&reference, WITH("kind=file", "file=heights.csv",
+                                                    "column=height", "position=-5", "speed=2"));
+    const contact_frame frame = frame_at_path(&reference, 1, 2.5); // x = 0 is at 0
+    for (double x = -0.5; x < 0.5; x += 0.0131) {
+        const double s = x / 0.4;
+        check_close(surface_height(self, &frame, x, 1), fabs(s) < 1 ? 0.03 * pow(1 - s * s, 3) : 0,
+                    0, 2e-6);
+    }
+    surface_free(self);
+}
+
+/* A dent's heights on a grid of x and y, which is not uniform across. */
+static void write_dent(const char *name, double aside) {
+    FILE *file = fopen(name, "w");
+    assert_non_null(file);
+    fputs("x,y,height\n", file);
+    for (int j = -20; j <= 20; j++)
+        for (int i = -24; i <= 24; i++) {
+            const double x = 0.03 * i, y = 0.02 * j * (1 + 0.01 * abs(j)) + aside;
+            const double r = hypot(x, y - aside) / 0.48;
+            const bool edge = abs(i) == 24 || abs(j) == 20;
+            fprintf(file, "%.17g,%.17g,%.17g\n", x, y,
+                    edge || r >= 1 ? 0 : (0.03 + 1e-15 * j) * pow(1 - r * r, 4));
+        }
+    fclose(file);
+}
+
+static void a_table_may_be_a_grid(void **state) {
+    (void)state;
+    scene of = marched_point("end_time: 1");
+    ehd_contact reference;
+    ehd_surface *self;
+    write_dent("grid.csv", 0);
+    write_dent("aside.csv", 0.1);
+    give(&of, WITH("kind=file", "file=grid.csv", "column=height", "across=y", "position=-5"));
+    assert_int_equal(scene_contact(&reference, &of, &error), EHD_OK);
+    assert_int_equal(surface_init(&self, &of, &reference, &error), EHD_OK);
+    const contact_frame frame = frame_at_path(&reference, 1, 5.1); // x = 0 is at 0.1
+    double steepest = 0;
+    for (double x = -0.9; x < 0.9; x += 0.0131)
+        for (double y = -0.6; y < 0.6; y += 0.0171) {
+            const double r = hypot(x - 0.1, y) / 0.48;
+            const double exact = r < 1 ? 0.03 * pow(1 - r * r, 4) : 0;
+            const double found = surface_height(self, &frame, x, y);
+            const double beside = surface_height(self, &frame, x, y + 1e-7);
+            check_close(found, exact, 0, 4e-5);
+            steepest = fmax(steepest, fabs(beside - found) / 1e-7);
+        }
+    assert_true(steepest > 0.09 && steepest < 0.12); // it does not jump from line to line
+    surface_free(self);
+    // half a contact has no room for one aside
+    give(&of, WITH("file=aside.csv"));
+    assert_int_equal(surface_init(&self, &of, &reference, &error), EHD_DATA);
+    assert_non_null(strstr(error.text, "aside.csv: found another height at -y than in row 1"));
+    scene_set(&of, "grid.half", "false", NULL, NULL);
+    assert_int_equal(scene_contact(&reference, &of, &error), EHD_OK);
+    assert_int_equal(surface_init(&self, &of, &reference, &error), EHD_OK);
+    check_close(surface_height(self, &frame, 0.1, 0.1), 0.03, 1e-12, 0);
+    surface_free(self);
+}
+
+/* The same physical dent, round, in a contact that is wider than long. */
+static void a_dent_is_round_in_an_ellipse(void **state) {
+    (void)state;
+    ehd_contact reference;
+    ehd_surface *self =
+        surface_of(&reference, WITH("kind=dent", "depth=1", "radius=0.2", "position=-5"));
+    const contact_frame frame = frame_at_path(&reference, 1, 5);
+    const double along = surface_height(self, &frame, 0.1, 0);
+    surface_free(self);
+    scene of = marched_scene(20, 5, "incompressible", 0.05, "end_time: 1");
+    scene_set(&of, "contact", "ellipse", NULL, NULL);
+    scene_set(&of, "ellipticity", "2", NULL, NULL);
+    give(&of, WITH("kind=dent", "depth=1", "radius=0.2", "position=-5"));
+    assert_int_equal(scene_contact(&reference, &of, &error), EHD_OK);
+    assert_int_equal(surface_init(&self, &of, &reference, &error), EHD_OK);
+    check_close(surface_height(self, &frame, 0.1, 0), along, 1e-13, 0);
+    check_close(surface_height(self, &frame, 0, 0.05), along, 1e-13, 0); // Y in b
+    surface_free(self);
+}
+
+// ---- what is refused
+
+static void check_refused(const char *expected, const char *const *settings) {
+    scene of = marched_scene(20, 5, "incompressible", 0.05, "end_time: 1");
+    ehd_contact reference;
+    ehd_surface *self;
+
+    give(&of, settings);
+    if (scene_contact(&reference, &of, &error)) fail_msg("%s", error.text);
+    assert_int_equal(surface_init(&self, &of, &reference, &error), EHD_DATA);
+    assert_null(self);
+    if (!strstr(error.text, expected)) fail_msg("found %s, expected %s", error.text, expected);
+}
+
+/* A file of this text, as a setting. */
+static const char *table_of(const char *text) {
+    FILE *file = fopen("table.csv", "w");
+    assert_non_null(file);
+    fputs(text, file);
+    fclose(file);
+    return "file=table.csv";
+}
+
+static void what_cannot_be_is_refused(void **state) {
+    (void)state;
+    check_refused("surface.speed: found 0", WITH("kind=dent", "depth=1", "radius=1", "speed=0"));
+    check_refused("surface.units: found si", WITH("kind=dent", "depth=1", "radius=1", "units=si"));
+    check_refused("found 2 rows, 2 of them of the first line, expected at least 3",
+                  WITH("kind=file", table_of("x,h\n0,0\n1,0\n"), "column=h"));
+    check_refused("found 0.5 in row 3, expected 0",
+                  WITH("kind=file", table_of("x,h\n0,0\n1,1\n2,0.5\n"), "column=h"));
+    check_refused("found x = 1 in row 3, expected increasing x",
+                  WITH("kind=file", table_of("x,h\n0,0\n1,1\n1,1\n2,0\n"), "column=h"));
+}
+
+/* Where the scene says how fast both surfaces are. */
+static void it_is_on_one_of_the_surfaces(void **state) {
+    (void)state;
+    static const char *const speeds[] = {"speed=1.2", "speed=0.8", "speed=1"};
+    scene of = marched_scene(20, 5, "incompressible", 0.05, "end_time: 1");
+    ehd_contact reference;
+    ehd_surface *self;
+    give(&of, WITH("kind=dent", "depth=1", "radius=1"));
+    for (size_t i = 0; i < 3; i++) {
+        give(&of, WITH(speeds[i]));
+        assert_int_equal(scene_contact(&reference, &of, &error), EHD_OK);
+        reference.slide_roll = 0.4;
+        assert_int_equal(surface_init(&self, &of, &reference, &error), i < 2 ? EHD_OK : EHD_DATA);
+        surface_free(self);
+    }
+    assert_non_null(strstr(error.text, "surface.speed: found 1, expected 1.2 or 0.8"));
+}
+
+static void the_start_is_smooth(void **state) {
+    (void)state;
+    ehd_contact reference;
+    ehd_surface *self =
+        surface_of(&reference, WITH("kind=dent", "depth=1", "radius=0.1", "position=-4.42"));
+    const contact_frame here = frame_at_path(&reference, 1, 0),
+                        larger = frame_at_path(&reference, 1.1, 0);
+    // the first node is at -4.05, the dent ends 0.36 from its middle
+    assert_int_equal(surface_check_start(self, &here, &reference.grid, &error), EHD_OK);
+    assert_int_equal(surface_check_start(self, &larger, &reference.grid, &error), EHD_DATA);
+    assert_non_null(strstr(error.text,
+                           "surface.position: found -4.42 half widths, expected at most "
+                           "-4.60"));
+    surface_free(self);
+}
+
+// ---- steps
+
+/* None is longer than half a length of the surface while it is on the grid, and none ends behind
+ * where it comes in. */
+static void steps_see_it_come(void **state) {
+    (void)state;
+    ehd_contact reference;
+    ehd_surface *self = surface_of(
+        &reference, WITH("kind=dent", "depth=1", "radius=0.1", "position=-10", "speed=0.5"));
+    const double resolved = 0.5 * 0.12 / sqrt(M_PI_2 * M_PI_2 + 4);
+    const struct {
+        double path, longest;
+        bool backwards;
+    } cases[] = {{0, (10 - 0.36 - 4.05) / 0.5, false},
+                 {0, INFINITY, true},
+                 {12, resolved / 0.5, false},
+                 {20, resolved / 0.5, true},
+                 {25, INFINITY, false},
+                 {25, (2.5 - 0.36 - 2.05) / 0.5, true}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        const contact_frame frame = frame_at_path(&reference, 1, cases[i].path);
+        const double found =
+            surface_longest_path(self, &frame, &reference.grid, cases[i].backwards);
+        if (isinf(cases[i].longest))
+            assert_true(isinf(found));
+        else
+            check_close(found, cases[i].longest, 1e-12, 0);
+    }
+    surface_free(self);
+}
+
+// ---- marches. Large: not for the stack.
+
+static marched first, second;
+
+/* Along the path, with fixed steps. */
+static scene along_path(double step, const char *transient) {
+    scene of = marched_scene(20, 5, "dowson-higginson", step, transient);
+    scene_set(&of, "transport", "path", NULL, NULL);
+    scene_complete(&of);
+    return of;
+}
+
+/* As long as what has come in is flat, and after. */
+static void heights_of_zero_change_no_bit(void **state) {
+    (void)state;
+    static const char *const transports[] = {"upwind", "path"};
+    for (size_t i = 0; i < 2; i++) {
+        scene of = marched_scene(20, 5, "dowson-higginson", 0.05,
+                                 "end_time: 3, fixed_step: 0.05, load: {law: sine, amplitude: 0.1, "
+                                 "period: 1}");
+        scene_set(&of, "transport", transports[i], NULL, NULL);
+        scene_complete(&of);
+        marched_all(&first, &of);
+        give(&of, WITH("kind=dent", "depth=0", "radius=0.3"));
+        marched_all(&second, &of);
+        assert_int_equal(first.count, second.count);
+        assert_memory_equal(first.film, second.film, first.count * sizeof(double));
+        assert_memory_equal(first.least_film, second.least_film, first.count * sizeof(double));
+        assert_memory_equal(first.approach, second.approach, first.count * sizeof(double));
+        assert_memory_equal(first.effect, second.effect, first.count * sizeof(double));
+        marched_end(&first);
+        marched_end(&second);
+    }
+}
+
+/* Where nothing flows but with the surfaces, and these stay as they are, a dent that moves with the
+ * fluid keeps rho H along its path: that of an earlier state is the present one to rounding. */
+static void a_plug_takes_its_dent_along(void **state) {
+    (void)state;
+    static const char *const densities[] = {"incompressible", "dowson-higginson"};
+    for (size_t i = 0; i < 2; i++)
+        for (int point = 0; point < 2; point++) {
+            scene of = point ? marched_point("end_time: 1")
+                             : marched_scene(20, 5, densities[i], 0.1, "end_time: 1");
+            ehd_contact reference;
+            ehd_surface *surface;
+            previous_carrier carrier;
+            previous_state plug;
+            scene_set(&of, "transport", "path", NULL, NULL);
+            // so narrow that no spline could carry it
+            give(&of, WITH("kind=dent", "depth=0.5", "radius=0.05", "position=-5"));
+            assert_int_equal(scene_contact(&reference, &of, &error), EHD_OK);
+            assert_int_equal(surface_init(&surface, &of, &reference, &error), EHD_OK);
+            reference.surface = surface;
+            const ehd_grid *grid = &reference.grid;
+            double *mass = calloc(grid->num_inner, sizeof *mass);
+            assert_int_equal(previous_carrier_init(&carrier, &reference, &error), EHD_OK);
+            assert_int_equal(previous_init(&plug, &reference, &error), EHD_OK);
+            plug.frame = frame_at_path(&reference, 1, 4.77);
+            const contact_frame now = frame_at_path(&reference, 1, 4.9137);
+            for (size_t k = 0; k < grid->num_nodes; k++) {
+                const double x = grid_x(grid, k), y = grid_y(grid, k);
+                plug.state.film[k] =
+                    0.3 + grid_gap(grid, k) + surface_height(surface, &plug.frame, x, y);
+                plug.state.pressure[k] = 0.9;
+            }
+            previous_prepare(&plug, &carrier);
+            previous_mass(mass, &plug, &now, &carrier);
+            const double density =
+                lubricant_density(&reference.lubricant, 0.9 * reference.hertz_pressure);
+            for (size_t r = 0; r < grid->num_inner; r++) {
+                const size_t k = grid_node_of_row(grid, r);
+                const double x = grid_x(grid, k), y = grid_y(grid, k), then = x - 0.1437;
+                if (fabs(x) > 1 || fabs(y) > 1) continue;
+                check_close(mass[r],
+                            density * (0.3 + contact_gap(&grid->shape, then, y) +
+                                       surface_height(surface, &now, x, y)),
+                            1e-13, 0);
+            }
+            free(mass);
+            previous_free(&plug);
+            previous_carrier_free(&carrier);
+            surface_free(surface);
+        }
+}
+
+/* Film at a place in the middle of the contact, cubic between the nodes. */
+static double film_at(const marched *self, double x) {
+    const ehd_grid *grid = &self->reference.grid;
+    const full_state *state = full_march_state(self->full, NULL);
+    const double place = (x - grid_x(grid, 0)) / grid->step;
+    const size_t k = (size_t)place;
+    const double s = place - (double)k, *film = state->film + k;
+
+    return -s * (s - 1) * (s - 2) / 6 * film[-1] + (s + 1) * (s - 1) * (s - 2) / 2 * film[0] -
+           (s + 1) * s * (s - 2) / 2 * film[1] + (s + 1) * s * (s - 1) / 6 * film[2];
+}
+
+/* In pure rolling what a dent makes of a heavily loaded film passes the middle unchanged: there
+ * nothing but the surfaces moves the fluid. */
+static void a_dented_film_passes_the_middle_as_it_is(void **state) {
+    (void)state;
+    scene of = marched_scene(100, 10, "incompressible", 0.02, "end_time: 4.1, fixed_step: 0.02");
+    scene_set(&of, "transport", "path", NULL, NULL);
+    give(&of, WITH("kind=dent", "depth=0.008", "radius=0.2", "position=-4.8"));
+    marched_all(&first, &of);
+    of.transient.end_time = 4.7;
+    marched_all(&second, &of);
+    // the dent's middle is at -0.7 and -0.1, and the film is 0.017 thick
+    check_close(surface_position(first.surface, 4.1), -0.7, 1e-12, 0);
+    double deepest = 0;
+    for (double x = -0.2; x <= 0.2; x += 0.01) {
+        check_close(film_at(&second, -0.1 + x), film_at(&first, -0.7 + x), 0, 4e-5);
+        deepest = fmax(deepest, film_at(&second, -0.1 + x) - film_at(&second, 0.7));
+    }
+    assert_true(deepest > 0.002);
+    marched_end(&first);
+    marched_end(&second);
+}
+
+/* When the start and the end of a waviness have left, it does not matter where that was. */
+static void a_waviness_forgets_its_end(void **state) {
+    (void)state;
+    scene of = along_path(0.05, "end_time: 9, fixed_step: 0.05");
+    give(&of, WITH("kind=sine", "amplitude=0.005", "wavelength=0.5", "position=-4.05"));
+    marched_all(&first, &of);
+    give(&of, WITH("position=-5.05")); // two waves more
+    marched_all(&second, &of);
+    const size_t count = first.count;
+    double least = INFINITY, most = 0;
+    assert_int_equal(count, second.count);
+    for (size_t k = count - 10; k < count; k++) { // a wave
+        check_close(second.film[k], first.film[k], 1e-5, 0);
+        least = fmin(least, first.film[k]);
+        most = fmax(most, first.film[k]);
+    }
+    assert_true(most - least > 0.005);
+    marched_end(&first);
+    marched_end(&second);
+}
+
+/* A dent that starts far away comes all the same, with error control, and is gone through in steps
+ * that it allows; where it starts makes no difference. */
+static void a_dent_from_far_away_is_met(void **state) {
+    (void)state;
+    scene of = along_path(0.05, "end_time: 6");
+    give(&of, WITH("kind=dent", "depth=0.03", "radius=0.2", "position=-5"));
+    marched_all(&first, &of);
+    of.transient.end_time = 66;
+    give(&of, WITH("position=-65"));
+    marched_all(&second, &of);
+    double highest[2] = {0, 0};
+    size_t within = 0;
+    for (size_t k = 0; k < first.count; k++)
+        highest[0] = fmax(highest[0], first.film[k]);
+    for (size_t k = 1; k < second.count; k++) {
+        const double from = second.time[k - 1] - 65;
+        highest[1] = fmax(highest[1], second.film[k]);
+        if (from < -4.05 - 0.72 + 1e-9 || from > 2.05 + 0.72) continue;
+        within++;
+        assert_true(second.time[k] - second.time[k - 1] <
+                    0.5 * 0.24 / sqrt(M_PI_2 * M_PI_2 + 4) * (1 + 1e-6));
+    }
+    check_close(highest[1], highest[0], 3e-3, 0);
+    assert_true(highest[0] > 1.05 * first.film[0]);
+    assert_true(within > 100);
+    assert_true(second.count - within < 100);
+    marched_end(&first);
+    marched_end(&second);
+}
+
+static void a_restored_march_has_the_same_bits(void **state) {
+    (void)state;
+    scene of = along_path(0.05, "end_time: 5");
+    double *saved;
+    give(&of, WITH("kind=dent", "depth=0.03", "radius=0.2", "speed=1.3"));
+    marched_all(&first, &of);
+    static marched stopped;
+    marched_begin(&stopped, &of);
+    stopped.stop_at = 60;
+    marched_on(&stopped);
+    const march_solver *solver = &stopped.march.solver;
+    saved = malloc(solver->saved_size(solver->self) * sizeof *saved);
+    assert_non_null(saved);
+    solver->save(saved, solver->self);
+    marched_check_restored(&second, &stopped, saved, &first);
+    free(saved);
+    marched_end(&stopped);
+    marched_end(&first);
+}
+
+static void half_a_contact_is_the_whole_one(void **state) {
+    (void)state;
+    scene of = marched_point("end_time: 4.5, fixed_step: 0.1");
+    scene_set(&of, "transport", "path", NULL, NULL);
+    give(&of, WITH("kind=dent", "depth=0.05", "radius=0.3"));
+    marched_all(&first, &of);
+    scene_set(&of, "grid.half", "false", NULL, NULL);
+    marched_all(&second, &of);
+    assert_int_equal(first.count, second.count);
+    check_close_array(second.film, first.film, first.count, 1e-9, 0);
+    check_close_array(second.least_film, first.least_film, first.count, 1e-9, 0);
+    double most = 0;
+    for (size_t k = 0; k < first.count; k++)
+        most = fmax(most, fabs(first.film[k] / first.film[0] - 1));
+    assert_true(most > 0.02);
+    marched_end(&first);
+    marched_end(&second);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_dent_has_the_shape_of_its_formula),
+        cmocka_unit_test(a_waviness_ends_where_it_is),
+        cmocka_unit_test(a_surface_keeps_its_size_as_the_contact_grows),
+        cmocka_unit_test(a_table_is_a_spline_through_its_rows),
+        cmocka_unit_test(a_table_may_be_a_grid),
+        cmocka_unit_test(a_dent_is_round_in_an_ellipse),
+        cmocka_unit_test(what_cannot_be_is_refused),
+        cmocka_unit_test(it_is_on_one_of_the_surfaces),
+        cmocka_unit_test(the_start_is_smooth),
+        cmocka_unit_test(steps_see_it_come),
+        cmocka_unit_test(heights_of_zero_change_no_bit),
+        cmocka_unit_test(a_plug_takes_its_dent_along),
+        cmocka_unit_test(a_dented_film_passes_the_middle_as_it_is),
+        cmocka_unit_test(a_waviness_forgets_its_end),
+        cmocka_unit_test(a_dent_from_far_away_is_met),
+        cmocka_unit_test(a_restored_march_has_the_same_bits),
+        cmocka_unit_test(half_a_contact_is_the_whole_one),
+    };
+    return cmocka_run_group_tests(tests, enter_folder, leave_folder);
+}
