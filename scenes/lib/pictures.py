@@ -94,7 +94,8 @@ def maps(picture, files, title=None, case=None, times=(), width=1200):
         fields = results.printed(file, "x", "y", *QUANTITIES)
         exits = results.farthest_exits(results.printed(file, "exit_position", "y"))
         widths = results.printed(file, "time", "contact_half_width")
-        row[0].set(ylabel=f"{kind} model      $Y = y/a$", xlim=(-2, 1.6), ylim=(-1.7, 1.7))
+        across = "a" if np.isnan(results.value(file, "ellipticity")) else "b"
+        row[0].set(ylabel=f"{kind} model      $Y = y/{across}$", xlim=(-2, 1.6), ylim=(-1.7, 1.7))
         for axes, (name, time) in zip(row, panels):
             field, line, half_width = (results.of_time(columns, time) for columns in (fields, exits, widths))
             x, y = np.unique(field["x"]), np.unique(field["y"])

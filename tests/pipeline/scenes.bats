@@ -725,3 +725,25 @@ YAML
     [[ $output =~ slow\ .*\ step\ \+[0-9]+\ % ]] # of which a point contact alone is told, not of the inlet
     for picture in profiles maps; do [ "$(head -c 4 out/$picture.png | tail -c 3)" = PNG ]; done
 }
+
+@test "the inner race of a ball bearing: an example at a small size" {
+    copy_scene examples/ball-bearing
+    sed -i 's/^ACCURACY = .*/ACCURACY =/' Makefile
+    sed -i 's/region: .*/vary: {physical.load: [250, 280, 310], physical.speed: [2.5, 3, 3.6]}/' plan.yml
+    sed -i -e '/^light\|^heavy/d' -e 's/278,1.3$/260,2.6/; s/278,6.8$/300,3.5/' cases.csv
+    sed -i 's/np.linspace(1000, 6000, 101)/np.linspace(2200, 3100, 12)/' bearing.py
+    run_make
+    echo "$output"
+    [ "$status" -eq 0 ]
+    awk -v off="$(sed -n 's/^worst deviation: \([0-9.]*\) .*/\1/p' <<<"$output")" 'BEGIN { exit !(off ~ /^[0-9.]+$/ && off < 20) }'
+    for picture in profiles maps film; do [ "$(head -c 4 out/$picture.png | tail -c 3)" = PNG ]; done
+    [ "$(wc -l <out/film.csv)" -eq 13 ]
+    # scene.yml has the bearing's numbers
+    /usr/bin/python3 -B - <<'PYTHON'
+import re, bearing
+text = open("scene.yml").read()
+value = lambda key: float(re.search(rf"\b{key}: ([-0-9.e]+)", text)[1])
+assert abs(value("radius") / bearing.RADIUS - 1) < 1e-4 and abs(value("radius_across") / bearing.RADIUS_ACROSS - 1) < 1e-4
+assert abs(value("load") / bearing.ball_load(500) - 1) < 1e-2 and abs(value("speed") / bearing.speed(3000) - 1) < 1e-2
+PYTHON
+}

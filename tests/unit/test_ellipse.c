@@ -2,6 +2,7 @@
 /* The elliptical contact: its shape against integrals and tables, its numbers against the dimensional
  * contact, and that Hertz pressure leaves its gap constant. */
 #include "common/physics/deflection.h"
+#include "common/physics/grid_choice.h"
 #include "common/physics/reynolds.h"
 #include "tests/unit/check.h"
 #include "tests/unit/sample.h"
@@ -154,6 +155,26 @@ static void moes_numbers_give_the_same_contact(void **state) {
     assert_true(grid_same(&contact.grid, &physical.grid));
     contact.grid.shape = shape_of(k * (1 + 1e-5));
     assert_false(grid_same(&contact.grid, &physical.grid));
+}
+
+/* The grid of ellipticity 1 is the point contact's; the sides of a wide one are nearer, counted in b. */
+static void default_grid_knows_the_sides(void **state) {
+    (void)state;
+    static const double of[] = {0.5, 1, 2, 4, 9};
+    ehd_contact contact = sample_point("barus", "incompressible", 20, 5, 8, true);
+
+    contact.grid.boundary = BOUNDARY_ZERO;
+    const double around = grid_extent_needed(&contact).y_max;
+    contact.kind = &contact_ellipse;
+    for (size_t i = 0; i < sizeof of / sizeof *of; i++) {
+        contact.grid.shape = shape_of(of[i]);
+        contact_set_moes(&contact, 20 * pow(of[i], 3) * pow(contact.grid.shape.compliance, 2), 5);
+        const grid_extent extent = grid_extent_needed(&contact);
+        const double expected =
+            of[i] > 1 ? fmax(1.5, 1 + (-0.75 * extent.x_min - 1) / of[i]) : -0.75 * extent.x_min;
+        check_close(extent.y_max, expected, 1e-12, 0);
+        if (of[i] == 1) check_close(extent.y_max, around, 0, 0);
+    }
 }
 
 // ---- the kernel
@@ -311,6 +332,7 @@ int main(void) {
         cmocka_unit_test(ellipticity_is_near_the_power_of_the_radii),
         cmocka_unit_test(numbers_are_those_of_the_dimensional_contact),
         cmocka_unit_test(moes_numbers_give_the_same_contact),
+        cmocka_unit_test(default_grid_knows_the_sides),
         cmocka_unit_test(kernel_is_the_integral_over_a_cell),
         cmocka_unit_test(hertz_pressure_leaves_the_gap_constant),
         cmocka_unit_test(dry_gap_opens_from_the_edge),

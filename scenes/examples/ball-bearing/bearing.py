@@ -1,0 +1,65 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The inner race of a 6206 deep groove ball bearing: what its contact is, and its film over the speed.
+
+    bearing.py numbers                  radii, load and speeds of scene.yml, plan.yml and cases.csv
+    bearing.py speeds                   rows of romrun --cases: the speeds of the shaft
+    bearing.py picture PICTURE TABLE    films over the speed, of the table that romrun --cases has made
+"""
+import csv
+import sys
+
+import numpy as np
+
+# Boundary dimensions of a 6206 (ISO 15), and the set of balls that makers' tables give for it.
+BORE, OUTSIDE, BALL, BALLS = 30e-3, 62e-3, 9.525e-3, 9
+# Assumed, since makers do not publish them: the pitch circle half way between bore and outside, and the
+# groove's radius over the ball's diameter (0.515 to 0.53 are usual).
+PITCH, CONFORMITY = (BORE + OUTSIDE) / 2, 0.52
+
+GAMMA = BALL / PITCH  # of a contact without angle
+RADIUS = BALL / 2 * (1 - GAMMA)  # along: 1/R_x = 2/D + 2/(d_m - D)
+RADIUS_ACROSS = 1 / (2 / BALL - 1 / (CONFORMITY * BALL))  # the groove is concave
+
+
+def ball_load(radial):
+    """Of the most loaded ball, with the usual clearance (Stribeck)."""
+    return 5 * radial / BALLS
+
+
+def speed(rpm):
+    """Mean speed of both surfaces at the inner race, rolling without slip, the outer ring at rest."""
+    return np.pi * rpm / 60 * PITCH / 2 * (1 - GAMMA**2)
+
+
+def numbers():
+    print(f"radius {RADIUS:.5g} m, radius_across {RADIUS_ACROSS:.5g} m")
+    for radial in 250, 500, 750:
+        print(f"{radial} N on the bearing: {ball_load(radial):.4g} N on the ball")
+    for rpm in 1000, 3000, 6000:
+        print(f"{rpm} rpm: {speed(rpm):.4g} m/s")
+
+
+def speeds():
+    print("physical.speed")
+    for rpm in np.linspace(1000, 6000, 101):
+        print(f"{speed(rpm):.9g}")
+
+
+def picture(file, table):
+    import pictures
+
+    with open(table, newline="") as lines:
+        rows = list(csv.DictReader(lines))
+    rpm = [float(row["physical.speed"]) / speed(1) for row in rows]
+    figure, axes = pictures.page(900, 500)
+    for name, color in ("central", pictures.BLUE), ("minimum", pictures.RED):
+        film = [1e6 * float(row[f"{name}_film_thickness [m]"]) for row in rows]
+        axes.plot(rpm, film, color=color, label=f"{name} film")
+    axes.set(xlabel="speed of the shaft, rpm", ylabel="film, µm", ylim=(0, None),
+             title="Inner race of a 6206, 278 N on the most loaded ball")
+    axes.legend()
+    pictures.save(figure, file)
+
+
+if __name__ == "__main__":
+    {"numbers": numbers, "speeds": speeds, "picture": picture}[sys.argv[1]](*sys.argv[2:])
