@@ -177,10 +177,16 @@ static void settle(active_set *self) {
     }
 }
 
-static ehd_status improve(active_set *self, ehd_error *error) {
-    const double least = NO_DESCENT * cblas_dnrm2((int)self->num_rows, right_of(self), 1);
+/* |A x - b| of the least squares of those in use. */
+static double residual_of(const active_set *self) {
+    return cblas_dnrm2((int)(self->num_rows - self->num_used), right_of(self) + self->num_used, 1);
+}
+
+static ehd_status improve(active_set *self, double tolerance, ehd_error *error) {
+    const double length = residual_of(self), least = NO_DESCENT * length;
 
     for (size_t change = 0; change < MAX_CHANGES * self->num_columns; change++) {
+        if (residual_of(self) <= tolerance * length) return EHD_OK;
         const size_t best =
             self->num_used < self->num_rows ? steepest(self, least) : self->num_columns;
         if (best == self->num_columns) return EHD_OK;
@@ -197,12 +203,12 @@ static ehd_status improve(active_set *self, ehd_error *error) {
 }
 
 ehd_status nnls_solve(double *x, const double *matrix, const double *right, size_t num_rows,
-                      size_t num_columns, ehd_error *error) {
+                      size_t num_columns, double tolerance, ehd_error *error) {
     active_set self = {.num_rows = num_rows, .num_columns = num_columns};
     ehd_status status = begin(&self, matrix, right, error);
 
     memset(x, 0, num_columns * sizeof *x);
-    if (!status) status = improve(&self, error);
+    if (!status) status = improve(&self, tolerance, error);
     for (size_t i = 0; i < self.num_used; i++)
         x[self.used[i]] = self.value[i] / self.length[self.used[i]];
     arena_free(&self.memory);

@@ -58,7 +58,7 @@ static void solutions_are_optimal(void **state) {
         const size_t of = (size_t)trial % 5;
         fill(matrix, rows[of] * columns[of], trial < 30 ? 0 : 0.9);
         fill(right, rows[of], trial < 30 ? 0 : 0.5);
-        assert_int_equal(nnls_solve(x, matrix, right, rows[of], columns[of], &error), EHD_OK);
+        assert_int_equal(nnls_solve(x, matrix, right, rows[of], columns[of], 0, &error), EHD_OK);
         num_used += check_optimal(x, matrix, right, rows[of], columns[of]);
         num_columns += columns[of];
     }
@@ -78,7 +78,7 @@ static void what_is_not_negative_is_found_again(void **state) {
         cblas_dscal(ROWS, pow(10, 10 - (double)j), matrix + j, 20);
     }
     cblas_dgemv(CblasRowMajor, CblasNoTrans, ROWS, 20, 1, matrix, 20, expected, 1, 0, right, 1);
-    assert_int_equal(nnls_solve(x, matrix, right, ROWS, 20, &error), EHD_OK);
+    assert_int_equal(nnls_solve(x, matrix, right, ROWS, 20, 0, &error), EHD_OK);
     for (size_t j = 0; j < 20; j++)
         check_close(x[j] * pow(10, 10 - (double)j), expected[j] * pow(10, 10 - (double)j), 1e-9,
                     1e-9);
@@ -91,13 +91,14 @@ static void simple_ones_are_known(void **state) {
     double x[3];
     (void)state;
 
-    assert_int_equal(nnls_solve(x, unit, right, 3, 3, &error), EHD_OK);
+    assert_int_equal(nnls_solve(x, unit, right, 3, 3, 0, &error), EHD_OK);
     check_close_array(x, ((const double[]){2, 0, 0.5}), 3, 1e-15, 0);
-    assert_int_equal(nnls_solve(x, unit, away, 3, 3, &error), EHD_OK);
+    assert_int_equal(nnls_solve(x, unit, away, 3, 3, 0, &error), EHD_OK);
     check_close_array(x, ((const double[]){0, 0, 0}), 3, 0, 0);
     // two columns, of which the unconstrained solution is (2, -1): the first alone has 1.5
     assert_int_equal(
-        nnls_solve(x, (const double[]){1, 1, 1, 0}, (const double[]){1, 2}, 2, 2, &error), EHD_OK);
+        nnls_solve(x, (const double[]){1, 1, 1, 0}, (const double[]){1, 2}, 2, 2, 0, &error),
+        EHD_OK);
     check_close_array(x, ((const double[]){1.5, 0}), 2, 1e-15, 0);
 }
 
@@ -118,10 +119,36 @@ static void columns_may_depend_on_each_other(void **state) {
                 row[j] = row[j - 30] + row[j - 19];
             row[39] = 0;
         }
-        assert_int_equal(nnls_solve(x, matrix, right, ROWS, NUM, &error), EHD_OK);
+        assert_int_equal(nnls_solve(x, matrix, right, ROWS, NUM, 0, &error), EHD_OK);
         assert_in_range(check_optimal(x, matrix, right, ROWS, NUM), 1, 20);
         check_close(x[39], 0, 0, 0);
     }
+}
+
+/* Fewer columns come as near as they are asked to. */
+static void a_tolerance_ends_it_before(void **state) {
+    double matrix[ROWS * 50], right[ROWS], x[50];
+    size_t last = 0;
+    (void)state;
+
+    fill(matrix, ROWS * 50, 1.5);
+    for (size_t i = 0; i < ROWS; i++)
+        right[i] = cblas_dasum(50, matrix + i * 50, 1) + next_number();
+    for (double tolerance = 1; tolerance > 1e-4; tolerance /= 2) {
+        double residual[ROWS];
+        size_t num_used = 0;
+        assert_int_equal(nnls_solve(x, matrix, right, ROWS, 50, tolerance, &error), EHD_OK);
+        for (size_t j = 0; j < 50; j++)
+            num_used += x[j] > 0;
+        memcpy(residual, right, sizeof residual);
+        cblas_dgemv(CblasRowMajor, CblasNoTrans, ROWS, 50, -1, matrix, 50, x, 1, 1, residual, 1);
+        const double left = cblas_dnrm2(ROWS, residual, 1) / cblas_dnrm2(ROWS, right, 1);
+        if (tolerance > 0.01) assert_true(left <= tolerance);
+        if (tolerance == 1) assert_int_equal(num_used, 0);
+        assert_true(num_used >= last);
+        last = num_used;
+    }
+    assert_in_range(last, 20, 50);
 }
 
 static void what_is_no_number_is_refused(void **state) {
@@ -129,12 +156,12 @@ static void what_is_no_number_is_refused(void **state) {
     (void)state;
 
     matrix[1] = NAN;
-    assert_int_equal(nnls_solve(x, matrix, right, 2, 2, &error), EHD_DATA);
+    assert_int_equal(nnls_solve(x, matrix, right, 2, 2, 0, &error), EHD_DATA);
     assert_string_equal(
         error.text, "least squares: found nan as the length of column 1, expected a finite one");
     matrix[1] = 2;
     right[0] = INFINITY;
-    assert_int_equal(nnls_solve(x, matrix, right, 2, 2, &error), EHD_DATA);
+    assert_int_equal(nnls_solve(x, matrix, right, 2, 2, 0, &error), EHD_DATA);
 }
 
 static void refused_memory_is_told(void **state) {
@@ -147,7 +174,7 @@ static void refused_memory_is_told(void **state) {
     fill(right, ROWS, 0.5);
     do {
         allocation_fail_at(call);
-        status = nnls_solve(x, matrix, right, ROWS, 20, &error);
+        status = nnls_solve(x, matrix, right, ROWS, 20, 0, &error);
         if (!allocation_failed()) break;
         assert_int_equal(status, EHD_MEMORY);
     } while (call++ < 100);
@@ -161,6 +188,7 @@ int main(void) {
         cmocka_unit_test(what_is_not_negative_is_found_again),
         cmocka_unit_test(simple_ones_are_known),
         cmocka_unit_test(columns_may_depend_on_each_other),
+        cmocka_unit_test(a_tolerance_ends_it_before),
         cmocka_unit_test(what_is_no_number_is_refused),
         cmocka_unit_test(refused_memory_is_told),
     };

@@ -1,0 +1,96 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "romrun/online/node_traction.h"
+
+#include <cblas.h>
+#include <math.h>
+
+/* Pressures of the band before the exits and of what cuts them, and int P X. */
+static double moment_of(node_state *self, const double *z) {
+    const reduced_model *model = self->model;
+    const ehd_grid *grid = &model->grid;
+    double moment = cblas_ddot((int)model->num_pressure, model->cubature.moment, 1, z, 1);
+
+    nodes_expand_runs(self, z);
+    for (size_t l = 0; l < model->band.num_lines; l++) {
+        const band_line *line = &model->band.lines[l];
+        if (!reduced_model_has_band(model, l) || self->exit[l] <= line->begin) continue;
+        const size_t first = l * grid_width(grid) + line->begin;
+        const size_t count = self->exit[l] - line->begin;
+        const double *pressure = self->band_pressure + line->offset;
+        nodes_expand_range(self, z, line->offset, count);
+        for (size_t i = 0; i < count; i++)
+            moment += grid_load_weight(grid, first + i) * grid_x(grid, first + i) * pressure[i];
+    }
+    return moment;
+}
+
+/* H at a node of the cubature; the band's pressures are known. */
+static double film_at(const node_state *self, const double *z, size_t q) {
+    const reduced_model *model = self->model;
+    const row_set *set = &model->cubature.nodes;
+    const bool coupled = model->deformation == DEFORMATION_COUPLED;
+    const size_t width = coupled ? model->num_pressure : model->num_deformation;
+    const grid_position at = reduced_model_position(model, set->needed_node[q]);
+    double film =
+        z[model->num_unknowns - 1] + set->gap[q] +
+        cblas_ddot((int)width, set->film + q * width, 1, coupled ? z : z + model->num_pressure, 1);
+
+    for (size_t l = 0; l < model->band.num_lines && coupled; l++) {
+        const band_line *line = &model->band.lines[l];
+        if (reduced_model_has_band(model, l) && self->exit[l] > line->begin)
+            reduced_model_deflect(&film, model, at, 1, l, line->begin, self->exit[l] - line->begin,
+                                  self->band_pressure + line->offset, 1);
+    }
+    return film;
+}
+
+/* Stress at a node with pressure, 0 at others; the largest is kept. */
+static double stress_at(double *largest, const ehd_contact *contact, double pressure, double film) {
+    if (!(pressure > 0)) return 0;
+    const double stress = contact_shear_stress(contact, pressure, film);
+
+    *largest = fmax(*largest, fabs(stress));
+    return stress;
+}
+
+/* What the cell before a line's exit has beside the sum over nodes with pressure. */
+static double behind_line(double *largest, const node_state *self, const double *z,
+                          const ehd_contact *contact, double exit_position) {
+    const band_line *line = &self->model->band.lines[0];
+    const size_t node = self->exit[0] - 1;
+    double films[2];
+    if (node < line->begin) return 0;
+
+    const double pressure = self->band_pressure[line->offset + node - line->begin];
+    nodes_band_films(films, self, z, node, 2);
+    const double stress = stress_at(largest, contact, pressure, films[0]);
+    return pressure > 0 ? contact_traction_behind(contact, node, stress, films, exit_position) : 0;
+}
+
+contact_traction nodes_traction(node_state *self, const double *z, const ehd_contact *contact,
+                                const contact_scalars *scalars) {
+    const reduced_model *model = self->model;
+    const node_cubature *cubature = &model->cubature;
+    const row_set *set = &cubature->nodes;
+    const size_t num_pressure = model->num_pressure;
+    traction_sums sums = {.moment = moment_of(self, z)};
+
+    // an even kernel does no net work along X: int H dP/dX = -int P X
+    sums.rolling = -sums.moment;
+    for (size_t q = 0; q < set->num_needed; q++) {
+        const grid_position at = reduced_model_position(model, set->needed_node[q]);
+        if (at.column >= self->exit[at.line]) continue;
+        const double pressure =
+            cblas_ddot((int)num_pressure, set->pressure + q * num_pressure, 1, z, 1);
+        const double stress =
+            stress_at(&sums.largest_stress, contact, pressure, film_at(self, z, q));
+        sums.friction += cubature->friction[q] * stress;
+        sums.mean_stress += cubature->dry[q] * fabs(stress);
+    }
+    for (size_t q = 0; q < model->rows.num_needed; q++)
+        stress_at(&sums.largest_stress, contact, self->now.pressure[q], self->now.film[q]);
+    if (model->band.num_lines == 1)
+        sums.friction +=
+            behind_line(&sums.largest_stress, self, z, contact, scalars->exit_position);
+    return contact_traction_from(contact, &sums, scalars->load);
+}
