@@ -87,18 +87,22 @@ static void look_at_needed(double *largest, const node_state *self, const ehd_co
             stress_at(largest, contact, pressure[q], self->now.film[q]);
 }
 
-/* What the cell before a line's exit has beside the sum over nodes with pressure. */
+/* What the cell behind the last node with pressure of a grid line has beside the sum over nodes. */
 static double behind_line(double *largest, const node_state *self, const double *z,
-                          const ehd_contact *contact, double exit_position) {
-    const band_line *line = &self->model->band.lines[0];
-    const size_t node = self->exit[0] - 1;
+                          const ehd_contact *contact, size_t line, double exit_position) {
+    const reduced_model *model = self->model;
+    const band_line *band = &model->band.lines[line];
+    const size_t column = self->exit[line] - 1;
+    const size_t node = line * grid_width(&model->grid) + column;
     double films[2];
-    if (node < line->begin) return 0;
+    if (!reduced_model_has_band(model, line) || column < band->begin) return 0;
 
-    const double pressure = self->band_pressure[line->offset + node - line->begin];
+    const double pressure = self->band_pressure[band->offset + column - band->begin];
+    if (!(pressure > 0)) return 0;
     nodes_band_films(films, self, z, node, 2);
     const double stress = stress_at(largest, contact, pressure, films[0]);
-    return pressure > 0 ? contact_traction_behind(contact, node, stress, films, exit_position) : 0;
+    return grid_load_weight(&model->grid, node) / model->grid.step *
+           contact_traction_behind(contact, node, stress, films, exit_position);
 }
 
 contact_traction nodes_traction(node_state *self, const double *z, const ehd_contact *contact,
@@ -122,8 +126,9 @@ contact_traction nodes_traction(node_state *self, const double *z, const ehd_con
         sums.mean_stress += cubature->dry[q] * fabs(stress);
     }
     look_at_needed(&sums.largest_stress, self, contact);
-    if (model->band.num_lines == 1)
-        sums.friction +=
-            behind_line(&sums.largest_stress, self, z, contact, scalars->exit_position);
+    const bool on_line = model->band.num_lines == 1;
+    for (size_t l = 0; l < model->band.num_lines; l++)
+        sums.friction += behind_line(&sums.largest_stress, self, z, contact, l,
+                                     on_line ? scalars->exit_position : NAN);
     return contact_traction_from(contact, &sums, scalars->load);
 }

@@ -257,6 +257,25 @@ for name in ("central_film_thickness", "minimum_film_thickness", "load", "exit_p
 PYTHON
 }
 
+@test "traction of a point contact, from few nodes or from fields" {
+    small_point_model
+    sed 's/^  density.*/&\n  shear: {law: eyring, tau0: 5e6}/' point.yml >sliding.yml
+    echo 'slide_roll: 0.1' >>sliding.yml
+    without_cubature p.h5
+    here=(--set physical.load=7.3 --set physical.speed=0.9 --allow-untrusted --quiet)
+    for law in eyring newtonian; do
+        sed -i "s/shear: .*/shear: {law: $law}/; s/law: eyring/&, tau0: 5e6/" sliding.yml
+        romrun sliding.yml --model p.h5 "${here[@]}" -o red.h5 --force
+        romrun sliding.yml --model bad.h5 "${here[@]}" -o old-red.h5 --force
+        [ "$(number red.h5 friction_force)" != "$(number old-red.h5 friction_force)" ]
+        for name in friction_force mean_shear_stress; do
+            close_to "$(number red.h5 $name)" "$(number old-red.h5 $name)" 3e-4
+        done
+        close_to "$(number red.h5 rolling_moment)" "$(number old-red.h5 rolling_moment)" 1e-9
+        close_to "$(number red.h5 rolling_resistance)" "$(number old-red.h5 rolling_resistance)" 1e-9
+    done
+}
+
 @test "altered weights of the traction are refused" {
     for value in -1.0 "float('nan')" "float('inf')"; do
         for name in cubature_friction cubature_dry; do
