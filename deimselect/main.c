@@ -7,6 +7,7 @@
 #include "common/program/program.h"
 #include "common/training/pool.h"
 #include "deimselect/checked_model.h"
+#include "deimselect/cubature.h"
 #include "deimselect/row_choice.h"
 #include "podbuild/readers.h"
 #include "romrun/model/basis_file.h"
@@ -148,6 +149,7 @@ static ehd_status write_model(const program *self, const select_options *options
     char text[128], worth[CHECK_REPORT] = "";
     ehd_status status = row_choice_model(&model, choice, basis, error);
 
+    if (!status) status = cubature_train(&model, basis, error);
     snprintf(text, sizeof text, "method: %s\nrows: %zu\nweights: %s\ncontrol: %zu\n", method,
              choice->num_rows, weights ? weights : "given", choice->num_control);
     if (!status && options->no_check)

@@ -281,7 +281,8 @@ static ehd_status fill_result(stationary_run *self, bool with_fields, bool with_
     if (!self->exits) return ehd_fail(error, EHD_MEMORY, "exits: found no memory for the lines");
     online_exits(self->exits, done->solver);
     const bool with_traction = contact_has_traction(self->contact);
-    if (with_fields || with_traction) {
+    const bool few_nodes = with_traction && online_has_traction(done->model);
+    if (with_fields || (with_traction && !few_nodes)) {
         self->pressure = malloc(grid->num_nodes * sizeof(double));
         self->film = malloc(grid->num_nodes * sizeof(double));
         status = online_prepare_fields(done->model, error);
@@ -295,8 +296,9 @@ static ehd_status fill_result(stationary_run *self, bool with_fields, bool with_
     self->result.pressure = with_fields ? self->pressure : NULL;
     self->result.film = with_fields ? self->film : NULL;
     if (!status && with_traction) {
-        self->traction =
-            contact_traction_of(self->contact, self->pressure, self->film, &done->solution.scalars);
+        self->traction = few_nodes ? online_traction(done->solver, self->contact)
+                                   : contact_traction_of(self->contact, self->pressure, self->film,
+                                                         &done->solution.scalars);
         self->result.traction = &self->traction;
     }
     self->result.exits = self->exits;

@@ -201,14 +201,17 @@ static ehd_status store(void *sink, const march_step *step, size_t index, ehd_er
     char shown[64];
 
     const bool traction = contact_has_traction(self->task->reference);
-    ehd_contact frame;
+    ehd_contact frame = {0};
     contact_traction tractions = contact_traction_unknown();
-    if (fields || traction)
+    if (fields || (traction && !solver->traction))
         status = solver->fields(self->pressure, self->film, solver->self, error);
     if (traction && !status) {
         frame_contact(&frame, &step->frame, self->task->reference);
         tractions = frame_traction_to_reference(
-            contact_traction_of(&frame, self->pressure, self->film, &step->scalars), &step->frame);
+            solver->traction
+                ? solver->traction(solver->self, &frame, &step->scalars)
+                : contact_traction_of(&frame, self->pressure, self->film, &step->scalars),
+            &step->frame);
     }
     const time_entry entry = {.time = step->frame.time,
                               .central_film_thickness = scalars.central_film_thickness,
@@ -491,7 +494,8 @@ static ehd_status prepare(runner *self, ehd_histories **histories, ehd_error *er
         if (status) return status;
     }
     self->restart = malloc((AT_SOLVER + solver->saved_size(solver->self)) * sizeof(double));
-    const bool states = task->with_fields || contact_has_traction(task->reference);
+    const bool states =
+        task->with_fields || (contact_has_traction(task->reference) && !solver->traction);
     if (states) {
         self->pressure = malloc(num_nodes * sizeof(double));
         self->film = malloc(num_nodes * sizeof(double));

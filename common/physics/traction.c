@@ -41,22 +41,37 @@ flow_thinning traction_thinning(const ehd_contact *contact, double viscosity, do
     return (flow_thinning){rate / asinh(rate), 1 - rate / (root * asinh(rate))};
 }
 
-/* int tau dX of the half cell behind the last node with pressure, in place of half a cell: up to the
- * exit, where the pressure is zero. */
-static double behind_last(const ehd_contact *contact, double last_stress, const double *film,
-                          size_t node, double exit) {
+double contact_traction_behind(const ehd_contact *contact, size_t node, double stress,
+                               const double film[2], double exit) {
     const ehd_grid *grid = &contact->grid;
-    const double place = isnan(exit) ? 1 : (exit - grid_x(grid, node)) / grid->step;
-    const double there = (1 - place) * film[node] + place * film[node + 1];
+    const double beside = (exit - grid_x(grid, node)) / grid->step;
+    const double place = beside >= 0 && beside <= 1 ? beside : 1;
+    const double there = (1 - place) * film[0] + place * film[1];
 
-    return grid->step / 2 *
-           (place * (last_stress + contact_shear_stress(contact, 0, there)) - last_stress);
+    return grid->step / 2 * (place * (stress + contact_shear_stress(contact, 0, there)) - stress);
+}
+
+contact_traction contact_traction_from(const ehd_contact *contact, const traction_sums *sums,
+                                       double load) {
+    const double per_load = 1 / contact->kind->load;
+    contact_traction traction = {
+        .coefficient = sums->friction * per_load / load,
+        .friction = sums->friction * per_load,
+        .rolling_resistance = slope_of(contact) * sums->rolling * per_load / 2,
+        .rolling_moment = -sums->moment * per_load,
+        .mean_stress = sums->mean_stress,
+        .largest_stress = sums->largest_stress,
+    };
+
+    traction.power = contact->far_speed *
+                     (contact->slide_roll * traction.friction + 2 * traction.rolling_resistance);
+    return traction;
 }
 
 contact_traction contact_traction_of(const ehd_contact *contact, const double *pressure,
                                      const double *film, const contact_scalars *scalars) {
     const ehd_grid *grid = &contact->grid;
-    const double cell = grid_cell(grid), slope = slope_of(contact);
+    const double cell = grid_cell(grid);
     const bool on_line = contact->kind->dimensions == 1;
     double friction = 0, rolling = 0, moment = 0, dry = 0, dry_area = 0, largest = 0;
 
@@ -68,30 +83,25 @@ contact_traction contact_traction_of(const ehd_contact *contact, const double *p
         rolling += weight * (film[k - 1] + film[k]) / 2 * (pressure[k] - pressure[k - 1]);
         if (r % grid->inner_x == grid->inner_x - 1)
             rolling += weight * (film[k] + film[k + 1]) / 2 * (pressure[k + 1] - pressure[k]);
-        moment -= weight * x * pressure[k];
+        moment += weight * x * pressure[k];
         if (in_dry) dry_area += weight;
         if (!(pressure[k] > 0)) continue;
         const double stress = contact_shear_stress(contact, pressure[k], film[k]);
         friction += weight * stress * cell;
         if (!(pressure[k + 1] > 0))
-            friction +=
-                weight * cell / grid->step *
-                behind_last(contact, stress, film, k, on_line ? scalars->exit_position : NAN);
+            friction += weight * cell / grid->step *
+                        contact_traction_behind(contact, k, stress, film + k,
+                                                on_line ? scalars->exit_position : NAN);
         if (in_dry) dry += weight * fabs(stress);
         largest = fmax(largest, fabs(stress));
     }
-    const double per_load = 1 / contact->kind->load;
-    contact_traction traction = {
-        .coefficient = friction * per_load / scalars->load,
-        .friction = friction * per_load,
-        .rolling_resistance = slope * rolling * cell / grid->step * per_load / 2,
-        .rolling_moment = moment * cell * per_load,
-        .mean_stress = dry / dry_area,
-        .largest_stress = largest,
-    };
-    traction.power = contact->far_speed *
-                     (contact->slide_roll * traction.friction + 2 * traction.rolling_resistance);
-    return traction;
+    const traction_sums sums = {.friction = friction,
+                                .rolling = rolling * cell / grid->step,
+                                .moment = moment * cell,
+                                .mean_stress = dry / dry_area,
+                                .largest_stress = largest};
+
+    return contact_traction_from(contact, &sums, scalars->load);
 }
 
 void contact_surface_stresses(double *on_1, double *on_2, const ehd_contact *contact,

@@ -42,6 +42,23 @@ flow_thinning traction_thinning(const ehd_contact *contact, double viscosity, //
 /* Whether the law of shear stress counts in the flow too: its in_film is true. */
 bool traction_thins_flow(const ehd_contact *contact);
 
+/* Integrals over the contact, dimensionless, from which all of it follows. */
+typedef struct traction_sums {
+    double friction;                    // int tau dA
+    double rolling;                     // int H dP/dX dA
+    double moment;                      // int P X dA
+    double mean_stress, largest_stress; // as in contact_traction
+} traction_sums;
+contact_traction contact_traction_from(const ehd_contact *contact, const traction_sums *sums,
+                                       double load); // over that of the frame
+
+/* int tau dX of the half cell behind the last node with pressure of a line, in place of half a cell: up to
+ * the exit, where the pressure is zero; an exit that is not in the cell (NaN: not known): to the next node. */
+double contact_traction_behind(const ehd_contact *contact, size_t node,
+                               double stress,        // at the node
+                               const double film[2], // there and at the next node
+                               double exit);         // X
+
 /* All of it from pressure and film at the nodes of the contact's grid, where there is pressure. Behind
  * the last node with pressure of a line contact it goes on to the exit, else to the next node. */
 contact_traction

@@ -273,6 +273,45 @@ static void walk_tables(flat *file, reduced_model *model) {
         at->control = flat_table(file, "checkpoints_control", at->control, at->num, of_control);
 }
 
+// ---- traction
+
+static void check_nodes(flat *file, reduced_model *model) {
+    node_cubature *cubature = &model->cubature;
+    row_set *set = &cubature->nodes;
+
+    for (size_t q = 0; q < set->num_needed; q++)
+        if (!is_inner(&model->grid, set->needed_node[q]) || !(cubature->friction[q] >= 0) ||
+            !(cubature->dry[q] >= 0)) {
+            flat_refuse(file,
+                        "cubature: found node %zu with weights %g and %g, expected inner nodes and "
+                        "no weight below 0",
+                        set->needed_node[q], cubature->friction[q], cubature->dry[q]);
+            return;
+        }
+    flat_fail(file, reduced_model_place_rows(model, set, file->error));
+}
+
+static void walk_cubature(flat *file, reduced_model *model) {
+    node_cubature *cubature = &model->cubature;
+    row_set *set = &cubature->nodes;
+    const size_t num_pressure = model->num_pressure;
+    const size_t width =
+        model->deformation == DEFORMATION_COUPLED ? num_pressure : model->num_deformation;
+
+    set->num_needed = flat_whole(file, "cubature_nodes", set->num_needed, 0, model->grid.num_nodes);
+    if (set->num_needed == 0) return;
+    set->needed_node = flat_array(file, "cubature_node", set->needed_node, set->num_needed,
+                                  sizeof *set->needed_node);
+    cubature->friction =
+        flat_table(file, "cubature_friction", cubature->friction, set->num_needed, 1);
+    cubature->dry = flat_table(file, "cubature_dry", cubature->dry, set->num_needed, 1);
+    cubature->moment = flat_table(file, "moment", cubature->moment, 1, num_pressure);
+    set->pressure =
+        flat_table(file, "cubature_pressure", set->pressure, set->num_needed, num_pressure);
+    set->film = flat_table(file, "cubature_film", set->film, set->num_needed, width);
+    if (file->reading && flat_good(file)) check_nodes(file, model);
+}
+
 // ---- all of it
 
 void flat_model(flat *file, reduced_model *model) {
@@ -290,6 +329,7 @@ void flat_model(flat *file, reduced_model *model) {
     if (flat_good(file)) walk_states(file, model);
     if (flat_good(file)) walk_shift(file, model);
     if (flat_good(file)) walk_tables(file, model);
+    if (flat_good(file)) walk_cubature(file, model);
 }
 
 void flat_model_free(reduced_model *model) {

@@ -14,6 +14,16 @@ typedef struct row_fields {
 } row_fields;
 extern const row_fields selected_fields, control_fields;
 
+/* The same of a cubature. */
+typedef struct traction_fields {
+    const char *axis, *node;
+    const char *friction, *dry;
+    const char *moment;
+    const char *pressure;
+    const char *film[2]; // by deformation_kind
+} traction_fields;
+extern const traction_fields cubature_fields;
+
 /* Members of band_line that the file of a point contact holds. */
 enum { NUM_BAND_FIELDS = 4 };
 extern const char *const band_fields[NUM_BAND_FIELDS];

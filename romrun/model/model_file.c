@@ -24,6 +24,14 @@ const row_fields control_fields = {"control",
                                    "control_pressure_basis",
                                    {"control_deformation_basis", "control_coupled_basis"}};
 
+const traction_fields cubature_fields = {"cubature",
+                                         "cubature_node_index",
+                                         "cubature_friction",
+                                         "cubature_dry",
+                                         "moment_jacobian",
+                                         "cubature_pressure_basis",
+                                         {"cubature_deformation_basis", "cubature_coupled_basis"}};
+
 const char *const band_fields[NUM_BAND_FIELDS] = {"band_line_begin", "band_line_end",
                                                   "band_line_least_exit", "band_line_most_exit"};
 
@@ -127,6 +135,23 @@ static ehd_status put_tables(artefact *file, const reduced_model *model, ehd_err
     return status ? status : put_rows(file, &model->control, &control_fields, model, error);
 }
 
+static ehd_status put_cubature(artefact *file, const reduced_model *model, ehd_error *error) {
+    const node_cubature *cubature = &model->cubature;
+    const row_set *set = &cubature->nodes;
+    if (set->num_needed == 0) return EHD_OK;
+    ehd_status status = artefact_put_axis(file, cubature_fields.axis, set->num_needed, NULL, error);
+
+    if (!status)
+        status = put_nodes(file, cubature_fields.node, set->needed_node, set->num_needed,
+                           &model->grid, false, error);
+    if (!status) status = artefact_put(file, cubature_fields.pressure, set->pressure, error);
+    if (!status)
+        status = artefact_put(file, cubature_fields.film[model->deformation], set->film, error);
+    if (!status) status = artefact_put(file, cubature_fields.friction, cubature->friction, error);
+    if (!status) status = artefact_put(file, cubature_fields.dry, cubature->dry, error);
+    return status ? status : artefact_put(file, cubature_fields.moment, cubature->moment, error);
+}
+
 static ehd_status put_attributes(artefact *file, const reduced_model *model,
                                  const model_origin *origin, ehd_error *error) {
     const struct {
@@ -172,6 +197,7 @@ ehd_status model_put(artefact *file, const reduced_model *model, const reduced_b
     if (!status && model->band.num_lines > 1) status = put_lines(file, model, error);
     if (!status) status = put_tables(file, model, error);
     if (!status) status = put_weighting(file, origin, error);
+    if (!status) status = put_cubature(file, model, error);
     if (!status)
         status = modes_write(file, "pressure_basis", basis->pressure, &basis->grid,
                              basis->num_pressure, true, error);

@@ -320,6 +320,36 @@ static ehd_status read_control(reduced_model *model, artefact *file, const store
     return status ? status : read_needed(model, control, &control_fields, file, stored, error);
 }
 
+/* The nodes for traction, where the file has them, whatever rows and modes are in use. */
+static ehd_status read_cubature(reduced_model *model, artefact *file, const stored_sizes *stored,
+                                ehd_error *error) {
+    const traction_fields *fields = &cubature_fields;
+    const size_t num = artefact_length(file, fields->axis);
+    node_cubature *cubature = &model->cubature;
+    row_set *set = &cubature->nodes;
+    arena *memory = &model->memory;
+    if (num == 0) return EHD_OK;
+
+    set->num_needed = num;
+    ehd_status status =
+        read_nodes(&set->needed_node, memory, file, fields->node, num, false, &model->grid, error);
+    if (!status)
+        status = read_part(&set->pressure, memory, file, fields->pressure, num, stored->pressure,
+                           NULL, num, model->num_pressure, error);
+    if (!status)
+        status = read_part(&set->film, memory, file, fields->film[model->deformation], num,
+                           stored_film_width(model, stored), NULL, num, film_width(model), error);
+    if (!status)
+        status = read_part(&cubature->friction, memory, file, fields->friction, num, 1, NULL, num,
+                           1, error);
+    if (!status)
+        status = read_part(&cubature->dry, memory, file, fields->dry, num, 1, NULL, num, 1, error);
+    if (!status)
+        status = read_part(&cubature->moment, memory, file, fields->moment, 1, stored->pressure,
+                           NULL, 1, model->num_pressure, error);
+    return status ? status : reduced_model_place_rows(model, set, error);
+}
+
 /* The states' coordinates in the chosen modes. */
 static ehd_status read_states(reduced_model *model, artefact *file, const stored_sizes *stored,
                               ehd_error *error) {
@@ -396,6 +426,7 @@ ehd_status model_get(reduced_model *model, artefact *file, const model_sizes *si
     if (!status) status = read_band(model, file, error);
     if (!status) status = read_tables(model, file, &stored, error);
     if (!status) status = read_control(model, file, &stored, error);
+    if (!status) status = read_cubature(model, file, &stored, error);
     if (!status) status = read_states(model, file, &stored, error);
     if (!status) status = reduced_model_complete(model, error);
     if (!status && model->control.num_rows > 0)

@@ -215,3 +215,41 @@ ehd_status reduced_model_add_control(reduced_model *model, const reduced_basis *
     deflection_free(deflection);
     return status;
 }
+
+/* int P X of the modes cut where the band begins. */
+static void fill_moment(double *moment, const reduced_model *model, const reduced_basis *basis) {
+    const ehd_grid *grid = &basis->grid;
+    const size_t num = basis->num_pressure;
+
+    for (size_t r = 0; r < grid->num_inner; r++) {
+        const size_t k = grid_node_of_row(grid, r);
+        if (is_before_band(model, k))
+            cblas_daxpy((int)num, grid_load_weight(grid, k) * grid_x(grid, k),
+                        basis->pressure + k * num, 1, moment, 1);
+    }
+}
+
+ehd_status reduced_model_add_cubature(reduced_model *model, const reduced_basis *basis,
+                                      const size_t *nodes, const double *friction,
+                                      const double *dry, size_t num_nodes, ehd_error *error) {
+    ehd_deflection *deflection = deflection_create(basis->kind, &basis->grid);
+    node_cubature *cubature = &model->cubature;
+    row_set *set = &cubature->nodes;
+
+    set->num_needed = num_nodes;
+    set->needed_node = arena_array(&model->memory, num_nodes, sizeof *set->needed_node);
+    cubature->friction = arena_array(&model->memory, num_nodes, sizeof(double));
+    cubature->dry = arena_array(&model->memory, num_nodes, sizeof(double));
+    cubature->moment = arena_array(&model->memory, basis->num_pressure, sizeof(double));
+    ehd_status status = deflection && !model->memory.failed ? EHD_OK : no_memory(error);
+    if (!status) {
+        memcpy(set->needed_node, nodes, num_nodes * sizeof *nodes);
+        memcpy(cubature->friction, friction, num_nodes * sizeof *friction);
+        memcpy(cubature->dry, dry, num_nodes * sizeof *dry);
+        fill_moment(cubature->moment, model, basis);
+        status = fill_tables(model, set, basis, deflection, error);
+    }
+    if (!status) status = reduced_model_place_rows(model, set, error);
+    deflection_free(deflection);
+    return status;
+}

@@ -148,6 +148,15 @@ typedef struct start_shift {
     double *profile; // [num_states, num_points, 2] pressure, and slope times the spacing
 } start_shift;
 
+/* Nodes that sums of shear stresses over the grid are replaced by (romrun/online/README.md, traction),
+ * whatever rows are in use. */
+typedef struct node_cubature {
+    row_set nodes;    // its needed nodes, without rows; none: 0
+    double *friction; // [num_needed] not negative: of int tau over the nodes with pressure
+    double *dry;      // [num_needed] not negative: of the mean |tau| of the dry contact
+    double *moment;   // [num_pressure] int P X of the modes cut where the band begins
+} node_cubature;
+
 /* What the online solver holds. Everything here is read-only while solving, so that several
  * solvers in several threads may share it. */
 typedef struct reduced_model {
@@ -168,6 +177,7 @@ typedef struct reduced_model {
     exit_checkpoints checkpoints;
     reduced_states states;
     start_shift shift;
+    node_cubature cubature;
     arena memory; // of all arrays but the states'
 } reduced_model;
 
@@ -186,6 +196,15 @@ ehd_status reduced_model_add_control(
     reduced_model *model,
     // input:
     const reduced_basis *basis, const size_t *rows, size_t num_rows, ehd_error *error);
+
+/* Adds a cubature. EHD_MEMORY. */
+ehd_status reduced_model_add_cubature(
+    // in and out:
+    reduced_model *model,
+    // input:
+    const reduced_basis *basis, const size_t *nodes, // [num_nodes] ascending
+    const double *friction, const double *dry,       // [num_nodes]
+    size_t num_nodes, ehd_error *error);
 
 /* Lists the needed nodes of one of the model's two sets of rows, ascending; for the selected rows
  * those around the centre too. EHD_MEMORY. */

@@ -464,6 +464,15 @@ film_effects online_effects(const online_model *model, const ehd_contact *contac
                            &contact->lubricant);
 }
 
+bool online_has_traction(const online_model *model) {
+    return model->reduced.cubature.nodes.num_needed > 0;
+}
+
+contact_traction online_traction(online_solver *solver, const ehd_contact *contact) {
+    if (!solver->solved || !online_has_traction(solver->model)) return contact_traction_unknown();
+    return reduced_traction(solver->reduced, &solver->state, contact, &solver->scalars);
+}
+
 /* The modes on the whole grid, those that are not there yet. `deformation`: of an independent basis
  * too. */
 static ehd_status read_bases(online_model *self, bool deformation, ehd_error *error) {

@@ -29,6 +29,7 @@
 #include "common/output/film_effects.h"
 #include "common/output/indicated.h"
 #include "common/physics/contact.h"
+#include "common/physics/traction.h"
 #include "common/program/status.h"
 #include "common/settings/scene_contact.h"
 #include "common/time/march.h"
@@ -149,6 +150,13 @@ online_indications online_indicate(online_solver *solver, const ehd_contact *con
  * interpolated between the estimates of the training points (film_effects.h). NaN: the model holds
  * none; infinite: its grid is too coarse to tell. About ten microseconds; any number of threads. */
 film_effects online_effects(const online_model *model, const ehd_contact *contact);
+
+/* Whether tractions of a model are sums over few nodes: of one from a training of this version. */
+bool online_has_traction(const online_model *model);
+
+/* Traction of the last solution of a model that has it; unknown where that did not converge. Allocates
+ * nothing, and nothing grows with the grid. `contact`: that of the last online_solve, with sliding. */
+contact_traction online_traction(online_solver *solver, const ehd_contact *contact);
 
 /* Reads and makes what fields need: memory of twice [num_nodes, pressure_modes] numbers. Once a model,
  * one thread at a time; a second call does nothing. EHD_NOINPUT, EHD_DATA, EHD_MEMORY. */

@@ -1311,6 +1311,14 @@ static ehd_status fields(double *pressure, double *film, void *solver, ehd_error
     return EHD_OK;
 }
 
+static contact_traction traction(void *solver, const ehd_contact *contact,
+                                 const contact_scalars *scalars) {
+    reduced_march *self = solver;
+    const reduced_state state = reduced_march_state(self, NULL);
+
+    return reduced_traction(self->solver, &state, contact, scalars);
+}
+
 /* One a line. */
 static void exits(double *positions, const void *solver) {
     const reduced_march *self = solver;
@@ -1335,5 +1343,6 @@ march_solver reduced_march_solver(reduced_march *self) {
                           .save = save,
                           .restore = restore,
                           .fields = fields,
+                          .traction = self->model->cubature.nodes.num_needed > 0 ? traction : NULL,
                           .exits = exits};
 }

@@ -4,6 +4,7 @@
 #include "common/program/program.h"
 #include "romrun/online/exit_search.h"
 #include "romrun/online/kept_factors.h"
+#include "romrun/online/node_traction.h"
 #include "romrun/online/row_system.h"
 
 #include <cblas.h>
@@ -774,6 +775,12 @@ void reduced_last_values(reduced_values *values, const reduced_solver *self) {
     values->checkpoint = last->checkpoint;
     memcpy(values->pressure, last->pressure, model->rows.num_needed * sizeof(double));
     memcpy(values->cut, last->cut, model->cut.num_rows * sizeof(double));
+}
+
+contact_traction reduced_traction(reduced_solver *self, const reduced_state *state,
+                                  const ehd_contact *contact, const contact_scalars *scalars) {
+    expand(self, state, NULL);
+    return nodes_traction(&self->nodes, state->coordinates, contact, scalars);
 }
 
 reduced_needed reduced_needed_fields(const reduced_solver *self) {

@@ -4,6 +4,7 @@
 #ifndef EHD_REDUCED_SOLVER_H
 #define EHD_REDUCED_SOLVER_H
 
+#include "common/physics/traction.h"
 #include "romrun/model/reduced_model.h"
 #include <stdbool.h>
 
@@ -186,6 +187,10 @@ reduced_errors reduced_other_errors(
 void reduced_values_of(reduced_values *values, const reduced_model *model,
                        const double *coordinates, const size_t *exit);
 void reduced_last_values(reduced_values *values, const reduced_solver *solver);
+
+/* Traction of a state of these scalars, of a model with a cubature. */
+contact_traction reduced_traction(reduced_solver *solver, const reduced_state *state,
+                                  const ehd_contact *contact, const contact_scalars *scalars);
 
 /* P, zero behind the exit, and H of the last solution at the needed nodes, [num_needed]. */
 typedef struct reduced_needed {

@@ -1,0 +1,216 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "common/algebra/nnls.h"
+
+#include "common/algebra/lapack.h"
+#include "common/program/arena.h"
+
+#include <cblas.h>
+#include <lapacke.h>
+#include <math.h>
+#include <stdbool.h>
+#include <string.h>
+
+// of the length of a column, and of that of the right side too
+static const double DEPENDENT = 1e-10, NO_DESCENT = 1e-11;
+enum { MAX_CHANGES = 10 }; // a column
+
+/* Columns of unit length, and the right side, rotated so that those in use are triangular: column
+ * used[i] has zeros below row i. What the rows from num_used on have of the right side is the residual. */
+typedef struct active_set {
+    size_t num_rows, num_columns, num_used;
+    double *columns; // [num_columns + 1, num_rows], the last one the right side
+    double *length;  // [num_columns] that the columns had; 0: left out
+    size_t *used;    // [num_used] columns with x > 0
+    bool *in_use;    // [num_columns]
+    bool *refused;   // [num_columns] depends on those in use
+    double *value;   // [num_used] x of the columns of unit length
+    double *next;    // [num_used] where the least squares of those in use lead
+    double *factor;  // [num_rows] of a reflection; [num_columns + 1] of the compression
+    arena memory;
+} active_set;
+
+static double *column_of(const active_set *self, size_t column) {
+    return self->columns + column * self->num_rows;
+}
+
+static double *right_of(const active_set *self) {
+    return column_of(self, self->num_columns);
+}
+
+/* Q^T [A b] in place of [A b], where that has fewer rows. */
+static ehd_status compress(active_set *self, ehd_error *error) {
+    const size_t rows = self->num_rows, columns = self->num_columns + 1;
+    if (rows <= columns) return EHD_OK;
+
+    const int info = LAPACKE_dgeqrf(LAPACK_COL_MAJOR, (int)rows, (int)columns, self->columns,
+                                    (int)rows, self->factor);
+    for (size_t j = 0; j < columns && info == 0; j++) {
+        double *target = self->columns + j * columns;
+        memmove(target, self->columns + j * rows, columns * sizeof *target);
+        memset(target + j + 1, 0, (columns - j - 1) * sizeof *target);
+    }
+    self->num_rows = columns;
+    return lapack_outcome("dgeqrf", info, error);
+}
+
+static ehd_status begin(active_set *self, const double *matrix, const double *right,
+                        ehd_error *error) {
+    const size_t rows = self->num_rows, columns = self->num_columns;
+    const size_t longest = rows > columns ? rows : columns + 1;
+
+    self->columns = arena_table(&self->memory, columns + 1, rows, sizeof(double));
+    self->length = arena_array(&self->memory, columns, sizeof(double));
+    self->used = arena_array(&self->memory, columns, sizeof *self->used);
+    self->in_use = arena_array(&self->memory, columns, sizeof *self->in_use);
+    self->refused = arena_array(&self->memory, columns, sizeof *self->refused);
+    self->value = arena_array(&self->memory, columns, sizeof(double));
+    self->next = arena_array(&self->memory, columns, sizeof(double));
+    self->factor = arena_array(&self->memory, longest, sizeof(double));
+    if (self->memory.failed)
+        return ehd_fail(error, EHD_MEMORY, "least squares: found no memory for %zu by %zu numbers",
+                        rows, columns);
+    memcpy(right_of(self), right, rows * sizeof *right);
+    for (size_t j = 0; j <= columns; j++) {
+        double *target = column_of(self, j);
+        for (size_t i = 0; i < rows && j < columns; i++)
+            target[i] = matrix[i * columns + j];
+        const double length = cblas_dnrm2((int)rows, target, 1);
+        if (!isfinite(length))
+            return ehd_fail(error, EHD_DATA,
+                            "least squares: found %g as the length of column %zu, expected a "
+                            "finite one",
+                            length, j);
+        if (j == columns) continue;
+        self->length[j] = length;
+        if (length > 0) cblas_dscal((int)rows, 1 / length, target, 1);
+    }
+    return compress(self, error);
+}
+
+/* The column that falls the most steeply; num_columns: none does. */
+static size_t steepest(const active_set *self, double least) {
+    const size_t first = self->num_used, left = self->num_rows - first;
+    const double *residual = right_of(self) + first;
+    size_t best = self->num_columns;
+
+    for (size_t j = 0; j < self->num_columns; j++) {
+        if (self->in_use[j] || self->refused[j] || self->length[j] == 0) continue;
+        const double descent = cblas_ddot((int)left, column_of(self, j) + first, 1, residual, 1);
+        if (!(descent > least)) continue;
+        least = descent;
+        best = j;
+    }
+    return best;
+}
+
+/* Takes a column into use by a reflection of the rows from num_used on (Householder). False: it
+ * depends on those in use. */
+static bool take(active_set *self, size_t taken) {
+    const size_t first = self->num_used;
+    const int left = (int)(self->num_rows - first);
+    double *factor = self->factor, *column = column_of(self, taken) + first;
+    const double length = cblas_dnrm2(left, column, 1);
+    if (!(length > DEPENDENT)) return false;
+
+    const double end = column[0] > 0 ? -length : length;
+    memcpy(factor, column, (size_t)left * sizeof *factor);
+    factor[0] -= end;
+    const double scale = -1 / (length * fabs(factor[0])); // -2/|factor|^2
+    for (size_t j = 0; j <= self->num_columns; j++) {
+        if (j < self->num_columns && (self->in_use[j] || j == taken)) continue;
+        double *other = column_of(self, j) + first;
+        cblas_daxpy(left, scale * cblas_ddot(left, factor, 1, other, 1), factor, 1, other, 1);
+    }
+    memset(column, 0, (size_t)left * sizeof *column);
+    column[0] = end;
+    self->value[first] = 0;
+    self->used[self->num_used++] = taken;
+    self->in_use[taken] = true;
+    return true;
+}
+
+/* Takes a column out of use; those behind it become triangular by rotations (Givens). */
+static void drop(active_set *self, size_t place) {
+    self->in_use[self->used[place]] = false;
+    self->num_used--;
+    for (size_t i = place; i < self->num_used; i++) {
+        self->used[i] = self->used[i + 1];
+        self->value[i] = self->value[i + 1];
+        double above = column_of(self, self->used[i])[i];
+        double below = column_of(self, self->used[i])[i + 1], cosine, sine;
+        cblas_drotg(&above, &below, &cosine, &sine);
+        for (size_t j = 0; j <= self->num_columns; j++)
+            cblas_drot(1, column_of(self, j) + i, 1, column_of(self, j) + i + 1, 1, cosine, sine);
+        column_of(self, self->used[i])[i + 1] = 0;
+    }
+}
+
+/* self->next: the least squares of the columns in use. */
+static void solve_used(active_set *self) {
+    for (size_t i = self->num_used; i-- > 0;) {
+        double sum = right_of(self)[i];
+        for (size_t k = i + 1; k < self->num_used; k++)
+            sum -= column_of(self, self->used[k])[i] * self->next[k];
+        self->next[i] = sum / column_of(self, self->used[i])[i];
+    }
+}
+
+/* Goes to the least squares of those in use, and drops those that become zero on the way. */
+static void settle(active_set *self) {
+    for (;;) {
+        double part = 1;
+        size_t first = self->num_used;
+
+        solve_used(self);
+        for (size_t i = 0; i < self->num_used; i++) {
+            const double to_zero = self->value[i] / (self->value[i] - self->next[i]);
+            if (self->next[i] > 0 || (first < self->num_used && to_zero >= part)) continue;
+            part = to_zero;
+            first = i;
+        }
+        for (size_t i = 0; i < self->num_used; i++)
+            self->value[i] += part * (self->next[i] - self->value[i]);
+        if (first == self->num_used) return;
+        self->value[first] = 0;
+        for (size_t i = self->num_used; i-- > 0;)
+            if (!(self->value[i] > 0)) drop(self, i);
+    }
+}
+
+/* |A x - b| of the least squares of those in use. */
+static double residual_of(const active_set *self) {
+    return cblas_dnrm2((int)(self->num_rows - self->num_used), right_of(self) + self->num_used, 1);
+}
+
+static ehd_status improve(active_set *self, double tolerance, ehd_error *error) {
+    const double length = residual_of(self), least = NO_DESCENT * length;
+
+    for (size_t change = 0; change < MAX_CHANGES * self->num_columns; change++) {
+        if (residual_of(self) <= tolerance * length) return EHD_OK;
+        const size_t best =
+            self->num_used < self->num_rows ? steepest(self, least) : self->num_columns;
+        if (best == self->num_columns) return EHD_OK;
+        if (!take(self, best)) {
+            self->refused[best] = true;
+            continue;
+        }
+        settle(self);
+        memset(self->refused, 0, self->num_columns * sizeof *self->refused);
+    }
+    return ehd_fail(error, EHD_NOT_CONVERGED,
+                    "least squares: found other columns after %zu changes, expected them to stay",
+                    MAX_CHANGES * self->num_columns);
+}
+
+ehd_status nnls_solve(double *x, const double *matrix, const double *right, size_t num_rows,
+                      size_t num_columns, double tolerance, ehd_error *error) {
+    active_set self = {.num_rows = num_rows, .num_columns = num_columns};
+    ehd_status status = begin(&self, matrix, right, error);
+
+    memset(x, 0, num_columns * sizeof *x);
+    if (!status) status = improve(&self, tolerance, error);
+    for (size_t i = 0; i < self.num_used; i++)
+        x[self.used[i]] = self.value[i] / self.length[self.used[i]];
+    arena_free(&self.memory);
+    return status;
+}
