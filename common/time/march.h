@@ -75,13 +75,13 @@ typedef struct march_solver {
     ehd_status (*restore)(void *self, const double *saved, ehd_error *error);
     /* P and H of the last accepted state at all nodes, [num_nodes]. */
     ehd_status (*fields)(double *pressure, double *film, void *self, ehd_error *error);
+    /* Its exits, [inner lines of grid_whole, GRID_EXITS]: X in its frame on each line, the farthest
+     * downstream first, NaN where there is none. */
+    void (*exits)(double *positions, const void *self);
     /* Its traction in its frame, of a contact there with the scalars of its step, without its fields;
      * NULL: from these. */
     contact_traction (*traction)(void *self, const ehd_contact *contact,
                                  const contact_scalars *scalars);
-    /* Its exits, [inner lines of grid_whole, GRID_EXITS]: X in its frame on each line, the farthest
-     * downstream first, NaN where there is none. */
-    void (*exits)(double *positions, const void *self);
 } march_solver;
 
 typedef struct march_settings {
