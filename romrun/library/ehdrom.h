@@ -337,6 +337,29 @@ typedef struct ehdrom_response {
 /* Of the last ehdrom_solve or ehdrom_start. Errors as above; EHDROM_INTERNAL: a step came last. */
 EHDROM_API ehdrom_status ehdrom_respond(ehdrom_contact *contact, ehdrom_response *response);
 
+/* ---- traction, of the last ehdrom_solve or the accepted state, whichever came last (of a restored state: from the
+ * next accepted step on) */
+
+typedef struct ehdrom_traction {
+    size_t size;                 /* sizeof(ehdrom_traction) */
+    double friction_coefficient; /* friction over load, of the sign of the sliding */
+    double friction_force;       /* N/m or N, by the sliding: on surface 2 along x, on surface 1 against it */
+    double rolling_resistance;   /* N/m or N, on either surface against x */
+    double rolling_moment;       /* N or N m, of the pressures against the rolling */
+    double power_loss;           /* W/m or W, that both surfaces put into the film */
+    double mean_shear_stress;    /* Pa, of its magnitude over the dry contact */
+    double largest_shear_stress; /* Pa, at nodes that the solution looks at */
+} ehdrom_traction;
+#define EHDROM_TRACTION_INIT                                                                       \
+    { sizeof(ehdrom_traction), 0, 0, 0, 0, 0, 0, 0 }
+
+/* With the surfaces sliding at u1 - u2 = `sliding`, m/s, which films do not depend on; NAN: as slide_roll or both
+ * speeds say, over the mean speed. The law is lubricant.shear. A model of this version has it from few nodes, of others
+ * its cost grows with the grid. How far it is off is not indicated. EHDROM_DATA: a scene of moes.M and
+ * moes.L, or no sliding; EHDROM_INTERNAL: no solution before. */
+EHDROM_API ehdrom_status ehdrom_slide(ehdrom_contact *contact, double sliding,
+                                      ehdrom_traction *traction);
+
 /* ---- fields, of the last solution or the accepted state, whichever came last */
 
 /* Where the nodes are: [num_x], [num_y] of ehdrom_model_info. Either may be NULL. */

@@ -35,6 +35,8 @@ struct ehdrom_contact {
     bool dimensionless;
     double accuracy, tolerance, step_tolerance; // NaN: not set
     last_call last;
+    contact_scalars scalars; // of what came last, as fields are; load NaN: not known
+    contact_scalars stepped; // of the step that may be accepted
     last_solved differentiable;
     // stationary
     online_solver *solver; // NULL: not needed yet
@@ -69,6 +71,9 @@ ehd_status library_give(void *target, const void *source, size_t size, const cha
 /* The contact of the settings, with its units: stationary, or the reference in time. EHD_DATA. */
 ehd_status library_contact(ehd_contact *contact, unit_factors *units, ehdrom_contact *self,
                            bool in_time, ehd_error *error);
+
+/* Pressure and film of what came last at the model's nodes, in self->pressure and self->film. */
+ehd_status library_fields(ehdrom_contact *self);
 
 /* What the caller gives of conditions, relative to the reference; what is not given stays as it is in *own.
  * EHD_DATA. */

@@ -76,6 +76,7 @@ static ehd_status solve(ehdrom_contact *self, ehdrom_result *result) {
     fill(&own, &found.scalars, found.peak_pressure, 1, &self->solved_units);
     if (found.status != EHD_NOT_CONVERGED) {
         self->last = LAST_SOLVED;
+        self->scalars = found.scalars;
         self->differentiable = OF_SOLUTION;
     }
     return give(self, result, &own, found.reason, false);
@@ -218,6 +219,7 @@ static ehd_status start(ehdrom_contact *self, const ehdrom_conditions *given,
     self->started = state.status != EHD_NOT_CONVERGED;
     if (self->started) {
         self->last = LAST_IN_TIME;
+        self->scalars = state.scalars;
         self->differentiable = OF_START;
     }
     return give_state(self, result, &state);
@@ -260,6 +262,7 @@ static ehd_status step_on(ehdrom_contact *self, const ehdrom_conditions *given, 
     if (status) return status;
     self->can_accept = state.status != EHD_NOT_CONVERGED;
     if (self->can_accept) self->differentiable = OF_STEP;
+    self->stepped = state.scalars;
     return give_state(self, result, &state);
 }
 
@@ -304,6 +307,7 @@ ehdrom_status ehdrom_accept(ehdrom_contact *self) {
     self->can_accept = false;
     if (self->differentiable == OF_STEP) self->differentiable = OF_NOTHING;
     self->last = LAST_IN_TIME;
+    self->scalars = self->stepped;
     return EHDROM_OK;
 }
 
@@ -382,6 +386,7 @@ static ehd_status restore(ehdrom_contact *self, const double *state, size_t coun
     status = online_restore(self->in_time, state + NUM_SAVED, &self->error);
     self->started = !status;
     if (!status) self->last = LAST_IN_TIME;
+    if (!status) self->scalars.load = NAN;
     return status;
 }
 
@@ -427,7 +432,7 @@ ehdrom_status ehdrom_axes(ehdrom_contact *self, double *x, double *y) {
 }
 
 /* Both fields at the model's nodes. */
-static ehd_status find_fields(ehdrom_contact *self) {
+ehd_status library_fields(ehdrom_contact *self) {
     const size_t num_nodes = online_grid(self->model->online)->num_nodes;
     ehd_status status;
 
@@ -456,7 +461,7 @@ ehdrom_status ehdrom_fields(ehdrom_contact *self, double *pressure, double *film
     if (status) return (ehdrom_status)status;
     const locale_t before = library_enter();
     const ehd_grid *grid = online_grid(self->model->online);
-    status = find_fields(self);
+    status = library_fields(self);
     if (!status) {
         give_field(pressure, self->pressure, scales.pressure, grid);
         give_field(film, self->film, scales.film, grid);

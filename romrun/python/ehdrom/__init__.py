@@ -273,6 +273,14 @@ class Contact:
         self._solved(_lib.ehdrom_respond(self._handle, struct))
         return {name: getattr(struct, name) for name, _ in _ffi.typeof("ehdrom_response").fields[1:]}
 
+    def slide(self, sliding=None):
+        """Traction of the last solve or the accepted state with the surfaces sliding at u1 - u2 (m/s; by default as
+        slide_roll is set): friction_coefficient, friction_force and rolling_resistance (N/m or N), rolling_moment (N or
+        N m), power_loss (W/m or W), mean_shear_stress and largest_shear_stress (Pa)."""
+        struct = _begun("ehdrom_traction")
+        self._solved(_lib.ehdrom_slide(self._handle, numpy.nan if sliding is None else sliding, struct))
+        return {name: getattr(struct, name) for name, _ in _ffi.typeof("ehdrom_traction").fields[1:]}
+
     def accept(self):
         """Accepts the last step."""
         self._passed(_lib.ehdrom_accept(self._handle))
