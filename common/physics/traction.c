@@ -41,9 +41,8 @@ flow_thinning traction_thinning(const ehd_contact *contact, double viscosity, do
     return (flow_thinning){rate / asinh(rate), 1 - rate / (root * asinh(rate))};
 }
 
-double contact_traction_behind(const ehd_contact *contact, size_t node, double stress,
-                               const double film[2], double exit) {
-    const ehd_grid *grid = &contact->grid;
+double contact_traction_behind(const ehd_contact *contact, const ehd_grid *grid, size_t node,
+                               double stress, const double film[2], double exit) {
     const double beside = (exit - grid_x(grid, node)) / grid->step;
     const double place = beside >= 0 && beside <= 1 ? beside : 1;
     const double there = (1 - place) * film[0] + place * film[1];
@@ -90,7 +89,7 @@ contact_traction contact_traction_of(const ehd_contact *contact, const double *p
         friction += weight * stress * cell;
         if (!(pressure[k + 1] > 0))
             friction += weight * cell / grid->step *
-                        contact_traction_behind(contact, k, stress, film + k,
+                        contact_traction_behind(contact, grid, k, stress, film + k,
                                                 on_line ? scalars->exit_position : NAN);
         if (in_dry) dry += weight * fabs(stress);
         largest = fmax(largest, fabs(stress));

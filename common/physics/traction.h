@@ -54,7 +54,7 @@ contact_traction contact_traction_from(const ehd_contact *contact, const tractio
 
 /* int tau dX of the half cell behind the last node with pressure of a line, in place of half a cell: up to
  * the exit, where the pressure is zero; an exit that is not in the cell (NaN: not known): to the next node. */
-double contact_traction_behind(const ehd_contact *contact, size_t node,
+double contact_traction_behind(const ehd_contact *contact, const ehd_grid *grid, size_t node,
                                double stress,        // at the node
                                const double film[2], // there and at the next node
                                double exit);         // X

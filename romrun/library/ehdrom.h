@@ -343,7 +343,8 @@ EHDROM_API ehdrom_status ehdrom_respond(ehdrom_contact *contact, ehdrom_response
 typedef struct ehdrom_traction {
     size_t size;                 /* sizeof(ehdrom_traction) */
     double friction_coefficient; /* friction over load, of the sign of the sliding */
-    double friction_force;       /* N/m or N, by the sliding: on surface 2 along x, on surface 1 against it */
+    double
+        friction_force; /* N/m or N, by the sliding: on surface 2 along x, on surface 1 against it */
     double rolling_resistance;   /* N/m or N, on either surface against x */
     double rolling_moment;       /* N or N m, of the pressures against the rolling */
     double power_loss;           /* W/m or W, that both surfaces put into the film */

@@ -18,6 +18,7 @@ static void take_state(ehd_contact *contact, contact_scalars *scalars, const ehd
         // whatever the mean speed, which may be 0
         contact->far_speed = 1 / frame->half_width;
     }
+    contact->grid = *online_grid(self->model->online); // a scene may leave it to the model
     contact->slide_roll = sliding;
     *scalars = self->scalars;
     scalars->load /= frame->load;
@@ -27,7 +28,8 @@ static void take_state(ehd_contact *contact, contact_scalars *scalars, const ehd
 /* By the model's few nodes where it has them, else from the fields. */
 static ehd_status find_traction(contact_traction *found, ehdrom_contact *self,
                                 const ehd_contact *contact, const contact_scalars *scalars) {
-    const bool solved = self->last == LAST_SOLVED, few_nodes = online_has_traction(self->model->online);
+    const bool solved = self->last == LAST_SOLVED,
+               few_nodes = online_has_traction(self->model->online);
     ehd_status status = EHD_OK;
 
     if (few_nodes && solved) {
@@ -45,9 +47,8 @@ static ehd_status find_traction(contact_traction *found, ehdrom_contact *self,
 static ehd_status slide(ehdrom_contact *self, double sliding, ehdrom_traction *traction) {
     const bool solved = self->last == LAST_SOLVED;
     const contact_frame unity = {.load = 1, .speed = 1, .half_width = 1, .hertz_pressure = 1};
-    const contact_frame frame = solved || self->last == LAST_NONE
-                                    ? unity
-                                    : online_transient_frame(self->in_time);
+    const contact_frame frame =
+        solved || self->last == LAST_NONE ? unity : online_transient_frame(self->in_time);
     const ehd_contact *reference = solved ? &self->solved : &self->reference;
     const unit_factors *units = solved ? &self->solved_units : &self->reference_units;
     ehd_contact contact;
@@ -56,7 +57,8 @@ static ehd_status slide(ehdrom_contact *self, double sliding, ehdrom_traction *t
 
     if (self->last == LAST_NONE || isnan(self->scalars.load))
         return ehd_fail(&self->error, EHD_INTERNAL,
-                        "traction: found no solution and no step since the state was restored, expected one before");
+                        "traction: found no solution and no step since the state was restored, "
+                        "expected one before");
     if (isnan(reference->half_width))
         return ehd_fail(&self->error, EHD_DATA,
                         "traction: found moes.M and moes.L, expected physical.load and the others");
@@ -74,9 +76,9 @@ static ehd_status slide(ehdrom_contact *self, double sliding, ehdrom_traction *t
         .friction_force = found.friction * units->load,
         .rolling_resistance = found.rolling_resistance * units->load,
         .rolling_moment = found.rolling_moment * units->load * units->length,
-        .power_loss = (found.friction * sliding +
-                       2 * found.rolling_resistance * frame.speed * units->speed) *
-                      units->load,
+        .power_loss =
+            (found.friction * sliding + 2 * found.rolling_resistance * frame.speed * units->speed) *
+            units->load,
         .mean_shear_stress = found.mean_stress * units->pressure,
         .largest_shear_stress = found.largest_stress * units->pressure};
     return library_give(traction, &own, sizeof own, "traction", &self->error);

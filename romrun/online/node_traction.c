@@ -102,7 +102,7 @@ static double behind_line(double *largest, const node_state *self, const double 
     nodes_band_films(films, self, z, node, 2);
     const double stress = stress_at(largest, contact, pressure, films[0]);
     return grid_load_weight(&model->grid, node) / model->grid.step *
-           contact_traction_behind(contact, node, stress, films, exit_position);
+           contact_traction_behind(contact, &model->grid, node, stress, films, exit_position);
 }
 
 contact_traction nodes_traction(node_state *self, const double *z, const ehd_contact *contact,

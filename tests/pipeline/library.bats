@@ -356,6 +356,8 @@ PYTHON
     export PYTHONPATH=$root/build/$VARIANT/python
     si_scene
     romrun si.yml --model m.h5 --allow-untrusted -o r.h5 --quiet --set output.fields=true
+    romrun si.yml --model m.h5 --allow-untrusted -o slid.h5 --quiet --set slide_roll=0.1 \
+        --set lubricant.shear.law=eyring --set lubricant.shear.tau0=5e6
     romrun si.yml --model m.h5 --allow-untrusted -o hot.h5 --quiet --set lubricant.thermal_conductivity=0.14 \
         --set lubricant.viscosity.temperature_coefficient=0.03
     romrun --export m.h5 -o m.ehdrom
@@ -418,6 +420,54 @@ with h5py.File("hot.h5") as file:
     assert 0 < hot.inlet_heating_factor == file.attrs["inlet_heating_factor"] < 1
 assert hot.central_film_thickness == result.central_film_thickness
 assert math.isnan(contact.start().inlet_heating_factor)
+
+# traction: as romrun has it, at any sliding speed, and in time
+contact = ehdrom.Contact(model, "si.yml", accuracy=math.inf)
+contact["slide_roll"], contact["lubricant.shear.law"], contact["lubricant.shear.tau0"] = 0.1, "eyring", 5e6
+try:
+    contact.slide()
+except ehdrom.Error as error:
+    assert "found no solution" in str(error), error
+else:
+    raise AssertionError("nothing raised")
+assert contact.solve().central_film_thickness == ehdrom.Contact(model, "si.yml", accuracy=math.inf).solve().central_film_thickness
+slid, speed = contact.slide(), contact.scales()["speed"]
+with h5py.File("slid.h5") as file:
+    units = {"friction_coefficient": 1, "friction_force": file.attrs["line_load"], "rolling_resistance": file.attrs["line_load"],
+             "rolling_moment": file.attrs["line_moment"], "power_loss": file.attrs["line_power"],
+             "mean_shear_stress": file.attrs["hertz_pressure"], "largest_shear_stress": file.attrs["hertz_pressure"]}
+    assert set(units) == set(slid)
+    for name, unit in units.items():
+        assert abs(slid[name] / (file[name][0] * unit) - 1) < 1e-12, name
+assert contact.slide(0.1 * speed) == slid
+back = contact.slide(-0.1 * speed)
+assert back["friction_force"] == -slid["friction_force"] and back["power_loss"] == slid["power_loss"]
+assert contact.slide(0)["friction_force"] == 0 and contact.slide(0)["rolling_moment"] == slid["rolling_moment"]
+started = contact.start()
+in_time = contact.slide()
+for name in slid:
+    assert abs(in_time[name] / slid[name] - 1) < 1e-3, (name, in_time, slid)
+contact.step(0.01 * contact.scales()["time"], load=20.2e3, speed=0.9 * speed)
+assert contact.slide() == in_time  # of the accepted state
+contact.accept()
+moved = contact.slide()
+assert abs(moved["friction_force"] / moved["friction_coefficient"] / 20.2e3 - 1) < 1e-3
+assert moved != in_time and abs(contact.slide(0.09 * speed)["friction_force"] / moved["friction_force"] - 1) < 1e-12
+contact.restore(contact.save())
+try:
+    contact.slide()
+except ehdrom.Error as error:
+    assert "since the state was restored" in str(error), error
+else:
+    raise AssertionError("nothing raised")
+try:
+    unset = ehdrom.Contact(model, "si.yml", accuracy=math.inf)
+    unset.solve()
+    unset.slide()
+except ehdrom.Error as error:
+    assert "no slide_roll" in str(error), error
+else:
+    raise AssertionError("nothing raised")
 
 # steps, saved and restored
 contact = ehdrom.Contact(model, "si.yml", accuracy=math.inf)
@@ -492,6 +542,7 @@ flat = ehdrom.Contact(ehdrom.Model("m.ehdrom"), "si.yml", accuracy=math.inf)
 plain = ehdrom.Contact(model, "si.yml", accuracy=math.inf)
 assert flat.solve().minimum_film_thickness == plain.solve().minimum_film_thickness
 assert all((a == b).all() for a, b in zip(flat.fields(), plain.fields()))
+assert flat.slide(1e-3) == plain.slide(1e-3)
 flat.restore(saved)
 assert flat.step(0.01 * time, load=20.2e3).central_film_thickness == one.central_film_thickness
 
