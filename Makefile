@@ -239,7 +239,7 @@ $(MAN_PAGES): $(BUILD)/man/%.1: $(BIN)/%
 
 PYTHON_PACKAGE := $(BUILD)/python/ehdrom
 python: $(LIBRARY) ## the Python package, with its library: PYTHONPATH=build/release/python
-	@mkdir -p $(PYTHON_PACKAGE) && cp -L romrun/python/ehdrom/__init__.py romrun/python/ehdrom/ehdrom.h $(SHARED_LIBRARY) $(PLUGIN) $(PYTHON_PACKAGE)
+	@mkdir -p $(PYTHON_PACKAGE) && cp -uL romrun/python/ehdrom/__init__.py romrun/python/ehdrom/ehdrom.h $(SHARED_LIBRARY) $(PLUGIN) $(PYTHON_PACKAGE)
 	@ln -sf $(notdir $(SHARED_LIBRARY)) $(PYTHON_PACKAGE)/$(SONAME)
 	@echo 'PYTHONPATH=$(abspath $(BUILD)/python)'
 
