@@ -17,7 +17,7 @@ static void walk_kind(flat *file, reduced_model *model) {
     const size_t num_kinds = sizeof kinds / sizeof *kinds;
     size_t kind = 0;
 
-    while (kinds[kind] != model->kind)
+    while (kind + 1 < num_kinds && kinds[kind] != model->kind)
         kind++;
     model->kind = kinds[flat_whole(file, "kind", kind, 0, num_kinds - 1)];
 }
