@@ -106,7 +106,8 @@ static void *run_worker(void *argument) {
     ehd_status status = work->begin ? work->begin(&worker, work->shared, &error) : EHD_OK;
 
     pthread_mutex_lock(&self->lock);
-    bool leaves = leaves_to_others(self, status);
+    // one that begins when all is done had nothing to do
+    bool leaves = leaves_to_others(self, status) || (status == EHD_MEMORY && self->num_left == 0);
     if (status && !leaves) fail(self, status, &error);
     while (!leaves) {
         const size_t point = take_point(self);
