@@ -50,6 +50,7 @@ typedef struct cubature_fit {
     size_t num_rows;              // in use, of [MAX_STATES * NUM_INTEGRANDS]
     double *friction, *dry;       // [num_rows, num_nodes]
     double *pressure, *film;      // [nodes of the grid] of a state
+    bool *before_exit;            // [nodes of the grid] of it: those that count
     double *ones;                 // [num_rows]
     double *of_friction, *of_dry; // [num_nodes] weights
     double dry_area;
@@ -60,7 +61,8 @@ static bool is_dry(const ehd_grid *grid, size_t node) {
     return hypot(grid_x(grid, node), grid_y(grid, node)) <= 1;
 }
 
-/* Pressure and film of a state at all nodes. */
+/* Pressure and film of a state at all nodes. Pressures below zero, which truncated modes have far out in the
+ * inlet, are none. */
 static void expand_state(cubature_fit *self, size_t state) {
     const reduced_basis *basis = self->basis;
     const reduced_states *states = &basis->states;
@@ -70,11 +72,15 @@ static void expand_state(cubature_fit *self, size_t state) {
 
     cblas_dgemv(CblasRowMajor, CblasNoTrans, (int)basis->grid.num_nodes, (int)num, 1,
                 basis->pressure, (int)num, z, 1, 0, self->pressure, 1);
-    for (size_t k = 0; k < basis->grid.num_nodes; k++)
-        if (k % width >= exit[k / width]) self->pressure[k] = 0;
+    for (size_t k = 0; k < basis->grid.num_nodes; k++) {
+        self->before_exit[k] = k % width < exit[k / width];
+        if (!self->before_exit[k]) self->pressure[k] = 0;
+    }
     deflection_apply(self->film, self->deflection, self->pressure);
     for (size_t k = 0; k < basis->grid.num_nodes; k++)
         self->film[k] += z[states->num_unknowns - 1] + grid_gap(&basis->grid, k);
+    for (size_t k = 0; k < basis->grid.num_nodes; k++)
+        self->pressure[k] = fmax(self->pressure[k], 0);
 }
 
 /* The states in use are evenly spread over those there are. */
@@ -119,6 +125,7 @@ static ehd_status fit_init(cubature_fit *self, ehd_error *error) {
     self->deflection = deflection_create(self->basis->kind, grid);
     self->pressure = arena_array(memory, grid->num_nodes, sizeof(double));
     self->film = arena_array(memory, grid->num_nodes, sizeof(double));
+    self->before_exit = arena_array(memory, grid->num_nodes, sizeof *self->before_exit);
     if (!self->deflection || memory->failed) return no_memory(error);
     ehd_status status = list_nodes(self, error);
     if (status) return status;
@@ -142,7 +149,7 @@ static void fit_free(cubature_fit *self) {
     arena_free(&self->memory);
 }
 
-/* The sums over the nodes with pressure and over those of the dry contact. What contact_traction_of adds
+/* The sums over the nodes before the exit and over those of the dry contact. What contact_traction_of adds
  * behind the last nodes with pressure is no matter of theirs. */
 static void integrate(double *whole, double *dry, const cubature_fit *self, integrand of,
                       double rise) {
@@ -151,7 +158,7 @@ static void integrate(double *whole, double *dry, const cubature_fit *self, inte
     *whole = *dry = 0;
     for (size_t r = 0; r < grid->num_inner; r++) {
         const size_t k = grid_node_of_row(grid, r);
-        if (!(self->pressure[k] > 0)) continue;
+        if (!self->before_exit[k]) continue;
         const double weight = grid_load_weight(grid, k);
         const double part = weight * stress_of(of, rise, self->pressure[k], self->film[k]);
         *whole += part;
@@ -169,9 +176,9 @@ static void add_state(cubature_fit *self, double rise) {
         double *of_dry = self->dry + self->num_rows * self->num_nodes;
         for (size_t q = 0; q < self->num_nodes; q++) {
             const size_t k = self->node[q];
-            const bool pressed = self->pressure[k] > 0;
-            const double stress =
-                pressed ? stress_of(integrands[i], rise, self->pressure[k], self->film[k]) : 0;
+            const double stress = self->before_exit[k] ? stress_of(integrands[i], rise,
+                                                                   self->pressure[k], self->film[k])
+                                                       : 0;
             friction[q] = stress / whole;
             of_dry[q] = is_dry(&self->basis->grid, k) ? stress / dry * self->dry_area : 0;
         }
@@ -192,17 +199,14 @@ static void add_states(cubature_fit *self) {
 
 // ---- weights
 
-// root of the mean square over all states and integrands, and the most of one of them, for a cubature that
-// is used. With 1e-4, 1e-5, 1e-6, and seven integrands: 98, 120, 140 nodes for the friction of a line on 1201,
-// the worst 9e-4, 6e-5, 3e-5 off.
-static const double TOLERANCE = 1e-5, MOST_OFF = 5e-4;
+static const double MOST_OFF = 5e-4; // of a state and integrand, for a cubature that is used
 
 /* Not converged: no weights integrate all of them. */
 static ehd_status solve_weights(double *weights, const cubature_fit *self, const double *values,
                                 ehd_error *error) {
     const size_t num = self->num_nodes;
-    ehd_status status =
-        nnls_solve(weights, values, self->ones, self->num_rows, num, TOLERANCE, error);
+    ehd_status status = nnls_solve(weights, values, self->ones, self->num_rows, num,
+                                   node_cubature_tolerance, error);
 
     for (size_t i = 0; i < self->num_rows && !status; i++)
         if (!(fabs(cblas_ddot((int)num, values + i * num, 1, weights, 1) - 1) <= MOST_OFF))

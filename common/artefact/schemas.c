@@ -270,6 +270,9 @@ static const artefact_field result_fields[] = {
          "indicated largest deviation of the film thickness at any node with pressure, over the "
          "central film thickness; stationary",
          "time"),
+    REAL("indicated_deviation_friction", "1", NEED_OPTIONAL, VALUES_ANY,
+         "indicated relative deviation of the friction force, by the law of the scene; stationary",
+         "time"),
     INTEGER("status", NEED_OWN, VALUES_ANY, "0 converged, 1 not converged, 4 not to be trusted",
             "time"),
     INTEGER(
@@ -385,7 +388,7 @@ static const artefact_attribute result_attributes[] = {
 
 const artefact_schema schema_result = {"ehdrom-result",
                                        1,
-                                       13,
+                                       14,
                                        "Solution of an elastohydrodynamic contact",
                                        result_axes,
                                        result_fields,
@@ -636,7 +639,7 @@ static const artefact_axis model_axes[] = {
     AXIS("part", "1", MAX_FEW, "part of the scenes that indicate no more: 5 %, median, 90 %, 95 %"),
     AXIS("bounded", "1", MAX_FEW,
          "what is indicated: central film, minimum film, central pressure, exit position, load, "
-         "pressure, film"),
+         "pressure, film, friction; of a model of before schema 2.6 without the last"),
     AXIS("part_in_time", "1", MAX_FEW, "part of the trajectories that indicate no more"),
     {0}};
 
@@ -797,6 +800,8 @@ static const artefact_field model_fields[] = {
          "the same of the largest deviation of the pressure at any node", "position"),
     REAL("indicator_factor_film", "1", NEED_OPTIONAL, VALUES_NOT_NEGATIVE,
          "the same of the largest deviation of the film at any node with pressure", "position"),
+    REAL("indicator_factor_friction", "1", NEED_OPTIONAL, VALUES_NOT_NEGATIVE,
+         "the same of the friction force, by any law of shear stress", "position"),
     REAL("indicator_share", "1", NEED_OPTIONAL, VALUES_NOT_NEGATIVE,
          "part of the factor that holds for small bounds: of b, (share + growth b) b, offset + "
          "offset_share b, for a bound b, the least times the factor is indicated; where one of "
@@ -881,7 +886,7 @@ static const artefact_attribute model_attributes[] = {
 
 const artefact_schema schema_model = {"ehdrom-model",
                                       2,
-                                      5,
+                                      6,
                                       "Reduced model of an elastohydrodynamic contact",
                                       model_axes,
                                       model_fields,

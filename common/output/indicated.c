@@ -8,4 +8,5 @@ const indicated_entry indicated_entries[NUM_INDICATED] = {
                                  "exit position", " half widths"},
     [INDICATED_LOAD] = {"load", "indicated_deviation_load", "load", ""},
     [INDICATED_PRESSURE] = {"pressure", "indicated_deviation_pressure", "pressure", " p_H"},
-    [INDICATED_FILM] = {"film_thickness", "indicated_deviation_film", "film", " H_c"}};
+    [INDICATED_FILM] = {"film_thickness", "indicated_deviation_film", "film", " H_c"},
+    [INDICATED_FRICTION] = {"friction", "indicated_deviation_friction", "friction", ""}};

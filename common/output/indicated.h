@@ -10,6 +10,7 @@ typedef enum indicated_quantity {
     INDICATED_LOAD,             // over the reference
     INDICATED_PRESSURE,         // largest of all nodes, Hertz pressures
     INDICATED_FILM,             // largest of all nodes with pressure, over the central film
+    INDICATED_FRICTION,         // relative, of the friction force; last, as files of before lack it
     NUM_INDICATED
 } indicated_quantity;
 

@@ -195,8 +195,8 @@ static void print_parts(double model, double step, double inlet) {
     putchar('\n');
 }
 
-/* A line of what is indicated of the others. */
-static void print_indicated(const double *indicated) {
+/* A line of what is indicated of the others; `with_friction`: the result has one. */
+static void print_indicated(const double *indicated, bool with_friction) {
     const char *separator = "";
     bool any = false;
 
@@ -210,6 +210,7 @@ static void print_indicated(const double *indicated) {
                indicated_entries[q].unit);
         separator = ", ";
     }
+    if (with_friction && isnan(indicated[INDICATED_FRICTION])) printf(", friction not known");
     putchar('\n');
 }
 
@@ -253,7 +254,7 @@ void result_print(const run_result *result, const ehd_contact *contact) {
     if (!isnan(result->indicated_deviation))
         printf("%-24s%.2g of the central film thickness\n", "indicated deviation",
                result->indicated_deviation);
-    if (result->indicated) print_indicated(result->indicated);
+    if (result->indicated) print_indicated(result->indicated, result->traction);
     printf("%-24s%.3g ms\n", "solution", result->seconds * 1e3);
 }
 

@@ -24,6 +24,19 @@ double contact_shear_stress(const ehd_contact *contact, double pressure, double 
                                   pressure);
 }
 
+/* Pressures and films. With 1e-4 the friction of a limit has derivatives that are 6e-5 off, with 1e-5 1e-6. */
+static const double DISTANCE = 1e-5;
+
+stress_slopes contact_stress_slopes(const ehd_contact *contact, double pressure, double film) {
+    const double thickness = DISTANCE * film;
+    const double by_pressure = contact_shear_stress(contact, pressure + DISTANCE, film) -
+                               contact_shear_stress(contact, pressure - DISTANCE, film);
+    const double by_film = contact_shear_stress(contact, pressure, film + thickness) -
+                           contact_shear_stress(contact, pressure, film - thickness);
+
+    return (stress_slopes){by_pressure / (2 * DISTANCE), by_film / (2 * thickness)};
+}
+
 bool traction_thins_flow(const ehd_contact *contact) {
     return contact->lubricant.thinning_stress > 0 && contact_has_traction(contact);
 }

@@ -30,6 +30,12 @@ contact_traction contact_traction_unknown(void);
  * film: positive where surface 1 is the faster one. */
 double contact_shear_stress(const ehd_contact *contact, double pressure, double film);
 
+/* Its derivatives by both, of any law by differences: to 1e-5 of them where it is smooth. */
+typedef struct stress_slopes {
+    double by_pressure, by_film;
+} stress_slopes;
+stress_slopes contact_stress_slopes(const ehd_contact *contact, double pressure, double film);
+
 /* By what the sliding of an Eyring fluid thins the pressure flow (README.md, thinned flow): the factor
  * on its mobility, along the sliding or across, and its derivative by the logarithm of viscosity over
  * film, over the factor. */

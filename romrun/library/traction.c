@@ -44,6 +44,16 @@ static ehd_status find_traction(contact_traction *found, ehdrom_contact *self,
     return status;
 }
 
+/* NaN where the caller's struct has no place for it, which then costs nothing. */
+static double indicated_friction(ehdrom_contact *self, const ehd_contact *contact, double friction,
+                                 const ehdrom_traction *traction) {
+    const bool wanted = traction && traction->size >= sizeof *traction;
+
+    return wanted && self->last == LAST_SOLVED
+               ? online_indicate_friction(self->solver, contact, friction)
+               : NAN;
+}
+
 static ehd_status slide(ehdrom_contact *self, double sliding, ehdrom_traction *traction) {
     const bool solved = self->last == LAST_SOLVED;
     const contact_frame unity = {.load = 1, .speed = 1, .half_width = 1, .hertz_pressure = 1};
@@ -70,6 +80,7 @@ static ehd_status slide(ehdrom_contact *self, double sliding, ehdrom_traction *t
     take_state(&contact, &scalars, self, &frame, sliding / units->speed);
     ehd_status status = find_traction(&found, self, &contact, &scalars);
     if (status) return status;
+    const double indicated = indicated_friction(self, &contact, found.friction, traction);
     found = frame_traction_to_reference(found, &frame);
     const ehdrom_traction own = {
         .friction_coefficient = found.coefficient,
@@ -80,7 +91,8 @@ static ehd_status slide(ehdrom_contact *self, double sliding, ehdrom_traction *t
             (found.friction * sliding + 2 * found.rolling_resistance * frame.speed * units->speed) *
             units->load,
         .mean_shear_stress = found.mean_stress * units->pressure,
-        .largest_shear_stress = found.largest_stress * units->pressure};
+        .largest_shear_stress = found.largest_stress * units->pressure,
+        .indicated_deviation_friction = indicated};
     return library_give(traction, &own, sizeof own, "traction", &self->error);
 }
 

@@ -75,7 +75,9 @@ static const column of_indicator[] = {
     {"indicator_factor_load", offsetof(trade_position, other_factor[INDICATED_LOAD]), NULL, false},
     {"indicator_factor_pressure", offsetof(trade_position, other_factor[INDICATED_PRESSURE]), NULL,
      false},
-    {"indicator_factor_film", offsetof(trade_position, other_factor[INDICATED_FILM]), NULL, false}};
+    {"indicator_factor_film", offsetof(trade_position, other_factor[INDICATED_FILM]), NULL, false},
+    {"indicator_factor_friction", offsetof(trade_position, other_factor[INDICATED_FRICTION]), NULL,
+     false}};
 enum { NUM_OF_INDICATOR = sizeof of_indicator / sizeof *of_indicator };
 
 /* The same in time, which came later: all or none. */
@@ -152,10 +154,11 @@ static const struct shape_field {
                     {"indicator_offset_share", offsetof(indicator_shape, offset_share)}};
 enum { NUM_SHAPE_FIELDS = sizeof shape_fields / sizeof *shape_fields };
 
-static double *shape_member(trade_table *table, size_t entry, size_t offset) {
-    trade_position *position = &table->positions[entry / NUM_BOUNDED];
+/* Of an entry of a field of `num_bounded` shapes a position. */
+static double *shape_member(trade_table *table, size_t num_bounded, size_t entry, size_t offset) {
+    trade_position *position = &table->positions[entry / num_bounded];
 
-    void *place = (char *)&position->shape[entry % NUM_BOUNDED] + offset;
+    void *place = (char *)&position->shape[entry % num_bounded] + offset;
     return place;
 }
 
@@ -168,7 +171,7 @@ static ehd_status put_shapes(artefact *file, const trade_table *table, ehd_error
     if (!status) status = artefact_put_axis(file, "bounded", NUM_BOUNDED, NULL, error);
     for (size_t f = 0; f < NUM_SHAPE_FIELDS && !status; f++) {
         for (size_t i = 0; i < count; i++)
-            values[i] = *shape_member(&all, i, shape_fields[f].offset);
+            values[i] = *shape_member(&all, NUM_BOUNDED, i, shape_fields[f].offset);
         status = artefact_put(file, shape_fields[f].name, values, error);
     }
     free(values);
@@ -285,10 +288,11 @@ static ehd_status get_of_indicator(trade_table *table, double *values, const col
     return status;
 }
 
-/* A table without shapes has the same factor for all bounds. */
+/* A table without shapes has the same factor for all bounds, one of before its own for all but friction. */
 static ehd_status get_shapes(trade_table *table, artefact *file, ehd_error *error) {
-    const size_t count = table->num_positions * NUM_BOUNDED;
-    bool known = artefact_length(file, "bounded") == NUM_BOUNDED;
+    const size_t num_bounded = artefact_length(file, "bounded");
+    const size_t count = table->num_positions * num_bounded;
+    bool known = num_bounded == NUM_BOUNDED || num_bounded == OF_OTHERS + INDICATED_FRICTION;
     double *values = malloc((count + 1) * sizeof *values);
     ehd_status status = values ? EHD_OK : no_memory(file, error);
 
@@ -300,7 +304,7 @@ static ehd_status get_shapes(trade_table *table, artefact *file, ehd_error *erro
     for (size_t f = 0; f < NUM_SHAPE_FIELDS && known && !status; f++) {
         status = artefact_get(file, shape_fields[f].name, values, error);
         for (size_t i = 0; i < count && !status; i++)
-            *shape_member(table, i, shape_fields[f].offset) = values[i];
+            *shape_member(table, num_bounded, i, shape_fields[f].offset) = values[i];
     }
     free(values);
     return status;

@@ -164,22 +164,38 @@ double indicator_bound_minimum(indicator *self, reduced_solver *solver,
     return bound(self, own_rows, scalars->minimum_film_thickness);
 }
 
-void indicator_bound_others(double bounds[NUM_INDICATED], indicator *self, reduced_solver *solver,
-                            const reduced_state *state, const ehd_contact *contact,
-                            const contact_scalars *scalars) {
+static void add_control_rows(indicator *self) {
     const reduced_model *model = self->model;
 
     memset(self->added, 0, model->rows.num_rows * sizeof *self->added);
     for (size_t r = 0; r < model->control.num_rows; r++)
         self->added[self->nearest[r]] += self->residual[r] * self->residual[r];
+}
+
+void indicator_bound_others(double bounds[NUM_INDICATED], indicator *self, reduced_solver *solver,
+                            const reduced_state *state, const ehd_contact *contact,
+                            const contact_scalars *scalars) {
+    const reduced_model *model = self->model;
+
+    add_control_rows(self);
     const reduced_errors errors = reduced_other_errors(solver, state, contact, self->added);
     bounds[INDICATED_CENTRAL_PRESSURE] = errors.central_pressure / scalars->central_pressure;
     bounds[INDICATED_EXIT_POSITION] = errors.exit_position;
     bounds[INDICATED_LOAD] = errors.load;
     bounds[INDICATED_PRESSURE] = errors.pressure;
     bounds[INDICATED_FILM] = errors.film / scalars->central_film_thickness;
-    for (int q = 0; q < NUM_INDICATED; q++) // as in `bound`
+    bounds[INDICATED_FRICTION] = NAN;            // indicator_bound_friction
+    for (int q = 0; q < INDICATED_FRICTION; q++) // as in `bound`
         if (isnan(bounds[q]) &&
             (q != INDICATED_EXIT_POSITION || reduced_exit_divides(state, model)))
             bounds[q] = INFINITY;
+}
+
+double indicator_bound_friction(indicator *self, reduced_solver *solver, const reduced_state *state,
+                                const ehd_contact *contact, double friction) {
+    add_control_rows(self);
+    const double relative =
+        reduced_friction_error(solver, state, contact, self->added) / fabs(friction);
+    // as in `bound`
+    return isnan(relative) ? INFINITY : relative + node_cubature_tolerance;
 }

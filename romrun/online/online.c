@@ -449,6 +449,9 @@ online_indications online_indicate(online_solver *solver, const ehd_contact *con
     if (!solver->solved) return found;
     indicator_bound_others(found.bound, solver->indicator, solver->reduced, &solver->state, contact,
                            scalars);
+    if (contact_has_traction(contact))
+        found.bound[INDICATED_FRICTION] =
+            online_friction_bound(solver, contact, online_traction(solver, contact).friction);
     for (int q = 0; q < NUM_INDICATED; q++)
         if (model->other_factor[q] > 0)
             found.deviation[q] = trade_indicated(model->other_factor[q],
@@ -471,6 +474,23 @@ bool online_has_traction(const online_model *model) {
 contact_traction online_traction(online_solver *solver, const ehd_contact *contact) {
     if (!solver->solved || !online_has_traction(solver->model)) return contact_traction_unknown();
     return reduced_traction(solver->reduced, &solver->state, contact, &solver->scalars);
+}
+
+double online_friction_bound(online_solver *solver, const ehd_contact *contact, double friction) {
+    if (friction == 0) return 0; // nothing slides, in any model
+    if (!solver->solved || !online_has_traction(solver->model)) return NAN;
+    return indicator_bound_friction(solver->indicator, solver->reduced, &solver->state, contact,
+                                    friction);
+}
+
+double online_indicate_friction(online_solver *solver, const ehd_contact *contact,
+                                double friction) {
+    const online_model *model = solver->model;
+
+    if (!(model->other_factor[INDICATED_FRICTION] > 0)) return NAN;
+    return trade_indicated(model->other_factor[INDICATED_FRICTION],
+                           model->shape[OF_OTHERS + INDICATED_FRICTION],
+                           online_friction_bound(solver, contact, friction));
 }
 
 /* The modes on the whole grid, those that are not there yet. `deformation`: of an independent basis

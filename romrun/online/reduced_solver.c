@@ -85,8 +85,9 @@ struct reduced_solver {
     size_t num_factors;       // of Jacobians that were factorised to be kept
     reduced_observer *observer;
     void *observer_context;
-    double *observed; // [2, rows of the model]
-    arena memory;     // of all arrays
+    double *observed;       // [2, rows of the model]
+    double *band_influence; // [nodes of the band] of reduced_friction_error
+    arena memory;           // of all arrays
 };
 
 reduced_settings reduced_default_settings(void) {
@@ -113,6 +114,7 @@ ehd_status reduced_solver_create(reduced_solver **solver, const reduced_model *m
     self->model = model;
     self->settings = *settings;
     nodes_init(&self->nodes, model, &self->memory);
+    self->band_influence = arena_array(&self->memory, model->band.num_nodes + 1, sizeof(double));
     system_init(&self->system, model, &self->memory);
     exits_init(&self->exits, model, settings->exit_spacing, &self->memory);
     kept_factors_init(&self->kept, model, &self->memory);
@@ -781,6 +783,21 @@ contact_traction reduced_traction(reduced_solver *self, const reduced_state *sta
                                   const ehd_contact *contact, const contact_scalars *scalars) {
     expand(self, state, NULL);
     return nodes_traction(&self->nodes, state->coordinates, contact, scalars);
+}
+
+double reduced_friction_error(reduced_solver *self, const reduced_state *state,
+                              const ehd_contact *contact, const double *added) {
+    row_system *system = &self->system;
+    double error;
+
+    expand(self, state, NULL);
+    memset(system->functionals, 0, self->model->num_unknowns * sizeof(double));
+    nodes_add_friction(system->functionals, self->band_influence, &self->nodes, state->coordinates,
+                       contact);
+    system_errors(&error, system, 1, added);
+    if (system->num_cells == 0)
+        error += nodes_friction_of_exits(&self->nodes, state->coordinates, contact);
+    return error / contact->kind->load;
 }
 
 reduced_needed reduced_needed_fields(const reduced_solver *self) {

@@ -192,6 +192,15 @@ void reduced_last_values(reduced_values *values, const reduced_solver *solver);
 contact_traction reduced_traction(reduced_solver *solver, const reduced_state *state,
                                   const ehd_contact *contact, const contact_scalars *scalars);
 
+/* How far the friction of the last stationary solution moves, over the reference load, by what
+ * reduced_other_errors counts and, where exits are nodes, by one that is a node off; of a model with a cubature. `contact`: its, with sliding of any kind. */
+double reduced_friction_error(
+    // in and out:
+    reduced_solver *solver,
+    // input:
+    const reduced_state *state, const ehd_contact *contact,
+    const double *added); // [rows of the model]
+
 /* P, zero behind the exit, and H of the last solution at the needed nodes, [num_needed]. */
 typedef struct reduced_needed {
     const double *pressure, *film;

@@ -283,7 +283,7 @@ PYTHON
         [ "$(number low.h5 status)" = 4.0 ]
     done
     romrun scene.yml --model c.h5 --quiet --accuracy-of load=1e-15 --allow-untrusted
-    refuse 64 "--accuracy-of: found presure=1, expected NAME=X with NAME one of central_pressure, exit_position, load, pressure, film_thickness" \
+    refuse 64 "--accuracy-of: found presure=1, expected NAME=X with NAME one of central_pressure, exit_position, load, pressure, film_thickness, friction" \
         romrun scene.yml --model c.h5 --accuracy-of presure=1
     refuse 64 "--accuracy-of: found load=2, expected load=X with X above 0, at most 1" \
         romrun scene.yml --model c.h5 --accuracy-of load=2
@@ -296,6 +296,56 @@ with h5py.File('w.h5', 'r+') as f: f.attrs.pop('content_sha256', None); del f['i
     run --separate-stderr romrun scene.yml --model w.h5 --quiet --accuracy-of pressure=0.9
     [ "$status" -eq 4 ]
     [[ $stderr == *"found no indicated deviation of the pressure, for which --accuracy-of asks"* ]]
+}
+
+@test "the friction is indicated where a scene slides, by its own law, and only there" {
+    sliding_scene >sliding.yml
+    for law in "eyring, tau0: 5e6" newtonian "limiting, limit: 0.05"; do
+        sed "s/shear: .*/shear: {law: $law}/" sliding.yml >law.yml
+        fullrun law.yml -o full.h5 --force --quiet
+        romrun law.yml --model c.h5 -o red.h5 --force >printed
+        awk -v full="$(number full.h5 friction_force)" -v red="$(number red.h5 friction_force)" \
+            -v indicated="$(number red.h5 indicated_deviation_friction)" \
+            'BEGIN { off = red / full - 1; exit !(indicated > (off < 0 ? -off : off) && indicated < 0.05) }'
+        grep -qE "^  of others .* H_c, friction [0-9.e-]+$" printed
+    done
+    # each law has its own: this one sees the pressure least
+    [ "$(number red.h5 indicated_deviation_friction)" != "$(romrun sliding.yml --model c.h5 -o x.h5 --quiet && number x.h5 indicated_deviation_friction)" ]
+    romrun sliding.yml --model c.h5 --quiet --accuracy-of friction=0.9
+    run --separate-stderr romrun sliding.yml --model c.h5 --quiet --accuracy-of friction=1e-9 -o low.h5
+    [ "$status" -eq 4 ]
+    [[ $stderr == *"found an indicated deviation of "*" of the friction, more than the --accuracy-of friction=1e-09, expected"* ]]
+    [ "$(number low.h5 status)" = 4.0 ]
+    # a table of cases goes by it, and a flat model has the same bits
+    printf 'slide_roll\n0.05\n0\n' >two.csv
+    run --separate-stderr romrun sliding.yml --cases two.csv --model c.h5 --accuracy-of friction=1e-9 -o two-out.csv --quiet
+    [ "$status" -eq 4 ]
+    [ "$(grep -c "deviation of .* of the friction" two-out.csv)" -eq 1 ] # without sliding there is nothing to be off
+    romrun --export c.h5 -o c.ehdrom
+    romrun sliding.yml --model c.ehdrom -o flat.h5 --quiet
+    [ "$(number flat.h5 indicated_deviation_friction)" = "$(number x.h5 indicated_deviation_friction)" ]
+    # nothing slides
+    romrun scene.yml --model c.h5 -o still.h5 >printed
+    shows_no friction cat printed
+    shows_no indicated_deviation_friction h5dump -H still.h5
+    run --separate-stderr romrun scene.yml --model c.h5 --quiet --accuracy-of friction=0.9
+    [ "$status" -eq 4 ]
+    [[ $stderr == *"found no indicated deviation of the friction, for which --accuracy-of asks"* ]]
+    # a model of before has no factor for it, and what it indicates of films is as it was
+    patch c.h5 "del f['indicator_factor_friction']
+    for name in ('share', 'growth', 'offset', 'offset_share'):
+        values = f['indicator_' + name][:, :-1]
+        del f['indicator_' + name]
+        f['indicator_' + name] = values
+    del f['bounded']
+    f['bounded'] = numpy.arange(values.shape[1])"
+    romrun sliding.yml --model bad.h5 -o before.h5 --quiet >printed
+    romrun sliding.yml --model bad.h5 >printed
+    grep -q "^  of others .* H_c, friction not known$" printed
+    shows_no indicated_deviation_friction h5dump -H before.h5
+    for name in indicated_deviation indicated_deviation_minimum indicated_deviation_pressure; do
+        [ "$(number before.h5 $name)" = "$(number x.h5 $name)" ]
+    done
 }
 
 @test "a calibration of before has one factor for both films, and no limit to residuals" {

@@ -270,3 +270,10 @@ with h5py.File('bad.h5', 'r+') as f:
     f.attrs.pop('content_sha256', None)
     $2"
 }
+
+# scene.yml in SI units, sliding, of an Eyring fluid
+sliding_scene() {
+    sed -e 's/^moes: .*/physical: {load: 4e4, radius: 0.0125, speed: 0.1, modulus: 226e9, viscosity: 0.02}/' \
+        -e 's/^  density.*/&\n  shear: {law: eyring, tau0: 5e6}/' scene.yml
+    echo 'slide_roll: 0.05'
+}

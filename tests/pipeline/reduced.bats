@@ -171,12 +171,6 @@ PYTHON
         "$(number full.h5 central_film_thickness)" 1e-8
 }
 
-sliding_scene() {
-    sed -e 's/^moes: .*/physical: {load: 4e4, radius: 0.0125, speed: 0.1, modulus: 226e9, viscosity: 0.02}/' \
-        -e 's/^  density.*/&\n  shear: {law: eyring, tau0: 5e6}/' scene.yml
-    echo 'slide_roll: 0.05'
-}
-
 # without_cubature MODEL: bad.h5, as an older version wrote it
 without_cubature() {
     patch "$1" "[f.__delitem__(k) for k in list(f) if k.startswith('cubature') or k == 'moment_jacobian']"

@@ -76,6 +76,32 @@ static void laws_have_their_limits(void **state) {
     }
 }
 
+/* In closed form: Newton's by the viscosity's slope, an Eyring fluid's by asinh, and one at its limit. */
+static void slopes_are_those_of_the_laws(void **state) {
+    (void)state;
+    ehd_contact contact = with_sliding(sample_contact("barus", "incompressible", 20, 8, 0.05), 0.1);
+    const double hertz = contact.hertz_pressure;
+
+    for (double pressure = 0.05; pressure < 1; pressure += 0.1) {
+        const double film = 0.1;
+        set_shear(&contact, "newtonian", NAN, NAN);
+        const double newton = contact_shear_stress(&contact, pressure, film);
+        stress_slopes found = contact_stress_slopes(&contact, pressure, film);
+        check_close(found.by_pressure, contact.alpha_p_H * newton, 1e-5, 0);
+        check_close(found.by_film, -newton / film, 1e-5, 0);
+        const double tau0 = 0.3 * newton;
+        set_shear(&contact, "eyring", tau0 * hertz, NAN);
+        found = contact_stress_slopes(&contact, pressure, film);
+        const double by_viscous = 1 / hypot(1, newton / tau0);
+        check_close(found.by_pressure, contact.alpha_p_H * newton * by_viscous, 1e-5, 0);
+        check_close(found.by_film, -newton / film * by_viscous, 1e-5, 0);
+        set_shear(&contact, "limiting", 1e-3 * newton, NAN);
+        found = contact_stress_slopes(&contact, pressure, film);
+        check_close(found.by_pressure, 1e-3 * newton, 1e-5, 0);
+        check_close(found.by_film, 0, 0, 1e-9);
+    }
+}
+
 /* A viscosity of hundreds of decades overflows nothing. */
 static void stresses_stay_finite(void **state) {
     (void)state;
@@ -270,8 +296,9 @@ static void energy_and_moment(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(laws_have_their_limits),    cmocka_unit_test(stresses_stay_finite),
-        cmocka_unit_test(plug_of_constant_film),     cmocka_unit_test(exit_within_a_cell),
-        cmocka_unit_test(stresses_on_both_surfaces), cmocka_unit_test(energy_and_moment)};
+        cmocka_unit_test(laws_have_their_limits), cmocka_unit_test(slopes_are_those_of_the_laws),
+        cmocka_unit_test(stresses_stay_finite),   cmocka_unit_test(plug_of_constant_film),
+        cmocka_unit_test(exit_within_a_cell),     cmocka_unit_test(stresses_on_both_surfaces),
+        cmocka_unit_test(energy_and_moment)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

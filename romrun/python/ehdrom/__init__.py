@@ -276,7 +276,8 @@ class Contact:
     def slide(self, sliding=None):
         """Traction of the last solve or the accepted state with the surfaces sliding at u1 - u2 (m/s; by default as
         slide_roll is set): friction_coefficient, friction_force and rolling_resistance (N/m or N), rolling_moment (N or
-        N m), power_loss (W/m or W), mean_shear_stress and largest_shear_stress (Pa)."""
+        N m), power_loss (W/m or W), mean_shear_stress and largest_shear_stress (Pa); and indicated_deviation_friction,
+        relative, nan of a step and of a model that was not checked for it."""
         struct = _begun("ehdrom_traction")
         self._solved(_lib.ehdrom_slide(self._handle, numpy.nan if sliding is None else sliding, struct))
         return {name: getattr(struct, name) for name, _ in _ffi.typeof("ehdrom_traction").fields[1:]}
