@@ -61,8 +61,8 @@ static bool is_dry(const ehd_grid *grid, size_t node) {
     return hypot(grid_x(grid, node), grid_y(grid, node)) <= 1;
 }
 
-/* Pressure and film of a state at all nodes. Pressures below zero, which truncated modes have far out in the
- * inlet, are none. */
+/* Pressure and film of a state at all nodes. Pressures below zero, which truncated modes have far
+ * out in the inlet, are none. */
 static void expand_state(cubature_fit *self, size_t state) {
     const reduced_basis *basis = self->basis;
     const reduced_states *states = &basis->states;
@@ -149,8 +149,8 @@ static void fit_free(cubature_fit *self) {
     arena_free(&self->memory);
 }
 
-/* The sums over the nodes before the exit and over those of the dry contact. What contact_traction_of adds
- * behind the last nodes with pressure is no matter of theirs. */
+/* The sums over the nodes before the exit and over those of the dry contact. What
+ * contact_traction_of adds behind the last nodes with pressure is no matter of theirs. */
 static void integrate(double *whole, double *dry, const cubature_fit *self, integrand of,
                       double rise) {
     const ehd_grid *grid = &self->basis->grid;

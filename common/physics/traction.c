@@ -24,7 +24,8 @@ double contact_shear_stress(const ehd_contact *contact, double pressure, double 
                                   pressure);
 }
 
-/* Pressures and films. With 1e-4 the friction of a limit has derivatives that are 6e-5 off, with 1e-5 1e-6. */
+/* Pressures and films. With 1e-4 the friction of a limit has derivatives that are 6e-5 off, with
+ * 1e-5 1e-6. */
 static const double DISTANCE = 1e-5;
 
 stress_slopes contact_stress_slopes(const ehd_contact *contact, double pressure, double film) {

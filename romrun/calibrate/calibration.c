@@ -14,10 +14,11 @@
 
 enum { REPEATS = 3 }; // solutions of a scene, for the median of the time
 
-/* Slidings for which the friction of each scene is measured, whatever it names itself: a law and the ratio of
- * the Newtonian stress at pressure 0 and film 1 to the law's own, as deimselect/cubature.c has them. The last
- * Eyring fluid has stresses in all of the contact, which few nodes and an exit that is a node off miss most:
- * with 1e-2 in its place two of 2235 unseen frictions are indicated to be less off than they are, 0.4 of it. */
+/* Slidings for which the friction of each scene is measured, whatever it names itself: a law and
+ * the ratio of the Newtonian stress at pressure 0 and film 1 to the law's own, as
+ * deimselect/cubature.c has them. The last Eyring fluid has stresses in all of the contact, which
+ * few nodes and an exit that is a node off miss most: with 1e-2 in its place two of 2235 unseen
+ * frictions are indicated to be less off than they are, 0.4 of it. */
 typedef struct sliding {
     const lubricant_law *law;
     double ratio;
@@ -30,7 +31,8 @@ static const sliding slidings[] = {{&shear_newtonian, 1},
                                    {&shear_limiting, 1e-2}};
 enum { NUM_SLIDINGS = sizeof slidings / sizeof *slidings };
 
-/* In a contact, in SI units or not: stresses and what the law measures them by have the same unit. */
+/* In a contact, in SI units or not: stresses and what the law measures them by have the same
+ * unit. */
 static ehd_contact slide(const ehd_contact *contact, const sliding *how) {
     ehd_contact own = *contact;
     const double isoviscous = contact->lambda / 12 * contact->far_speed;

@@ -350,17 +350,17 @@ typedef struct ehdrom_traction {
     double power_loss;           /* W/m or W, that both surfaces put into the film */
     double mean_shear_stress;    /* Pa, of its magnitude over the dry contact */
     double largest_shear_stress; /* Pa, at nodes that the solution looks at */
-    /* relative, of the friction force from that of the full model; NAN: of a step, not checked, or of a model
-     * of before version 0.3.0 */
+    /* relative, of the friction force from that of the full model; NAN: of a step, not checked,
+     * or of a model of before version 0.3.0 */
     double indicated_deviation_friction;
 } ehdrom_traction;
 #define EHDROM_TRACTION_INIT                                                                       \
     { sizeof(ehdrom_traction), 0, 0, 0, 0, 0, 0, 0, 0 }
 
-/* With the surfaces sliding at u1 - u2 = `sliding`, m/s, which films do not depend on; NAN: as slide_roll or both
- * speeds say, over the mean speed. The law is lubricant.shear. A model of this version has it from few nodes, of others
- * its cost grows with the grid. EHDROM_DATA: a scene of moes.M and moes.L, or no sliding; EHDROM_INTERNAL: no solution
- * before. */
+/* With the surfaces sliding at u1 - u2 = `sliding`, m/s, which films do not depend on; NAN: as
+ * slide_roll or both speeds say, over the mean speed. The law is lubricant.shear. A model of this
+ * version has it from few nodes, of others its cost grows with the grid. EHDROM_DATA: a scene of
+ * moes.M and moes.L, or no sliding; EHDROM_INTERNAL: no solution before. */
 EHDROM_API ehdrom_status ehdrom_slide(ehdrom_contact *contact, double sliding,
                                       ehdrom_traction *traction);
 

@@ -19,8 +19,8 @@ void reduced_model_free(reduced_model *model) {
     memset(model, 0, sizeof *model);
 }
 
-// 1e-4, 1e-5, 1e-6, and seven integrands in training: 98, 120, 140 nodes for the friction of a line on 1201, the
-// worst 9e-4, 6e-5, 3e-5 off
+// 1e-4, 1e-5, 1e-6, and seven integrands in training: 98, 120, 140 nodes for the friction of a
+// line on 1201, the worst 9e-4, 6e-5, 3e-5 off
 const double node_cubature_tolerance = 1e-5;
 
 // ---- lines and columns

@@ -157,7 +157,8 @@ typedef struct node_cubature {
     double *moment;   // [num_pressure] int P X of the modes cut where the band begins
 } node_cubature;
 
-/* What the sum over these nodes is off that over the grid in its training, root of the mean square. */
+/* What the sum over these nodes is off that over the grid in its training, root of the mean
+ * square. */
 extern const double node_cubature_tolerance;
 
 /* What the online solver holds. Everything here is read-only while solving, so that several

@@ -288,7 +288,8 @@ static ehd_status get_of_indicator(trade_table *table, double *values, const col
     return status;
 }
 
-/* A table without shapes has the same factor for all bounds, one of before its own for all but friction. */
+/* A table without shapes has the same factor for all bounds, one of before its own for all but
+ * friction. */
 static ehd_status get_shapes(trade_table *table, artefact *file, ehd_error *error) {
     const size_t num_bounded = artefact_length(file, "bounded");
     const size_t count = table->num_positions * num_bounded;

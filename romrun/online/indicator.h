@@ -39,9 +39,10 @@ void indicator_bound_others(double bounds[NUM_INDICATED], indicator *self, reduc
                             const reduced_state *state, const ehd_contact *contact,
                             const contact_scalars *scalars);
 
-/* Bound of the relative deviation of the friction force, of the solution that indicator_bound was just called
- * for and of a model with a cubature: as of the others, by the derivatives of its sum of shear stresses, and what that sum is off in training. The law
- * and the ratio are those of `contact`, which slides; else it is that of the solution. */
+/* Bound of the relative deviation of the friction force, of the solution that indicator_bound was
+ * just called for and of a model with a cubature: as of the others, by the derivatives of its sum
+ * of shear stresses, and what that sum is off in training. The law and the ratio are those of
+ * `contact`, which slides; else it is that of the solution. */
 double indicator_bound_friction(indicator *self, reduced_solver *solver, const reduced_state *state,
                                 const ehd_contact *contact,
                                 double friction); // contact_traction.friction of it

@@ -78,8 +78,8 @@ static bool expand_node(double *pressure, double *film, const node_state *self, 
     return true;
 }
 
-/* Stress at a node before the exit; the largest is kept. Far out in the inlet truncated modes have pressures
- * below zero, where the full model's are hardly above: the fluid is the same. */
+/* Stress at a node before the exit; the largest is kept. Far out in the inlet truncated modes
+ * have pressures below zero, where the full model's are hardly above: the fluid is the same. */
 static double stress_at(double *largest, const ehd_contact *contact, double pressure, double film) {
     const double stress = contact_shear_stress(contact, pressure, film);
 

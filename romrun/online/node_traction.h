@@ -11,14 +11,14 @@
 contact_traction nodes_traction(node_state *self, const double *z, const ehd_contact *contact,
                                 const contact_scalars *scalars); // of the state: load and exit
 
-/* Adds the derivatives of int tau dA by the coordinates to [num_unknowns]; but for what the cell behind the
- * last node with pressure has, where the fluid is thin. */
+/* Adds the derivatives of int tau dA by the coordinates to [num_unknowns]; but for what the cell
+ * behind the last node with pressure has, where the fluid is thin. */
 void nodes_add_friction(double *target,
                         double *influence, // [nodes of the band], is lost
                         node_state *self, const double *z, const ehd_contact *contact);
 
-/* What int tau dA changes by where exits are a node off: on each line that of its last node, as if lines had
- * nothing to do with each other. */
+/* What int tau dA changes by where exits are a node off: on each line that of its last node, as
+ * if lines had nothing to do with each other. */
 double nodes_friction_of_exits(node_state *self, const double *z, const ehd_contact *contact);
 
 #endif

@@ -158,9 +158,10 @@ bool online_has_traction(const online_model *model);
  * nothing, and nothing grows with the grid. `contact`: that of the last online_solve, with sliding. */
 contact_traction online_traction(online_solver *solver, const ehd_contact *contact);
 
-/* Bound of the relative deviation of a friction force that online_traction has just found, and what it is
- * indicated to be; NaN: the model has no traction, or no factor for it. A tenth of a solution.
- * `contact`: as there; the law of its shear stress and its sliding may be others than those of the solution. */
+/* Bound of the relative deviation of a friction force that online_traction has just found, and
+ * what it is indicated to be; NaN: the model has no traction, or no factor for it. A tenth of a
+ * solution. `contact`: as there; the law of its shear stress and its sliding may be others than
+ * those of the solution. */
 double online_friction_bound(online_solver *solver, const ehd_contact *contact, double friction);
 double online_indicate_friction(online_solver *solver, const ehd_contact *contact, double friction);
 

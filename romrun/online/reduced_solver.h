@@ -193,7 +193,8 @@ contact_traction reduced_traction(reduced_solver *solver, const reduced_state *s
                                   const ehd_contact *contact, const contact_scalars *scalars);
 
 /* How far the friction of the last stationary solution moves, over the reference load, by what
- * reduced_other_errors counts and, where exits are nodes, by one that is a node off; of a model with a cubature. `contact`: its, with sliding of any kind. */
+ * reduced_other_errors counts and, where exits are nodes, by one that is a node off; of a model
+ * with a cubature. `contact`: its, with sliding of any kind. */
 double reduced_friction_error(
     // in and out:
     reduced_solver *solver,

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Derivatives of the sum of shear stresses over the model's nodes, against differences of that sum. */
+/* Derivatives of the sum of shear stresses over the model's nodes, against differences of that
+ * sum. */
 #include "deimselect/cubature.h"
 #include "romrun/online/node_traction.h"
 #include "tests/unit/check.h"

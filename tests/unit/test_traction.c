@@ -76,7 +76,8 @@ static void laws_have_their_limits(void **state) {
     }
 }
 
-/* In closed form: Newton's by the viscosity's slope, an Eyring fluid's by asinh, and one at its limit. */
+/* In closed form: Newton's by the viscosity's slope, an Eyring fluid's by asinh, and one at its
+ * limit. */
 static void slopes_are_those_of_the_laws(void **state) {
     (void)state;
     ehd_contact contact = with_sliding(sample_contact("barus", "incompressible", 20, 8, 0.05), 0.1);
