@@ -199,8 +199,8 @@ static ehd_status attempt_solve(attempt *self, const romrun_options *options,
     return status ? status : online_solve(&self->solution, self->solver, contact, error);
 }
 
-/* Solves with the model as it is open, of options->sizes, and, where the result is not accurate enough, with the fallback sizes,
- * to which options->sizes is then set. */
+/* Solves with the model as it is open, of options->sizes, and, where the result is not accurate
+ * enough, with the fallback sizes, to which options->sizes is then set. */
 static ehd_status solve_scene(attempt *self, romrun_options *options, const program *caller,
                               const ehd_contact *contact, ehd_error *error) {
     ehd_status status = attempt_solve(self, options, contact, error);
