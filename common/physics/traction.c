@@ -28,12 +28,20 @@ bool traction_thins_flow(const ehd_contact *contact) {
     return contact->lubricant.thinning_stress > 0 && contact_has_traction(contact);
 }
 
+static double thinning_rate(const ehd_contact *contact) {
+    return fabs(contact->lambda / 12 * slope_of(contact) * contact->slide_roll *
+                contact->far_speed) *
+           contact->hertz_pressure / contact->lubricant.thinning_stress;
+}
+
+double traction_thinning_rate(const ehd_contact *contact) {
+    return traction_thins_flow(contact) ? thinning_rate(contact) : 0;
+}
+
 flow_thinning traction_thinning(const ehd_contact *contact, double viscosity, double film,
                                 bool along) {
     // of the Newtonian stress over the law's: sinh(tau/tau0)
-    const double rate = fabs(contact->lambda / 12 * slope_of(contact) * contact->slide_roll *
-                             contact->far_speed * viscosity / film) *
-                        contact->hertz_pressure / contact->lubricant.thinning_stress;
+    const double rate = fabs(thinning_rate(contact) * viscosity / film);
     const double root = hypot(1, rate);
 
     if (along) return (flow_thinning){root, rate / root * (rate / root)};

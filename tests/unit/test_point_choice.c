@@ -17,7 +17,7 @@ static bool contains(const size_t *numbers, size_t count, size_t wanted) {
 }
 
 static void corners_of_a_grid_are_its_four(void **state) {
-    double places[25][2];
+    double places[25][RANGE_AXES] = {{0}};
     size_t corners[25];
     (void)state;
 
@@ -25,7 +25,8 @@ static void corners_of_a_grid_are_its_four(void **state) {
         places[i][0] = (double)(i % 5);
         places[i][1] = (double)(i / 5);
     }
-    assert_int_equal(point_choice_corners(corners, (const double(*)[2])places, 25, 1e-9), 4);
+    assert_int_equal(point_choice_corners(corners, (const double(*)[RANGE_AXES])places, 25, 1e-9),
+                     4);
     for (size_t i = 0; i < 4; i++)
         assert_true(contains(corners, 4, (size_t[]){0, 4, 20, 24}[i]));
 }
@@ -34,7 +35,7 @@ static void corners_of_a_grid_are_its_four(void **state) {
  * takes. */
 static void corners_of_a_circle_follow_the_tolerance(void **state) {
     enum { COUNT = 360 };
-    double places[COUNT][2];
+    double places[COUNT][RANGE_AXES] = {{0}};
     size_t corners[COUNT];
     (void)state;
 
@@ -42,16 +43,20 @@ static void corners_of_a_circle_follow_the_tolerance(void **state) {
         places[i][0] = cos((double)i * acos(-1) / 180);
         places[i][1] = sin((double)i * acos(-1) / 180);
     }
-    assert_int_equal(point_choice_corners(corners, (const double(*)[2])places, COUNT, 1e-9), COUNT);
+    assert_int_equal(
+        point_choice_corners(corners, (const double(*)[RANGE_AXES])places, COUNT, 1e-9), COUNT);
     // the sagitta of 90 degrees is 0.293, of 45 degrees 0.076, of 22 or 23 degrees 0.020
-    assert_int_equal(point_choice_corners(corners, (const double(*)[2])places, COUNT, 0.3), 4);
-    assert_int_equal(point_choice_corners(corners, (const double(*)[2])places, COUNT, 0.1), 8);
-    assert_int_equal(point_choice_corners(corners, (const double(*)[2])places, COUNT, 0.025), 16);
+    assert_int_equal(point_choice_corners(corners, (const double(*)[RANGE_AXES])places, COUNT, 0.3),
+                     4);
+    assert_int_equal(point_choice_corners(corners, (const double(*)[RANGE_AXES])places, COUNT, 0.1),
+                     8);
+    assert_int_equal(
+        point_choice_corners(corners, (const double(*)[RANGE_AXES])places, COUNT, 0.025), 16);
 }
 
 static void corners_of_few_points(void **state) {
-    const double same[3][2] = {{1, 2}, {1, 2}, {1, 2}};
-    const double line[4][2] = {{1, 0}, {0, 0}, {3, 0}, {2, 0}};
+    const double same[3][RANGE_AXES] = {{1, 2}, {1, 2}, {1, 2}};
+    const double line[4][RANGE_AXES] = {{1, 0}, {0, 0}, {3, 0}, {2, 0}};
     size_t corners[4];
     (void)state;
 

@@ -37,8 +37,9 @@ static int tear_down(void **state) {
 // ---- helpers
 
 static void solve_from_neighbour(reduced_problem *self, size_t s) {
-    reduced_neighbour(&self->state, &self->model, training.set.moes_M[s], training.set.alpha_p_H[s],
-                      NULL);
+    reduced_neighbour(
+        &self->state, &self->model,
+        (contact_place){.moes_M = training.set.moes_M[s], .alpha_p_H = training.set.alpha_p_H[s]});
     reduced_problem_solve(self, &training.contacts[s]);
 }
 
@@ -256,8 +257,9 @@ static void another_linear_solver_may_be_put_in(void **state) {
     }
     // that it cannot be solved is an outcome
     ways.other = (other_solver){.fails_at = 2};
-    reduced_neighbour(&with_other->state, &with_other->model, training.set.moes_M[0],
-                      training.set.alpha_p_H[0], NULL);
+    reduced_neighbour(
+        &with_other->state, &with_other->model,
+        (contact_place){.moes_M = training.set.moes_M[0], .alpha_p_H = training.set.alpha_p_H[0]});
     assert_int_equal(reduced_solve(&with_other->info, &with_other->state, with_other->solver,
                                    &training.contacts[0], NULL, NULL),
                      EHD_OK);
@@ -308,8 +310,9 @@ static void truncated_bases_stay_near(void **state) {
             reduced_problem_init(&reduced, &small, NULL, 0, &strict_settings);
             for (size_t s = 0; s < TRAINED_STATES; s++) {
                 double expected = training.set.central_film_thickness[s];
-                reduced_guess(&reduced.state, &reduced.model, training.set.moes_M[s],
-                              training.set.alpha_p_H[s], NULL);
+                reduced_guess(&reduced.state, &reduced.model,
+                              (contact_place){.moes_M = training.set.moes_M[s],
+                                              .alpha_p_H = training.set.alpha_p_H[s]});
                 reduced_problem_solve(&reduced, &training.contacts[s]);
                 worst =
                     fmax(worst, fabs(reduced.info.scalars.central_film_thickness / expected - 1));
@@ -374,8 +377,9 @@ static void accurate_full_rank_reproduces_the_full_model(void **state) {
         for (size_t s = 0; s < TRAINED_STATES; s++) {
             const size_t exit = accurate.set.exit[s];
             const double *pressure = accurate.set.pressure + s * num_nodes;
-            reduced_neighbour(&reduced.state, &reduced.model, accurate.set.moes_M[s],
-                              accurate.set.alpha_p_H[s], NULL);
+            reduced_neighbour(&reduced.state, &reduced.model,
+                              (contact_place){.moes_M = accurate.set.moes_M[s],
+                                              .alpha_p_H = accurate.set.alpha_p_H[s]});
             reduced_problem_solve(&reduced, &accurate.contacts[s]);
             assert_int_equal(reduced.state.exit, exit);
             check_close_array(reduced.state.coordinates, pressure + 1, exit - 1, 0, 1e-9);
@@ -470,8 +474,9 @@ static void moving_the_exit_equals_rebuilding(void **state) {
                most = reduced.model.band.lines[0].max_exit, found = 0;
         for (size_t exit = least; exit <= most; exit++) {
             double load = 0;
-            reduced_neighbour(&reduced.state, &reduced.model, training.set.moes_M[STATE],
-                              training.set.alpha_p_H[STATE], NULL);
+            reduced_neighbour(&reduced.state, &reduced.model,
+                              (contact_place){.moes_M = training.set.moes_M[STATE],
+                                              .alpha_p_H = training.set.alpha_p_H[STATE]});
             reduced.state.exit = exit;
             reduced_problem_solve(&reduced, &training.contacts[STATE]);
             if (reduced.state.exit == training.set.exit[STATE])
@@ -506,8 +511,7 @@ static void the_exit_stays_inside_the_tables(void **state) {
         for (size_t i = 0; i < 12; i++) {
             ehd_contact contact = training.contacts[0];
             contact_set_moes(&contact, moes_M[i / 2], 3);
-            reduced_guess(&reduced.state, &reduced.model, contact.moes_M, contact.alpha_p_H,
-                          &contact.lubricant);
+            reduced_guess(&reduced.state, &reduced.model, contact_place_of(&contact));
             reduced.state.exit = ends[i % 2];
             assert_int_equal(
                 reduced_solve(&reduced.info, &reduced.state, reduced.solver, &contact, NULL, NULL),

@@ -2,6 +2,7 @@
 #include "tests/unit/trained.h"
 
 #include "common/physics/minimum.h"
+#include "common/physics/traction.h"
 #include "fullrun/full_solver.h"
 #include "tests/unit/sample.h"
 
@@ -39,6 +40,7 @@ static void train(trained *self) {
                            solution.rigid_approach,
                            contact->moes_M,
                            contact->alpha_p_H,
+                           traction_thinning_rate(contact),
                            full_evaluate_scalars(&solution, contact).central_film_thickness,
                            lubricant_rises_at(&contact->lubricant, contact->hertz_pressure)};
     }
