@@ -2,6 +2,7 @@
 #include "common/output/result.h"
 
 #include "common/output/grid_file.h"
+#include "common/output/traction_output.h"
 #include "common/physics/inlet_heating.h"
 #include "common/program/arena.h"
 

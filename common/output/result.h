@@ -6,8 +6,8 @@
 #include "common/artefact/artefact.h"
 #include "common/output/film_effects.h"
 #include "common/output/indicated.h"
-#include "common/output/traction_output.h"
 #include "common/physics/contact.h"
+#include "common/physics/traction.h"
 #include "common/program/program.h"
 #include "common/program/status.h"
 #include <stdbool.h>

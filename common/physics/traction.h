@@ -57,8 +57,9 @@ typedef struct traction_sums {
 contact_traction contact_traction_from(const ehd_contact *contact, const traction_sums *sums,
                                        double load); // over that of the frame
 
-/* int tau dX of the half cell behind the last node with pressure of a line, in place of half a cell: up to
- * the exit, where the pressure is zero; an exit that is not in the cell (NaN: not known): to the next node. */
+/* int tau dX of the half cell behind the last node with pressure of a line, in place of half a
+ * cell: up to the exit, where the pressure is zero; an exit that is not in the cell (NaN: not
+ * known): to the next node. */
 double contact_traction_behind(const ehd_contact *contact, const ehd_grid *grid, size_t node,
                                double stress,        // at the node
                                const double film[2], // there and at the next node

@@ -31,7 +31,7 @@ static ehd_status make_contact(ehd_contact *contact, bool *inside, const plan *o
     char name[POINT_NAME];
     ehd_error cause = {""};
     ehd_status status = scene_contact(contact, &point->scene, &cause);
-    if (!status) status = scene_check_flow(&point->scene, &cause);
+    if (!status) status = scene_check_reducible(&point->scene, &cause);
 
     // a point that is left out may lie where the lubricant's law does not hold
     bool known = contact->alpha_p_H > 0 || !status;

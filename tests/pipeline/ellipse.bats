@@ -53,17 +53,10 @@ PYTHON
 }
 
 @test "half and whole domain write the same symmetric fields" {
-    fullrun scene.yml -o half.h5
-    fullrun scene.yml --set grid.half=false -o whole.h5
-    fullrun --check half.h5
+    half_and_whole_are_symmetric
     /usr/bin/python3 - <<'PYTHON'
 import h5py, numpy
-half, whole = h5py.File("half.h5"), h5py.File("whole.h5")
-for name in "pressure", "film_thickness", "exit_position":
-    a, b = half[name][...], whole[name][...]
-    assert numpy.array_equal(a, a[:, ::-1], equal_nan=True), name
-    assert numpy.allclose(a, b, rtol=0, atol=1e-9, equal_nan=True), name
-pressure = half["pressure"][0]
+pressure = h5py.File("half.h5")["pressure"][0]
 assert abs(pressure.sum() * 0.125**2 / (2 * numpy.pi / 3) - 1) < 1e-9
 PYTHON
 }
