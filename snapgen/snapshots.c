@@ -64,7 +64,9 @@ static bool any_estimated(const training_set *set) {
 
 static bool any_thinned(const training_set *set) {
     for (size_t i = 0; i < set->num_points; i++)
-        if (traction_thinning_rate(&set->contacts[i]) > 0) return true;
+        if (traction_thins_flow(&set->contacts[i])) return true;
+    for (size_t t = 0; t < set->num_trajectories; t++)
+        if (traction_thins_flow(&set->trajectories[t].contact)) return true;
     return false;
 }
 
@@ -216,14 +218,13 @@ static ehd_status put_kept_state(artefact *file, const ehd_grid *grid, size_t pl
     } integers[] = {{"newton_iterations", (int64_t)state->iterations},
                     {"trajectory", trajectory},
                     {"status", failed ? 1 : 0}};
-    const double not_thinned = 0;
     ehd_status status =
         failed ? EHD_OK : put_fields(file, grid, place, state->pressure, state->film, error);
 
     for (size_t i = 0; i < sizeof reals / sizeof *reals && !status && !failed; i++)
         status = artefact_put_part(file, reals[i].name, place, 1, reals[i].values, error);
-    if (!status && artefact_has(file, "thinning")) // of other points
-        status = artefact_put_part(file, "thinning", place, 1, &not_thinned, error);
+    if (!status && artefact_has(file, "thinning"))
+        status = artefact_put_part(file, "thinning", place, 1, &state->thinning, error);
     for (size_t i = 0; i < sizeof integers / sizeof *integers && !status; i++)
         status =
             artefact_put_integers_part(file, integers[i].name, place, 1, &integers[i].value, error);
