@@ -264,8 +264,9 @@ static void normalise(double (*places)[RANGE_AXES], const training_set *set) {
 
 /* Adds the corners of the candidates of one family (group and lubricant). `here`, `numbers` and
  * `corners` are memory for num_points. */
-static void add_corners_of(adaptive *self, size_t family, const double (*places)[RANGE_AXES],
-                           double (*here)[RANGE_AXES], size_t *numbers, size_t *corners) {
+static ehd_status add_corners_of(adaptive *self, size_t family, const double (*places)[RANGE_AXES],
+                                 double (*here)[RANGE_AXES], size_t *numbers, size_t *corners,
+                                 ehd_error *error) {
     const trial_verdict unknown = {{NAN, NAN}, {NAN, NAN}};
     const double rounding = 1e-9; // the slack of trained_range_check, of which none is outside
     size_t count = 0;
@@ -276,8 +277,10 @@ static void add_corners_of(adaptive *self, size_t family, const double (*places)
         numbers[count++] = i;
     }
     count = point_choice_corners(corners, (const double(*)[RANGE_AXES])here, count, rounding);
+    if (count == 0) return ehd_fail(error, EHD_MEMORY, "choice: found no memory for corners");
     for (size_t i = 0; i < count && self->num_states < self->settings->max_points; i++)
         add_point(self, numbers[corners[i]], &unknown);
+    return EHD_OK;
 }
 
 static ehd_status add_corners(adaptive *self, ehd_error *error) {
@@ -294,10 +297,10 @@ static ehd_status add_corners(adaptive *self, ehd_error *error) {
     if (!status) {
         normalise(places, self->set);
         // the family's number is that of its first point
-        for (size_t i = 0; i < num_points; i++)
+        for (size_t i = 0; i < num_points && !status; i++)
             if (self->places[i].family == i)
-                add_corners_of(self, i, (const double(*)[RANGE_AXES])places, here, numbers,
-                               corners);
+                status = add_corners_of(self, i, (const double(*)[RANGE_AXES])places, here, numbers,
+                                        corners, error);
     }
     free(places);
     free(here);

@@ -45,7 +45,7 @@ flow_thinning traction_thinning(const ehd_contact *contact, double viscosity, do
                                 bool along) {
     // of the Newtonian stress over the law's: sinh(tau/tau0)
     const double rate = thinning_rate(contact, viscosity, film);
-    const double root = hypot(1, rate);
+    const double root = rate < 1e8 ? sqrt(1 + rate * rate) : rate;
 
     if (along) return (flow_thinning){root, rate / root * (rate / root)};
     if (rate < 1e-4) return (flow_thinning){1 + rate * rate / 6, rate * rate / 3};

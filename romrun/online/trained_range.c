@@ -220,7 +220,9 @@ const char *trained_range_check(const trained_range *self, contact_place of, dou
         return "outside of the trained range of M and alpha p_H";
     if (self->points) {
         put_column(here, 1, place, self);
-        if (!(hull_distance(self->points, self->num_points, RANGE_AXES, here) <= self->slack))
+        // what adaptive training leaves outside of its corners counts as inside
+        const double slack = fmax(self->slack, 1e-8);
+        if (!(hull_distance(self->points, self->num_points, RANGE_AXES, here) <= slack))
             return "outside of the trained range of M, alpha p_H and thinning";
     }
     if (rate > fmax(rate_slack * self->max_rate, min_rate))

@@ -363,11 +363,10 @@ static void any_trained_solution_leads_to_any_other(void **state) {
 
 static const deformation_kind both_kinds[] = {DEFORMATION_COUPLED, DEFORMATION_INDEPENDENT};
 
-static void accurate_full_rank_reproduces_the_full_model(void **state) {
-    (void)state;
+static void check_full_rank(void (*init)(trained *, double)) {
     trained accurate;
     reduced_basis small;
-    trained_init_accurate(&accurate, 0.04);
+    init(&accurate, 0.04);
     trained_basis(&small, &accurate, DEFORMATION_COUPLED, 0, 0);
     for (int kind = 0; kind < 2; kind++) {
         reduced_basis basis = identity_basis(&accurate.set, both_kinds[kind], small.weight);
@@ -379,7 +378,8 @@ static void accurate_full_rank_reproduces_the_full_model(void **state) {
             const double *pressure = accurate.set.pressure + s * num_nodes;
             reduced_neighbour(&reduced.state, &reduced.model,
                               (contact_place){.moes_M = accurate.set.moes_M[s],
-                                              .alpha_p_H = accurate.set.alpha_p_H[s]});
+                                              .alpha_p_H = accurate.set.alpha_p_H[s],
+                                              .thinning = accurate.set.thinning[s]});
             reduced_problem_solve(&reduced, &accurate.contacts[s]);
             assert_int_equal(reduced.state.exit, exit);
             check_close_array(reduced.state.coordinates, pressure + 1, exit - 1, 0, 1e-9);
@@ -392,6 +392,25 @@ static void accurate_full_rank_reproduces_the_full_model(void **state) {
     }
     reduced_basis_free(&small);
     trained_free(&accurate);
+}
+
+static void accurate_full_rank_reproduces_the_full_model(void **state) {
+    (void)state;
+    check_full_rank(trained_init_accurate);
+}
+
+static void thinned_full_rank_reproduces_the_full_model(void **state) {
+    trained thinned, newtonian;
+    (void)state;
+
+    check_full_rank(trained_init_thinned);
+    // which is another flow: at the thickest film by a tenth
+    trained_init_thinned(&thinned, 0.04);
+    trained_init_accurate(&newtonian, 0.04);
+    assert_true(thinned.set.central_film_thickness[2] <
+                0.9 * newtonian.set.central_film_thickness[2]);
+    trained_free(&thinned);
+    trained_free(&newtonian);
 }
 
 /* The last row of a least-squares problem, which is the cell's. */
@@ -451,6 +470,68 @@ static void the_cell_s_row_equals_finite_differences(void **state) {
         reduced_basis_free(&basis);
     }
     trained_free(&accurate);
+}
+
+/* A whole least-squares problem. */
+enum { MOST_UNKNOWNS = TRAINED_STATES * 4, MOST_ROWS = 200 };
+typedef struct whole_problem {
+    double matrix[MOST_ROWS * MOST_UNKNOWNS], right[MOST_ROWS];
+    size_t num_rows;
+} whole_problem;
+
+static ehd_status keep_problem(double *step, void *context, const double *matrix,
+                               const double *right, size_t num_rows, size_t num_unknowns) {
+    whole_problem *self = context;
+    (void)step;
+
+    assert_true(num_rows <= MOST_ROWS && num_unknowns <= MOST_UNKNOWNS);
+    memcpy(self->matrix, matrix, num_rows * num_unknowns * sizeof(double));
+    memcpy(self->right, right, num_rows * sizeof(double));
+    self->num_rows = num_rows;
+    return EHD_NOT_CONVERGED;
+}
+
+/* Of flows that the sliding thins, the cell's row included. */
+static void thinned_rows_equal_finite_differences(void **state) {
+    (void)state;
+    trained thinned;
+    whole_problem here, side[2];
+    trained_init_thinned(&thinned, 0.05);
+    for (int i = 0; i < 2; i++) {
+        const size_t s = 6;
+        reduced_basis basis;
+        trained_basis(&basis, &thinned, both_kinds[i], 0, 0);
+        for (size_t j = 0; j < reduced_num_unknowns(basis.num_pressure, basis.num_deformation);
+             j++) {
+            const size_t n = reduced_num_unknowns(basis.num_pressure, basis.num_deformation);
+            const double h = j + 1 < n ? 1e-4 : 1e-7;
+            for (int sign = 0; sign < 3; sign++) {
+                whole_problem *kept = sign < 2 ? &side[sign] : &here;
+                const reduced_settings once = {.max_iterations = 1,
+                                               .tolerance = 1e-8,
+                                               .solve_linear = keep_problem,
+                                               .linear_context = kept};
+                reduced_problem reduced;
+                reduced_problem_init(&reduced, &basis, NULL, 0, &once);
+                memcpy(reduced.state.coordinates, basis.states.coordinates + s * n,
+                       n * sizeof(double));
+                reduced.state.coordinates[j] += sign == 0 ? -h : sign == 1 ? h : 0;
+                reduced_state_set_exits(&reduced.state, &reduced.model, &thinned.set.exit[s]);
+                assert_int_equal(reduced_solve(&reduced.info, &reduced.state, reduced.solver,
+                                               &thinned.contacts[s], NULL, NULL),
+                                 EHD_OK);
+                reduced_problem_free(&reduced);
+            }
+            double largest = 0;
+            for (size_t r = 0; r < here.num_rows; r++)
+                largest = fmax(largest, fabs(here.matrix[r * n + j]));
+            for (size_t r = 0; r < here.num_rows; r++)
+                check_close(here.matrix[r * n + j], (side[1].right[r] - side[0].right[r]) / (2 * h),
+                            1e-4, 1e-5 * largest);
+        }
+        reduced_basis_free(&basis);
+    }
+    trained_free(&thinned);
 }
 
 // ---- the exit's moves
@@ -709,7 +790,9 @@ int main(void) {
         cmocka_unit_test(truncated_bases_stay_near),
         cmocka_unit_test(any_trained_solution_leads_to_any_other),
         cmocka_unit_test(accurate_full_rank_reproduces_the_full_model),
+        cmocka_unit_test(thinned_full_rank_reproduces_the_full_model),
         cmocka_unit_test(the_cell_s_row_equals_finite_differences),
+        cmocka_unit_test(thinned_rows_equal_finite_differences),
         cmocka_unit_test(moving_the_exit_equals_rebuilding),
         cmocka_unit_test(the_exit_stays_inside_the_tables),
         cmocka_unit_test(minimum_film_is_that_of_the_fields),

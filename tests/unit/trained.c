@@ -70,6 +70,19 @@ void trained_init_accurate(trained *self, double step) {
     train(self);
 }
 
+void trained_init_thinned(trained *self, double step) {
+    make_contacts(self, step);
+    for (size_t s = 0; s < TRAINED_STATES; s++) {
+        ehd_contact *contact = &self->contacts[s];
+        contact->grid.discretization = DISCRETIZATION_ACCURATE;
+        contact->half_width = 1e-4;
+        contact->radius = 0.01;
+        contact->slide_roll = 0.5 + 0.1 * (double)(s % 2);
+        contact->lubricant.thinning_stress = (s % 3 == 0 ? 1e-4 : 2e-4) * contact->hertz_pressure;
+    }
+    train(self);
+}
+
 void trained_init_published(trained *self, double step) {
     memset(self, 0, sizeof *self);
     for (size_t s = 0; s < TRAINED_STATES; s++)
