@@ -413,6 +413,34 @@ static void thinned_full_rank_reproduces_the_full_model(void **state) {
     trained_free(&newtonian);
 }
 
+/* With a large stress of Eyring's the film is the Newtonian one, with a small one it is not. Of a fluid
+ * whose mobility is exponential, which has no need of one between the nodes. */
+static void thinned_solutions_have_the_newtonian_limit(void **state) {
+    (void)state;
+    trained thinned;
+    reduced_basis basis;
+    reduced_problem reduced;
+    trained_init_thinned(&thinned, 0.05);
+    trained_basis(&basis, &thinned, DEFORMATION_COUPLED, 0, 0);
+    reduced_problem_init(&reduced, &basis, NULL, 0, &strict_settings);
+    const double stresses[] = {0, 1e9, 1e-2};
+    contact_scalars found[3];
+    for (int i = 0; i < 3; i++) {
+        ehd_contact contact = thinned.contacts[4];
+        contact.lubricant.thinning_stress = stresses[i] * contact.hertz_pressure;
+        contact.lubricant.density = NULL;
+        reduced_guess(&reduced.state, &reduced.model, contact_place_of(&contact));
+        reduced_problem_solve(&reduced, &contact);
+        found[i] = reduced.info.scalars;
+    }
+    check_close(found[1].central_film_thickness, found[0].central_film_thickness, 1e-9, 0);
+    check_close(found[1].minimum_film_thickness, found[0].minimum_film_thickness, 1e-9, 0);
+    assert_true(fabs(found[2].central_film_thickness / found[0].central_film_thickness - 1) > 1e-6);
+    reduced_problem_free(&reduced);
+    reduced_basis_free(&basis);
+    trained_free(&thinned);
+}
+
 /* The last row of a least-squares problem, which is the cell's. */
 typedef struct last_row {
     double matrix[TRAINED_STATES * 4], right;
@@ -791,6 +819,7 @@ int main(void) {
         cmocka_unit_test(any_trained_solution_leads_to_any_other),
         cmocka_unit_test(accurate_full_rank_reproduces_the_full_model),
         cmocka_unit_test(thinned_full_rank_reproduces_the_full_model),
+        cmocka_unit_test(thinned_solutions_have_the_newtonian_limit),
         cmocka_unit_test(the_cell_s_row_equals_finite_differences),
         cmocka_unit_test(thinned_rows_equal_finite_differences),
         cmocka_unit_test(moving_the_exit_equals_rebuilding),
