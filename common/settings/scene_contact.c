@@ -59,10 +59,6 @@ ehd_status scene_contact(ehd_contact *contact, const scene *given, ehd_error *er
                         "closure: found approach in a stationary scene, expected load; a transient "
                         "scene finds the load of an approach");
 
-    if (kind_of(given) == &contact_ellipse && strcmp(given->boundary, "zero") != 0)
-        return ehd_fail(error, EHD_DATA,
-                        "boundary: found %s, expected zero with the contact ellipse",
-                        given->boundary);
     const contact_settings settings = {
         .kind = kind_of(given),
         .lubricant = given->lubricant,
