@@ -17,7 +17,7 @@ enum {
 typedef struct kept_state {
     double time;
     double rate; // frame_rate
-    double moes_M, moes_L, alpha_p_H, hertz_pressure;
+    double moes_M, moes_L, alpha_p_H, thinning, hertz_pressure;
     contact_scalars scalars; // in the current frame
     size_t iterations;
     double residual;
