@@ -42,6 +42,12 @@ static const struct {
     COLUMN(exit_position),
     COLUMN(indicated_deviation),
     COLUMN(indicated_deviation_minimum),
+    COLUMN(friction_coefficient),
+    {"line_friction_force", offsetof(case_row, friction_force)},
+    {"point_friction_force", offsetof(case_row, friction_force)},
+    {"line_power_loss", offsetof(case_row, power_loss)},
+    {"point_power_loss", offsetof(case_row, power_loss)},
+    COLUMN(indicated_deviation_friction),
     COLUMN(newton_iterations),
     COLUMN(residual_norm),
     COLUMN(solve_seconds)};
@@ -70,6 +76,10 @@ case_row case_row_of(const ehd_contact *contact) {
                       .exit_position = NAN,
                       .indicated_deviation = NAN,
                       .indicated_deviation_minimum = NAN,
+                      .friction_coefficient = NAN,
+                      .indicated_deviation_friction = NAN,
+                      .friction_force = NAN,
+                      .power_loss = NAN,
                       .residual_norm = NAN,
                       .solve_seconds = NAN};
 }
@@ -116,13 +126,13 @@ static int64_t integer_of(const case_row *row, size_t column) {
 /* Whether a column that is only there where it applies says anything of a row, and is of this kind of
  * contact. */
 static bool applies(size_t column, const case_row *rows, size_t count, const contact_kind *kind) {
-    const char *load = kind->dimensions > 1 ? "line_load" : "point_load";
+    const char *other = kind->dimensions > 1 ? "line_" : "point_";
     bool any = false;
 
     if (field_of(column)->need != NEED_OPTIONAL) return true;
     for (size_t i = 0; i < count && !any; i++)
         any = !isnan(real_of(&rows[i], column));
-    return any && strcmp(columns[column].name, load) != 0;
+    return any && strncmp(columns[column].name, other, strlen(other)) != 0;
 }
 
 /* The column that holds a column's unit; NOT_WRITTEN: it has none, or that one is not written. */

@@ -23,6 +23,9 @@ typedef struct case_row {
     double rigid_approach;
     double exit_position;
     double indicated_deviation, indicated_deviation_minimum;
+    // of a scene that slides:
+    double friction_coefficient, indicated_deviation_friction;
+    double friction_force, power_loss; // N/m and W/m of a line contact, N and W of a point contact
     double residual_norm;
     double solve_seconds; // s
     char reason[RESULT_REASON];

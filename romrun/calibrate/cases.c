@@ -80,6 +80,16 @@ static ehd_status make_contact(ehd_contact *contact, const batch *self, size_t i
     return status == EHD_DATA ? case_list_fail(self->list, index, error) : status;
 }
 
+/* Of a scene that slides, from the model's few nodes; one of before has none. */
+static void add_traction(case_row *row, online_solver *solver, const ehd_contact *contact) {
+    if (!contact_has_traction(contact)) return;
+    const contact_traction found = online_traction(solver, contact);
+    row->friction_coefficient = found.coefficient;
+    row->friction_force = found.friction * contact->load;
+    row->power_loss = found.power * contact->load * contact->speed;
+    row->indicated_deviation_friction = online_indicate_friction(solver, contact, found.friction);
+}
+
 /* With one of the models; *trusted: no other one is needed. */
 static ehd_status solve_with(case_row *row, bool *trusted, const batch *self, const worker *own,
                              int m, const ehd_contact *contact, ehd_error *error) {
@@ -112,6 +122,7 @@ static ehd_status solve_with(case_row *row, bool *trusted, const batch *self, co
     row->exit_position = result.exit_position;
     row->indicated_deviation = result.indicated_deviation;
     row->indicated_deviation_minimum = result.indicated_deviation_minimum;
+    add_traction(row, own->solvers[m], contact);
     return EHD_OK;
 }
 
@@ -174,13 +185,22 @@ static ehd_status finish(void *shared, void *made, size_t point, size_t parent, 
 /* A row that is no contact is refused before others are solved. */
 static ehd_status make_contacts(batch *self, ehd_error *error) {
     const size_t count = case_list_count(self->list);
+    bool any_slides = false;
     ehd_status status = EHD_OK;
 
     self->contacts = array_new(count, 1, sizeof *self->contacts);
     if (!self->contacts)
         return ehd_fail(error, EHD_MEMORY, "--cases: found no memory for %zu scenes", count);
-    for (size_t i = 0; i < count && !status; i++)
+    for (size_t i = 0; i < count && !status; i++) {
         status = make_contact(&self->contacts[i], self, i, error);
+        any_slides = any_slides || (!status && contact_has_traction(&self->contacts[i]));
+    }
+    if (!status && any_slides && !online_has_traction(self->models[0].model))
+        program_note(
+            self->task->caller,
+            "%s: found a model without nodes for traction, expected one that deimselect of "
+            "this version has made: the table has no friction",
+            self->task->model);
     return status;
 }
 

@@ -72,9 +72,20 @@ static ehd_status path_in(char path[PATH_MAX], const char *folder, const char *n
 
 // ---- resources
 
+/* Of speeds of both surfaces the mean and the ratio, which inputs then start from. */
+static scene with_mean_speed(const scene *given) {
+    scene own = *given;
+
+    if (isnan(given->physical.speed_1)) return own;
+    own.physical.speed = (given->physical.speed_1 + given->physical.speed_2) / 2;
+    own.slide_roll = scene_slide_roll(given);
+    own.physical.speed_1 = own.physical.speed_2 = NAN;
+    return own;
+}
+
 /* Without what others than the contact's settings are, and without paths. */
 static void strip(scene *settings, const scene *given) {
-    *settings = *given;
+    *settings = with_mean_speed(given);
     for (const setting *row = scene_settings(); row->key; row++)
         if (strncmp(row->key, "output.", 7) == 0 || strcmp(row->key, "approach") == 0 ||
             (strncmp(row->key, "transient.", 10) == 0 &&
@@ -220,7 +231,7 @@ static double number_of(const setting *row, const scene *of) {
 
 /* Which variables there are, and the scene's values of them. */
 static ehd_status fill_contents(export_job *job, ehd_error *error) {
-    const scene *given = job->request->given;
+    const scene own = with_mean_speed(job->request->given), *const given = &own;
     fmu_contents *contents = &job->contents;
 
     if (isnan(given->physical.load))
@@ -235,14 +246,20 @@ static ehd_status fill_contents(export_job *job, ehd_error *error) {
     contents->ellipse = strcmp(given->contact, "ellipse") == 0;
     contents->point = contents->ellipse || strcmp(given->contact, "point") == 0;
     contents->approach_given = strcmp(given->closure, "approach") == 0;
+    contents->slides = !isnan(given->slide_roll);
     for (size_t i = 0; i < FMU_NUM_VARIABLES; i++) {
         const fmu_variable *variable = &fmu_variables[i];
         const setting *row = variable->key ? setting_find(variable->key) : NULL;
-        contents->has[i] = fmu_variable_fits(variable, contents->approach_given) &&
-                           (!row || setting_is_given(row, given));
+        contents->has[i] =
+            fmu_variable_fits(variable, contents) && (!row || setting_is_given(row, given));
         if (row && contents->has[i]) contents->start[i] = number_of(row, given);
     }
     contents->start[FMU_ACCURACY] = job->request->accuracy;
+    if (contents->slides) {
+        const double half = given->slide_roll / 2 * given->physical.speed;
+        contents->start[FMU_SPEED_1] += half;
+        contents->start[FMU_SPEED_2] -= half;
+    }
     return find_approach(job, error);
 }
 

@@ -20,6 +20,7 @@ typedef enum fmu_mode {
 typedef struct conditions {
     double given; // load or approach
     double speed, radius;
+    double sliding; // surface 1 less surface 2
 } conditions;
 
 /* All that a saved state holds beside the contact's own. */
@@ -37,7 +38,7 @@ typedef struct moment {
     conditions aimed; // at the end of the pending step
 } moment;
 
-static const char state_mark[8] = "ehdfmu2";
+static const char state_mark[8] = "ehdfmu3";
 
 struct fmu_instance {
     fmu_log log;
@@ -49,6 +50,7 @@ struct fmu_instance {
     ehdrom_contact *contact;
     ehdrom_contact *stationary; // of the stationary outputs; NULL: nobody has asked yet
     bool responded;             // these are of the present outputs
+    bool slid;                  // so is the friction
     moment now;
 };
 
@@ -179,6 +181,15 @@ static const fmu_variable *find(const fmu_instance *self, unsigned reference, fm
 
 static bool start(fmu_instance *self);
 static bool respond_now(fmu_instance *self);
+static bool slide_now(fmu_instance *self);
+
+static bool is_stationary(unsigned reference) {
+    return reference >= FMU_STIFFNESS && reference <= FMU_DAMPING_BOUND;
+}
+
+static bool is_friction(unsigned reference) {
+    return reference >= FMU_FRICTION && reference <= FMU_POWER;
+}
 
 bool fmu_get(fmu_instance *self, unsigned reference, fmu_type type, double *value) {
     const fmu_variable *variable = find(self, reference, type);
@@ -186,8 +197,9 @@ bool fmu_get(fmu_instance *self, unsigned reference, fmu_type type, double *valu
     if (!variable) return false;
     if (variable->role == FMU_OUTPUT && self->now.mode == MODE_INITIALIZATION && !start(self))
         return false;
-    if (reference >= FMU_STIFFNESS && self->now.mode >= MODE_INITIALIZATION && !respond_now(self))
-        return false;
+    const bool early = self->now.mode < MODE_INITIALIZATION;
+    if (is_stationary(reference) && !early && !respond_now(self)) return false;
+    if (is_friction(reference) && !early && !slide_now(self)) return false;
     *value = reference == FMU_TIME ? self->now.time : self->now.values[reference];
     return true;
 }
@@ -230,7 +242,8 @@ static void take_outputs(double values[FMU_NUM_VARIABLES], const ehdrom_result *
 static conditions conditions_of(const double values[FMU_NUM_VARIABLES], bool approach_given) {
     return (conditions){.given = values[approach_given ? FMU_APPROACH : FMU_LOAD],
                         .speed = (values[FMU_SPEED_1] + values[FMU_SPEED_2]) / 2,
-                        .radius = values[FMU_RADIUS]};
+                        .radius = values[FMU_RADIUS],
+                        .sliding = values[FMU_SPEED_1] - values[FMU_SPEED_2]};
 }
 
 /* `part` of the way. */
@@ -238,7 +251,8 @@ static conditions between(const conditions *from, const conditions *to, double p
     if (part == 1) return *to;
     return (conditions){.given = from->given + (to->given - from->given) * part,
                         .speed = from->speed + (to->speed - from->speed) * part,
-                        .radius = from->radius + (to->radius - from->radius) * part};
+                        .radius = from->radius + (to->radius - from->radius) * part,
+                        .sliding = from->sliding + (to->sliding - from->sliding) * part};
 }
 
 static ehdrom_conditions for_library(const fmu_instance *self, const conditions *at) {
@@ -297,7 +311,7 @@ static bool start(fmu_instance *self) {
     tell_trust(self, &result);
     take_outputs(now->values, &result);
     now->solved = true;
-    self->responded = false;
+    self->responded = self->slid = false;
     return true;
 }
 
@@ -348,6 +362,28 @@ static bool respond_now(fmu_instance *self) {
     if (!self->responded)
         self->responded = respond(self, &now->aimed, now->values[FMU_FORCE], now->values);
     return self->responded;
+}
+
+// ---- the friction
+
+/* That of the last step, or of the start, with the sliding of its end. */
+static bool slide(fmu_instance *self, const conditions *at, double values[FMU_NUM_VARIABLES]) {
+    ehdrom_traction traction = EHDROM_TRACTION_INIT;
+
+    traction.size = offsetof(ehdrom_traction, indicated_deviation_friction); // not wanted
+    if (!took(self, self->now.pending > 0 ? ehdrom_slide_step(self->contact, at->sliding, &traction)
+                                          : ehdrom_slide(self->contact, at->sliding, &traction)))
+        return false;
+    values[FMU_FRICTION] = traction.friction_force;
+    values[FMU_FRICTION_COEFFICIENT] = traction.friction_coefficient;
+    values[FMU_POWER] = traction.power_loss;
+    return true;
+}
+
+/* Of the last outputs, unless it is known. */
+static bool slide_now(fmu_instance *self) {
+    if (!self->slid) self->slid = slide(self, &self->now.aimed, self->now.values);
+    return self->slid;
 }
 
 // ---- modes
@@ -490,7 +526,7 @@ bool fmu_step(fmu_instance *self, double time, double step) {
     tell_trust(self, &result);
     take_outputs(now->values, &result);
     now->values[FMU_STEPS] = (double)of.steps;
-    self->responded = false;
+    self->responded = self->slid = false;
     return true;
 }
 
@@ -534,7 +570,7 @@ static double reach(const fmu_instance *self, const unsigned knowns[], size_t nu
 /* Real outputs where the inputs are moved by `length` of the direction. */
 static bool outputs_at(fmu_instance *self, double outputs[FMU_NUM_VARIABLES],
                        const unsigned knowns[], size_t num_knowns, const double direction[],
-                       double length, bool stationary) {
+                       double length, bool stationary, bool friction) {
     const bool by_approach = self->contents.approach_given;
     double values[FMU_NUM_VARIABLES] = {0};
     ehdrom_result result = EHDROM_RESULT_INIT;
@@ -546,9 +582,11 @@ static bool outputs_at(fmu_instance *self, double outputs[FMU_NUM_VARIABLES],
     at.given += moved.given;
     at.speed += moved.speed;
     at.radius += moved.radius;
+    at.sliding += moved.sliding;
     if (!took(self, repeat(self, &at, &result))) return false;
     take_outputs(outputs, &result);
-    return !stationary || respond(self, &at, result.load, outputs);
+    return (!friction || slide(self, &at, outputs)) &&
+           (!stationary || respond(self, &at, result.load, outputs));
 }
 
 /* Those of the derivatives that are NaN, by central differences of the step, or the start, repeated. */
@@ -558,14 +596,16 @@ static bool by_differences(fmu_instance *self, const unsigned unknowns[], size_t
     double before[FMU_NUM_VARIABLES] = {0}, behind[FMU_NUM_VARIABLES] = {0};
     const double length = reach(self, knowns, num_knowns, direction);
     ehdrom_result result = EHDROM_RESULT_INIT;
-    bool stationary = false;
+    bool stationary = false, friction = false;
 
     if (length < 0) return false;
-    for (size_t k = 0; k < num_unknowns; k++)
-        stationary |= unknowns[k] >= FMU_STIFFNESS;
+    for (size_t k = 0; k < num_unknowns; k++) {
+        stationary |= is_stationary(unknowns[k]);
+        friction |= is_friction(unknowns[k]);
+    }
     const bool found =
-        outputs_at(self, behind, knowns, num_knowns, direction, length, stationary) &&
-        outputs_at(self, before, knowns, num_knowns, direction, -length, stationary);
+        outputs_at(self, behind, knowns, num_knowns, direction, length, stationary, friction) &&
+        outputs_at(self, before, knowns, num_knowns, direction, -length, stationary, friction);
     // and back, to the same bits
     if (!took(self, repeat(self, &self->now.aimed, &result)) || !found) return false;
     for (size_t k = 0; k < num_unknowns; k++)
@@ -707,7 +747,7 @@ static bool restore(fmu_instance *self, const fmu_state *state) {
                           took(self, ehdrom_state_restore(self->contact, numbers, count));
     free(numbers);
     if (!restored) return false;
-    self->responded = false;
+    self->responded = self->slid = false;
     // the step that was not accepted yet, or the start, to the same bits
     const bool at_start = self->now.last == 0 && !self->now.lost;
     return !(self->now.pending > 0 || at_start) ||
@@ -720,7 +760,7 @@ bool fmu_state_set(fmu_instance *self, const void *state) {
     if (!saved || !check_state(self, saved->bytes, saved->size)) return false;
     memcpy(&self->now, saved->bytes, sizeof self->now);
     if (has_contact(&self->now)) return restore(self, saved);
-    self->responded = false;
+    self->responded = self->slid = false;
     self->now.solved = false; // the contact itself may be at another time
     return true;
 }

@@ -20,7 +20,7 @@ const fmu_variable fmu_variables[FMU_NUM_VARIABLES] = {
         "How far the bodies are from touching undeformed, negative where they overlap; of a line contact as measured from "
         "10 half widths of the start values' contact, or from approach_length of them where the scene sets it"},
     [FMU_SPEED_1] = {"surface_speed_1", FMU_INPUT, FMU_REAL, "m/s", "m/s", FMU_ALWAYS, "physical.speed", NONE,
-        "Speed of the first surface relative to the contact; only the mean of both matters"},
+        "Speed of the first surface relative to the contact; films go by the mean of both"},
     [FMU_SPEED_2] = {"surface_speed_2", FMU_INPUT, FMU_REAL, "m/s", "m/s", FMU_ALWAYS, "physical.speed", NONE,
         "Speed of the second surface relative to the contact; the mean must not be negative"},
     [FMU_RADIUS] = {"radius", FMU_INPUT, FMU_REAL, "m", "m", FMU_ALWAYS, "physical.radius", NONE,
@@ -71,16 +71,24 @@ const fmu_variable fmu_variables[FMU_NUM_VARIABLES] = {
         "By how much more per speed at which they come nearer, slowly"},
     [FMU_DAMPING_BOUND] = {"stationary_damping_bound", FMU_OUTPUT, FMU_REAL, "N.s/m2", "N.s/m", FMU_ALWAYS, NULL, NONE,
         "What the model lacks of the damping, up to a factor of 2 to 8; models trained in time lack little"},
+    [FMU_FRICTION] = {"friction_force", FMU_OUTPUT, FMU_REAL, "N/m", "N", FMU_SLIDING, NULL, NONE,
+        "Friction by the sliding surface_speed_1 - surface_speed_2, against surface 1 where that is the faster one"},
+    [FMU_FRICTION_COEFFICIENT] = {"friction_coefficient", FMU_OUTPUT, FMU_REAL, "1", "1", FMU_SLIDING, NULL, NONE,
+        "Friction over the force"},
+    [FMU_POWER] = {"power_loss", FMU_OUTPUT, FMU_REAL, "W/m", "W", FMU_SLIDING, NULL, NONE,
+        "Power that both surfaces put into the film, by sliding and rolling resistance"},
 };
 // clang-format on
 
-bool fmu_variable_fits(const fmu_variable *variable, bool approach_given) {
-    return variable->when == FMU_ALWAYS || (variable->when == FMU_APPROACH_GIVEN) == approach_given;
+bool fmu_variable_fits(const fmu_variable *variable, const fmu_contents *contents) {
+    if (variable->when == FMU_SLIDING) return contents->slides;
+    return variable->when == FMU_ALWAYS ||
+           (variable->when == FMU_APPROACH_GIVEN) == contents->approach_given;
 }
 
 // ---- resources/contact.txt: a line each, name and value
 
-static const char heading[] = "ehdrom-fmu 1";
+static const char heading[] = "ehdrom-fmu 2";
 
 const char *fmu_contact(const fmu_contents *contents) {
     return contents->ellipse ? "ellipse" : contents->point ? "point" : "line";
@@ -91,31 +99,35 @@ static bool has_start(const fmu_variable *variable) {
 }
 
 void fmu_contents_write(FILE *file, const fmu_contents *contents) {
-    fprintf(file, "%s\ntoken %s\ncontact %s\ngiven %s\n", heading, contents->token,
-            fmu_contact(contents), contents->approach_given ? "approach" : "load");
+    fprintf(file, "%s\ntoken %s\ncontact %s\ngiven %s\nslides %s\n", heading, contents->token,
+            fmu_contact(contents), contents->approach_given ? "approach" : "load",
+            contents->slides ? "yes" : "no");
     for (size_t i = 0; i < FMU_NUM_VARIABLES; i++)
         if (contents->has[i] && has_start(&fmu_variables[i]))
             fprintf(file, "%s %.17g\n", fmu_variables[i].name, contents->start[i]);
 }
 
 static bool read_heading(fmu_contents *contents, FILE *file) {
-    char line[sizeof heading + 1], contact[8], given[16];
+    char line[sizeof heading + 1], contact[8], given[16], slides[4];
 
     if (!fgets(line, sizeof line, file) || strncmp(line, heading, sizeof heading - 1) != 0)
         return false;
-    if (fscanf(file, " token %39s contact %7s given %15s", contents->token, contact, given) != 3)
+    if (fscanf(file, " token %39s contact %7s given %15s slides %3s", contents->token, contact,
+               given, slides) != 4)
         return false;
     contents->ellipse = strcmp(contact, "ellipse") == 0;
     contents->point = contents->ellipse || strcmp(contact, "point") == 0;
     contents->approach_given = strcmp(given, "approach") == 0;
+    contents->slides = strcmp(slides, "yes") == 0;
     return (contents->point || strcmp(contact, "line") == 0) &&
-           (contents->approach_given || strcmp(given, "load") == 0);
+           (contents->approach_given || strcmp(given, "load") == 0) &&
+           (contents->slides || strcmp(slides, "no") == 0);
 }
 
 static bool take_start(fmu_contents *contents, const char *name, double value) {
     for (size_t i = 0; i < FMU_NUM_VARIABLES; i++) {
         const fmu_variable *variable = &fmu_variables[i];
-        if (!has_start(variable) || !fmu_variable_fits(variable, contents->approach_given) ||
+        if (!has_start(variable) || !fmu_variable_fits(variable, contents) ||
             strcmp(variable->name, name) != 0)
             continue;
         contents->has[i] = true;
@@ -132,8 +144,8 @@ static bool read_contents(fmu_contents *contents, FILE *file) {
 
     if (!read_heading(contents, file)) return false;
     for (size_t i = 0; i < FMU_NUM_VARIABLES; i++)
-        contents->has[i] = !has_start(&fmu_variables[i]) &&
-                           fmu_variable_fits(&fmu_variables[i], contents->approach_given);
+        contents->has[i] =
+            !has_start(&fmu_variables[i]) && fmu_variable_fits(&fmu_variables[i], contents);
     while ((found = fscanf(file, " %63s %lf", name, &value)) == 2)
         if (!take_start(contents, name, value)) return false;
     return found == EOF && !ferror(file);

@@ -41,12 +41,16 @@ enum {
     FMU_STIFFNESS,
     FMU_DAMPING,
     FMU_DAMPING_BOUND,
+    // of the last step's end, made when they are asked for
+    FMU_FRICTION,
+    FMU_FRICTION_COEFFICIENT,
+    FMU_POWER,
     FMU_NUM_VARIABLES
 };
 
 typedef enum fmu_type { FMU_REAL, FMU_INTEGER, FMU_BOOLEAN } fmu_type;
 typedef enum fmu_role { FMU_INDEPENDENT, FMU_INPUT, FMU_OUTPUT, FMU_PARAMETER } fmu_role;
-typedef enum fmu_when { FMU_ALWAYS, FMU_LOAD_GIVEN, FMU_APPROACH_GIVEN } fmu_when;
+typedef enum fmu_when { FMU_ALWAYS, FMU_LOAD_GIVEN, FMU_APPROACH_GIVEN, FMU_SLIDING } fmu_when;
 
 typedef struct fmu_variable {
     const char *name;
@@ -69,12 +73,13 @@ typedef struct fmu_contents {
     bool point;            // a point contact or an ellipse
     bool ellipse;
     bool approach_given; // else the load
+    bool slides;         // the scene names slide_roll or both speeds
     bool has[FMU_NUM_VARIABLES];
     double start[FMU_NUM_VARIABLES]; // of inputs and parameters
 } fmu_contents;
 
 /* Whether a row's variable may be in an FMU of that kind; those with a key only if that is set. */
-bool fmu_variable_fits(const fmu_variable *variable, bool approach_given);
+bool fmu_variable_fits(const fmu_variable *variable, const fmu_contents *contents);
 
 /* The contact's name in scenes. */
 const char *fmu_contact(const fmu_contents *contents);

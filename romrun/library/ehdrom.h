@@ -367,6 +367,10 @@ typedef struct ehdrom_traction {
 EHDROM_API ehdrom_status ehdrom_slide(ehdrom_contact *contact, double sliding,
                                       ehdrom_traction *traction);
 
+/* The same of the last ehdrom_step, which need not be accepted; steps that follow have the same bits. */
+EHDROM_API ehdrom_status ehdrom_slide_step(ehdrom_contact *contact, double sliding,
+                                           ehdrom_traction *traction);
+
 /* ---- fields, of the last solution or the accepted state, whichever came last */
 
 /* Where the nodes are: [num_x], [num_y] of ehdrom_model_info. Either may be NULL. */

@@ -7,11 +7,35 @@
 
 #include <math.h>
 
-/* The contact of the last solution or accepted state in its own frame, sliding, and its scalars there.
- * `sliding`: u1 - u2 over the reference's mean speed. */
+/* What a traction is of. */
+typedef struct slid_state {
+    bool solved;           // stationary, else in time
+    bool attempted;        // a step that is not accepted yet
+    contact_frame frame;   // its own
+    contact_scalars there; // in the reference frame
+} slid_state;
+
+static slid_state last_state(const ehdrom_contact *self) {
+    const contact_frame unity = {.load = 1, .speed = 1, .half_width = 1, .hertz_pressure = 1};
+    const bool in_time = self->last == LAST_IN_TIME;
+
+    return (slid_state){.solved = self->last == LAST_SOLVED,
+                        .frame = in_time ? online_transient_frame(self->in_time) : unity,
+                        .there = self->scalars};
+}
+
+static slid_state attempted_state(const ehdrom_contact *self) {
+    return (slid_state){
+        .attempted = true, .frame = online_attempt_frame(self->in_time), .there = self->stepped};
+}
+
+/* The contact of a state in its own frame, sliding, and its scalars there. `sliding`: u1 - u2 over the
+ * reference's mean speed. */
 static void take_state(ehd_contact *contact, contact_scalars *scalars, const ehdrom_contact *self,
-                       const contact_frame *frame, double sliding) {
-    if (self->last == LAST_SOLVED) {
+                       const slid_state *of, double sliding) {
+    const contact_frame *frame = &of->frame;
+
+    if (of->solved) {
         *contact = self->solved;
     } else {
         frame_contact(contact, frame, &self->reference);
@@ -20,23 +44,28 @@ static void take_state(ehd_contact *contact, contact_scalars *scalars, const ehd
     }
     contact->grid = *online_grid(self->model->online); // a scene may leave it to the model
     contact->slide_roll = sliding;
-    *scalars = self->scalars;
+    *scalars = of->there;
     scalars->load /= frame->load;
     scalars->exit_position /= frame->half_width;
 }
 
 /* By the model's few nodes where it has them, else from the fields. */
-static ehd_status find_traction(contact_traction *found, ehdrom_contact *self,
+static ehd_status find_traction(contact_traction *found, ehdrom_contact *self, const slid_state *of,
                                 const ehd_contact *contact, const contact_scalars *scalars) {
-    const bool solved = self->last == LAST_SOLVED,
-               few_nodes = online_has_traction(self->model->online);
+    const bool few_nodes = online_has_traction(self->model->online);
     ehd_status status = EHD_OK;
 
-    if (few_nodes && solved) {
+    if (few_nodes && of->solved) {
         *found = online_traction(self->solver, contact);
+    } else if (few_nodes && of->attempted) {
+        *found = online_attempt_traction(self->in_time, contact, scalars);
     } else if (few_nodes) {
         const march_solver in_time = online_march(self->in_time);
         *found = in_time.traction(in_time.self, contact, scalars);
+    } else if (of->attempted) {
+        status = ehd_fail(&self->error, EHD_DATA,
+                          "traction: found a model without nodes for it, expected one that "
+                          "deimselect of this version has made");
     } else {
         status = library_fields(self);
         if (!status) *found = contact_traction_of(contact, self->pressure, self->film, scalars);
@@ -45,30 +74,23 @@ static ehd_status find_traction(contact_traction *found, ehdrom_contact *self,
 }
 
 /* NaN where the caller's struct has no place for it, which then costs nothing. */
-static double indicated_friction(ehdrom_contact *self, const ehd_contact *contact, double friction,
+static double indicated_friction(ehdrom_contact *self, const slid_state *of,
+                                 const ehd_contact *contact, double friction,
                                  const ehdrom_traction *traction) {
     const bool wanted = traction && traction->size >= sizeof *traction;
 
-    return wanted && self->last == LAST_SOLVED
-               ? online_indicate_friction(self->solver, contact, friction)
-               : NAN;
+    return wanted && of->solved ? online_indicate_friction(self->solver, contact, friction) : NAN;
 }
 
-static ehd_status slide(ehdrom_contact *self, double sliding, ehdrom_traction *traction) {
-    const bool solved = self->last == LAST_SOLVED;
-    const contact_frame unity = {.load = 1, .speed = 1, .half_width = 1, .hertz_pressure = 1};
-    const contact_frame frame =
-        solved || self->last == LAST_NONE ? unity : online_transient_frame(self->in_time);
-    const ehd_contact *reference = solved ? &self->solved : &self->reference;
-    const unit_factors *units = solved ? &self->solved_units : &self->reference_units;
+static ehd_status slide(ehdrom_contact *self, const slid_state *of, double sliding,
+                        ehdrom_traction *traction) {
+    const contact_frame frame = of->frame;
+    const ehd_contact *reference = of->solved ? &self->solved : &self->reference;
+    const unit_factors *units = of->solved ? &self->solved_units : &self->reference_units;
     ehd_contact contact;
     contact_scalars scalars;
     contact_traction found;
 
-    if (self->last == LAST_NONE || isnan(self->scalars.load))
-        return ehd_fail(&self->error, EHD_INTERNAL,
-                        "traction: found no solution and no step since the state was restored, "
-                        "expected one before");
     if (isnan(reference->half_width))
         return ehd_fail(&self->error, EHD_DATA,
                         "traction: found moes.M and moes.L, expected physical.load and the others");
@@ -84,10 +106,10 @@ static ehd_status slide(ehdrom_contact *self, double sliding, ehdrom_traction *t
         return ehd_fail(&self->error, EHD_DATA,
                         "sliding: found %g and no slide_roll, expected a speed, or slide_roll set",
                         sliding);
-    take_state(&contact, &scalars, self, &frame, sliding / units->speed);
-    ehd_status status = find_traction(&found, self, &contact, &scalars);
+    take_state(&contact, &scalars, self, of, sliding / units->speed);
+    ehd_status status = find_traction(&found, self, of, &contact, &scalars);
     if (status) return status;
-    const double indicated = indicated_friction(self, &contact, found.friction, traction);
+    const double indicated = indicated_friction(self, of, &contact, found.friction, traction);
     found = frame_traction_to_reference(found, &frame);
     const ehdrom_traction own = {
         .friction_coefficient = found.coefficient,
@@ -106,9 +128,28 @@ static ehd_status slide(ehdrom_contact *self, double sliding, ehdrom_traction *t
 ehdrom_status ehdrom_slide(ehdrom_contact *self, double sliding, ehdrom_traction *traction) {
     ehd_status status = library_begin(self);
 
+    if (!status && (self->last == LAST_NONE || isnan(self->scalars.load)))
+        status = ehd_fail(&self->error, EHD_INTERNAL,
+                          "traction: found no solution and no step since the state was restored, "
+                          "expected one before");
     if (status) return (ehdrom_status)status;
     const locale_t before = library_enter();
-    status = slide(self, sliding, traction);
+    const slid_state of = last_state(self);
+    status = slide(self, &of, sliding, traction);
+    library_leave(before);
+    return (ehdrom_status)status;
+}
+
+ehdrom_status ehdrom_slide_step(ehdrom_contact *self, double sliding, ehdrom_traction *traction) {
+    ehd_status status = library_begin(self);
+
+    if (!status && !self->can_accept)
+        status = ehd_fail(&self->error, EHD_INTERNAL,
+                          "traction: found no step that converged, expected ehdrom_step before");
+    if (status) return (ehdrom_status)status;
+    const locale_t before = library_enter();
+    const slid_state of = attempted_state(self);
+    status = slide(self, &of, sliding, traction);
     library_leave(before);
     return (ehdrom_status)status;
 }

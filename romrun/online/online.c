@@ -806,6 +806,18 @@ double online_transient_peak(const online_transient *self) {
            self->last.frame.hertz_pressure;
 }
 
+contact_traction online_attempt_traction(online_transient *self, const ehd_contact *contact,
+                                         const contact_scalars *scalars) {
+    const reduced_state state = reduced_march_state_before(self->march, self->solved ? 0 : 1, NULL);
+
+    if (!online_has_traction(self->model)) return contact_traction_unknown();
+    return reduced_traction(reduced_march_inner(self->march), &state, contact, scalars);
+}
+
+contact_frame online_attempt_frame(const online_transient *self) {
+    return self->solved ? self->last.frame : online_transient_frame(self);
+}
+
 contact_frame online_transient_frame(const online_transient *self) {
     contact_frame frame;
 

@@ -264,6 +264,12 @@ ehd_status online_restore(online_transient *transient, const double *saved, ehd_
 ehd_status online_transient_fields(double *pressure, double *film, online_transient *transient,
                                    ehd_error *error);
 
+/* Traction of the last attempt, or of the start, in its own frame (online_attempt_frame), of a model that
+ * has it: of a contact there, with sliding, and the scalars in it. Steps that follow have the same bits. */
+contact_traction online_attempt_traction(online_transient *transient, const ehd_contact *contact,
+                                         const contact_scalars *scalars);
+contact_frame online_attempt_frame(const online_transient *transient);
+
 /* The largest pressure of the last attempt, or of the start, at the nodes that it looks at, in Hertz
  * pressures of the reference. */
 double online_transient_peak(const online_transient *transient);

@@ -99,6 +99,43 @@ assert row["minimum_film_thickness"] == cold["minimum_film_thickness"]
 PYTHON
 }
 
+@test "--cases: friction where scenes slide" {
+    sed -i 's/^  density.*/&\n  shear: {law: eyring, tau0: 5e6}/' si.yml
+    printf 'slide_roll,physical.load\n0.05,60e3\n0,60e3\n-0.1,62e3\n' >cases.csv
+    romrun si.yml --cases cases.csv --model c.h5 -o t.csv --quiet --allow-untrusted
+    romrun si.yml --cases cases.csv --model c.h5 -o t.h5 --quiet --allow-untrusted --jobs 2
+    romrun --check t.h5
+    for case in "0.05 60e3" "0 60e3" "-0.1 62e3"; do
+        read -r ratio load <<<"$case"
+        romrun si.yml --model c.h5 -o "$ratio.h5" --quiet --allow-untrusted --set slide_roll="$ratio" --set physical.load="$load"
+    done
+    /usr/bin/python3 - <<'PYTHON'
+import csv, h5py
+rows = list(csv.DictReader(open("t.csv")))
+with h5py.File("t.h5") as table:
+    for i, name in enumerate(("0.05", "0", "-0.1")):
+        with h5py.File(name + ".h5") as one:
+            units = {"friction_coefficient": 1, "line_friction_force": one.attrs["line_load"], "line_power_loss": one.attrs["line_power"],
+                     "indicated_deviation_friction": 1}
+            for column, unit in units.items():
+                found = table[column][i]
+                expected = one[column.removeprefix("line_")][0] * unit
+                assert abs(found - expected) <= 1e-12 * abs(expected), (name, column)
+                named = {"line_friction_force": " [N m-1]", "line_power_loss": " [W m-1]"}.get(column, "")
+                assert float(rows[i][column + named]) == found
+assert not any(name.startswith("point_") for name in rows[0])
+PYTHON
+    # scenes that name none have no columns of it; a model without nodes for it says so
+    printf 'moes.M,moes.L\n10,3\n' >still-cases.csv
+    romrun base.yml --cases still-cases.csv --model c.h5 -o still.csv --quiet
+    shows_no friction cat still.csv
+    patch c.h5 "[f.__delitem__(k) for k in list(f) if k.startswith('cubature') or k == 'moment_jacobian']"
+    run --separate-stderr romrun si.yml --cases cases.csv --model bad.h5 -o old.csv --allow-untrusted
+    [ "$status" -eq 0 ]
+    [[ $stderr == *"bad.h5: found a model without nodes for traction, expected one that deimselect of this version has made: the table has no friction"* ]]
+    shows_no friction cat old.csv
+}
+
 @test "--cases: the exit code is that of the worst, and every scene is a row" {
     printf 'moes.M,moes.L\n10,3\n40,3\n12,5\n' >some.csv
     judged 4 "some.csv:3: found 0 of 3 scenes not converged and 1 not to be trusted" base.yml --cases some.csv --model c.h5 -o t.csv

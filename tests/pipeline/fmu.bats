@@ -120,6 +120,41 @@ PYTHON
     ./use_fmu 3 approach3 derivatives
 }
 
+@test "friction of a scene that slides, of each step, and nothing else changes" {
+    sliding=(--set slide_roll=0 --set lubricant.shear.law=eyring --set lubricant.shear.tau0=5e6)
+    ./use_fmu 3 3 run 40 >"$all/still"
+    for fmi in 2 3; do
+        romrun --fmu scene.yml --model m.h5 --fmi $fmi -o "$all/s$fmi.fmu" --quiet "${sliding[@]}"
+        python3 -m zipfile -e "$all/s$fmi.fmu" "$all/s$fmi"
+        xmllint --noout --schema "$BATS_TEST_DIRNAME/fmi$fmi.xsd" "$all/s$fmi/modelDescription.xml"
+        ./use_fmu $fmi "$all/s$fmi" run 40 >"$all/$fmi"
+        cmp "$all/still" <(sed 's/ friction_force=.*//' "$all/$fmi") # asked for or not
+    done
+    ./use_fmu library "$all/s3" 40 300e3 0.8 0.0125 slide >"$all/library"
+    cmp "$all/library" "$all/2"
+    cmp "$all/library" "$all/3"
+    grep -c 'friction_force=0x0p+0 .* power_loss=0x' <(head -1 "$all/3")
+    [ "$(tail -40 "$all/3" | grep -c 'friction_force=0x1[^ ]* friction_coefficient=0x1[^ ]* power_loss=0x1')" -eq 40 ]
+    ./use_fmu 3 "$all/s3" run 40 "$all/state" 25 >"$all/whole"
+    ./use_fmu 3 "$all/s3" restore 40 "$all/state" 25 >"$all/rest"
+    cmp <(tail -15 "$all/whole") "$all/rest"
+    ./use_fmu 2 "$all/s2" derivatives
+    grep '"friction_force" valueReference="28"' "$all/s3/modelDescription.xml" | grep 'unit="N/m"'
+    # inputs start from what the scene says of both surfaces
+    romrun --fmu scene.yml --model m.h5 -o "$all/ratio.fmu" --quiet --set slide_roll=0.1
+    romrun --fmu scene.yml --model m.h5 -o "$all/speeds.fmu" --quiet \
+        --set physical.speed= --set physical.speed_1=0.84 --set physical.speed_2=0.76
+    for name in ratio speeds; do
+        python3 -m zipfile -e "$all/$name.fmu" "$all/$name"
+        for speed in 1.0.84 2.0.76; do
+            start=$(grep "\"surface_speed_${speed%%.*}\"" "$all/$name/modelDescription.xml" | sed 's/.* start="//; s/".*//')
+            close_to "$start" "${speed#*.}" 1e-14
+        done
+    done
+    # a scene that names no sliding has none of it
+    shows_no friction cat 3/modelDescription.xml
+}
+
 @test "a step that is too long is made of parts, each of which could be asked for" {
     ./use_fmu 2 2 parts
     ./use_fmu 3 approach3 parts

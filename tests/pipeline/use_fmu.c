@@ -7,7 +7,7 @@
  *     use_fmu 2|3 FOLDER calls NAME…            all calls that are offered, in and out of order; the others by name
  *     use_fmu 2|3 FOLDER derivatives            against differences of its own
  *     use_fmu 2|3 FOLDER far                    a step that cannot be done
- *     use_fmu library FOLDER STEPS [LOAD SPEED RADIUS]  run, by ehdrom.h; these are the scene's
+ *     use_fmu library FOLDER STEPS [LOAD SPEED RADIUS [slide]]  run, by ehdrom.h; these are the scene's; with friction
  *
  * FOLDER is an unpacked FMU. What is expected ends in exit code 0. */
 #include "romrun/fmu/fmi2.h"
@@ -18,6 +18,7 @@
 #include <limits.h>
 #include <math.h>
 #include <stdarg.h>
+#include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -93,6 +94,12 @@ static const variable *find(const char *name, const char *causality) {
 }
 
 // ---- both versions alike
+
+static bool has(const char *name) {
+    for (size_t i = 0; i < num_variables; i++)
+        if (strcmp(variables[i].name, name) == 0) return true;
+    return false;
+}
 
 static void *symbol(const char *name) {
     char whole[64];
@@ -470,9 +477,10 @@ static double difference(void *before, const variable *of, const variable *by, d
 }
 
 static void derivatives(void) {
-    enum { NUM_OUTPUTS = 3, NUM_INPUTS = 3 };
-    static const char *const outputs[NUM_OUTPUTS] = {"force", "central_film_thickness",
-                                                     "peak_pressure"};
+    enum { MOST_OUTPUTS = 4, NUM_INPUTS = 3 };
+    static const char *const outputs[MOST_OUTPUTS] = {"force", "central_film_thickness",
+                                                      "peak_pressure", "friction_force"};
+    const size_t num_outputs = has("friction_force") ? MOST_OUTPUTS : MOST_OUTPUTS - 1;
     const char *inputs[NUM_INPUTS] = {NULL, "surface_speed_1", "radius"};
     // of the radius, which the model's training never changed, rows leave more
     const double near[NUM_INPUTS] = {1e-4, 1e-4, 1e-2};
@@ -491,7 +499,7 @@ static void derivatives(void) {
                         : !CALL3(GetFMUState, instance, &behind));
     const double film = output("central_film_thickness");
     for (size_t i = 0; i < NUM_INPUTS; i++)
-        for (size_t k = 0; k < NUM_OUTPUTS; k++) {
+        for (size_t k = 0; k < num_outputs; k++) {
             const variable *of = find(outputs[k], "output"), *by = find(inputs[i], "input");
             double found = NAN, again = NAN;
             EXPECT(version == 2 ? !CALL2(SetFMUstate, instance, behind)
@@ -500,8 +508,10 @@ static void derivatives(void) {
             EXPECT(found == again && output("central_film_thickness") == film);
             const double expected = difference(before, of, by, duration, length);
             printf("d %s / d %s = %.10g, differences %.10g\n", of->name, by->name, found, expected);
+            // both of friction are differences, of other lengths; it sees what the pressure does
+            const double both = k == MOST_OUTPUTS - 1 ? 5e-2 : 0;
             EXPECT(fabs(found - expected) <=
-                   near[i] * fabs(expected) + 1e-4 * fabs(get(of) / get(by)));
+                   (near[i] + both) * fabs(expected) + 1e-4 * fabs(get(of) / get(by)));
         }
     double none = 0;
     EXPECT(directional(find("force", NULL), find("accuracy", NULL), &none) == 3);
@@ -549,6 +559,7 @@ static void by_library(int argc, char **argv) {
     ehdrom_contact *contact = NULL, *stationary = NULL;
     ehdrom_result result = EHDROM_RESULT_INIT;
     ehdrom_conditions at = EHDROM_CONDITIONS_INIT;
+    ehdrom_traction traction = EHDROM_TRACTION_INIT;
 
     snprintf(path, sizeof path, "%s/resources/model.ehdrom", folder);
     EXPECT(!ehdrom_model_open(&model, path, NULL) && !ehdrom_contact_create(&contact, model));
@@ -574,13 +585,19 @@ static void by_library(int argc, char **argv) {
                "central_pressure=%a peak_pressure=%a exit_position=%a half_width=%a "
                "indicated_deviation=%a indicated_deviation_minimum=%a local_error=%a trusted=%a "
                "iterations=%a internal_steps=%a stationary_stiffness=%a stationary_damping=%a "
-               "stationary_damping_bound=%a\n",
+               "stationary_damping_bound=%a",
                i, result.load, result.approach, result.central_film_thickness,
                result.minimum_film_thickness, result.central_pressure, result.peak_pressure,
                result.exit_position, result.half_width, result.indicated_deviation,
                result.indicated_deviation_minimum, result.local_error, (double)result.trusted,
                (double)result.iterations, i > 0 ? 1. : 0., response.stiffness, response.damping,
                response.damping_bound);
+        // of the accepted state, where the FMU has that of the step
+        EXPECT(argc <= 7 || !ehdrom_slide(contact, i > 0 ? (v + 0.25) - (v - 0.25) : 0, &traction));
+        if (argc > 7)
+            printf(" friction_force=%a friction_coefficient=%a power_loss=%a",
+                   traction.friction_force, traction.friction_coefficient, traction.power_loss);
+        printf("\n");
     }
     ehdrom_contact_free(contact);
     ehdrom_contact_free(stationary);

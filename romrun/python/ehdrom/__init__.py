@@ -282,6 +282,12 @@ class Contact:
         self._solved(_lib.ehdrom_slide(self._handle, numpy.nan if sliding is None else sliding, struct))
         return {name: getattr(struct, name) for name, _ in _ffi.typeof("ehdrom_traction").fields[1:]}
 
+    def slide_step(self, sliding=None):
+        """As slide, of the last step, which need not be accepted."""
+        struct = _begun("ehdrom_traction")
+        self._solved(_lib.ehdrom_slide_step(self._handle, numpy.nan if sliding is None else sliding, struct))
+        return {name: getattr(struct, name) for name, _ in _ffi.typeof("ehdrom_traction").fields[1:]}
+
     def accept(self):
         """Accepts the last step."""
         self._passed(_lib.ehdrom_accept(self._handle))
