@@ -66,6 +66,8 @@ void kept_states_consider(kept_states *self, const march_step *step, const ehd_c
                               .alpha_p_H = contact.alpha_p_H,
                               .thinning = traction_thinning_rate(&contact),
                               .hertz_pressure = contact.hertz_pressure,
+                              .rises =
+                                  lubricant_rises_at(&contact.lubricant, contact.hertz_pressure),
                               .scalars = step->scalars,
                               .iterations = step->iterations,
                               .residual = step->residual};

@@ -225,6 +225,9 @@ static ehd_status put_kept_state(artefact *file, const ehd_grid *grid, size_t pl
         status = artefact_put_part(file, reals[i].name, place, 1, reals[i].values, error);
     if (!status && artefact_has(file, "thinning"))
         status = artefact_put_part(file, "thinning", place, 1, &state->thinning, error);
+    for (int r = 0; r < NUM_RISES && !status && !failed; r++)
+        status =
+            artefact_put_part(file, lubricant_rise_names[r], place, 1, &state->rises.of[r], error);
     for (size_t i = 0; i < sizeof integers / sizeof *integers && !status; i++)
         status =
             artefact_put_integers_part(file, integers[i].name, place, 1, &integers[i].value, error);

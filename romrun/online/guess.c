@@ -20,8 +20,8 @@ enum { MAX_STARTS = 11 };
 
 /* Coordinates of a training solution beside a contact: differences of ln M, of half of ln(1 + alpha
  * p_H), since the film follows powers of M and of the viscosity's rise, what the lubricant was
- * more viscous and denser than the contact's is at the same Hertz pressure, as logarithms, and a part of
- * that of how much the flow is thinned. */
+ * more viscous and denser than the contact's is at the same Hertz pressure, as logarithms, and a
+ * part of that of how much the flow is thinned. */
 enum { ALONG_M, ALONG_PRESSURE, ALONG_VISCOSITY, ALONG_DENSITY, ALONG_THINNING, NUM_COORDINATES };
 
 typedef struct neighbour {
@@ -225,8 +225,8 @@ static bool find_differences(bool differs[NUM_COORDINATES], const neighbour *nea
 }
 
 /* Weights of the best fit through `count` neighbours, at least one, first with terms of
- * lubricants and thinning where these differ; returns how many it takes, the nearest one alone where no fit
- * serves. */
+ * lubricants and thinning where these differ; returns how many it takes, the nearest one alone where
+ * no fit serves. */
 static size_t best_weights(double *weights, const neighbour *nearest, size_t count) {
     const bool none[NUM_COORDINATES] = {false};
     bool differs[NUM_COORDINATES];

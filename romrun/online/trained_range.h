@@ -6,9 +6,9 @@
 #include "common/physics/contact_place.h"
 #include "romrun/model/reduced_model.h"
 
-/* Coordinates of a contact in the trained range: ln M, ln(alpha p_H), and of a flow that is thinned the
- * logarithm of by how much (contact_place.h). Regions of load, speed, sliding and Eyring's stress, or
- * of M and L, are polytopes in them, and what varies in one of these alone is a straight line. */
+/* Coordinates of a contact in the trained range: ln M, ln(alpha p_H), and of a flow that is thinned
+ * the logarithm of by how much (contact_place.h). Regions of load, speed, sliding and Eyring's stress,
+ * or of M and L, are polytopes in them, and what varies in one of these alone is a straight line. */
 enum { RANGE_AXES = 3 };
 void trained_place(double place[RANGE_AXES], contact_place of);
 

@@ -523,7 +523,7 @@ static ehd_status keep_problem(double *step, void *context, const double *matrix
 static void thinned_rows_equal_finite_differences(void **state) {
     (void)state;
     trained thinned;
-    whole_problem here, side[2];
+    static whole_problem here, side[2];
     trained_init_thinned(&thinned, 0.05);
     for (int i = 0; i < 2; i++) {
         const size_t s = 6;
