@@ -159,7 +159,7 @@ bool online_has_traction(const online_model *model);
 contact_traction online_traction(online_solver *solver, const ehd_contact *contact);
 
 /* Bound of the relative deviation of a friction force that online_traction has just found, and
- * what it is indicated to be; NaN: the model has no traction, or no factor for it. A tenth of a
+ * what it is indicated to be; NaN: the model has no traction, or no factor for it. An eighth of a
  * solution. `contact`: as there; the law of its shear stress and its sliding may be others than
  * those of the solution. */
 double online_friction_bound(online_solver *solver, const ehd_contact *contact, double friction);
