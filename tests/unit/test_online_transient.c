@@ -73,8 +73,9 @@ static void training_init(training *self) {
     const full_settings settings = full_default_settings();
     snapshot_set *set = &self->set;
     size_t num_nodes = reference.grid.num_nodes;
-    double **const numbers[] = {&set->rigid_approach, &set->moes_M, &set->alpha_p_H,
-                                &set->central_film_thickness, &set->rate};
+    double **const numbers[] = {
+        &set->rigid_approach,         &set->moes_M, &set->alpha_p_H, &set->thinning,
+        &set->central_film_thickness, &set->rate};
 
     memset(self, 0, sizeof *self);
     set->kind = reference.kind;
