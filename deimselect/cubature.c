@@ -3,6 +3,7 @@
 
 #include "common/algebra/nnls.h"
 #include "common/physics/deflection.h"
+#include "common/physics/laws.h"
 
 #include <cblas.h>
 #include <math.h>
@@ -17,16 +18,17 @@ static ehd_status no_memory(ehd_error *error) {
 
 /* Shear stresses up to a factor that is the same at all nodes, of any lubricant with the state's rise of
  * viscosity: with the ratio c of the Newtonian stress at pressure 0 and film 1 to the law's own. */
-typedef enum stress_law { NEWTONIAN, EYRING, LIMITING } stress_law;
 typedef struct integrand {
-    stress_law law;
-    double ratio; // c
+    const lubricant_law *law; // of which Eyring stress and limit are 1
+    double ratio;             // c
 } integrand;
 
 static const integrand integrands[] = {
-    {NEWTONIAN, 1},   {EYRING, 1e-6},   {EYRING, 1e-5},   {EYRING, 1e-4},   {EYRING, 1e-3},
-    {EYRING, 1e-2},   {EYRING, 1e-1},   {LIMITING, 1e-6}, {LIMITING, 1e-5}, {LIMITING, 1e-4},
-    {LIMITING, 1e-3}, {LIMITING, 1e-2}, {LIMITING, 1e-1}};
+    {&shear_newtonian, 1},   {&shear_eyring, 1e-6},   {&shear_eyring, 1e-5},
+    {&shear_eyring, 1e-4},   {&shear_eyring, 1e-3},   {&shear_eyring, 1e-2},
+    {&shear_eyring, 1e-1},   {&shear_limiting, 1e-6}, {&shear_limiting, 1e-5},
+    {&shear_limiting, 1e-4}, {&shear_limiting, 1e-3}, {&shear_limiting, 1e-2},
+    {&shear_limiting, 1e-1}};
 enum {
     NUM_INTEGRANDS = sizeof integrands / sizeof *integrands,
     MAX_STATES = 120,
@@ -34,11 +36,10 @@ enum {
 };
 
 static double stress_of(integrand self, double rise, double pressure, double film) {
+    static const ehd_lubricant of_ones = {.shear_constants = {1}};
     const double viscous = self.ratio * exp(rise * pressure) / film;
 
-    if (self.law == NEWTONIAN) return viscous;
-    if (self.law == EYRING) return asinh(viscous);
-    return pressure > 0 ? -pressure * expm1(-viscous / pressure) : 0;
+    return self.law->shear ? self.law->shear(&of_ones, viscous, pressure) : viscous;
 }
 
 /* The least squares: for each state and integrand what the nodes have of its integral, and 1. */
@@ -55,10 +56,6 @@ typedef struct cubature_fit {
     double dry_area;
     arena memory;
 } cubature_fit;
-
-static bool is_dry(const ehd_grid *grid, size_t node) {
-    return hypot(grid_x(grid, node), grid_y(grid, node)) <= 1;
-}
 
 /* Pressure and film of a state at all nodes. */
 static void expand_state(cubature_fit *self, size_t state) {
@@ -132,7 +129,7 @@ static ehd_status fit_init(cubature_fit *self, ehd_error *error) {
         self->ones[i] = 1;
     for (size_t r = 0; r < grid->num_inner; r++) {
         const size_t k = grid_node_of_row(grid, r);
-        if (is_dry(grid, k)) self->dry_area += grid_load_weight(grid, k);
+        if (grid_is_dry(grid, k)) self->dry_area += grid_load_weight(grid, k);
     }
     return EHD_OK;
 }
@@ -155,7 +152,7 @@ static void integrate(double *whole, double *dry, const cubature_fit *self, inte
         const double weight = grid_load_weight(grid, k);
         const double part = weight * stress_of(of, rise, self->pressure[k], self->film[k]);
         *whole += part;
-        if (is_dry(grid, k)) *dry += part;
+        if (grid_is_dry(grid, k)) *dry += part;
     }
 }
 
@@ -173,7 +170,7 @@ static void add_state(cubature_fit *self, double rise) {
             const double stress =
                 pressed ? stress_of(integrands[i], rise, self->pressure[k], self->film[k]) : 0;
             friction[q] = stress / whole;
-            of_dry[q] = is_dry(&self->basis->grid, k) ? stress / dry * self->dry_area : 0;
+            of_dry[q] = grid_is_dry(&self->basis->grid, k) ? stress / dry * self->dry_area : 0;
         }
         self->num_rows++;
     }
@@ -192,9 +189,9 @@ static void add_states(cubature_fit *self) {
 
 // ---- weights
 
-// root of the mean square over all states and integrands, and the most of one of them, for a cubature that
-// is used. With 1e-4, 1e-5, 1e-6, and seven integrands: 98, 120, 140 nodes for the friction of a line on 1201,
-// the worst 9e-4, 6e-5, 3e-5 off.
+// root of the mean square over all states and integrands, and the most of one of them, for a
+// cubature that is used. With 1e-4, 1e-5, 1e-6, and seven integrands: 98, 120, 140 nodes for the
+// friction of a line on 1201, the worst 9e-4, 6e-5, 3e-5 off.
 static const double TOLERANCE = 1e-5, MOST_OFF = 5e-4;
 
 /* Not converged: no weights integrate all of them. */

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Training of the nodes at which a model evaluates shear stresses (romrun/online/README.md, traction). */
+/* Training of the nodes at which a model evaluates shear stresses (romrun/online/README.md,
+ * traction). */
 #ifndef EHD_CUBATURE_H
 #define EHD_CUBATURE_H
 

@@ -455,10 +455,6 @@ static double largest_error(const full_march *self, const bdf_formula *formula,
     return largest;
 }
 
-static bool is_in_dry_contact(const ehd_grid *grid, size_t node) {
-    return grid_square_distance(grid, node) <= 1;
-}
-
 /* What a film takes up of them on its way through the dry contact, from anywhere to the centre: their
  * sum along the grid's lines, where errors of both signs cancel and what passes a
  * node without being left in the film does not count. Before the dry contact the film is what the
@@ -475,7 +471,7 @@ static double error_on_the_way(const full_march *self, const bdf_formula *formul
         const size_t r = entrainment < 0 ? grid->num_inner - 1 - i : i;
         const size_t k = grid_node_of_row(grid, r);
         const bool before = inside && i % grid->inner_x > 0;
-        inside = is_in_dry_contact(grid, k);
+        inside = grid_is_dry(grid, k);
         if (!inside) continue;
         const double missed = missed_mass(self, formula, state, contact, r);
         if (!before) sum = lowest = highest = 0;
@@ -519,7 +515,7 @@ static void take_up_errors(full_march *self, const bdf_formula *formula, const f
     memset(self->taken_up, 0, grid->num_nodes * sizeof(double));
     for (size_t r = 0; r < grid->num_inner; r++) {
         const size_t k = grid_node_of_row(grid, r);
-        if (!is_in_dry_contact(grid, k)) continue;
+        if (!grid_is_dry(grid, k)) continue;
         self->taken_up[k] = carried[r];
         if (formula->error > 0 && grid_x(grid, k) * frame->speed <= 0)
             self->taken_up[k] += formula->rate * step * formula->error *
@@ -670,7 +666,7 @@ static void keep_errors(full_march *self, const previous_state *solved) {
 
     frame_contact(&contact, &solved->frame, &self->reference);
     for (size_t k = 0; k < grid->num_nodes; k++)
-        if (self->carrier.filtered[k] != 0 && is_in_dry_contact(grid, k))
+        if (self->carrier.filtered[k] != 0 && grid_is_dry(grid, k))
             self->taken_up[k] += march_error_growth * self->carrier.filtered[k] /
                                  solved->state.film[k] * mass_at(&solved->state, &contact, k);
     previous_keep_errors(&self->carrier, self->taken_up);

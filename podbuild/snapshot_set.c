@@ -16,6 +16,7 @@ void snapshot_set_free(snapshot_set *set) {
     free(set->exit);
     free(set->moes_M);
     free(set->alpha_p_H);
+    free(set->thinning);
     free(set->central_film_thickness);
     free(set->stationary);
     free(set->rate);
@@ -38,8 +39,9 @@ static ehd_status reserve(snapshot_set *set, size_t num_states, ehd_error *error
     size_t count = num_states + 1;
     ehd_status status =
         grow((void **)&set->pressure, count, set->grid.num_nodes, sizeof(double), error);
-    double **const columns[] = {&set->rigid_approach, &set->moes_M, &set->alpha_p_H,
-                                &set->central_film_thickness, &set->rate};
+    double **const columns[] = {
+        &set->rigid_approach,         &set->moes_M, &set->alpha_p_H, &set->thinning,
+        &set->central_film_thickness, &set->rate};
 
     for (size_t i = 0; i < sizeof columns / sizeof *columns && !status; i++)
         status = grow((void **)columns[i], count, 1, sizeof(double), error);
@@ -66,8 +68,8 @@ static ehd_status read_column(double *column, artefact *file, const char *name, 
 /* One file's states before it is known which of them converged. */
 typedef struct file_states {
     size_t count;
-    double *rigid_approach, *moes_M, *alpha_p_H, *central_film_thickness; // [count]
-    int64_t *outcome;                                                     // [count]
+    double *rigid_approach, *moes_M, *alpha_p_H, *thinning, *central_film_thickness; // [count]
+    int64_t *outcome;                                                                // [count]
     // of trajectories: index, -1 for a stationary point; time and rate
     int64_t *trajectory;          // [count]
     double *time, *rate;          // [count]
@@ -76,26 +78,26 @@ typedef struct file_states {
     double *memory;
 } file_states;
 
-/* A column that a file need not have: NaN then. */
+/* A column that a file need not have. */
 static ehd_status read_optional(double *column, const file_states *states, artefact *file,
-                                const char *name, ehd_error *error) {
+                                const char *name, double otherwise, ehd_error *error) {
     for (size_t i = 0; i < states->count; i++)
-        column[i] = NAN;
+        column[i] = otherwise;
     return artefact_has(file, name) ? read_column(column, file, name, states->count, error)
                                     : EHD_OK;
 }
 
 static ehd_status read_effects(file_states *states, artefact *file, ehd_error *error) {
-    double *column = states->memory + 6 * states->count;
+    double *column = states->memory + 7 * states->count;
     ehd_status status = EHD_OK;
 
     for (int e = 0; e < NUM_EFFECTS && !status; e++, column += states->count) {
         states->effects[e] = column;
-        status = read_optional(column, states, file, film_effect_names[e], error);
+        status = read_optional(column, states, file, film_effect_names[e], NAN, error);
     }
     for (int r = 0; r < NUM_RISES && !status; r++, column += states->count) {
         states->rises[r] = column;
-        status = read_optional(column, states, file, lubricant_rise_names[r], error);
+        status = read_optional(column, states, file, lubricant_rise_names[r], NAN, error);
     }
     return status;
 }
@@ -104,7 +106,7 @@ static ehd_status read_columns(file_states *states, artefact *file, ehd_error *e
     const char *axis = artefact_kind(file) == &schema_snapshots ? "state" : "time";
     size_t count = states->count = artefact_length(file, axis);
 
-    states->memory = array_new(6 + NUM_EFFECTS + NUM_RISES, count, sizeof(double));
+    states->memory = array_new(7 + NUM_EFFECTS + NUM_RISES, count, sizeof(double));
     states->outcome = array_new(2, count, sizeof *states->outcome);
     if (!states->memory || !states->outcome)
         return ehd_fail(error, EHD_MEMORY, "%s: found no memory", artefact_path(file));
@@ -114,6 +116,7 @@ static ehd_status read_columns(file_states *states, artefact *file, ehd_error *e
     states->central_film_thickness = states->memory + 3 * count;
     states->time = states->memory + 4 * count;
     states->rate = states->memory + 5 * count;
+    states->thinning = states->memory + 6 * count;
     states->trajectory = states->outcome + count;
     for (size_t i = 0; i < count; i++) {
         states->central_film_thickness[i] = NAN;
@@ -123,6 +126,7 @@ static ehd_status read_columns(file_states *states, artefact *file, ehd_error *e
     if (!status) status = read_effects(states, file, error);
     if (!status) status = read_column(states->moes_M, file, "moes_M", count, error);
     if (!status) status = read_column(states->alpha_p_H, file, "alpha_p_H", count, error);
+    if (!status) status = read_optional(states->thinning, states, file, "thinning", 0, error);
     if (!status && artefact_has(file, "central_film_thickness"))
         status =
             artefact_get(file, "central_film_thickness", states->central_film_thickness, error);
@@ -141,6 +145,7 @@ static void add_solved(snapshot_set *set, const solved_state *state, const doubl
     set->rigid_approach[s] = state->rigid_approach;
     set->moes_M[s] = state->moes_M;
     set->alpha_p_H[s] = state->alpha_p_H;
+    set->thinning[s] = state->thinning;
     set->central_film_thickness[s] = state->central_film_thickness;
     grid_exit_columns(set->exit + s * grid_lines(&set->grid), pressure, &set->grid);
     set->stationary[s] = true;
@@ -174,13 +179,15 @@ static ehd_status add_state(snapshot_set *set, artefact *file, const file_states
     if (status) return status;
     for (size_t k = 0; k < num_nodes; k++)
         sum += pressure[k];
-    if (!isfinite(sum + states->rigid_approach[i] + states->moes_M[i] + states->alpha_p_H[i]))
+    if (!isfinite(sum + states->rigid_approach[i] + states->moes_M[i] + states->alpha_p_H[i] +
+                  states->thinning[i]))
         return ehd_fail(error, EHD_DATA, "%s: state %zu: found values that are not finite",
                         artefact_path(file), i);
     const solved_state state = {pressure,
                                 states->rigid_approach[i],
                                 states->moes_M[i],
                                 states->alpha_p_H[i],
+                                states->thinning[i],
                                 states->central_film_thickness[i],
                                 {{[RISE_VISCOSITY] = states->rises[RISE_VISCOSITY][i],
                                   [RISE_DENSITY] = states->rises[RISE_DENSITY][i]}}};

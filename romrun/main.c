@@ -9,7 +9,6 @@
 #include "common/output/vtk.h"
 #include "common/program/output_file.h"
 #include "common/program/program.h"
-#include "common/time/surface.h"
 #include "common/training/pool.h"
 #include "fullrun/resolution.h"
 #include "romrun/calibrate/accuracy.h"
@@ -200,8 +199,8 @@ static ehd_status attempt_solve(attempt *self, const romrun_options *options,
     return status ? status : online_solve(&self->solution, self->solver, contact, error);
 }
 
-/* Solves with the model as it is open, of options->sizes, and, where the result is not accurate enough, with the fallback sizes,
- * to which options->sizes is then set. */
+/* Solves with the model as it is open, of options->sizes, and, where the result is not accurate
+ * enough, with the fallback sizes, to which options->sizes is then set. */
 static ehd_status solve_scene(attempt *self, romrun_options *options, const program *caller,
                               const ehd_contact *contact, ehd_error *error) {
     ehd_status status = attempt_solve(self, options, contact, error);
@@ -265,8 +264,8 @@ static ehd_status read_against(stationary_run *self, bool with_fields, ehd_error
     if (status) return status;
 
     const ehd_grid grid = result_grid(against);
-    return against_check(against->moes_M, against->alpha_p_H, against->hertz_pressure, &grid, path,
-                         self->contact, error);
+    return against_check(against->moes_M, against->alpha_p_H, against->hertz_pressure,
+                         against->thinning, &grid, path, self->contact, error);
 }
 
 /* The solution as a result, with its exits and, where wanted, fields and what the grid does. */
@@ -465,8 +464,8 @@ static ehd_status run_transient(const program *self, const romrun_options *optio
     if (!status && options->against) {
         status = time_series_read(&full, options->against, contact->kind, error);
         if (!status)
-            status = against_check(full.moes_M, full.alpha_p_H, full.hertz_pressure, &full.grid,
-                                   options->against, contact, error);
+            status = against_check(full.moes_M, full.alpha_p_H, full.hertz_pressure, full.thinning,
+                                   &full.grid, options->against, contact, error);
     }
     if (!status) {
         const time_run_task task = {.caller = self,
@@ -645,6 +644,16 @@ static void note_content(const program *self, const char *model) {
                  model, content_without_digest);
 }
 
+/* A scene that reduced models serve, and its text. */
+static ehd_status load_scene(scene *given, char **text, const program *self, ehd_error *error) {
+    ehd_error cause = {""};
+    ehd_status status = scene_load(given, text, self, error);
+
+    if (status) return status;
+    status = scene_check_reducible(given, &cause);
+    return status ? ehd_fail(error, status, "%s: %s", self->arguments[0], cause.text) : EHD_OK;
+}
+
 /* An FMU of one scene. */
 static ehd_status export_fmu(const program *self, const romrun_options *options, ehd_error *error) {
     online_model *model = NULL;
@@ -653,8 +662,7 @@ static ehd_status export_fmu(const program *self, const romrun_options *options,
     char *scene_lines = NULL;
     const char *const inputs[] = {self->arguments[0], options->model, NULL};
     ehd_status status = output_file_check_inputs(self->output, inputs, error);
-    if (!status) status = scene_load(&given, &scene_lines, self, error);
-    if (!status) status = surface_refuse(&given, error);
+    if (!status) status = load_scene(&given, &scene_lines, self, error);
     if (!status) status = online_open(&model, options->model, &options->sizes, error);
     if (!status)
         status = contact_load(&contact, &given, self, online_kind(model), options->model, error);
@@ -768,8 +776,7 @@ static ehd_status run_scene(const program *self, const romrun_options *given_opt
     ehd_contact contact;
     scene given;
     char *scene_lines = NULL;
-    ehd_status status = scene_load(&given, &scene_lines, self, error);
-    if (!status) status = surface_refuse(&given, error);
+    ehd_status status = load_scene(&given, &scene_lines, self, error);
     bool transient = !status && strcmp(given.regime, "transient") == 0;
 
     if (!status) status = check_regime(&options, transient, error);

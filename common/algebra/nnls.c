@@ -15,7 +15,8 @@ static const double DEPENDENT = 1e-10, NO_DESCENT = 1e-11;
 enum { MAX_CHANGES = 10 }; // a column
 
 /* Columns of unit length, and the right side, rotated so that those in use are triangular: column
- * used[i] has zeros below row i. What the rows from num_used on have of the right side is the residual. */
+ * used[i] has zeros below row i. What the rows from num_used on have of the right side is the
+ * residual. */
 typedef struct active_set {
     size_t num_rows, num_columns, num_used;
     double *columns; // [num_columns + 1, num_rows], the last one the right side

@@ -6,11 +6,13 @@
 #include "common/program/status.h"
 #include <stddef.h>
 
-/* min |A x - b|, x >= 0, by active sets (C. L. Lawson, R. J. Hanson, Solving Least Squares Problems, 1974,
- * chapter 23): with the residual r = b - A x, columns with x > 0 have a^T r = 0 and all others
- * a^T r <= 0, to 1e-11 of |a| |b|. Columns that depend on those in use to 1e-10 of their length are
- * left out, as columns of zeros are. It ends before, with fewer columns in use, where |r| is at most tolerance |b|. EHD_DATA: a number that is not finite; EHD_NOT_CONVERGED: still not
- * there after ten changes a column, *x is then not negative but not the best; EHD_MEMORY, EHD_INTERNAL. */
+/* min |A x - b|, x >= 0, by active sets (C. L. Lawson, R. J. Hanson, Solving Least Squares
+ * Problems, 1974, chapter 23): with the residual r = b - A x, columns with x > 0 have a^T r = 0 and
+ * all others a^T r <= 0, to 1e-11 of |a| |b|. Columns that depend on those in use to 1e-10 of their
+ * length are left out, as columns of zeros are. It ends before, with fewer columns in use, where
+ * |r| is at most tolerance |b|. EHD_DATA: a number that is not finite; EHD_NOT_CONVERGED: still not
+ * there after ten changes a column, *x is then not negative but not the best; EHD_MEMORY,
+ * EHD_INTERNAL. */
 ehd_status nnls_solve(
     // output:
     double *x, // [num_columns]

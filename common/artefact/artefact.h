@@ -170,10 +170,11 @@ ehd_status artefact_flush(artefact *file, ehd_error *error);
 /* The same, and what was written is on the disk before anything that follows, also where the power is
  * cut. EHD_IO. */
 ehd_status artefact_sync(artefact *file, ehd_error *error);
-/* After artefact_flush of a file with a growing axis, else without effect: what HDF5 knows of its data
- * changes with each entry, and a power cut between two of these calls tears it. Keeps a copy as it is now, PATH.saved,
- * from which artefact_resume goes on, once as much time has passed since the last one as fifty of
- * them take; artefact_begin_streaming makes the first. A copy that fails is none. */
+/* After artefact_flush of a file with a growing axis, else without effect: what HDF5 knows of its
+ * data changes with each entry, and a power cut between two of these calls tears it. Keeps a copy
+ * as it is now, PATH.saved, from which artefact_resume goes on, once as much time has passed since
+ * the last one as fifty of them take; artefact_begin_streaming makes the first. A copy that fails
+ * is none. */
 void artefact_save(artefact *file);
 
 /* Back to ordinary writing, for attributes that are only known at the end. artefact_finish does it
@@ -181,12 +182,12 @@ void artefact_save(artefact *file);
 ehd_status artefact_end_streaming(artefact *file, ehd_error *error);
 
 /* Opens PATH.partial of an earlier run (where the machine has been started since, PATH.saved if
- * there is one), streaming again, with its axes and declared fields, which can also be read. EHD_NOINPUT when there is none, or one that was interrupted before it began to
- * stream, with nothing in it; EHD_DATA when it is damaged, or its schema or settings
- * (scene_text_matches) differ; EHD_CANTCREATE when PATH exists and program->force is not set, or
- * another process is writing. A file with a growing axis is not streaming yet, and what is on the
- * axis may differ in length by the entries that a killed run was writing: artefact_cut_axis has to
- * come next. */
+ * there is one), streaming again, with its axes and declared fields, which can also be read.
+ * EHD_NOINPUT when there is none, or one that was interrupted before it began to stream, with
+ * nothing in it; EHD_DATA when it is damaged, or its schema or settings (scene_text_matches)
+ * differ; EHD_CANTCREATE when PATH exists and program->force is not set, or another process is
+ * writing. A file with a growing axis is not streaming yet, and what is on the axis may differ in
+ * length by the entries that a killed run was writing: artefact_cut_axis has to come next. */
 ehd_status artefact_resume(
     // output:
     artefact **file,
@@ -194,9 +195,9 @@ ehd_status artefact_resume(
     const char *path, const artefact_schema *schema, const program *program,
     const char *settings_text, ehd_error *error);
 
-/* After artefact_resume of a training: whether one of its states is whole and its numbers are what they
- * may be; else EHD_DATA. Of those that a killed run had not finished they need not be, and artefact_resume
- * does not look. */
+/* After artefact_resume of a training: whether one of its states is whole and its numbers are what
+ * they may be; else EHD_DATA. Of those that a killed run had not finished they need not be, and
+ * artefact_resume does not look. */
 ehd_status artefact_check_entry(artefact *file, size_t entry, ehd_error *error);
 
 /* After artefact_resume: whether a file that the run reads beside its settings is what it was when

@@ -219,9 +219,9 @@ hid_t hdf5_create(const char *path) {
     return file;
 }
 
-/* A look-up that failed for lack of memory, since when HDF5 has given back what it kept, is worth another:
- * a reader takes "no" for something that a file may lack, and goes on. After a read failure the
- * second would say no. */
+/* A look-up that failed for lack of memory, since when HDF5 has given back what it kept, is worth
+ * another: a reader takes "no" for something that a file may lack, and goes on. After a read
+ * failure the second would say no. */
 static bool is_worth_another(htri_t found) {
     return found < 0 && errno == ENOMEM;
 }

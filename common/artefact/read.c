@@ -486,7 +486,8 @@ static ehd_status read_slice(artefact *file, const artefact_field *field, size_t
     return status;
 }
 
-/* Somebody waits for the end of a field of more than one slice; a file that is being written is finished or left first. */
+/* Somebody waits for the end of a field of more than one slice; a file that is being written is
+ * finished or left first. */
 static ehd_status check_interrupted(const artefact *file, ehd_error *error) {
     return file->partial || !program_interrupted()
                ? EHD_OK

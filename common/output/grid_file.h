@@ -72,7 +72,8 @@ ehd_status carriage_read(ehd_carriage *carriage, artefact *file, ehd_error *erro
 ehd_status grid_of_file(ehd_grid *grid, const contact_kind **kind, const char *path,
                         ehd_error *error);
 
-/* EHD_DATA naming `path` when the shape of its contact, or its grid, differs from the one of `expected_path`. */
+/* EHD_DATA naming `path` when the shape of its contact, or its grid, differs from the one of
+ * `expected_path`. */
 ehd_status grid_check_shape(const ehd_grid *grid, const char *path, const ehd_grid *expected,
                             const char *expected_path, ehd_error *error);
 ehd_status grid_check(const ehd_grid *grid, const char *path, const ehd_grid *expected,

@@ -28,7 +28,8 @@ void print_csv_real(double value, FILE *stream);
  * that of the table's row; what is without dimension stays so.
  *
  * EHD_DATA: a name that the file does not have (with those that it has), datasets of different
- * axes, damaged data; in SI units a scale that the file does not have; EHD_MEMORY; EHD_IO; EHD_INTERRUPTED. Lines before a failure are printed. */
+ * axes, damaged data; in SI units a scale that the file does not have; EHD_MEMORY; EHD_IO;
+ * EHD_INTERRUPTED. Lines before a failure are printed. */
 ehd_status print_entries(artefact *file, const char *const *names, size_t num_names, bool si,
                          FILE *stream, ehd_error *error);
 

@@ -6,8 +6,8 @@
 #include "common/artefact/artefact.h"
 #include "common/output/film_effects.h"
 #include "common/output/indicated.h"
-#include "common/output/traction_output.h"
 #include "common/physics/contact.h"
+#include "common/physics/traction.h"
 #include "common/program/program.h"
 #include "common/program/status.h"
 #include <stdbool.h>
@@ -79,6 +79,7 @@ typedef struct stored_result {
     size_t num_inner; // nodes of a field; 0: neither fields nor an axis x
     size_t num_lines; // of them, across; 1 of a line contact
     double moes_M, moes_L, alpha_p_H;
+    double thinning;       // of the flow (contact_place.h); 0: not
     double hertz_pressure; // Pa
     double central_film_thickness;
     double minimum_film_thickness;

@@ -4,7 +4,6 @@
 #include "common/output/grid_file.h"
 #include "common/output/inputs.h"
 #include "common/output/time_result.h"
-#include "common/output/traction_output.h"
 #include "common/time/surface.h"
 
 #include <limits.h>

@@ -23,7 +23,8 @@ ehd_status traction_put_units(artefact *file, const ehd_contact *contact, ehd_er
 /* The numbers of a stationary result. */
 ehd_status traction_put(artefact *file, const contact_traction *traction, ehd_error *error);
 
-/* The stresses on both surfaces as entry `index` of their fields. EHD_MEMORY; and as artefact_put_part. */
+/* The stresses on both surfaces as entry `index` of their fields. EHD_MEMORY; and as
+ * artefact_put_part. */
 ehd_status traction_put_stresses(artefact *file, size_t index, const ehd_contact *contact,
                                  const double *pressure, // [num_nodes]
                                  const double *film,     // [num_nodes]

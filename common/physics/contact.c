@@ -335,6 +335,10 @@ double grid_square_distance(const ehd_grid *grid, size_t node) {
     return x * x + y * y;
 }
 
+bool grid_is_dry(const ehd_grid *grid, size_t node) {
+    return grid_square_distance(grid, node) <= 1;
+}
+
 size_t grid_node_of_row(const ehd_grid *grid, size_t row) {
     if (grid->inner_lines == 1) return row + 1;
     return (row / grid->inner_x + grid_first_line(grid)) * grid_width(grid) + row % grid->inner_x +

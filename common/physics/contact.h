@@ -10,8 +10,8 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/* What differs between a line, a point and an elliptical contact (README.md, kinds of contact). Of what depends on
- * the shape of the contact this is the first argument. */
+/* What differs between a line, a point and an elliptical contact (README.md, kinds of contact). Of
+ * what depends on the shape of the contact this is the first argument. */
 typedef struct contact_kind {
     const char *name; // "line"
     int dimensions;   // of the pressurised zone: 1, 2
@@ -130,8 +130,9 @@ double grid_gap(const ehd_grid *grid, size_t node);
 /* Undeformed gap, of a round contact (X^2 + Y^2)/2. */
 double contact_gap(const contact_shape *shape, double x, double y);
 
-/* X^2 + Y^2, at most 1 inside the dry contact. */
+/* X^2 + Y^2, and whether that is at most 1: a node of the dry contact. */
 double grid_square_distance(const ehd_grid *grid, size_t node);
+bool grid_is_dry(const ehd_grid *grid, size_t node);
 
 /* Number of nodes on a line, of lines, and of boundary lines before the first inner line. */
 size_t grid_width(const ehd_grid *grid);
@@ -247,11 +248,12 @@ typedef struct contact_settings {
     double viscosity;      // Pa s at zero pressure; NaN: the law's own
     double hertz_pressure; // Pa; NaN: the one that M, L and the lubricant imply
     bool approach_given;   // instead of the load
-    double
-        approach_length; // reference half widths; NaN: far_approach_length where the approach is given, else 1
+    // reference half widths; NaN: far_approach_length where the approach is given, else 1
+    double approach_length;
 } contact_settings;
 
-/* 10 half widths: where the approach of a line contact is given, farther off than half of most grids. */
+/* 10 half widths: where the approach of a line contact is given, farther off than half of most
+ * grids. */
 extern const double far_approach_length;
 
 /* A contact without grid. Returns EHD_OK, or EHD_DATA: lubricant constants, Hertz pressure beyond

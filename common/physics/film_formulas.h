@@ -56,10 +56,10 @@ double film_nijenbanning(double moes_M, double moes_L);
 /* H at the centre by the fits of Moes (lines) and of Nijenbanning, Venner and Moes. */
 double film_central(const ehd_contact *contact);
 
-/* The numbers of a contact as it is now. Its film depends on M and alpha p_H alone, and so do
- * most formulas (optimum similarity); those of Pan and Hamrock, of Hamrock and Dowson and of
- * Chittenden et al. also depend on E', by 1 % or less for 20 % of E'. E' is known in a physical scene only; else that of
- * steel on steel is assumed. */
+/* The numbers of a contact as it is now. Its film depends on M and alpha p_H alone, and so do most
+ * formulas (optimum similarity); those of Pan and Hamrock, of Hamrock and Dowson and of Chittenden
+ * et al. also depend on E', by 1 % or less for 20 % of E'. E' is known in a physical scene only;
+ * else that of steel on steel is assumed. */
 film_numbers film_numbers_of(const ehd_contact *contact);
 
 #endif

@@ -27,9 +27,9 @@ typedef enum law_need {
     LAW_CONSTANT  // yes, or else the preset
 } law_need;
 
-/* A parameter of a law: a key below lubricant.viscosity, lubricant.density or lubricant.shear. Where several laws
- * of a table have the same key, all of them describe it in the same way; only whether a scene must
- * give it and its default are each law's own. */
+/* A parameter of a law: a key below lubricant.viscosity, lubricant.density or lubricant.shear.
+ * Where several laws of a table have the same key, all of them describe it in the same way; only
+ * whether a scene must give it and its default are each law's own. */
 typedef struct law_parameter {
     const char *key; // "alpha"
     law_need need;
@@ -142,8 +142,8 @@ ehd_status lubricant_init(
 double lubricant_density(const ehd_lubricant *lubricant, double pressure);
 
 /* Shear stress over the Hertz pressure at a dimensionless pressure p / p_H, where a fluid of the
- * viscosity at zero pressure would have `isoviscous` of it, of either sign (README.md, shear
- * stress). */
+ * viscosity at zero pressure would have `isoviscous` of it, of either sign (README.md,
+ * traction). */
 double lubricant_shear_stress(const ehd_lubricant *lubricant, double hertz_pressure, // Pa
                               double isoviscous, double pressure);
 

@@ -16,25 +16,36 @@ static double slope_of(const ehd_contact *contact) {
     return contact->half_width / contact->radius;
 }
 
-double contact_shear_stress(const ehd_contact *contact, double pressure, double film) {
-    const double isoviscous =
-        contact->lambda / 12 * slope_of(contact) * contact->slide_roll * contact->far_speed / film;
+/* tau/p_H of a Newtonian fluid that has this viscosity, over that at zero pressure. */
+static double viscous_stress(const ehd_contact *contact, double viscosity, double film) {
+    return contact->lambda / 12 * slope_of(contact) * contact->slide_roll * contact->far_speed *
+           viscosity / film;
+}
 
-    return lubricant_shear_stress(&contact->lubricant, contact->hertz_pressure, isoviscous,
-                                  pressure);
+double contact_shear_stress(const ehd_contact *contact, double pressure, double film) {
+    return lubricant_shear_stress(&contact->lubricant, contact->hertz_pressure,
+                                  viscous_stress(contact, 1, film), pressure);
 }
 
 bool traction_thins_flow(const ehd_contact *contact) {
     return contact->lubricant.thinning_stress > 0 && contact_has_traction(contact);
 }
 
+/* Of a fluid that has this viscosity, over that at zero pressure. */
+static double thinning_rate(const ehd_contact *contact, double viscosity, double film) {
+    return fabs(viscous_stress(contact, viscosity, film)) * contact->hertz_pressure /
+           contact->lubricant.thinning_stress;
+}
+
+double traction_thinning_rate(const ehd_contact *contact) {
+    return traction_thins_flow(contact) ? thinning_rate(contact, 1, 1) : 0;
+}
+
 flow_thinning traction_thinning(const ehd_contact *contact, double viscosity, double film,
                                 bool along) {
     // of the Newtonian stress over the law's: sinh(tau/tau0)
-    const double rate = fabs(contact->lambda / 12 * slope_of(contact) * contact->slide_roll *
-                             contact->far_speed * viscosity / film) *
-                        contact->hertz_pressure / contact->lubricant.thinning_stress;
-    const double root = hypot(1, rate);
+    const double rate = thinning_rate(contact, viscosity, film);
+    const double root = rate < 1e8 ? sqrt(1 + rate * rate) : rate;
 
     if (along) return (flow_thinning){root, rate / root * (rate / root)};
     if (rate < 1e-4) return (flow_thinning){1 + rate * rate / 6, rate * rate / 3};
@@ -76,13 +87,13 @@ contact_traction contact_traction_of(const ehd_contact *contact, const double *p
 
     for (size_t r = 0; r < grid->num_inner; r++) {
         const size_t k = grid_node_of_row(grid, r);
-        const double weight = grid_weight(grid, k), x = grid_x(grid, k), y = grid_y(grid, k);
-        const bool in_dry = x * x + y * y <= 1;
+        const double weight = grid_weight(grid, k);
+        const bool in_dry = grid_is_dry(grid, k);
         // of the cell from the node before to this one, and at the end of the line to the next
         rolling += weight * (film[k - 1] + film[k]) / 2 * (pressure[k] - pressure[k - 1]);
         if (r % grid->inner_x == grid->inner_x - 1)
             rolling += weight * (film[k] + film[k + 1]) / 2 * (pressure[k + 1] - pressure[k]);
-        moment += weight * x * pressure[k];
+        moment += weight * grid_x(grid, k) * pressure[k];
         if (in_dry) dry_area += weight;
         if (!(pressure[k] > 0)) continue;
         const double stress = contact_shear_stress(contact, pressure[k], film[k]);

@@ -27,12 +27,13 @@ void scene_defaults(scene *of) {
 }
 
 /* Defaults that are a law's own. */
-static void fill_law(scene *of, const char *group, const lubricant_law *law) {
+static void fill_law(scene *of, const law_group *group) {
+    const lubricant_law *law = law_group_choice(group, of);
     char key[MAX_KEY];
 
     for (size_t i = 0; law && i < law_num_parameters(law); i++) {
         if (!law->parameters[i].default_value) continue;
-        snprintf(key, sizeof key, "%s.%s", group, law->parameters[i].key);
+        snprintf(key, sizeof key, "%s.%s", group->key, law->parameters[i].key);
         const setting *row = setting_find(key);
         if (row && !setting_is_given(row, of))
             setting_assign(of, row, law->parameters[i].default_value, (place){0}, NULL);
@@ -93,8 +94,8 @@ bool scene_thins_flow(const scene *of) {
 void scene_complete(scene *of) {
     for (const setting *row = scene_settings(); row->key; row++)
         fill_default(of, row);
-    fill_law(of, "lubricant.viscosity", laws_find(viscosity_laws, of->lubricant.viscosity.law));
-    fill_law(of, "lubricant.density", laws_find(density_laws, of->lubricant.density.law));
+    for (int i = 0; i < NUM_LAW_GROUPS; i++)
+        fill_law(of, &law_groups[i]);
     if (strcmp(of->discretization, "published") == 0) fill_published_grid(of);
     if (has_lines(of)) fill_boundary(of);
     if (strcmp(of->regime, "transient") == 0) fill_transient(of);

@@ -23,17 +23,18 @@ ehd_status scene_check_kind(const scene *given, const contact_kind *kind, const 
                             ehd_error *error) {
     const contact_kind *found = kind_of(given);
 
-    if (found != kind)
-        return ehd_fail(error, EHD_DATA, "contact: found %s, expected %s as in %s", found->name,
-                        kind->name, path);
-    return scene_check_flow(given, error);
+    return found == kind ? EHD_OK
+                         : ehd_fail(error, EHD_DATA, "contact: found %s, expected %s as in %s",
+                                    found->name, kind->name, path);
 }
 
-ehd_status scene_check_flow(const scene *given, ehd_error *error) {
-    if (!scene_thins_flow(given)) return EHD_OK;
-    return ehd_fail(error, EHD_DATA,
-                    "lubricant.shear.in_film: found true, expected false: reduced models have the "
-                    "flow of a Newtonian fluid");
+ehd_status scene_check_reducible(const scene *given, ehd_error *error) {
+    if (*given->surface.kind)
+        return ehd_fail(error, EHD_DATA,
+                        "surface.kind: found %s, expected none with a reduced model, which is of "
+                        "smooth surfaces; fullrun solves it",
+                        given->surface.kind);
+    return EHD_OK;
 }
 
 ehd_status scene_check_approach(const scene *given, const ehd_contact *contact, ehd_error *error) {

@@ -16,13 +16,14 @@ ehd_status scene_contact(
     // input:
     const scene *given, ehd_error *error);
 
-/* Before it, where the contact has to be of the kind of the model in `path`, and what reduced models serve:
- * EHD_DATA. Else what follows from another kind, such as a grid of too many nodes, would be told first. */
+/* Before it, where the contact has to be of the kind of the model in `path`: EHD_DATA. Else what
+ * follows from another kind, such as a grid of too many nodes, would be told first. */
 ehd_status scene_check_kind(const scene *given, const contact_kind *kind, const char *path,
                             ehd_error *error);
 
-/* EHD_DATA: a flow that is thinned by the sliding, which reduced models and their training do not serve. */
-ehd_status scene_check_flow(const scene *given, ehd_error *error);
+/* EHD_DATA: a scene that reduced models and their training do not serve, which have smooth surfaces.
+ * Before other work. */
+ehd_status scene_check_reducible(const scene *given, ehd_error *error);
 
 /* Puts another grid in place of the one of scene_contact: `needed` where the scene does not say.
  * EHD_DATA: too many nodes. */

@@ -58,7 +58,8 @@ static bool has_viscosity_of_law(const key_count *physical, const scene *of) {
            (lubricant_init(&lubricant, &of->lubricant, NULL) || !isnan(lubricant.eta0));
 }
 
-/* The five of `physical` that every contact needs: either the mean speed counts, or both surfaces' where one of them is given. */
+/* The five of `physical` that every contact needs: either the mean speed counts, or both surfaces'
+ * where one of them is given. */
 static key_count count_physical(bool *both_speeds, const scene *of) {
     static const char *const own[] = {"physical.speed_1", "physical.speed_2"};
     const setting *mean = setting_find("physical.speed");
@@ -165,17 +166,11 @@ static bool same_reason(const setting *left, const setting *right) {
 
 /* Whether the scene's law needs a key that other laws may do without. */
 static bool law_needs(const setting *row, const scene *of) {
-    const struct {
-        const char *group;
-        const lubricant_law *const *laws;
-        const char *name;
-    } groups[] = {{"lubricant.viscosity.", viscosity_laws, of->lubricant.viscosity.law},
-                  {"lubricant.density.", density_laws, of->lubricant.density.law}};
-    for (size_t i = 0; row->when[0].key && i < sizeof groups / sizeof *groups; i++) {
-        const size_t length = strlen(groups[i].group);
-        if (strncmp(row->key, groups[i].group, length) != 0) continue;
-        const lubricant_law *law = laws_find(groups[i].laws, groups[i].name);
-        const law_parameter *parameter = law ? law_key(law, row->key + length) : NULL;
+    for (int i = 0; row->when[0].key && i < NUM_LAW_GROUPS; i++) {
+        const size_t length = strlen(law_groups[i].key);
+        if (strncmp(row->key, law_groups[i].key, length) != 0 || row->key[length] != '.') continue;
+        const lubricant_law *law = law_group_choice(&law_groups[i], of);
+        const law_parameter *parameter = law ? law_key(law, row->key + length + 1) : NULL;
         return parameter && parameter->need == LAW_REQUIRED;
     }
     return false;
@@ -236,13 +231,14 @@ static void add_name(char list[SHOWN_LIST], const char *name) {
     snprintf(list + used, SHOWN_LIST - used, "%s%s", used ? ", " : "", name);
 }
 
-/* A law with presets needs either one of them or all of its constants. `group`:
- * "lubricant.viscosity". */
-static ehd_status check_preset(const scene_source *source, const char *group,
-                               const lubricant_law *law, ehd_error *error) {
+/* A law with presets needs either one of them or all of its constants. */
+static ehd_status check_preset(const scene_source *source, const law_group *laws,
+                               ehd_error *error) {
+    const lubricant_law *law = law_group_choice(laws, &source->values);
+    const char *group = laws->key;
     char key[MAX_KEY], presets[SHOWN_LIST] = "", constants[SHOWN_LIST] = "";
     key_count preset = {0}, constant = {0};
-    if (!law) return EHD_OK; // lubricant_init refuses it
+    if (!law) return EHD_OK; // there is none, or lubricant_init refuses it
     snprintf(key, sizeof key, "%s.law", group);
     const place where = place_of_key(source, key);
     for (size_t i = 0; i < law_num_parameters(law); i++) {
@@ -266,12 +262,11 @@ static ehd_status check_preset(const scene_source *source, const char *group,
 }
 
 static ehd_status check_lubricant(const scene_source *source, ehd_error *error) {
-    const lubricant_settings *of = &source->values.lubricant;
-    const ehd_status status = check_preset(source, "lubricant.viscosity",
-                                           laws_find(viscosity_laws, of->viscosity.law), error);
-    return status ? status
-                  : check_preset(source, "lubricant.density",
-                                 laws_find(density_laws, of->density.law), error);
+    ehd_status status = EHD_OK;
+
+    for (int i = 0; i < NUM_LAW_GROUPS && !status; i++)
+        status = check_preset(source, &law_groups[i], error);
+    return status;
 }
 
 // ---- grid

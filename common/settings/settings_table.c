@@ -195,15 +195,27 @@ static const setting history_rows[] = {
     LAST_ROW};
 // clang-format on
 
+const law_group law_groups[NUM_LAW_GROUPS] = {
+    [LAWS_VISCOSITY] = {"lubricant.viscosity", viscosity_laws,
+                        offsetof(scene, lubricant.viscosity)},
+    [LAWS_DENSITY] = {"lubricant.density", density_laws, offsetof(scene, lubricant.density)},
+    [LAWS_SHEAR] = {"lubricant.shear", shear_laws, offsetof(scene, lubricant.shear)}};
+
+const lubricant_law *law_group_choice(const law_group *group, const scene *of) {
+    const char *name = (const char *)of + group->offset + offsetof(law_settings, law);
+
+    return laws_find(group->laws, name);
+}
+
 const char *const vary_names[NUM_VARY] = {"load", "speed", "radius", "modulus", "approach"};
 
-// rows and texts that make_table makes at most, of two tables of laws and of the histories
+// rows and texts that make_table makes at most, of the tables of laws and of the histories
 #define ROWS_OF(rows) (sizeof(rows) / sizeof *(rows)-1)
 enum {
     LAW_ROWS = 1 + MAX_LAW_KEYS,
-    MAX_ROWS = ROWS_OF(contact_rows) + 3 * LAW_ROWS + ROWS_OF(run_rows) + ROWS_OF(surface_rows) +
-               NUM_VARY * ROWS_OF(history_rows),
-    MAX_TEXTS = 2 * 3 * LAW_ROWS + NUM_VARY * (1 + ROWS_OF(history_rows)),
+    MAX_ROWS = ROWS_OF(contact_rows) + NUM_LAW_GROUPS * LAW_ROWS + ROWS_OF(run_rows) +
+               ROWS_OF(surface_rows) + NUM_VARY * ROWS_OF(history_rows),
+    MAX_TEXTS = 2 * NUM_LAW_GROUPS * LAW_ROWS + NUM_VARY * (1 + ROWS_OF(history_rows)),
     TEXT_ROOM = 512
 };
 _Static_assert((int)MAX_ROWS <= (int)MAX_SETTINGS, "MAX_SETTINGS is too small");
@@ -236,16 +248,16 @@ static void add_rows(const setting *rows) {
         add_row(rows);
 }
 
-/* Adds rows for the choice of a law and the parameters of all laws, stored in a law_settings at
- * `offset` in a scene. */
-static void add_laws(const char *group, size_t offset, const lubricant_law *const *laws,
-                     bool required, const char *default_value, const char *help) {
+/* Adds rows for the choice of a law and the parameters of all laws. */
+static void add_laws(const law_group *group, bool required, const char *default_value,
+                     const char *help) {
+    const lubricant_law *const *laws = group->laws;
     char list[TEXT_ROOM];
     const law_parameter *parameter;
     laws_list(list, sizeof list, laws, NULL);
-    const setting law = {.key = make_text("%s.law", group),
+    const setting law = {.key = make_text("%s.law", group->key),
                          .type = SETTING_CHOICE,
-                         .offset = offset + offsetof(law_settings, law),
+                         .offset = group->offset + offsetof(law_settings, law),
                          .size = LAW_WORD,
                          .default_value = default_value,
                          .choices = make_text("%s", list),
@@ -255,10 +267,10 @@ static void add_laws(const char *group, size_t offset, const lubricant_law *cons
     add_row(&law);
     for (size_t slot = 0; (parameter = laws_key(laws, slot)); slot++) {
         laws_list(list, sizeof list, laws, parameter->key);
-        const setting row = {.key = make_text("%s.%s", group, parameter->key),
+        const setting row = {.key = make_text("%s.%s", group->key, parameter->key),
                              .type = parameter->choices ? SETTING_CHOICE : SETTING_REAL,
-                             .offset =
-                                 offset + offsetof(law_settings, values) + slot * sizeof(law_value),
+                             .offset = group->offset + offsetof(law_settings, values) +
+                                       slot * sizeof(law_value),
                              .size = sizeof(law_value),
                              .default_value = laws_default(laws, parameter->key),
                              .choices = parameter->choices,
@@ -297,11 +309,9 @@ static void find_conditions(void) {
 
 static void make_table(void) {
     add_rows(contact_rows);
-    add_laws("lubricant.viscosity", offsetof(scene, lubricant.viscosity), viscosity_laws, true,
-             NULL, "How viscosity depends on pressure");
-    add_laws("lubricant.density", offsetof(scene, lubricant.density), density_laws, false,
-             "incompressible", "How density depends on pressure");
-    add_laws("lubricant.shear", offsetof(scene, lubricant.shear), shear_laws, false, NULL,
+    add_laws(&law_groups[LAWS_VISCOSITY], true, NULL, "How viscosity depends on pressure");
+    add_laws(&law_groups[LAWS_DENSITY], false, "incompressible", "How density depends on pressure");
+    add_laws(&law_groups[LAWS_SHEAR], false, NULL,
              "How shear stress depends on viscosity times the rate of shear, for the traction; "
              "default newtonian");
     add_rows(run_rows);

@@ -15,6 +15,19 @@ enum {
     MAX_KEY = 128
 };
 
+/* A table of laws, and where a scene has its choice. */
+typedef struct law_group {
+    const char *key; // "lubricant.viscosity"
+    const lubricant_law *const *laws;
+    size_t offset; // of its law_settings in a scene
+} law_group;
+
+enum { LAWS_VISCOSITY, LAWS_DENSITY, LAWS_SHEAR, NUM_LAW_GROUPS };
+extern const law_group law_groups[NUM_LAW_GROUPS];
+
+/* The law that a scene names; NULL: none, or there is no such law. */
+const lubricant_law *law_group_choice(const law_group *group, const scene *of);
+
 /* The row of a key such as "moes.M", or NULL. */
 const setting *setting_find(const char *key);
 

@@ -41,9 +41,10 @@ typedef struct variation {
 } variation;
 
 /* Reads `vary` and `combine`, or `points`, and `region` with its `candidates` or `histories`, of a
- * group; one without them has one point. Candidates are the corners of the region, places along its edges, and
- * inside of it Sobol's sequence (gsl_qrng_sobol), which leaves no gaps however long it is. `plan_path` is the plan's file, named in errors; `points` is relative to its folder. EHD_DATA,
- * EHD_NOINPUT, EHD_IO, EHD_MEMORY. */
+ * group; one without them has one point. Candidates are the corners of the region, places along its
+ * edges, and inside of it Sobol's sequence (gsl_qrng_sobol), which leaves no gaps however long it
+ * is. `plan_path` is the plan's file, named in errors; `points` is relative to its folder.
+ * EHD_DATA, EHD_NOINPUT, EHD_IO, EHD_MEMORY. */
 ehd_status variation_read(
     // output:
     variation *self, // free with variation_free

@@ -4,7 +4,6 @@
 #include "common/algebra/spline.h"
 #include "common/artefact/table.h"
 #include "common/settings/csv.h"
-#include "common/time/surface.h"
 
 #include <gsl/gsl_interp.h>
 #include <gsl/gsl_poly.h>
@@ -356,9 +355,8 @@ ehd_status histories_init(ehd_histories **result, const scene *given, ehd_error 
 }
 
 ehd_status histories_init_forward(ehd_histories **self, const scene *given, ehd_error *error) {
-    *self = NULL;
-    ehd_status status = surface_refuse(given, error);
-    if (!status) status = histories_init(self, given, error);
+    ehd_status status = histories_init(self, given, error);
+
     if (!status)
         status = check_forward(*self, " with a reduced model, which is of one direction", error);
     if (status) *self = histories_free(*self);

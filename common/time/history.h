@@ -21,8 +21,8 @@ ehd_status histories_init(
     // input:
     const scene *given, ehd_error *error);
 
-/* The same for a reduced model, which is trained on one direction and smooth surfaces: EHD_DATA also
- * where the speed, or that of the start, is below 0, or the scene has a surface. */
+/* The same for a reduced model, which is trained on one direction: EHD_DATA also where the speed, or
+ * that of the start, is below 0. */
 ehd_status histories_init_forward(
     // output:
     ehd_histories **self,

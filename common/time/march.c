@@ -239,10 +239,11 @@ static double error_order(const march *self) {
 /* Where a step is shorter than the one tried before and its error not even less by as much, what is
  * left is the solver's own noise, of exits that move by whole nodes, which no shorter one takes
  * away: then that much more is accepted, for some steps, and then it is tried again. Not more than
- * what all steps together are asked for. A reduced model of a point contact (33 nodes a side, 60 modes,
- * 180 rows, load of an unseen period 3/4, upwind) takes 571 steps to T = 3 so, and without it does not
- * get beyond T = 1.31. Along the path, where steps have a shortest length, it changed nothing but 438 to 433 steps in one of 17 marches (lines
- * and points, full and reduced, tolerances from 5e-4 to 5e-3, loads of 10 and 30 %, a reversal). */
+ * what all steps together are asked for. A reduced model of a point contact (33 nodes a side, 60
+ * modes, 180 rows, load of an unseen period 3/4, upwind) takes 571 steps to T = 3 so, and without
+ * it does not get beyond T = 1.31. Along the path, where steps have a shortest length, it changed
+ * nothing but 438 to 433 steps in one of 17 marches (lines and points, full and reduced, tolerances
+ * from 5e-4 to 5e-3, loads of 10 and 30 %, a reversal). */
 static void watch_noise(march *self, const march_step *outcome) {
     march_state *state = &self->state;
     double error = outcome->local_error, tolerance = self->settings.tolerance;

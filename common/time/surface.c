@@ -360,15 +360,6 @@ ehd_surface *surface_free(ehd_surface *self) {
     return NULL;
 }
 
-ehd_status surface_refuse(const scene *given, ehd_error *error) {
-    if (!given->surface.kind[0]) return EHD_OK;
-    return ehd_fail(
-        error, EHD_DATA,
-        "surface.kind: found %s, expected none with a reduced model, which is of smooth "
-        "surfaces; fullrun solves it",
-        given->surface.kind);
-}
-
 ehd_status surface_check_start(const ehd_surface *self, const contact_frame *frame,
                                const ehd_grid *grid, ehd_error *error) {
     const bool forwards = self->given.speed > 0;
@@ -392,7 +383,6 @@ double surface_position(const ehd_surface *self, double path) {
 
 double surface_height(const ehd_surface *self, const contact_frame *frame, double x, double y) {
     const double along = x * frame->half_width - surface_position(self, frame->path);
-
     const double across = y * self->ellipticity * frame->half_width;
 
     return self->kind->height(self, along, across) / frame->film_scale;

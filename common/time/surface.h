@@ -23,9 +23,6 @@ ehd_status surface_init(
 
 ehd_surface *surface_free(ehd_surface *self); // accepts and returns NULL
 
-/* EHD_DATA where a scene has one: a reduced model knows none. */
-ehd_status surface_refuse(const scene *given, ehd_error *error);
-
 /* EHD_DATA where in the frame of a start some of it is on the grid already: the start is smooth. */
 ehd_status surface_check_start(const ehd_surface *self, const contact_frame *frame,
                                const ehd_grid *grid, ehd_error *error);

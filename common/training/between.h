@@ -6,12 +6,13 @@
 #include "common/training/training_set.h"
 
 /* The scenes half-way between neighbours of a training, its trajectories apart from its stationary
- * points: each number in which two scenes differ is in the middle, the geometric mean where both are
- * positive, so that ln M and ln(alpha p_H) of physical scenes are in the middle too. Neighbours are
- * two points, of one lubricant and group, that no third one sees at an obtuse angle (Gabriel's graph),
- * of a grid those along its lines and its diagonals, whose common middle counts once; of trajectories two that differ in numbers only;
- * one that has no such other has half its own swing: half the amplitudes, ramps and steps half-way.
- * Pairs in the order of the plan. May have no points at all. O(num_points^3) at worst. EHD_MEMORY. */
+ * points: each number in which two scenes differ is in the middle, the geometric mean where both
+ * are positive, so that ln M and ln(alpha p_H) of physical scenes are in the middle too. Neighbours
+ * are two points, of one lubricant and group, that no third one sees at an obtuse angle (Gabriel's
+ * graph), of a grid those along its lines and its diagonals, whose common middle counts once; of
+ * trajectories two that differ in numbers only; one that has no such other has half its own swing:
+ * half the amplitudes, ramps and steps half-way. Pairs in the order of the plan. May have no points
+ * at all. O(num_points^3) at worst. EHD_MEMORY. */
 ehd_status between_neighbours(
     // output:
     plan *between, // free with plan_free; groups and bounds are those of `of`

@@ -2,6 +2,8 @@
 #include "common/training/training_set.h"
 
 #include "common/output/inputs.h"
+#include "common/physics/contact_place.h"
+#include "common/physics/traction.h"
 #include "common/settings/scene_contact.h"
 #include "common/time/history.h"
 #include "common/time/path_filter.h"
@@ -29,7 +31,7 @@ static ehd_status make_contact(ehd_contact *contact, bool *inside, const plan *o
     char name[POINT_NAME];
     ehd_error cause = {""};
     ehd_status status = scene_contact(contact, &point->scene, &cause);
-    if (!status) status = scene_check_flow(&point->scene, &cause);
+    if (!status) status = scene_check_reducible(&point->scene, &cause);
 
     // a point that is left out may lie where the lubricant's law does not hold
     bool known = contact->alpha_p_H > 0 || !status;
@@ -227,9 +229,10 @@ void training_set_places(tree_point *places, const training_set *set) {
         // L where the Hertz pressure follows from it, else what would give the Hertz pressure
         double material =
             contact->alpha_p_H / contact->kind->alpha_p_H(&contact->grid.shape, contact->moes_M, 1);
-        places[i] = (tree_point){.family = family_of(set, i),
-                                 .place = {log_M, material},
-                                 .effort = fabs(log_M - log(12)) + 0.5 * material};
+        places[i] = (tree_point){
+            .family = family_of(set, i),
+            .place = {log_M, material, thinning_coordinate(traction_thinning_rate(contact))},
+            .effort = fabs(log_M - log(12)) + 0.5 * material};
     }
 }
 

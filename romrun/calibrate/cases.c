@@ -73,6 +73,7 @@ static ehd_status make_contact(ehd_contact *contact, const batch *self, size_t i
         return case_list_fail(self->list, index, error);
     }
     status = scene_check_kind(&given, online_kind(self->models[0].model), self->task->model, error);
+    if (!status) status = scene_check_reducible(&given, error);
     if (!status) status = scene_contact(contact, &given, error);
     if (!status) contact_take_grid(contact, grid);
     if (!status) status = grid_check(&contact->grid, "the scene", grid, self->task->model, error);

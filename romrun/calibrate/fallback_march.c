@@ -111,8 +111,7 @@ static void spread_errors(fallback_march *self) {
 
     memcpy(errors.next, reduced_march_errors(self->reduced), sizeof errors.next);
     for (size_t k = 0; k < grid->num_nodes; k++)
-        self->errors[k] =
-            grid_square_distance(grid, k) <= 1 ? film_errors_at(&errors, grid_x(grid, k)) : 0;
+        self->errors[k] = grid_is_dry(grid, k) ? film_errors_at(&errors, grid_x(grid, k)) : 0;
 }
 
 static ehd_status to_full(fallback_march *self, ehd_error *error) {

@@ -4,7 +4,6 @@
 
 #include "common/program/text.h"
 #include "common/settings/settings_table.h"
-#include "common/time/surface.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -284,7 +283,7 @@ ehd_status library_contact(ehd_contact *contact, unit_factors *units, ehdrom_con
 
     if (!self->is_complete[in_time]) {
         take_regime(of, self, in_time);
-        status = surface_refuse(of, error);
+        status = scene_check_reducible(of, error);
         if (!status) status = scene_validate(of, "settings", error);
         self->is_complete[in_time] = !status;
     }

@@ -308,15 +308,16 @@ typedef struct ehdrom_derivatives {
 #define EHDROM_DERIVATIVES_INIT                                                                    \
     { sizeof(ehdrom_derivatives), 0, 0, 0, 0, 0, 0, 0, 0 }
 
-/* Derivatives along a direction: its `given` says which conditions change, and their members how fast, in
- * their units; others are held. Either load or approach is given, of which the other is an outcome: the one
- * whose bit is set, with 0 where it is held, or if none is that which the solution was given. Of a solution
- * the derivatives are those of stationary ones; of a step, the tangent at its end: how that changes with the
- * conditions there, from the same accepted state.
- * They follow from the Jacobian of the reduced equations, in about two iterations' time, along further
- * directions in half of that, and leave the contact as it is. EHDROM_DATA: a direction that is not finite, both load and approach, or an approach
- * of a line contact that is measured from within the pressurised zone. EHDROM_INTERNAL: no solution, or a
- * start at rest. EHDROM_NOT_CONVERGED: none that is finite. */
+/* Derivatives along a direction: its `given` says which conditions change, and their members how
+ * fast, in their units; others are held. Either load or approach is given, of which the other is an
+ * outcome: the one whose bit is set, with 0 where it is held, or if none is that which the solution
+ * was given. Of a solution the derivatives are those of stationary ones; of a step, the tangent at
+ * its end: how that changes with the conditions there, from the same accepted state. They follow
+ * from the Jacobian of the reduced equations, in about two iterations' time, along further
+ * directions in half of that, and leave the contact as it is. EHDROM_DATA: a direction that is not
+ * finite, both load and approach, or an approach of a line contact that is measured from within the
+ * pressurised zone. EHDROM_INTERNAL: no solution, or a start at rest. EHDROM_NOT_CONVERGED: none
+ * that is finite. */
 EHDROM_API ehdrom_status ehdrom_differentiate(ehdrom_contact *contact,
                                               const ehdrom_conditions *direction,
                                               ehdrom_derivatives *derivatives);
@@ -337,8 +338,8 @@ typedef struct ehdrom_response {
 /* Of the last ehdrom_solve or ehdrom_start. Errors as above; EHDROM_INTERNAL: a step came last. */
 EHDROM_API ehdrom_status ehdrom_respond(ehdrom_contact *contact, ehdrom_response *response);
 
-/* ---- traction, of the last ehdrom_solve or the accepted state, whichever came last (of a restored state: from the
- * next accepted step on) */
+/* ---- traction, of the last ehdrom_solve or the accepted state, whichever came last (of a restored
+ * state: from the next accepted step on) */
 
 typedef struct ehdrom_traction {
     size_t size;                 /* sizeof(ehdrom_traction) */
@@ -354,10 +355,12 @@ typedef struct ehdrom_traction {
 #define EHDROM_TRACTION_INIT                                                                       \
     { sizeof(ehdrom_traction), 0, 0, 0, 0, 0, 0, 0 }
 
-/* With the surfaces sliding at u1 - u2 = `sliding`, m/s, which films do not depend on; NAN: as slide_roll or both
- * speeds say, over the mean speed. The law is lubricant.shear. A model of this version has it from few nodes, of others
- * its cost grows with the grid. How far it is off is not indicated. EHDROM_DATA: a scene of moes.M and
- * moes.L, or no sliding; EHDROM_INTERNAL: no solution before. */
+/* With the surfaces sliding at u1 - u2 = `sliding`, m/s, which films do not depend on, but with
+ * lubricant.shear.in_film; NAN: as slide_roll or both speeds say, over the mean speed. These and the law, lubricant.shear, are those
+ * of the settings with which the contact was last solved or started. A model of this version has it
+ * from few nodes, of others its cost grows with the grid. How far it is off is not indicated.
+ * EHDROM_DATA: a scene of moes.M and moes.L, no sliding, or with in_film another one than the film's;
+ * EHDROM_INTERNAL: no solution before. */
 EHDROM_API ehdrom_status ehdrom_slide(ehdrom_contact *contact, double sliding,
                                       ehdrom_traction *traction);
 

@@ -42,18 +42,19 @@ typedef struct exit_search {
 void exits_init(exit_search *self, const reduced_model *model, double spacing, arena *memory);
 
 /* Starts the watches: for a stationary state with a relative tolerance of the central film; in time,
- * where a line's exit stays while an iteration changes the pressure by more than `far`. It is that of the step before, and where a thin film passes the outlet the pressures
- * of some iterates are negative; an exit cut back by ten nodes was held there. Exit lines of points
- * move by less: with it the point of scenes/studies/point-transient takes a quarter to a third more
- * iterations to the same.
+ * where a line's exit stays while an iteration changes the pressure by more than `far`. It is that
+ * of the step before, and where a thin film passes the outlet the pressures of some iterates are
+ * negative; an exit cut back by ten nodes was held there. Exit lines of points move by less: with it
+ * the point of scenes/studies/point-transient takes a quarter to a third more iterations to the
+ * same.
  *
  * In time an exit that is not held cycles to the iteration limit (paper's transient case, accurate
  * rows, 120 modes, 140 rows, error control: lost at T = 0.04). Held as in a stationary contact it takes
  * 1787, 1967 and 1625 iterations (fixed steps, periods 1/2 and 3/5; tolerance 5e-3) in place of 1671,
  * 1637 and 1449, with films as far from the full model's, and with published rows 4622 in 1396 steps
- * to T = 1 in place of 2883 in 1197. At the nearer of both nodes it leaves 0.36 in place of 0.22 % of the
- * minimum film of period 3/5; where it is held at any turn, the march with published rows ends at
- * T = 3e-4. A stationary line (published rows, WLF, 81 contacts) that is held so is 1e-3 off in one
+ * to T = 1 in place of 2883 in 1197. At the nearer of both nodes it leaves 0.36 in place of 0.22 %
+ * of the minimum film of period 3/5; where it is held at any turn, the march with published rows
+ * ends at T = 3e-4. A stationary line (published rows, WLF, 81 contacts) that is held so is 1e-3 off in one
  * contact, 2.7e-4 by HELD_IN_CYCLE. */
 void exits_watch_stationary(exit_search *self, double tolerance);
 void exits_watch_in_time(exit_search *self, double far);

@@ -72,8 +72,8 @@ static double stress_at(double *largest, const ehd_contact *contact, double pres
     return stress;
 }
 
-/* The largest stress is looked for at the needed nodes too, where the pressure is near its largest there:
- * it falls with that more than it rises with a thinner film. */
+/* The largest stress is looked for at the needed nodes too, where the pressure is near its largest
+ * there: it falls with that more than it rises with a thinner film. */
 static const double NEAR_LARGEST = 0.7;
 
 static void look_at_needed(double *largest, const node_state *self, const ehd_contact *contact) {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Traction of a state at nodes, by the model's cubature (README.md, traction): nothing has the size of the
- * grid. */
+/* Traction of a state at nodes, by the model's cubature (README.md, traction): nothing has the size
+ * of the grid. */
 #ifndef EHD_NODE_TRACTION_H
 #define EHD_NODE_TRACTION_H
 

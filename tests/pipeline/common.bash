@@ -136,6 +136,22 @@ YAML
     deimselect --no-check rp.h5 --basis bp.h5 -o p.h5 --rows 60 --method sopt
 }
 
+# half_and_whole_are_symmetric OPTION...: half.h5 and whole.h5, the results of scene.yml on half of the domain and on all
+# of it, have the same fields, which are symmetric.
+half_and_whole_are_symmetric() {
+    fullrun scene.yml "$@" -o half.h5
+    fullrun scene.yml "$@" --set grid.half=false -o whole.h5
+    fullrun --check half.h5
+    /usr/bin/python3 - <<'PYTHON'
+import h5py, numpy
+half, whole = h5py.File("half.h5"), h5py.File("whole.h5")
+for name in "pressure", "film_thickness", "exit_position":
+    a, b = half[name][...], whole[name][...]
+    assert numpy.array_equal(a, a[:, ::-1], equal_nan=True), name
+    assert numpy.allclose(a, b, rtol=0, atol=1e-9, equal_nan=True), name
+PYTHON
+}
+
 # refused CODE PATTERN COMMAND...: the exit code, and one line on stderr that matches the pattern and is
 # led by the program's name.
 refused() {

@@ -72,18 +72,11 @@ assert abs($open / $expected - 1) < 2e-3 and $zero < 0.995 * $expected"
 }
 
 @test "half and whole domain write the same symmetric fields" {
-    fullrun scene.yml --set boundary=zero -o half.h5 # which has all of the load within
-    fullrun scene.yml --set boundary=zero --set grid.half=false -o whole.h5
-    fullrun --check half.h5
+    half_and_whole_are_symmetric --set boundary=zero # which has all of the load within
     /usr/bin/python3 - <<'PYTHON'
 import h5py, numpy
-half, whole = h5py.File("half.h5"), h5py.File("whole.h5")
-for name in "pressure", "film_thickness", "exit_position":
-    a, b = half[name][...], whole[name][...]
-    assert numpy.array_equal(a, a[:, ::-1], equal_nan=True), name
-    assert numpy.allclose(a, b, rtol=0, atol=1e-9, equal_nan=True), name
-pressure = half["pressure"][0]
-y = half["y"][...]
+half = h5py.File("half.h5")
+pressure, y = half["pressure"][0], half["y"][...]
 assert numpy.allclose(numpy.diff(y), 0.125 / 1.5 ** (1 / 3), rtol=1e-12) and 2 <= y[-1] < 2 + y[1] - y[0]
 assert abs(pressure.sum() * 0.125 * (y[1] - y[0]) / (2 * numpy.pi / 3) - 1) < 1e-9
 PYTHON

