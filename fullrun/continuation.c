@@ -158,7 +158,7 @@ static double interpolated(const double *values, const ehd_grid *coarse, const e
                            size_t node) {
     size_t width = grid_width(coarse), low = (node % grid_width(grid) + 1) / 2;
     size_t high = (node % grid_width(grid) + 2) / 2; // coarse column c is fine column 2c - 1
-    double line = (grid_y(grid, node) - grid_y(coarse, 0)) / coarse->step;
+    double line = (grid_y(grid, node) - grid_y(coarse, 0)) / grid_step_across(coarse);
     size_t left = coarse->inner_lines > 1 ? (size_t)floor(line + 0.25) : 0;
     size_t right = coarse->inner_lines > 1 ? (size_t)floor(line + 0.75) : 0;
 

@@ -39,7 +39,7 @@ static ehd_grid wide_grid(const ehd_grid *grid, size_t *margin, size_t *side) {
     const double y = grid->inner_lines > 1 ? grid_y(grid, grid->num_nodes - 1) : 0;
 
     *margin = (size_t)ceil(growth * x / grid->step) + POINTS;
-    *side = grid->inner_lines > 1 ? (size_t)ceil(growth * y / grid->step) + POINTS : 0;
+    *side = grid->inner_lines > 1 ? (size_t)ceil(growth * y / grid_step_across(grid)) + POINTS : 0;
     return grid_like(grid, grid->x_min - (double)*margin * grid->step, grid->step,
                      grid->inner_x + 2 * *margin, grid->inner_lines + (grid->half ? 1 : 2) * *side);
 }
@@ -324,7 +324,8 @@ static double deflection_beyond(const previous_state *self, const previous_carri
     const bool point = wide->inner_lines > 1;
     double along[POINTS], across[POINTS] = {1}, sum = self->state.rigid_approach;
     const ptrdiff_t column = lagrange(along, (x - grid_x(wide, 0)) / wide->step);
-    const ptrdiff_t line = point ? lagrange(across, (y - grid_y(wide, 0)) / wide->step) : 0;
+    const ptrdiff_t line =
+        point ? lagrange(across, (y - grid_y(wide, 0)) / grid_step_across(wide)) : 0;
     const ptrdiff_t num_lines = point ? POINTS : 1;
 
     if (column < 0 || column + POINTS > width || line + num_lines > lines ||

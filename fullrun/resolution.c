@@ -151,7 +151,7 @@ static size_t node_of_coarse(const ehd_grid *grid, const ehd_grid *coarse, size_
     size_t column = node % grid_width(coarse), line = 0;
 
     if (grid->inner_lines > 1)
-        line = (size_t)lround((grid_y(coarse, node) - grid_y(grid, 0)) / grid->step);
+        line = (size_t)lround((grid_y(coarse, node) - grid_y(grid, 0)) / grid_step_across(grid));
     return line < grid_lines(grid) ? line * grid_width(grid) + stride * (column - 1) + 1 : NO_NODE;
 }
 
@@ -240,7 +240,7 @@ static ehd_status solve_shorter(film_effects *effects, coarse_grid *longer, cons
     const ehd_grid *of = &longer->contact.grid;
     const grid_extent extent = grid_extent_of(of);
     const size_t columns = (size_t)lround((1 - shorter) * -extent.x_min / extent.step);
-    const size_t lines = (size_t)lround((1 - shorter) * extent.y_max / extent.step);
+    const size_t lines = (size_t)lround((1 - shorter) * extent.y_max / grid_step_across(of));
     coarse_grid self = {.contact = longer->contact};
     film_pair found = {NAN, NAN};
 

@@ -139,7 +139,7 @@ static void write_header(const images *self, size_t time, FILE *stream) {
     const double unit = si_units_at(&self->of_x, time), unit_y = si_units_at(&self->of_y, time);
     const double step = (self->x[self->num_x - 1] - self->x[0]) / (double)(self->num_x - 1) * unit;
     const size_t lines = image_lines(self);
-    const double step_y = step * unit_y / unit; // square cells in half widths
+    const double step_y = self->y ? (self->y[1] - self->y[0]) * unit_y : step;
     const double first_y = self->y ? self->y[0] * unit_y : -0.5 * step;
     char extent[80];
 

@@ -114,7 +114,7 @@ static double far_rectangle(double x, double y, double along, double across) {
 
 /* (2/pi^2) iint 1/r over the cell (README.md, deflection), which of an ellipse is a rectangle. */
 static double point_kernel(const contact_shape *shape, double x, double lines, double step) {
-    const double k = shape->ellipticity, y = k * lines, width = k * step;
+    const double k = shape->ellipticity, y = k * lines, width = k * (shape->cell * step);
     const double scale = 2 / (M_PI * M_PI) / (shape->compliance * k), side = fmax(step, width);
 
     if (x * x + y * y > FAR_CELL * FAR_CELL * side * side)
@@ -308,6 +308,10 @@ size_t grid_central_line(const ehd_grid *grid) {
     return (grid_first_line(grid) + (grid->half ? 0 : grid->inner_lines / 2)) * grid_width(grid);
 }
 
+double grid_step_across(const ehd_grid *grid) {
+    return grid->step * grid->shape.cell;
+}
+
 double grid_x(const ehd_grid *grid, size_t node) {
     size_t column = grid->inner_lines > 1 ? node % grid_width(grid) : node;
 
@@ -317,7 +321,8 @@ double grid_x(const ehd_grid *grid, size_t node) {
 double grid_y(const ehd_grid *grid, size_t node) {
     if (grid->inner_lines == 1) return 0;
     double line = (double)(node / grid_width(grid));
-    return grid->step * (grid->half ? line : line - ((double)grid->inner_lines + 1) / 2);
+    return grid_step_across(grid) *
+           (grid->half ? line : line - ((double)grid->inner_lines + 1) / 2);
 }
 
 double grid_gap(const ehd_grid *grid, size_t node) {
@@ -388,7 +393,7 @@ double grid_weight(const ehd_grid *grid, size_t node) {
 }
 
 double grid_cell(const ehd_grid *grid) {
-    return grid->inner_lines > 1 ? grid->step * grid->step : grid->step;
+    return grid->inner_lines > 1 ? grid->step * grid_step_across(grid) : grid->step;
 }
 
 double grid_load_weight(const ehd_grid *grid, size_t node) {
@@ -405,7 +410,8 @@ grid_extent grid_extent_of(const ehd_grid *grid) {
     return (grid_extent){.x_min = grid->x_min,
                          .x_max = grid->x_min + (double)(grid->inner_x - 1) * grid->step,
                          .step = grid->step,
-                         .y_max = grid->inner_lines > 1 ? (double)beside * grid->step : NAN};
+                         .y_max =
+                             grid->inner_lines > 1 ? (double)beside * grid_step_across(grid) : NAN};
 }
 
 bool grid_has(const ehd_grid *grid, const grid_extent *given) {
@@ -416,7 +422,7 @@ bool grid_has(const ehd_grid *grid, const grid_extent *given) {
            is_given_as(given->x_max, found.x_max, grid->step) &&
            is_given_as(given->step, found.step, grid->step) &&
            (isnan(given->y_max) || (found.y_max >= given->y_max - trifle &&
-                                    found.y_max < given->y_max + grid->step - trifle));
+                                    found.y_max < given->y_max + grid_step_across(grid) - trifle));
 }
 
 bool grid_same(const ehd_grid *a, const ehd_grid *b) {

@@ -16,7 +16,8 @@ typedef struct contact_kind {
     const char *name; // "line"
     int dimensions;   // of the pressurised zone: 1, 2
     double load;      // dimensionless load: pi/2, 2 pi/3
-    // deflection at a distance (along, across) from a cell of unit pressure, `step` wide
+    // deflection at a distance (along, across) from a cell of unit pressure, `step` along and
+    // shape->cell times as much across
     double (*kernel)(const contact_shape *shape, double x, double y, double step);
     // the steady contact's speed parameter, and back
     double (*lambda)(const contact_shape *shape, double moes_M);
@@ -85,16 +86,16 @@ typedef struct ehd_carriage {
 ehd_status carriage_check(const ehd_carriage *found, const char *found_in,
                           const ehd_carriage *expected, const char *expected_in, ehd_error *error);
 
-/* Uniform grid of square cells, the discretisation on it and what lies around it. The unknowns are
- * at `num_inner` inner nodes; boundary nodes, where the pressure is zero or given, lie one step
- * outside. All nodes are numbered together, along x first. A line contact has one line of nodes:
- * node k is at x_min + (k-1) step, the inner nodes are 1 … num_inner, and num_nodes = num_inner +
- * 2. The lines of a point contact run from y = -y_max to y_max or, on a half grid, which uses the
- * symmetry, from y = 0; beyond the first and last line is a line of boundary nodes, but none at
- * the mirror line y = 0. */
+/* Uniform grid of square cells, of an ellipse shape.cell as wide as long, the discretisation on it
+ * and what lies around it. The unknowns are at `num_inner` inner nodes; boundary nodes, where the
+ * pressure is zero or given, lie one step outside. All nodes are numbered together, along x first. A
+ * line contact has one line of nodes: node k is at x_min + (k-1) step, the inner nodes are 1 …
+ * num_inner, and num_nodes = num_inner + 2. The lines of a point contact run from y = -y_max to y_max
+ * or, on a half grid, which uses the symmetry, from y = 0; beyond the first and last line is a line of
+ * boundary nodes, but none at the mirror line y = 0. */
 typedef struct ehd_grid {
-    double x_min; // contact half widths
-    double step;
+    double x_min;       // contact half widths
+    double step;        // along; grid_step_across
     size_t inner_x;     // inner nodes of a line
     size_t inner_lines; // lines of inner nodes: 1 of a line contact
     bool half;          // the first line is y = 0
@@ -118,6 +119,9 @@ ehd_grid grid_of(double x_min, double step, size_t inner_x, size_t inner_lines, 
  * it is. */
 ehd_grid grid_like(const ehd_grid *grid, double x_min, double step, size_t inner_x,
                    size_t inner_lines);
+
+/* From line to line, in half widths across. */
+double grid_step_across(const ehd_grid *grid);
 
 double grid_x(const ehd_grid *grid, size_t node);
 double grid_y(const ehd_grid *grid, size_t node); // 0 of a line contact

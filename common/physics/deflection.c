@@ -81,13 +81,15 @@ static size_t wrapped(size_t index, size_t period) {
 
 double deflection_influence(const contact_kind *kind, const ehd_grid *grid, double x, double y) {
     const contact_shape *shape = &grid->shape;
-    const double h = grid->step, here = kind->kernel(shape, x, y, h);
+    const double h = grid->step, across = grid_step_across(grid);
+    const double here = kind->kernel(shape, x, y, h);
 
     if (grid->discretization == DISCRETIZATION_PUBLISHED) return here;
     double curvature =
         kind->kernel(shape, x - h, y, h) - 2 * here + kind->kernel(shape, x + h, y, h);
     if (kind->dimensions > 1)
-        curvature += kind->kernel(shape, x, y - h, h) - 2 * here + kind->kernel(shape, x, y + h, h);
+        curvature += kind->kernel(shape, x, y - across, h) - 2 * here +
+                     kind->kernel(shape, x, y + across, h);
     return here - curvature / 24;
 }
 
@@ -95,7 +97,8 @@ double deflection_influence(const contact_kind *kind, const ehd_grid *grid, doub
 static bool make_transfer(ehd_deflection *self, const contact_kind *kind) {
     const ehd_grid *grid = &self->grid;
     const size_t width = grid_width(grid), wide = spectrum_width(self);
-    const double step = grid->step, scale = 1 / ((double)self->length * (double)self->period);
+    const double step = grid->step, step_across = grid_step_across(grid);
+    const double scale = 1 / ((double)self->length * (double)self->period);
     double *signal = fftw_alloc_real(self->period * self->length);
     fftw_complex *spectrum = fftw_alloc_complex(self->period * wide);
     fftw_plan plan = NULL;
@@ -109,14 +112,14 @@ static bool make_transfer(ehd_deflection *self, const contact_kind *kind) {
     for (size_t l = 0; l < grid_lines(grid); l++)
         for (size_t d = 0; d < width; d++)
             self->kernel[l * width + d] =
-                deflection_influence(kind, grid, (double)d * step, (double)l * step);
+                deflection_influence(kind, grid, (double)d * step, (double)l * step_across);
     for (size_t l = 0; l < self->period && plan; l++)
         for (size_t d = 0; d < self->length; d++) {
             const size_t across = wrapped(l, self->period), along = wrapped(d, self->length);
             signal[l * self->length + d] =
                 along < d || across < l // a mirrored one, that stands there already
                     ? signal[across * self->length + along]
-                    : deflection_influence(kind, grid, (double)d * step, (double)l * step);
+                    : deflection_influence(kind, grid, (double)d * step, (double)l * step_across);
         }
     if (plan) fftw_execute(plan);
     for (size_t k = 0; k < self->lines * wide && plan; k++)

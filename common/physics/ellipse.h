@@ -13,6 +13,7 @@ typedef struct contact_shape {
     double ellipticity; // b/a, as k of Hamrock and Dowson
     double gap_across;  // R_x b^2/(R_y a^2): of Y^2/2 in the gap
     double flow_across; // (a/b)^2
+    double cell;        // sides of a grid's cells in X and Y, across over along: k^(-1/3)
     double compliance;  // E' a^3/(w R_x) over that of the circle, 2 A/pi of README.md
     far_angle far;      // of R_x/R_y
 } contact_shape;

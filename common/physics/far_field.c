@@ -86,7 +86,7 @@ static inner_ends ends_of(const ehd_grid *grid, bool backwards) {
     const double to_smaller = half - extent.x_min, to_larger = half + extent.x_max;
 
     return (inner_ends){backwards ? to_larger : to_smaller, backwards ? to_smaller : to_larger,
-                        grid->shape.ellipticity * (half + extent.y_max)};
+                        grid->shape.ellipticity * (half * grid->shape.cell + extent.y_max)};
 }
 
 /* Adds the directions between two, given by the stretched angle. */

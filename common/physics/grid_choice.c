@@ -180,7 +180,7 @@ ehd_grid grid_choose(const grid_extent *given, const grid_extent *needed, const 
         step = (x_max - x_min) / steps;
     else if (isnan(given->x_min))
         x_min = x_max - steps * step;
-    const size_t beside = isnan(y_max) ? 0 : (size_t)whole_steps(y_max, step);
+    const size_t beside = isnan(y_max) ? 0 : (size_t)whole_steps(y_max, step * like->shape.cell);
     of.half = like->half && beside > 0;
     return grid_like(&of, x_min, step, (size_t)steps + 1, of.half ? beside + 1 : 2 * beside + 1);
 }

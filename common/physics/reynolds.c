@@ -168,6 +168,11 @@ static inline void add_mean_flow(reynolds_row *row, int a, int b, double scale,
     row->by_film[a] += scale * eps[a].by_film / 2 * drop;
 }
 
+/* Of second differences from line to line, over the step's square: (a/b)^2 in the grid's cells. */
+static inline double flow_across(const contact_shape *shape) {
+    return shape->flow_across / (shape->cell * shape->cell);
+}
+
 static inline void add_published_row(reynolds_row *row, const ehd_grid *grid, double entrainment,
                                      const row_nodes *at) {
     const double step = grid->step, flow = 1 / (step * step);
@@ -181,8 +186,8 @@ static inline void add_published_row(reynolds_row *row, const ehd_grid *grid, do
     if (node[NODE_LEFT] != NO_NODE) {
         eps[NODE_LEFT] = conductance_at(at, NODE_LEFT);
         eps[NODE_RIGHT] = conductance_at(at, NODE_RIGHT);
-        add_mean_flow(row, NODE_LEFT, NODE_HERE, -flow * grid->shape.flow_across, eps, at);
-        add_mean_flow(row, NODE_HERE, NODE_RIGHT, flow * grid->shape.flow_across, eps, at);
+        add_mean_flow(row, NODE_LEFT, NODE_HERE, -flow * flow_across(&grid->shape), eps, at);
+        add_mean_flow(row, NODE_HERE, NODE_RIGHT, flow * flow_across(&grid->shape), eps, at);
     }
     if (node[NODE_BACK2] == NO_NODE) {
         add_mass(row, NODE_HERE, -entrainment / step, at);
@@ -483,8 +488,8 @@ static void add_accurate_row(reynolds_row *row, half_flux *ahead, bool known, co
     add_flux(row, half_ahead, -scale, ahead);
     add_flux(row, half_back, scale, &back);
     if (at->stencil->node[NODE_LEFT] == NO_NODE) return;
-    add_flow_across(row, half_left, -scale * grid->shape.flow_across, at);
-    add_flow_across(row, half_right, scale * grid->shape.flow_across, at);
+    add_flow_across(row, half_left, -scale * flow_across(&grid->shape), at);
+    add_flow_across(row, half_right, scale * flow_across(&grid->shape), at);
 }
 
 // ---- rows

@@ -97,10 +97,10 @@ static const setting run_rows[] = {
      "11", ALWAYS, false},
     {"grid.step", REAL(grid.step), NULL, NULL, 1e-6, 0.25, "1",
      "Distance of the nodes, in contact half widths; a whole number of steps fits; default by M and "
-     "L, with published 0.005, of a point contact 0.0625", ALWAYS, false},
+     "L, with published 0.005, of a point contact 0.0625; across, of an ellipse over the cube root of b/a", ALWAYS, false},
     {"grid.y_max", REAL(grid.y_max), NULL, NULL, 1, 1e3, "1",
      "Last inner line across the entrainment, in contact half widths, and the first one at -y_max; "
-     "above 1; default by M and L, 3 with published", ON_A_POINT, false},
+     "above 1, of an ellipse the next one outside; default by M and L, 3 with published", ON_A_POINT, false},
     {"grid.half", FLAG(grid.half), "true", NULL, 0, 0, "1",
      "Solve the symmetric half from y = 0 on; results are of the whole", ON_A_POINT, false},
     {"output.fields", FLAG(output.fields), NULL, NULL, 0, 0, "1",

@@ -45,8 +45,8 @@ static double place_of(double coordinate, double first, double step) {
 /* NaN outside of the grid. */
 static double field_at(const double *inner, const ehd_grid *grid, double x, double y) {
     const double along = place_of(x, grid->x_min, grid->step);
-    const double across =
-        place_of(y, grid->inner_lines > 1 ? -grid_extent_of(grid).y_max : 0, grid->step);
+    const double across = place_of(y, grid->inner_lines > 1 ? -grid_extent_of(grid).y_max : 0,
+                                   grid_step_across(grid));
     double sum = 0;
     if (!(along >= 0 && along <= (double)grid->inner_x - 1 && across >= 0 &&
           across <= (double)grid->inner_lines - 1))

@@ -102,7 +102,7 @@ typedef struct ehdrom_model_info {
     int dimensions;      /* of the pressurised zone: 1 of a line, 2 of a point contact or ellipse */
     size_t num_x, num_y; /* nodes along and across the whole contact; num_y 1 of a line */
     double x_min, y_min; /* the first node, in half widths */
-    double step;         /* between nodes, in half widths */
+    double step;         /* between nodes along, in half widths; across times (b/a)^(-1/3) */
     size_t pressure_modes, deformation_modes, unknowns, rows, states;
     int checked;         /* 1: these sizes were checked, so that deviations are indicated */
     int checked_in_time; /* 1: on trajectories too */

@@ -205,7 +205,7 @@ static ehd_status fill_kernel(reduced_model *model, ehd_error *error) {
     for (size_t l = 0; l < lines; l++)
         for (size_t d = 0; d < width; d++)
             model->kernel[l * width + d] = deflection_influence(
-                model->kind, grid, (double)d * grid->step, (double)l * grid->step);
+                model->kind, grid, (double)d * grid->step, (double)l * grid_step_across(grid));
     return EHD_OK;
 }
 

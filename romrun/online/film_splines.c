@@ -74,7 +74,7 @@ static spline_layout layout_of_kernel(const ehd_grid *grid) {
 
 static ehd_status make_kernel_table(film_splines *self, const contact_kind *kind,
                                     ehd_error *error) {
-    const double step = self->grid.step;
+    const double step = self->grid.step, across = grid_step_across(&self->grid);
     const spline_layout layout = self->kernel_layout;
     ehd_status status = make_table(&self->kernel, &layout, error);
 
@@ -82,7 +82,7 @@ static ehd_status make_kernel_table(film_splines *self, const contact_kind *kind
     for (size_t l = 0; l < layout.num_lines; l++)
         for (size_t c = 0; c < layout.num_columns; c++)
             self->kernel[l * layout.line + c * layout.column] =
-                deflection_influence(kind, &self->grid, (double)c * step, (double)l * step);
+                deflection_influence(kind, &self->grid, (double)c * step, (double)l * across);
     return fill_curvatures(self->kernel, &layout, error);
 }
 
@@ -97,7 +97,7 @@ static void widen_grid(film_splines *self, const reduced_model *model) {
     double growth =
         kind->half_width(shape, 2.25, 1, 1) / kind->half_width(shape, 1, 1, 1) - 1 - 1e-9;
     double y_max = grid_y(grid, grid->num_nodes - 1);
-    size_t lines = (size_t)ceil(growth * y_max / grid->step);
+    size_t lines = (size_t)ceil(growth * y_max / grid_step_across(grid));
 
     self->margin = (size_t)ceil(growth * fabs(grid->x_min) / grid->step);
     self->side = grid->half ? 0 : lines;
@@ -596,7 +596,8 @@ static void locate(spline_point *along, spline_point *across, double x, double y
     *along = spline_at(line ? column : round_to_node(column), layout->num_columns);
     *across = (spline_point){0, {1}};
     if (!line)
-        *across = spline_at(round_to_node((y - grid_y(grid, 0)) / grid->step), layout->num_lines);
+        *across = spline_at(round_to_node((y - grid_y(grid, 0)) / grid_step_across(grid)),
+                            layout->num_lines);
 }
 
 static double density_at(const previous_film *self, const spline_point *along,
