@@ -5,10 +5,14 @@
 #include "romrun/model/readers.h"
 
 static ehd_status check_snapshots(const char *path, ehd_error *error) {
-    snapshot_set set;
-    const ehd_status status = snapshot_set_read(&set, &path, 1, error);
+    snapshot_files files;
+    snapshot_set set = {0};
+    ehd_status status = snapshot_files_open(&files, &path, 1, error);
 
-    if (!status) snapshot_set_free(&set);
+    if (status) return status;
+    status = snapshot_set_read(&set, &files, error);
+    snapshot_set_free(&set);
+    snapshot_files_close(&files);
     return status;
 }
 
