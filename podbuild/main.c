@@ -25,6 +25,7 @@ typedef struct build_options {
     const test_weight *weight;
     const char *plan; // NULL: none
     double memory;    // bytes that arrays may take
+    bool compress;    // a part, not a basis
 } build_options;
 
 /* Half of what the machine has: the same on each run, and room for the files that are read. */
@@ -96,6 +97,8 @@ static const program_option own_options[] = {
      OPTION_READ(weight, read_weight)},
     {"memory", 0, "SIZE", "Memory that arrays may take, as 2G or 500M; default half of the machine's. Snapshots that "
      "need more are streamed, and read twice", OPTION_READ(memory, read_memory)},
+    {"compress", 0, NULL, "Write a part: the POD of these snapshots and their states, from which, with other parts, bases are "
+     "built as of the snapshots themselves, if these leave out no less than --energy", OPTION_FLAG(compress)},
     {"plan", 0, "PLAN.yml", "The plan of the training, for weights that evaluate its contacts", OPTION_TEXT(plan)},
     {0}};
 // clang-format on
@@ -246,13 +249,35 @@ static ehd_status write_basis(const reduced_basis *basis, basis_origin *origin,
     return status;
 }
 
+/* Where parts do not serve. */
+static ehd_status check_parts(const snapshot_files *files, const build_options *options,
+                              ehd_error *error) {
+    size_t i = 0;
+
+    while (i < files->num_files && !files->files[i].is_part)
+        i++;
+    if (i == files->num_files) return EHD_OK;
+    if (options->compress)
+        return ehd_fail(error, EHD_DATA, "%s: found a part, expected snapshots with --compress",
+                        files->files[i].path);
+    if (options->bases.kind == DEFORMATION_INDEPENDENT)
+        return ehd_fail(error, EHD_DATA,
+                        "%s: found a part, expected snapshots with --deformation independent: what "
+                        "parts leave out is known of pressures only",
+                        files->files[i].path);
+    return EHD_OK;
+}
+
 /* What is going to be taken, before it is. */
 static ehd_status plan_memory(stream_plan *way, const snapshot_files *files, const program *self,
                               const build_options *options, ehd_error *error) {
     const bases_settings *settings = &options->bases;
     const bool exact = settings->pressure.num_modes > 0 && !program_was_given(self, "energy");
-    ehd_status status =
-        stream_plan_make(way, files, settings, exact, false, options->memory, error);
+    ehd_status status = check_parts(files, options, error);
+
+    if (!status)
+        status = stream_plan_make(way, files, settings, exact, options->compress, options->memory,
+                                  error);
 
     if (status) return status;
     if (way->direct) {
@@ -297,13 +322,70 @@ static ehd_status build(const program *self, const build_options *options, ehd_e
     return status;
 }
 
+static ehd_status write_part(const reduced_basis *basis, const pod_basis *modes,
+                             const part_origin *origin, const program *self,
+                             const build_options *options, ehd_error *error) {
+    const char **inputs = calloc(self->num_arguments + 1, sizeof *inputs);
+    char text[64];
+
+    if (!inputs) return ehd_fail(error, EHD_MEMORY, "podbuild: found no memory");
+    memcpy(inputs, self->arguments, self->num_arguments * sizeof *inputs);
+    snprintf(text, sizeof text, "compress: true\nenergy: %g\n",
+             options->bases.pressure.discarded_energy);
+    const ehd_status status = part_write(basis, modes, origin, self, text, inputs, error);
+    free(inputs);
+    return status;
+}
+
+static ehd_status compress(const program *self, const build_options *options, ehd_error *error) {
+    snapshot_files files = {0};
+    reduced_basis basis = {0};
+    pod_basis modes = {0};
+    part_origin origin = {0};
+    stream_plan way = {0};
+    ehd_error cause = {""};
+    ehd_status status = snapshot_files_open(&files, self->arguments, self->num_arguments, error);
+
+    if (!status) status = plan_memory(&way, &files, self, options, error);
+    if (!status) {
+        status = stream_part_build(&basis, &modes, &origin, &files, &way, self, &cause);
+        if (status) ehd_fail(error, status, "%s: %s", self->arguments[0], cause.text);
+    }
+    if (!status) status = write_part(&basis, &modes, &origin, self, options, error);
+    if (!status) {
+        printf("%zu states on %zu nodes", files.num_states, files.grid.num_inner);
+        if (files.num_left_out > 0)
+            printf(", %zu left out that had not converged", files.num_left_out);
+        printf("\ncompressed:  %zu modes of %zu snapshots, energy left out at most %.1e\n",
+               modes.num_modes, files.num_rows, origin.discarded);
+    }
+    pod_free(&modes);
+    reduced_basis_free(&basis);
+    snapshot_files_close(&files);
+    return status;
+}
+
+/* Options that are of bases alone. */
+static ehd_status check_compress(const program *self, ehd_error *error) {
+    static const char *const of_bases[] = {"pressure-modes", "deformation-modes", "deformation",
+                                           "weight", "plan"};
+
+    for (size_t i = 0; i < sizeof of_bases / sizeof *of_bases; i++)
+        if (program_was_given(self, of_bases[i]))
+            return ehd_fail(error, EHD_USAGE,
+                            "--%s: found it with --compress, expected it where the parts are put "
+                            "together",
+                            of_bases[i]);
+    return EHD_OK;
+}
+
 int main(int argc, char **argv) {
     build_options own = {.bases = {{.discarded_energy = 1e-13}, {0}, DEFORMATION_COUPLED},
                          .weight = test_weights,
                          .memory = default_memory()};
     const program_options options = {.options = own_options,
                                      .own = &own,
-                                     .arguments_doc = "SNAPSHOTS.h5... -o BASIS.h5",
+                                     .arguments_doc = "SNAPSHOTS.h5|PART.h5... -o BASIS.h5|PART.h5",
                                      .doc = "Builds trial and test bases of training solutions.",
                                      .help_tail = print_weights,
                                      .min_arguments = 1,
@@ -331,7 +413,8 @@ int main(int argc, char **argv) {
                                        "expected --deformation independent",
                                        own.bases.deformation.num_modes),
                               &error);
-    ehd_status status = build(&self, &own, &error);
+    ehd_status status = own.compress ? check_compress(&self, &error) : EHD_OK;
+    if (!status) status = own.compress ? compress(&self, &own, &error) : build(&self, &own, &error);
     if (!status) stage_end(&self.stage);
     return program_finish(&self, status, &error);
 }

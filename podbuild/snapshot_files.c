@@ -132,22 +132,37 @@ static ehd_status count_states(snapshot_files *self, snapshot_file *file, ehd_er
     return EHD_OK;
 }
 
+static ehd_status count_part(snapshot_files *self, snapshot_file *file, ehd_error *error) {
+    file->is_part = true;
+    file->num_states = artefact_length(file->file, "state");
+    file->num_rows = artefact_length(file->file, "pressure_mode");
+    file->values = array_new(file->num_rows, 1, sizeof *file->values);
+    if (!file->values) return ehd_fail(error, EHD_MEMORY, "%s: found no memory", file->path);
+    ehd_status status = part_read_origin(&file->origin, file->file, error);
+    if (!status) status = artefact_get(file->file, "pressure_singular_values", file->values, error);
+    self->num_left_out += file->origin.num_left_out;
+    self->num_parts++;
+    return status;
+}
+
 static ehd_status learn(snapshot_files *self, snapshot_file *file, ehd_error *error) {
     const char *first = self->files[0].path;
     ehd_grid grid = {0};
 
-    ehd_status status = check_kind(file->file, file->path, error);
+    const bool is_part = artefact_kind(file->file) == &schema_part;
+    ehd_status status = is_part ? EHD_OK : check_kind(file->file, file->path, error);
     if (!status) status = grid_read(&grid, &self->kind, file->file, error);
     if (!status && file == self->files) self->grid = grid;
     if (!status) status = grid_check(&grid, file->path, &self->grid, first, error);
     if (!status) status = check_carriage(self, file->file, file->path, error);
-    if (!status) status = read_columns(&file->states, file->file, error);
-    if (!status) status = count_states(self, file, error);
-    return status;
+    if (status) return status;
+    if (is_part) return count_part(self, file, error);
+    status = read_columns(&file->states, file->file, error);
+    return status ? status : count_states(self, file, error);
 }
 
 ehd_status snapshot_file_use(snapshot_files *self, size_t index, ehd_error *error) {
-    const artefact_schema *const kinds[] = {&schema_snapshots, &schema_result, NULL};
+    const artefact_schema *const kinds[] = {&schema_snapshots, &schema_result, &schema_part, NULL};
     snapshot_file *file = &self->files[index];
 
     return file->file ? EHD_OK : artefact_open(&file->file, file->path, kinds, error);
@@ -184,6 +199,7 @@ void snapshot_files_close(snapshot_files *self) {
     for (size_t i = 0; i < self->num_files; i++) {
         free(self->files[i].states.memory);
         free(self->files[i].states.outcome);
+        free(self->files[i].values);
         artefact_close(&self->files[i].file);
     }
     free(self->files);
@@ -220,10 +236,23 @@ ehd_status snapshot_file_state(double *pressure, const snapshot_files *self, siz
 
 ehd_status snapshot_file_row(double *pressure, const snapshot_files *self, size_t index, size_t row,
                              ehd_error *error) {
-    return get_pressure(pressure, &self->grid, self->files[index].file, "compressed_pressure", row,
-                        error);
+    const snapshot_file *file = &self->files[index];
+
+    if (!file->is_part)
+        return get_pressure(pressure, &self->grid, file->file, "compressed_pressure", row, error);
+    const ehd_status status = snapshot_file_mode(pressure, self, index, row, error);
+    for (size_t k = 0; k < self->grid.num_nodes && !status; k++)
+        pressure[k] *= file->values[row];
+    return status;
+}
+
+ehd_status snapshot_file_mode(double *mode, const snapshot_files *self, size_t index, size_t row,
+                              ehd_error *error) {
+    return get_pressure(mode, &self->grid, self->files[index].file, "pressure_basis", row, error);
 }
 
 size_t snapshot_file_compressed(const snapshot_files *self, size_t index) {
-    return artefact_length(self->files[index].file, "compressed");
+    const snapshot_file *file = &self->files[index];
+
+    return file->is_part ? file->num_rows : artefact_length(file->file, "compressed");
 }

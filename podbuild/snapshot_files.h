@@ -8,6 +8,7 @@
 #include "common/output/film_effects.h"
 #include "common/output/grid_file.h"
 #include "common/physics/contact.h"
+#include "podbuild/part_file.h"
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -28,7 +29,9 @@ typedef struct file_states {
 typedef struct snapshot_file {
     const char *path;
     artefact *file;     // NULL while it is closed
-    bool is_part;       // then it has no columns here, and its rows are scaled modes
+    bool is_part;       // then it has no columns here, and its rows are modes times singular values
+    part_origin origin; // of a part
+    double *values;     // [num_rows] its singular values
     file_states states; // columns of a file of snapshots or a result
     size_t num_states;  // that have converged
     size_t num_rows;    // that a basis is made of: stationary states, and what is compressed
@@ -66,7 +69,10 @@ ehd_status snapshot_file_state(double *pressure, const snapshot_files *self, siz
                                size_t state, ehd_error *error);
 ehd_status snapshot_file_row(double *pressure, const snapshot_files *self, size_t index, size_t row,
                              ehd_error *error);
-/* Number of such rows. */
+/* A mode of a part in use. */
+ehd_status snapshot_file_mode(double *mode, const snapshot_files *self, size_t index, size_t row,
+                              ehd_error *error);
+/* Number of such rows, of a part the modes. */
 size_t snapshot_file_compressed(const snapshot_files *self, size_t index);
 
 #endif

@@ -95,6 +95,24 @@ void snapshot_set_add(snapshot_set *set, const double *pressure, const file_stat
         set->effects[s].of[e] = states->effects[e][i];
 }
 
+void snapshot_set_add_reduced(snapshot_set *set, const reduced_states *states) {
+    const size_t first = set->num_states, num_lines = states->num_lines, num = states->num_states;
+
+    for (size_t s = 0; s < num; s++)
+        set->rigid_approach[first + s] =
+            states->coordinates[(s + 1) * states->num_unknowns - 1]; // the last one
+    memcpy(set->exit + first * num_lines, states->exit, num * num_lines * sizeof *set->exit);
+    memcpy(set->moes_M + first, states->moes_M, num * sizeof(double));
+    memcpy(set->alpha_p_H + first, states->alpha_p_H, num * sizeof(double));
+    memcpy(set->central_film_thickness + first, states->central_film_thickness,
+           num * sizeof(double));
+    memcpy(set->stationary + first, states->stationary, num * sizeof *set->stationary);
+    memcpy(set->rate + first, states->rate, num * sizeof(double));
+    memcpy(set->effects + first, states->effects, num * sizeof *set->effects);
+    memcpy(set->rises + first, states->rises, num * sizeof *set->rises);
+    set->num_states += num;
+}
+
 /* All of a file. What the basis is made of are stationary points as they are; of trajectories all
  * steps, which the file holds compressed, and not once more those states that it also keeps as such. */
 static ehd_status add_file(snapshot_set *set, const snapshot_files *files, size_t index,

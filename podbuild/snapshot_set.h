@@ -7,6 +7,7 @@
 #include "common/physics/contact.h"
 #include "common/program/status.h"
 #include "podbuild/snapshot_files.h"
+#include "romrun/model/reduced_model.h"
 #include <stdbool.h>
 #include <stddef.h>
 
@@ -52,6 +53,9 @@ double snapshot_set_bytes(const snapshot_files *files);
 /* The next state, of a file's columns, and its pressure, which is not kept. */
 void snapshot_set_add(snapshot_set *set, const double *pressure, const file_states *states,
                       size_t state);
+
+/* The next states, as a part has them. */
+void snapshot_set_add_reduced(snapshot_set *set, const reduced_states *states);
 
 /* A stationary solution in memory. */
 typedef struct solved_state {

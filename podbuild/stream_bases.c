@@ -3,7 +3,6 @@
 
 #include "common/physics/deflection.h"
 #include "common/program/arena.h"
-#include "romrun/model/basis_file.h"
 
 #include <cblas.h>
 #include <math.h>
@@ -106,20 +105,21 @@ static bool share_out(stream_plan *way, const snapshot_files *files, const bases
     static const size_t blocks[] = {128, 64, 32, 16, 8, 4, 2, 1};
 
     for (size_t b = 0; b < sizeof blocks / sizeof *blocks; b++) {
+        const size_t block = blocks[b] < files->num_rows ? blocks[b] : files->num_rows;
         size_t low = least, high = most;
-        take_room(way, blocks[b], least);
+        take_room(way, block, least);
         if (bytes_of_stream(way, files, settings) > way->limit) continue;
         while (low < high) {
             const size_t middle = low + (high - low + 1) / 2;
-            take_room(way, blocks[b], middle);
+            take_room(way, block, middle);
             if (bytes_of_stream(way, files, settings) <= way->limit)
                 low = middle;
             else
                 high = middle - 1;
         }
-        take_room(way, blocks[b], low);
+        take_room(way, block, low);
         // a large block at the cost of directions only where there are enough of these
-        if (low >= 4 * blocks[b] || low == most) break;
+        if (low >= 4 * block || low == most) break;
     }
     return bytes_of_stream(way, files, settings) <= way->limit;
 }
@@ -280,10 +280,53 @@ static ehd_status project_states(projection *self, reading *from, size_t index, 
     return status;
 }
 
+/* Modes of a part in the coordinates of the new ones: [num_rows, modes] in `turned`. */
+static ehd_status project_modes(double *turned, projection *self, reading *from, size_t index,
+                                ehd_error *error) {
+    const size_t num_nodes = from->files->grid.num_nodes, num = self->pressure->num_modes;
+    const size_t num_rows = from->files->files[index].num_rows;
+    ehd_status status = EHD_OK;
+
+    for (size_t first = 0; first < num_rows && !status; first += self->batch) {
+        const size_t left = num_rows - first, count = left < self->batch ? left : self->batch;
+        for (size_t i = 0; i < count && !status; i++) {
+            status = snapshot_file_mode(self->fields + i * num_nodes, from->files, index, first + i,
+                                        error);
+            if (!status) status = go_on(from, error);
+        }
+        project(turned + first * num, num, self->fields, count, self->pressure);
+    }
+    return status;
+}
+
+/* A part has its states in the coordinates of its modes. */
+static ehd_status project_part(projection *self, reading *from, size_t index, ehd_error *error) {
+    const snapshot_file *file = &from->files->files[index];
+    const size_t num = self->pressure->num_modes, num_unknowns = self->states->num_unknowns;
+    double *turned = array_new(file->num_rows, num, sizeof *turned);
+    double *to = self->states->coordinates + self->set->num_states * num_unknowns;
+    reduced_states states = {0};
+    ehd_status status = turned ? project_modes(turned, self, from, index, error)
+                               : ehd_fail(error, EHD_MEMORY, "coordinates: found no memory");
+
+    if (!status) status = part_read_states(&states, file->file, &from->files->grid, error);
+    if (!status) {
+        cblas_dgemm(CblasRowMajor, CblasNoTrans, CblasNoTrans, (int)states.num_states, (int)num,
+                    (int)file->num_rows, 1, states.coordinates, (int)states.num_unknowns, turned,
+                    (int)num, 0, to, (int)num_unknowns);
+        snapshot_set_add_reduced(self->set, &states);
+    }
+    reduced_states_free(&states);
+    free(turned);
+    return status;
+}
+
 static ehd_status project_file(projection *self, reading *from, size_t index, ehd_error *error) {
     ehd_status status = snapshot_file_use(from->files, index, error);
 
-    if (!status) status = project_states(self, from, index, error);
+    if (!status)
+        status = from->files->files[index].is_part ? project_part(self, from, index, error)
+                                                   : project_states(self, from, index, error);
     snapshot_file_leave(from->files, index);
     return status;
 }
@@ -333,14 +376,50 @@ static ehd_status take_modes(double **modes, pod_basis *pod, ehd_error *error) {
     return EHD_OK;
 }
 
-/* Bound of the energy left out by the modes, part of all of it. */
-static double bound_of(const pod_basis *pod, const stream_error *error) {
+/* Energy behind the modes. */
+static double tail_of(const pod_basis *pod, const stream_error *error) {
     double tail = error->truncated;
 
     for (size_t i = pod->num_singular_values; i-- > pod->num_modes;)
         tail += pod->singular_values[i] * pod->singular_values[i];
-    const double length = sqrt(tail) + sqrt(error->distance);
+    return tail;
+}
+
+/* Bound of the energy left out by the modes, part of all of it. `distance`: of what the stream took up
+ * from the snapshots. */
+static double bound_of(const pod_basis *pod, const stream_error *error, double distance) {
+    const double length = sqrt(tail_of(pod, error)) + distance;
+
     return error->energy > 0 ? length * length / error->energy : 0;
+}
+
+/* Distance of the streamed rows from the snapshots: the stream's own, and that of parts, of which the
+ * squares add up, since each is of other snapshots. */
+static double distance_of(const snapshot_files *files, const stream_error *error) {
+    double parts = 0;
+
+    for (size_t i = 0; i < files->num_files; i++)
+        if (files->files[i].is_part)
+            parts += files->files[i].origin.energy * files->files[i].origin.discarded;
+    return sqrt(error->distance) + sqrt(parts);
+}
+
+/* Parts may have lost no more than their share of what is asked for, or of what the modes leave out. */
+static ehd_status check_distance(double distance, const pod_basis *pod, const stream_error *error,
+                                 const snapshot_files *files, const stream_plan *way,
+                                 bool modes_given, ehd_error *failure) {
+    const double share = LOCAL_SHARE + PART_SHARE, rounding = 1 + 1e-6;
+    const double asked = sqrt(way->energy * error->energy);
+    const double left_out = modes_given ? sqrt(tail_of(pod, error)) / ROOT_SHARE : 0;
+    const double most = fmax(asked, left_out);
+
+    if (files->num_parts == 0 || distance <= rounding * share * most) return EHD_OK;
+    return ehd_fail(
+        failure, EHD_DATA,
+        "found parts that leave out %.1e of the energy, expected at most %.1e; compress "
+        "them with --energy %.1e or less",
+        distance * distance / error->energy, share * share * most * most / error->energy,
+        most * most / error->energy);
 }
 
 static pod_settings first_root(const pod_settings *wanted) {
@@ -352,7 +431,11 @@ static pod_settings first_root(const pod_settings *wanted) {
 
 /* How often fields are read in all. */
 static size_t count_readings(const snapshot_files *files, bool independent) {
-    return files->num_rows * (independent ? 2 : 1) + files->num_states;
+    size_t count = files->num_rows * (independent ? 2 : 1);
+
+    for (size_t i = 0; i < files->num_files; i++)
+        count += files->files[i].is_part ? files->files[i].num_rows : files->files[i].num_states;
+    return count;
 }
 
 ehd_status stream_bases_build(reduced_basis *basis, pod_basis *pressure_pod,
@@ -379,11 +462,16 @@ ehd_status stream_bases_build(reduced_basis *basis, pod_basis *pressure_pod,
         status = stream_all(deformation_pod, &bound[1], &from, &way->deformation, &deformation,
                             true, error);
     from.what = "coordinates";
+    const double distance = distance_of(files, &bound[0]);
+    if (!status)
+        status = check_distance(distance, pressure_pod, &bound[0], files, way,
+                                settings->pressure.num_modes > 0, error);
     if (!status) status = project_all(basis, &from, way, pressure_pod, deformation_pod, error);
     progress_finish(&from.shown);
     if (!status) {
-        discarded[0] = bound_of(pressure_pod, &bound[0]);
-        discarded[1] = independent ? bound_of(deformation_pod, &bound[1]) : 0;
+        discarded[0] = bound_of(pressure_pod, &bound[0], distance);
+        discarded[1] =
+            independent ? bound_of(deformation_pod, &bound[1], sqrt(bound[1].distance)) : 0;
         basis->num_pressure = pressure_pod->num_modes;
         basis->num_deformation = deformation_pod->num_modes;
         status = take_modes(&basis->pressure, pressure_pod, error);
@@ -395,6 +483,37 @@ ehd_status stream_bases_build(reduced_basis *basis, pod_basis *pressure_pod,
         reduced_basis_free(basis);
         pod_free(pressure_pod);
         pod_free(deformation_pod);
+    }
+    return status;
+}
+
+ehd_status stream_part_build(reduced_basis *basis, pod_basis *modes, part_origin *origin,
+                             snapshot_files *files, const stream_plan *way, const program *caller,
+                             ehd_error *error) {
+    const double root = PART_SHARE / 2;
+    const pod_settings wanted = {.discarded_energy = root * root * way->energy};
+    reading from = {.files = files,
+                    .field = array_new(files->grid.num_nodes, 1, sizeof(double)),
+                    .what = "pressures"};
+    pod_basis none = {0};
+    stream_error bound = {0};
+
+    *modes = (pod_basis){0};
+    bases_begin(basis, files->kind, &files->grid, &files->carriage, DEFORMATION_COUPLED);
+    ehd_status status = from.field ? EHD_OK : ehd_fail(error, EHD_MEMORY, "part: found no memory");
+    progress_start(&from.shown, caller, count_readings(files, false));
+    if (!status) status = stream_all(modes, &bound, &from, &way->pressure, &wanted, false, error);
+    from.what = "coordinates";
+    if (!status) status = project_all(basis, &from, way, modes, &none, error);
+    progress_finish(&from.shown);
+    *origin = (part_origin){.num_snapshots = files->num_rows,
+                            .num_left_out = files->num_left_out,
+                            .energy = bound.energy,
+                            .discarded = bound_of(modes, &bound, sqrt(bound.distance))};
+    free(from.field);
+    if (status) {
+        reduced_basis_free(basis);
+        pod_free(modes);
     }
     return status;
 }

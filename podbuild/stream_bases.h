@@ -44,4 +44,16 @@ ehd_status stream_bases_build(
     const bases_settings *settings, const stream_plan *way, const program *caller,
     ehd_error *error);
 
+/* The modes of files that are a part of a training, and the states of these in their coordinates, for
+ * part_write. Errors as above. */
+ehd_status stream_part_build(
+    // output:
+    reduced_basis *basis, // grid and states alone; free with reduced_basis_free
+    pod_basis *modes,     // free with pod_free
+    part_origin *origin,
+    // in and out:
+    snapshot_files *files,
+    // input:
+    const stream_plan *way, const program *caller, ehd_error *error);
+
 #endif

@@ -15,8 +15,8 @@
 /* Squares of this sum up without overflow over any number of nodes and snapshots. */
 static const double LARGEST_VALUE = 1e140;
 
-/* Nodes that are rotated at once. */
-enum { ROTATED_NODES = 512 };
+/* Nodes that are rotated at once, at most. */
+enum { MOST_ROTATED = 512 };
 
 struct stream_pod {
     size_t num_nodes, block, max_rank;
@@ -28,7 +28,7 @@ struct stream_pod {
     double *coordinates; // [block, max_rank] A
     double *triangle;    // [max_rank + block, max_rank] column-major, R in its first rows
     double *scales;      // [max_rank] of LAPACK's reflectors
-    double *rotated;     // [max_rank, ROTATED_NODES]
+    double *rotated;     // [max_rank, rotated_nodes]
     size_t num_snapshots;
     stream_error error;
 };
@@ -70,17 +70,22 @@ static void add_components(double *rows, size_t num_rows, double factor, const d
 
 // ---- directions that give way
 
+static size_t rotated_nodes(size_t num_nodes) {
+    return num_nodes < MOST_ROTATED ? num_nodes : MOST_ROTATED;
+}
+
 /* Directions become those of the SVD, rotated by `right`, [num, rank] row-major with `stride`. */
 static void rotate(stream_pod *self, const double *right, size_t stride, size_t num) {
-    for (size_t first = 0; first < self->num_nodes; first += ROTATED_NODES) {
-        const size_t left = self->num_nodes - first;
-        const size_t width = left < ROTATED_NODES ? left : ROTATED_NODES;
+    const size_t most = rotated_nodes(self->num_nodes);
+
+    for (size_t first = 0; first < self->num_nodes; first += most) {
+        const size_t left = self->num_nodes - first, width = left < most ? left : most;
         cblas_dgemm(CblasRowMajor, CblasNoTrans, CblasNoTrans, (int)num, (int)width,
                     (int)self->rank, 1, right, (int)stride, self->directions + first,
-                    (int)self->num_nodes, 0, self->rotated, ROTATED_NODES);
+                    (int)self->num_nodes, 0, self->rotated, (int)most);
         for (size_t i = 0; i < num; i++)
-            memcpy(self->directions + i * self->num_nodes + first,
-                   self->rotated + i * ROTATED_NODES, width * sizeof(double));
+            memcpy(self->directions + i * self->num_nodes + first, self->rotated + i * most,
+                   width * sizeof(double));
     }
 }
 
@@ -333,7 +338,7 @@ ehd_status stream_pod_create(stream_pod **self, size_t num_nodes, const stream_s
         made->coordinates = array_new(made->block, made->max_rank, sizeof(double));
         made->triangle = array_new(triangle_rows(made), made->max_rank, sizeof(double));
         made->scales = array_new(made->max_rank, 1, sizeof(double));
-        made->rotated = array_new(made->max_rank, ROTATED_NODES, sizeof(double));
+        made->rotated = array_new(made->max_rank, rotated_nodes(num_nodes), sizeof(double));
     }
     if (!made || !made->directions || !made->waiting || !made->coordinates || !made->triangle ||
         !made->scales || !made->rotated) {
@@ -365,7 +370,7 @@ double stream_pod_bytes(size_t num_nodes, const stream_settings *settings) {
     const double rows = (rank + 3 * block) * nodes + 4 * block * block;
     const double small = (rank + block) * rank + 8 * rank * rank + 2 * block * rank;
 
-    return 8 * (rows + small + rank * ROTATED_NODES);
+    return 8 * (rows + small + rank * (double)rotated_nodes(num_nodes));
 }
 
 ehd_status stream_pod_add(stream_pod *self, const double *snapshot, ehd_error *error) {
