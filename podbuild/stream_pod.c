@@ -18,6 +18,12 @@ static const double LARGEST_VALUE = 1e140;
 /* Nodes that are rotated at once, at most. */
 enum { MOST_ROTATED = 512 };
 
+/* Eigenvalues of a Gram matrix, of the largest, whose vectors are orthogonal to 1e-6. */
+static const double WEAKEST_EIGENVALUE = 1e-10;
+
+/* Extensions for a block: each goes five decades down, to 1e-14 at most. */
+enum { MAX_ROUNDS = 8 };
+
 struct stream_pod {
     size_t num_nodes, block, max_rank;
     stream_settings settings;
@@ -178,22 +184,22 @@ static size_t sort_out(double *left_out, stream_pod *self, double squared_length
     return num_long;
 }
 
-/* Makes modes orthogonal to the directions that there are and, again, to each other: they are so but
- * for rounding over the small length of what they are modes of. `work`: [num_modes, max_rank]. */
-static ehd_status orthogonalise(pod_basis *modes, const stream_pod *self, ehd_error *error) {
-    const size_t num = modes->num_modes, num_nodes = self->num_nodes;
-    const size_t longest = self->rank > num ? self->rank : num;
+/* Makes new directions behind those that there are orthogonal to them and, again, to each other: they are
+ * so but for rounding over the small length of what they were made of. */
+static ehd_status orthogonalise(stream_pod *self, size_t num, ehd_error *error) {
+    const size_t num_nodes = self->num_nodes, longest = self->rank > num ? self->rank : num;
+    double *made = self->directions + self->rank * num_nodes;
     double *work = array_new(num, longest, sizeof *work);
 
     if (!work) return ehd_fail(error, EHD_MEMORY, "POD: found no memory for %zu directions", num);
-    take_components(work, longest, modes->modes, num, self->directions, self->rank, num_nodes);
-    add_components(modes->modes, num, -1, work, longest, self->directions, self->rank, num_nodes);
-    take_components(work, longest, modes->modes, num, modes->modes, num, num_nodes);
-    ehd_status status = lapack_outcome(
+    take_components(work, longest, made, num, self->directions, self->rank, num_nodes);
+    add_components(made, num, -1, work, longest, self->directions, self->rank, num_nodes);
+    take_components(work, longest, made, num, made, num, num_nodes);
+    const ehd_status status = lapack_outcome(
         "dpotrf", LAPACKE_dpotrf(LAPACK_ROW_MAJOR, 'L', (int)num, work, (int)longest), error);
     if (!status)
         cblas_dtrsm(CblasRowMajor, CblasLeft, CblasLower, CblasNoTrans, CblasNonUnit, (int)num,
-                    (int)num_nodes, 1, work, (int)longest, modes->modes, (int)num_nodes);
+                    (int)num_nodes, 1, work, (int)longest, made, (int)num_nodes);
     free(work);
     return status;
 }
@@ -219,29 +225,84 @@ static ehd_status subtract(stream_pod *self, size_t first, size_t num, bool agai
     return EHD_OK;
 }
 
-/* Directions for what the waiting rows still have, but for what may be left out. `full`: there is
- * no room for them. */
+/* Eigenvectors of the Gram matrix of some of the waiting rows, for as many directions as have to be kept
+ * so that no more is left out. Of a Gram matrix only those are exact enough that are not much weaker than
+ * the strongest; weaker ones are found when these have been subtracted. */
+static ehd_status find_directions(
+    // output:
+    size_t *num, double *vectors, // [num_rows, num_rows], eigenvectors over their lengths as rows
+    // input:
+    const stream_pod *self, size_t num_rows, double allowed, ehd_error *error) {
+    const int rows = (int)num_rows;
+    double *values = array_new(num_rows, 1, sizeof *values);
+
+    *num = 0;
+    if (!values) return ehd_fail(error, EHD_MEMORY, "POD: found no memory for %d rows", rows);
+    cblas_dsyrk(CblasRowMajor, CblasLower, CblasNoTrans, rows, (int)self->num_nodes, 1,
+                self->waiting, (int)self->num_nodes, 0, vectors, rows);
+    // by columns it is the upper part, and its vectors are rows
+    const ehd_status status = lapack_outcome(
+        "dsyevd", LAPACKE_dsyevd(LAPACK_COL_MAJOR, 'V', 'U', rows, vectors, rows, values), error);
+    // ascending: the first ones are left out
+    const double least = WEAKEST_EIGENVALUE * values[num_rows - 1];
+    size_t first = 0;
+    for (double left_out = 0; !status && first + 1 < num_rows; first++) {
+        left_out += fmax(0, values[first]);
+        if (left_out > allowed && values[first] > least) break;
+    }
+    *num = num_rows - first;
+    for (size_t i = first; i < num_rows && !status; i++)
+        cblas_dscal(rows, 1 / sqrt(values[i]), vectors + i * num_rows, 1);
+    if (!status) memmove(vectors, vectors + first * num_rows, *num * num_rows * sizeof *vectors);
+    free(values);
+    return status;
+}
+
+/* Directions for what the waiting rows still have, or the strongest of them. `full`: there is no room for
+ * them. */
 static ehd_status extend(bool *full, stream_pod *self, double allowed, ehd_error *error) {
-    pod_basis modes = {0};
     double left_out;
-    ehd_status status = subtract(self, 0, self->rank, true, error);
-    if (status) return status;
+    size_t num;
     const size_t num_long = sort_out(&left_out, self, allowed / (double)self->num_waiting);
     if (num_long == 0) return EHD_OK;
+    double *vectors = array_new(num_long, num_long, sizeof *vectors);
 
-    const double energy = squared(self->waiting, num_long * self->num_nodes);
-    status =
-        pod_build(&modes, self->waiting, num_long, self->num_nodes,
-                  &(pod_settings){.discarded_energy = fmax(0, allowed - left_out) / energy}, error);
-    *full = !status && modes.num_modes > self->max_rank - self->rank;
-    if (!status && !*full) status = orthogonalise(&modes, self, error);
+    if (!vectors) return ehd_fail(error, EHD_MEMORY, "POD: found no memory for %zu rows", num_long);
+    ehd_status status =
+        find_directions(&num, vectors, self, num_long, fmax(0, allowed - left_out), error);
+    *full = !status && num > self->max_rank - self->rank;
     if (!status && !*full) {
-        memcpy(self->directions + self->rank * self->num_nodes, modes.modes,
-               modes.num_modes * self->num_nodes * sizeof(double));
-        status = subtract(self, self->rank, modes.num_modes, false, error);
-        self->rank += modes.num_modes;
+        cblas_dgemm(CblasRowMajor, CblasNoTrans, CblasNoTrans, (int)num, (int)self->num_nodes,
+                    (int)num_long, 1, vectors, (int)num_long, self->waiting, (int)self->num_nodes,
+                    0, self->directions + self->rank * self->num_nodes, (int)self->num_nodes);
+        status = orthogonalise(self, num, error);
+        if (!status) status = subtract(self, self->rank, num, false, error);
+        self->rank += num;
     }
-    pod_free(&modes);
+    free(vectors);
+    return status;
+}
+
+/* Subtracts the waiting rows' components, and extends the directions until no more is left than allowed. */
+static ehd_status take_up(bool *full, double *left, stream_pod *self, double allowed,
+                          ehd_error *error) {
+    ehd_status status = subtract(self, 0, self->rank, false, error);
+
+    *full = false;
+    *left = status ? 0 : squared(self->waiting, self->num_waiting * self->num_nodes);
+    for (int round = 0; !status && *left > allowed && !*full; round++) {
+        if (round == MAX_ROUNDS)
+            return ehd_fail(error, EHD_INTERNAL,
+                            "POD: found %g left of snapshots after %d extensions, expected at most "
+                            "%g",
+                            *left, round, allowed);
+        const size_t rank = self->rank;
+        // what the subtraction has rounded is not small beside what is left
+        status = subtract(self, 0, self->rank, true, error);
+        if (!status) status = extend(full, self, allowed, error);
+        *left = squared(self->waiting, self->num_waiting * self->num_nodes);
+        if (self->rank == rank) break; // no row is too long: more than allowed by rounding alone
+    }
     return status;
 }
 
@@ -273,30 +334,29 @@ static ehd_status too_many(const stream_pod *self, ehd_error *error) {
 
 /* The waiting snapshots join those before. */
 static ehd_status absorb(stream_pod *self, ehd_error *error) {
-    const double block_energy = squared(self->waiting, self->num_waiting * self->num_nodes);
+    const size_t before = self->rank;
     ehd_status status = EHD_OK;
+    double left = 0;
 
     if (self->num_waiting == 0) return EHD_OK;
-    self->error.energy += block_energy;
+    self->error.energy += squared(self->waiting, self->num_waiting * self->num_nodes);
     // twice where directions have to give way first
     for (int attempt = 0; attempt < 2; attempt++) {
-        const size_t rank = self->rank;
         const double allowed =
             fmax(0, self->settings.local_energy * self->error.energy - self->error.distance);
-        bool full = false;
-        status = subtract(self, 0, rank, false, error);
-        if (!status && squared(self->waiting, self->num_waiting * self->num_nodes) > allowed)
-            status = extend(&full, self, allowed, error);
+        bool full;
+        status = take_up(&full, &left, self, allowed, error);
         if (status) return status;
         if (!full) break;
         if (attempt > 0) return too_many(self, error);
         add_components(self->waiting, self->num_waiting, 1, self->coordinates, self->max_rank,
-                       self->directions, rank, self->num_nodes);
+                       self->directions, self->rank, self->num_nodes);
+        self->rank = before;
         status = give_way(self, error);
         if (status) return status;
-        if (self->rank == rank) return too_many(self, error);
+        if (self->rank == before) return too_many(self, error);
     }
-    self->error.distance += squared(self->waiting, self->num_waiting * self->num_nodes);
+    self->error.distance += left;
     status = update_triangle(self, error);
     self->num_waiting = 0;
     return status;
@@ -365,16 +425,22 @@ stream_pod *stream_pod_free(stream_pod *self) {
 double stream_pod_bytes(size_t num_nodes, const stream_settings *settings) {
     const double nodes = (double)num_nodes, block = (double)settings->block;
     const double rank = (double)settings->max_rank;
-    // of a block also its copy in pod_build and its modes; of the triangle three more for its SVD and
-    // LAPACK's own, of which dgesdd takes four
-    const double rows = (rank + 3 * block) * nodes + 4 * block * block;
-    const double small = (rank + block) * rank + 8 * rank * rank + 2 * block * rank;
+    // of the triangle three more for its SVD and LAPACK's own, of which dgesdd takes four; of a block
+    // coordinates twice, and eigenvectors, for which dsyevd takes twice as much
+    const double rows = (rank + block) * nodes;
+    const double small =
+        (rank + block) * rank + 8 * rank * rank + 3 * block * rank + 4 * block * block;
 
     return 8 * (rows + small + rank * (double)rotated_nodes(num_nodes));
 }
 
 ehd_status stream_pod_add(stream_pod *self, const double *snapshot, ehd_error *error) {
+    size_t num_wrong = 0;
+
+    // without a branch, so that several are compared at once
     for (size_t k = 0; k < self->num_nodes; k++)
+        num_wrong += fabs(snapshot[k]) <= LARGEST_VALUE ? 0 : 1;
+    for (size_t k = 0; k < self->num_nodes && num_wrong > 0; k++)
         if (!(fabs(snapshot[k]) <= LARGEST_VALUE))
             return ehd_fail(error, EHD_DATA,
                             "snapshots: found %g in snapshot %zu at node %zu, expected a finite "

@@ -25,7 +25,8 @@ typedef struct stream_pod stream_pod;
  *
  *     A = B Qᵀ,   B' = B - A Q,   Q := [Q; V],   R := triangle of [R 0; A B' Vᵀ]
  *
- * where V is the POD of those rows of B' that are longer than may be left out. Two products of
+ * where V is the POD of those rows of B' that are longer than may be left out, by their Gram matrix,
+ * five decades at a time. Two products of
  * the size of a Gram matrix of Q and all snapshots are nearly all of the work, while a tree of SVDs
  * (compress.h) takes ten of them.
  *
