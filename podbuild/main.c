@@ -97,8 +97,8 @@ static const program_option own_options[] = {
      OPTION_READ(weight, read_weight)},
     {"memory", 0, "SIZE", "Memory that arrays may take, as 2G or 500M; default half of the machine's. Snapshots that "
      "need more are streamed, and read twice", OPTION_READ(memory, read_memory)},
-    {"compress", 0, NULL, "Write a part: the POD of these snapshots and their states, from which, with other parts, bases are "
-     "built as of the snapshots themselves, if these leave out no less than --energy", OPTION_FLAG(compress)},
+    {"compress", 0, NULL, "Write a part: the POD of these snapshots and their states, for bases of several parts, which leave "
+     "out no less than --energy of theirs", OPTION_FLAG(compress)},
     {"plan", 0, "PLAN.yml", "The plan of the training, for weights that evaluate its contacts", OPTION_TEXT(plan)},
     {0}};
 // clang-format on
