@@ -296,14 +296,13 @@ static ehd_status solve_coarse(film_pair *films, film_effects *of_inlet, const e
     coarse_grid coarse = {.contact = *contact};
     const ehd_grid *grid = &coarse.contact.grid;
     const bool open = far_field_is_there(grid);
-    const bool round = grid->shape.ellipticity == 1; // there is a far field of round contacts alone
 
     ehd_status status = create_coarse(&coarse, error);
     if (!status) {
         restrict_state(&coarse.state, grid, solution, fine, stride);
         status = solve_on(films, &coarse, error);
     }
-    if (!status && of_inlet && round && !isnan(films->central))
+    if (!status && of_inlet && !isnan(films->central))
         status = (open ? solve_shorter : solve_unbounded)(of_inlet, &coarse, films, error);
     free_coarse(&coarse);
     return status;

@@ -24,26 +24,26 @@ static ehd_status read_column(double *column, artefact *file, const char *name, 
     return status;
 }
 
-/* A column that a file need not have: NaN then. */
+/* A column that a file need not have. */
 static ehd_status read_optional(double *column, const file_states *states, artefact *file,
-                                const char *name, ehd_error *error) {
+                                const char *name, double otherwise, ehd_error *error) {
     for (size_t i = 0; i < states->count; i++)
-        column[i] = NAN;
+        column[i] = otherwise;
     return artefact_has(file, name) ? read_column(column, file, name, states->count, error)
                                     : EHD_OK;
 }
 
 static ehd_status read_effects(file_states *states, artefact *file, ehd_error *error) {
-    double *column = states->memory + 6 * states->count;
+    double *column = states->memory + 7 * states->count;
     ehd_status status = EHD_OK;
 
     for (int e = 0; e < NUM_EFFECTS && !status; e++, column += states->count) {
         states->effects[e] = column;
-        status = read_optional(column, states, file, film_effect_names[e], error);
+        status = read_optional(column, states, file, film_effect_names[e], NAN, error);
     }
     for (int r = 0; r < NUM_RISES && !status; r++, column += states->count) {
         states->rises[r] = column;
-        status = read_optional(column, states, file, lubricant_rise_names[r], error);
+        status = read_optional(column, states, file, lubricant_rise_names[r], NAN, error);
     }
     return status;
 }
@@ -52,7 +52,7 @@ static ehd_status read_columns(file_states *states, artefact *file, ehd_error *e
     const char *axis = artefact_kind(file) == &schema_snapshots ? "state" : "time";
     size_t count = states->count = artefact_length(file, axis);
 
-    states->memory = array_new(6 + NUM_EFFECTS + NUM_RISES, count, sizeof(double));
+    states->memory = array_new(7 + NUM_EFFECTS + NUM_RISES, count, sizeof(double));
     states->outcome = array_new(2, count, sizeof *states->outcome);
     if (!states->memory || !states->outcome)
         return ehd_fail(error, EHD_MEMORY, "%s: found no memory", artefact_path(file));
@@ -62,6 +62,7 @@ static ehd_status read_columns(file_states *states, artefact *file, ehd_error *e
     states->central_film_thickness = states->memory + 3 * count;
     states->time = states->memory + 4 * count;
     states->rate = states->memory + 5 * count;
+    states->thinning = states->memory + 6 * count;
     states->trajectory = states->outcome + count;
     for (size_t i = 0; i < count; i++) {
         states->central_film_thickness[i] = NAN;
@@ -71,6 +72,7 @@ static ehd_status read_columns(file_states *states, artefact *file, ehd_error *e
     if (!status) status = read_effects(states, file, error);
     if (!status) status = read_column(states->moes_M, file, "moes_M", count, error);
     if (!status) status = read_column(states->alpha_p_H, file, "alpha_p_H", count, error);
+    if (!status) status = read_optional(states->thinning, states, file, "thinning", 0, error);
     if (!status && artefact_has(file, "central_film_thickness"))
         status =
             artefact_get(file, "central_film_thickness", states->central_film_thickness, error);
@@ -124,7 +126,8 @@ static ehd_status count_states(snapshot_files *self, snapshot_file *file, ehd_er
         file->num_states++;
         if (states->trajectory[i] < 0) file->num_rows++;
         const double rate = states->trajectory[i] >= 0 ? states->rate[i] : 0;
-        if (!isfinite(rate + states->rigid_approach[i] + states->moes_M[i] + states->alpha_p_H[i]))
+        if (!isfinite(rate + states->rigid_approach[i] + states->moes_M[i] + states->alpha_p_H[i] +
+                      states->thinning[i]))
             return ehd_fail(error, EHD_DATA, "%s: state %zu: found values that are not finite",
                             file->path, i);
     }

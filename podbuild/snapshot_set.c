@@ -12,6 +12,7 @@ void snapshot_set_free(snapshot_set *set) {
     free(set->exit);
     free(set->moes_M);
     free(set->alpha_p_H);
+    free(set->thinning);
     free(set->central_film_thickness);
     free(set->stationary);
     free(set->rate);
@@ -33,8 +34,9 @@ static ehd_status grow(void **array, size_t rows, size_t columns, size_t size, e
 static ehd_status reserve(snapshot_set *set, size_t num_states, ehd_error *error) {
     size_t count = num_states + 1;
     ehd_status status = EHD_OK;
-    double **const columns[] = {&set->rigid_approach, &set->moes_M, &set->alpha_p_H,
-                                &set->central_film_thickness, &set->rate};
+    double **const columns[] = {
+        &set->rigid_approach,         &set->moes_M, &set->alpha_p_H, &set->thinning,
+        &set->central_film_thickness, &set->rate};
 
     for (size_t i = 0; i < sizeof columns / sizeof *columns && !status; i++)
         status = grow((void **)columns[i], count, 1, sizeof(double), error);
@@ -67,6 +69,7 @@ static void add_solved(snapshot_set *set, const solved_state *state, const doubl
     set->rigid_approach[s] = state->rigid_approach;
     set->moes_M[s] = state->moes_M;
     set->alpha_p_H[s] = state->alpha_p_H;
+    set->thinning[s] = state->thinning;
     set->central_film_thickness[s] = state->central_film_thickness;
     grid_exit_columns(set->exit + s * grid_lines(&set->grid), pressure, &set->grid);
     set->stationary[s] = true;
@@ -84,6 +87,7 @@ void snapshot_set_add(snapshot_set *set, const double *pressure, const file_stat
                                 states->rigid_approach[i],
                                 states->moes_M[i],
                                 states->alpha_p_H[i],
+                                states->thinning[i],
                                 states->central_film_thickness[i],
                                 {{[RISE_VISCOSITY] = states->rises[RISE_VISCOSITY][i],
                                   [RISE_DENSITY] = states->rises[RISE_DENSITY][i]}}};
@@ -104,6 +108,7 @@ void snapshot_set_add_reduced(snapshot_set *set, const reduced_states *states) {
     memcpy(set->exit + first * num_lines, states->exit, num * num_lines * sizeof *set->exit);
     memcpy(set->moes_M + first, states->moes_M, num * sizeof(double));
     memcpy(set->alpha_p_H + first, states->alpha_p_H, num * sizeof(double));
+    memcpy(set->thinning + first, states->thinning, num * sizeof(double));
     memcpy(set->central_film_thickness + first, states->central_film_thickness,
            num * sizeof(double));
     memcpy(set->stationary + first, states->stationary, num * sizeof *set->stationary);
@@ -168,7 +173,7 @@ ehd_status snapshot_set_begin(snapshot_set *set, const snapshot_files *files, eh
 }
 
 double snapshot_set_bytes(const snapshot_files *files) {
-    const double each = 5 * sizeof(double) + sizeof(bool) + sizeof(film_effects) +
+    const double each = 6 * sizeof(double) + sizeof(bool) + sizeof(film_effects) +
                         sizeof(lubricant_rises) + (double)grid_lines(&files->grid) * sizeof(size_t);
 
     return each * ((double)files->num_states + 1);

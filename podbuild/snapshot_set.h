@@ -22,6 +22,7 @@ typedef struct snapshot_set {
     double *rigid_approach;         // [num_states]
     size_t *exit;                   // [num_states, lines of the grid] first column without pressure
     double *moes_M, *alpha_p_H;     // [num_states]
+    double *thinning;               // [num_states] of the flow (contact_place.h)
     double *central_film_thickness; // [num_states]
     bool *stationary;               // [num_states] false on a trajectory, unless at its start
     double *rate;                   // [num_states] of change of the contact, 0 when stationary
@@ -60,7 +61,7 @@ void snapshot_set_add_reduced(snapshot_set *set, const reduced_states *states);
 /* A stationary solution in memory. */
 typedef struct solved_state {
     const double *pressure; // [num_nodes]
-    double rigid_approach, moes_M, alpha_p_H, central_film_thickness;
+    double rigid_approach, moes_M, alpha_p_H, thinning, central_film_thickness;
     lubricant_rises rises; // at the Hertz pressure
 } solved_state;
 

@@ -264,8 +264,8 @@ static ehd_status read_against(stationary_run *self, bool with_fields, ehd_error
     if (status) return status;
 
     const ehd_grid grid = result_grid(against);
-    return against_check(against->moes_M, against->alpha_p_H, against->hertz_pressure, &grid, path,
-                         self->contact, error);
+    return against_check(against->moes_M, against->alpha_p_H, against->hertz_pressure,
+                         against->thinning, &grid, path, self->contact, error);
 }
 
 /* The solution as a result, with its exits and, where wanted, fields and what the grid does. */
@@ -464,8 +464,8 @@ static ehd_status run_transient(const program *self, const romrun_options *optio
     if (!status && options->against) {
         status = time_series_read(&full, options->against, contact->kind, error);
         if (!status)
-            status = against_check(full.moes_M, full.alpha_p_H, full.hertz_pressure, &full.grid,
-                                   options->against, contact, error);
+            status = against_check(full.moes_M, full.alpha_p_H, full.hertz_pressure, full.thinning,
+                                   &full.grid, options->against, contact, error);
     }
     if (!status) {
         const time_run_task task = {.caller = self,

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "snapgen/adaptive.h"
 
+#include "common/physics/traction.h"
 #include "romrun/calibrate/check_scenes.h"
 #include "romrun/calibrate/trade.h"
 #include "romrun/online/indicator.h"
@@ -241,26 +242,31 @@ static ehd_status add_worst(adaptive *self, const double *indicated, size_t max_
     return status;
 }
 
-/* Places in the plane of the trained range, in units of their extent. */
-static void normalise(double (*places)[2], const training_set *set) {
-    double low[2] = {INFINITY, INFINITY}, high[2] = {-INFINITY, -INFINITY};
+/* Places in the trained range, in units of their extent. */
+static void normalise(double (*places)[RANGE_AXES], const training_set *set) {
+    double low[RANGE_AXES], high[RANGE_AXES];
 
+    for (int axis = 0; axis < RANGE_AXES; axis++) {
+        low[axis] = INFINITY;
+        high[axis] = -INFINITY;
+    }
     for (size_t i = 0; i < set->num_points; i++) {
-        trained_place(places[i], set->contacts[i].moes_M, set->contacts[i].alpha_p_H);
-        for (int axis = 0; axis < 2; axis++) {
+        trained_place(places[i], contact_place_of(&set->contacts[i]));
+        for (int axis = 0; axis < RANGE_AXES; axis++) {
             low[axis] = fmin(low[axis], places[i][axis]);
             high[axis] = fmax(high[axis], places[i][axis]);
         }
     }
     for (size_t i = 0; i < set->num_points; i++)
-        for (int axis = 0; axis < 2; axis++)
+        for (int axis = 0; axis < RANGE_AXES; axis++)
             if (high[axis] > low[axis]) places[i][axis] /= high[axis] - low[axis];
 }
 
 /* Adds the corners of the candidates of one family (group and lubricant). `here`, `numbers` and
  * `corners` are memory for num_points. */
-static void add_corners_of(adaptive *self, size_t family, const double (*places)[2],
-                           double (*here)[2], size_t *numbers, size_t *corners) {
+static ehd_status add_corners_of(adaptive *self, size_t family, const double (*places)[RANGE_AXES],
+                                 double (*here)[RANGE_AXES], size_t *numbers, size_t *corners,
+                                 ehd_error *error) {
     const trial_verdict unknown = {{NAN, NAN}, {NAN, NAN}};
     const double rounding = 1e-9; // the slack of trained_range_check, of which none is outside
     size_t count = 0;
@@ -270,15 +276,17 @@ static void add_corners_of(adaptive *self, size_t family, const double (*places)
         memcpy(here[count], places[i], sizeof *here);
         numbers[count++] = i;
     }
-    count = point_choice_corners(corners, (const double(*)[2])here, count, rounding);
+    count = point_choice_corners(corners, (const double(*)[RANGE_AXES])here, count, rounding);
+    if (count == 0) return ehd_fail(error, EHD_MEMORY, "choice: found no memory for corners");
     for (size_t i = 0; i < count && self->num_states < self->settings->max_points; i++)
         add_point(self, numbers[corners[i]], &unknown);
+    return EHD_OK;
 }
 
 static ehd_status add_corners(adaptive *self, ehd_error *error) {
     const size_t num_points = self->set->num_points;
-    double(*places)[2] = malloc(num_points * sizeof *places);
-    double(*here)[2] = malloc(num_points * sizeof *here);
+    double(*places)[RANGE_AXES] = malloc(num_points * sizeof *places);
+    double(*here)[RANGE_AXES] = malloc(num_points * sizeof *here);
     size_t *numbers = malloc(num_points * sizeof *numbers);
     size_t *corners = malloc(num_points * sizeof *corners);
     ehd_status status =
@@ -289,9 +297,10 @@ static ehd_status add_corners(adaptive *self, ehd_error *error) {
     if (!status) {
         normalise(places, self->set);
         // the family's number is that of its first point
-        for (size_t i = 0; i < num_points; i++)
+        for (size_t i = 0; i < num_points && !status; i++)
             if (self->places[i].family == i)
-                add_corners_of(self, i, (const double(*)[2])places, here, numbers, corners);
+                status = add_corners_of(self, i, (const double(*)[RANGE_AXES])places, here, numbers,
+                                        corners, error);
     }
     free(places);
     free(here);
@@ -349,7 +358,8 @@ static ehd_status add_next_round(adaptive *self, ehd_error *error) {
 // ---- solving
 
 /* The nearest state of earlier rounds that a new one could start from; NO_PARENT: none. */
-static size_t nearest_before(const adaptive *self, const tree_point *from, const double scale[2]) {
+static size_t nearest_before(const adaptive *self, const tree_point *from,
+                             const double scale[TREE_AXES]) {
     double nearest = INFINITY;
     size_t found = NO_PARENT;
 
@@ -368,7 +378,7 @@ static size_t nearest_before(const adaptive *self, const tree_point *from, const
  * the plan of examples/line, 6.0 and 5.8 in that of examples/point (newton_iterations of
  * `snapgen plan.yml --jobs 1`). */
 static ehd_status order_points(adaptive *self, ehd_error *error) {
-    double scale[2];
+    double scale[TREE_AXES];
 
     tree_scale(scale, self->places, self->set->num_points);
     for (size_t i = 0; i < self->set->num_points; i++) {
@@ -436,6 +446,7 @@ static ehd_status build_model(reduced_model *model, trial_costs *costs, const ad
                            trained->rigid_approach,
                            contact->moes_M,
                            contact->alpha_p_H,
+                           traction_thinning_rate(contact),
                            self->films[point][FILM_CENTRAL],
                            lubricant_rises_at(&contact->lubricant, contact->hertz_pressure)};
     }

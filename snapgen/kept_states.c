@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "snapgen/kept_states.h"
 
+#include "common/physics/traction.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -62,7 +64,10 @@ void kept_states_consider(kept_states *self, const march_step *step, const ehd_c
                               .moes_M = contact.moes_M,
                               .moes_L = contact.moes_L,
                               .alpha_p_H = contact.alpha_p_H,
+                              .thinning = traction_thinning_rate(&contact),
                               .hertz_pressure = contact.hertz_pressure,
+                              .rises =
+                                  lubricant_rises_at(&contact.lubricant, contact.hertz_pressure),
                               .scalars = step->scalars,
                               .iterations = step->iterations,
                               .residual = step->residual};

@@ -17,7 +17,8 @@ enum {
 typedef struct kept_state {
     double time;
     double rate; // frame_rate
-    double moes_M, moes_L, alpha_p_H, hertz_pressure;
+    double moes_M, moes_L, alpha_p_H, thinning, hertz_pressure;
+    lubricant_rises rises;
     contact_scalars scalars; // in the current frame
     size_t iterations;
     double residual;

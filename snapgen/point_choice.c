@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "snapgen/point_choice.h"
 
+#include "common/algebra/hull.h"
+
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
@@ -8,7 +10,7 @@
 // ---- corners
 
 typedef struct hull {
-    const double (*places)[2];
+    const double (*places)[RANGE_AXES];
     size_t num_points;
     double tolerance;
     size_t *corners;
@@ -44,12 +46,10 @@ static void add_between(hull *self, size_t from, size_t to) {
     add_between(self, furthest, to);
 }
 
-size_t point_choice_corners(size_t *corners, const double (*places)[2], size_t num_points,
-                            double tolerance) {
-    hull self = {places, num_points, tolerance, corners, 0};
-    size_t first = 0, last = 0;
+static size_t corners_in_plane(hull self) {
+    const double(*places)[RANGE_AXES] = self.places;
+    size_t first = 0, last = 0, *corners = self.corners, num_points = self.num_points;
 
-    if (num_points == 0) return 0;
     for (size_t i = 1; i < num_points; i++) {
         const double *place = places[i], *low = places[first], *high = places[last];
         if (place[0] < low[0] || (place[0] == low[0] && place[1] < low[1])) first = i;
@@ -63,15 +63,98 @@ size_t point_choice_corners(size_t *corners, const double (*places)[2], size_t n
     return self.count;
 }
 
+static bool is_plane(const hull *self) {
+    for (size_t i = 1; i < self->num_points; i++)
+        if (self->places[i][RANGE_AXES - 1] != self->places[0][RANGE_AXES - 1]) return false;
+    return true;
+}
+
+/* The first ones with the least and the largest coordinates. */
+static void add_extremes(hull *self) {
+    for (int axis = 0; axis < RANGE_AXES; axis++) {
+        size_t least = 0, most = 0;
+        for (size_t i = 1; i < self->num_points; i++) {
+            if (self->places[i][axis] < self->places[least][axis]) least = i;
+            if (self->places[i][axis] > self->places[most][axis]) most = i;
+        }
+        self->corners[self->count++] = least;
+        self->corners[self->count++] = most;
+    }
+}
+
+/* Those that are listed twice once. */
+static void drop_repeated(hull *self) {
+    size_t count = 0;
+
+    for (size_t i = 0; i < self->count; i++) {
+        size_t j = 0;
+        while (j < count && self->corners[j] != self->corners[i])
+            j++;
+        if (j == count) self->corners[count++] = self->corners[i];
+    }
+    self->count = count;
+}
+
+/* The furthest outside of the hull of the corners, as long as there is one. `outside` [num_points],
+ * `columns` [RANGE_AXES, num_points]: memory. */
+static void add_furthest(hull *self, double *outside, double *columns) {
+    const double *origin = self->places[0];
+    size_t furthest = 0;
+
+    for (size_t i = 0; i < self->num_points; i++)
+        outside[i] = INFINITY;
+    for (; furthest != NO_PARENT && self->count < self->num_points;) {
+        for (size_t c = 0; c < self->count; c++)
+            for (int axis = 0; axis < RANGE_AXES; axis++)
+                columns[(size_t)axis * self->count + c] =
+                    self->places[self->corners[c]][axis] - origin[axis];
+        furthest = NO_PARENT;
+        for (size_t i = 0; i < self->num_points; i++) {
+            double here[RANGE_AXES];
+            if (!(outside[i] > self->tolerance)) continue; // and stays inside
+            for (int axis = 0; axis < RANGE_AXES; axis++)
+                here[axis] = self->places[i][axis] - origin[axis];
+            outside[i] = hull_distance(columns, self->count, RANGE_AXES, here);
+            if (outside[i] > self->tolerance &&
+                (furthest == NO_PARENT || outside[i] > outside[furthest]))
+                furthest = i;
+        }
+        if (furthest != NO_PARENT) self->corners[self->count++] = furthest;
+    }
+}
+
+size_t point_choice_corners(size_t *corners, const double (*places)[RANGE_AXES], size_t num_points,
+                            double tolerance) {
+    hull self = {places, num_points, tolerance, corners, 0};
+
+    if (num_points == 0) return 0;
+    if (is_plane(&self)) return corners_in_plane(self);
+    double *memory = malloc((1 + RANGE_AXES) * num_points * sizeof *memory);
+    size_t *extremes = malloc(2 * RANGE_AXES * sizeof *extremes);
+    if (memory && extremes) {
+        self.corners = extremes; // as there may be fewer points than these
+        add_extremes(&self);
+        drop_repeated(&self);
+        for (size_t i = 0; i < self.count; i++)
+            corners[i] = extremes[i];
+        self.corners = corners;
+        add_furthest(&self, memory, memory + num_points);
+    }
+    free(memory);
+    free(extremes);
+    return self.count;
+}
+
 // ---- worst
 
 typedef struct nearness {
     double *trained; // [num_points] distance to the nearest point taken before
     double *chosen;  // [num_points] to the nearest one chosen now
-    double scale[2];
+    double scale[TREE_AXES];
 } nearness;
 
-static void approach(double *nearest, const candidates *from, const double scale[2], size_t point) {
+static void approach(double *nearest, const candidates *from, const double scale[TREE_AXES],
+                     size_t point) {
     for (size_t i = 0; i < from->num_points; i++)
         nearest[i] = fmin(nearest[i], tree_distance(&from->points[i], &from->points[point], scale));
 }
@@ -111,7 +194,7 @@ ehd_status point_choice_worst(size_t *chosen, size_t *num_chosen, const candidat
     size_t count = 0;
     nearness near = {malloc((from->num_points + 1) * sizeof(double)),
                      malloc((from->num_points + 1) * sizeof(double)),
-                     {1, 1}};
+                     {1, 1, 1}};
     ehd_status status = EHD_OK;
 
     if (!near.trained || !near.chosen)

@@ -4,16 +4,18 @@
 #define EHD_POINT_CHOICE_H
 
 #include "common/training/tree.h"
+#include "romrun/online/trained_range.h"
 #include <stdbool.h>
 
 /* Corners of the convex hull of places, but for those that lie no further than `tolerance` outside
- * of what the others span (quickhull, Barber, Dobkin and Huhdanpaa 1996, that stops early). Of
- * equal ones the first counts. The result depends on the places alone. */
+ * of what the others span: in a plane, where the last coordinate is everywhere the same, by quickhull
+ * (Barber, Dobkin and Huhdanpaa 1996) that stops early, else the furthest outside one after the
+ * other. Of equal ones the first counts. The result depends on the places alone. 0: no memory. */
 size_t point_choice_corners(
     // output:
     size_t *corners, // [return value], room for num_points
     // input:
-    const double (*places)[2], size_t num_points, double tolerance);
+    const double (*places)[RANGE_AXES], size_t num_points, double tolerance);
 
 typedef struct candidates {
     const tree_point *points; // [num_points]

@@ -95,8 +95,7 @@ static ehd_status trace_point(void *shared, void *worker, size_t point, size_t p
     point_trace *trace = self->trace = &training->traces[point];
     (void)parent;
 
-    reduced_neighbour(&self->state, training->model, contact->moes_M, contact->alpha_p_H,
-                      &contact->lubricant);
+    reduced_neighbour(&self->state, training->model, contact_place_of(contact));
     ehd_status status =
         reduced_solve(&trace->info, &self->state, self->solver, contact, NULL, error);
     if (!status) {

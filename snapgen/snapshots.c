@@ -3,6 +3,7 @@
 
 #include "common/output/grid_file.h"
 #include "common/output/inputs.h"
+#include "common/physics/traction.h"
 #include "common/time/path_filter.h"
 
 #include <math.h>
@@ -21,6 +22,9 @@ ehd_status snapshots_put_contact(artefact *file, size_t state, const ehd_contact
     if (!status)
         status =
             artefact_put_part(file, "hertz_pressure", state, 1, &contact->hertz_pressure, error);
+    const double thinning = traction_thinning_rate(contact);
+    if (!status && artefact_has(file, "thinning"))
+        status = artefact_put_part(file, "thinning", state, 1, &thinning, error);
     const lubricant_rises rises = lubricant_rises_at(&contact->lubricant, contact->hertz_pressure);
     for (int r = 0; r < NUM_RISES && !status; r++)
         status = artefact_put_part(file, lubricant_rise_names[r], state, 1, &rises.of[r], error);
@@ -58,15 +62,25 @@ static bool any_estimated(const training_set *set) {
     return false;
 }
 
+static bool any_thinned(const training_set *set) {
+    for (size_t i = 0; i < set->num_points; i++)
+        if (traction_thins_flow(&set->contacts[i])) return true;
+    for (size_t t = 0; t < set->num_trajectories; t++)
+        if (traction_thins_flow(&set->trajectories[t].contact)) return true;
+    return false;
+}
+
 ehd_status snapshots_declare(artefact *file, const training_set *set, bool adaptive,
                              ehd_error *error) {
-    const bool in_time = set->num_trajectories > 0, estimated = any_estimated(set);
+    const bool in_time = set->num_trajectories > 0, estimated = any_estimated(set),
+               thinned = any_thinned(set);
     ehd_status status = EHD_OK;
 
     for (const artefact_field *field = schema_snapshots.fields; field->name && !status; field++) {
         bool applies = (in_time || !begins_with(field->name, "trajectory")) &&
                        (adaptive || !begins_with(field->name, "training")) &&
-                       (estimated || !is_effect(field->name));
+                       (estimated || !is_effect(field->name)) &&
+                       (thinned || strcmp(field->name, "thinning") != 0);
         if (strcmp(field->axes[0], "state") == 0 && applies)
             status = artefact_declare(file, field->name, error);
     }
@@ -209,6 +223,11 @@ static ehd_status put_kept_state(artefact *file, const ehd_grid *grid, size_t pl
 
     for (size_t i = 0; i < sizeof reals / sizeof *reals && !status && !failed; i++)
         status = artefact_put_part(file, reals[i].name, place, 1, reals[i].values, error);
+    if (!status && artefact_has(file, "thinning"))
+        status = artefact_put_part(file, "thinning", place, 1, &state->thinning, error);
+    for (int r = 0; r < NUM_RISES && !status && !failed; r++)
+        status =
+            artefact_put_part(file, lubricant_rise_names[r], place, 1, &state->rises.of[r], error);
     for (size_t i = 0; i < sizeof integers / sizeof *integers && !status; i++)
         status =
             artefact_put_integers_part(file, integers[i].name, place, 1, &integers[i].value, error);
@@ -294,10 +313,13 @@ static ehd_status check_contact(artefact *file, size_t state, const ehd_contact 
     const struct {
         const char *name;
         double expected;
-    } numbers[] = {{"moes_M", contact->moes_M}, {"alpha_p_H", contact->alpha_p_H}};
+    } numbers[] = {{"moes_M", contact->moes_M},
+                   {"alpha_p_H", contact->alpha_p_H},
+                   {"thinning", traction_thinning_rate(contact)}};
 
     for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++) {
         double found;
+        if (!artefact_has(file, numbers[i].name)) continue; // thinning of none
         ehd_status status = artefact_get_part(file, numbers[i].name, state, 1, &found, error);
         if (status) return status;
         if (!(fabs(found - numbers[i].expected) <= 1e-12 * numbers[i].expected))

@@ -122,6 +122,14 @@ enum {
         REAL(prefix "density_rise", "1", NEED_OPTIONAL, VALUES_KNOWN, "the same of the density",   \
              "state")
 
+// how much its flow is thinned
+#define THINNING_FIELD(prefix)                                                                     \
+    REAL(                                                                                          \
+        prefix "thinning", "1", NEED_OPTIONAL, VALUES_NOT_NEGATIVE,                                \
+        "Newtonian shear stress of the sliding over Eyring's stress, of the viscosity at zero "    \
+        "pressure in a film H = 1, where the sliding thins the flow of the film; 0 where missing", \
+        "state")
+
 // training solutions in the coordinates of a basis
 #define STATE_PRESSURE_FIELD                                                                       \
     REAL("state_pressure", "1", NEED_ALWAYS, VALUES_FINITE,                                        \
@@ -150,7 +158,7 @@ enum {
             "state"),                                                                              \
         REAL("state_rate", "1", NEED_OPTIONAL, VALUES_NOT_NEGATIVE,                                \
              "rate of change of the contact at the training solutions; 0 where missing", "state"), \
-        RISE_FIELDS("state_"), EFFECT_FIELDS("state_")
+        THINNING_FIELD("state_"), RISE_FIELDS("state_"), EFFECT_FIELDS("state_")
 #define STATE_FIELDS STATE_PRESSURE_FIELD, STATE_DEFORMATION_FIELD, STATE_OTHER_FIELDS
 
 // ---- result
@@ -331,6 +339,9 @@ static const artefact_attribute result_attributes[] = {
               "the same of a point contact"),
     ATTRIBUTE("slide_roll", ARTEFACT_REAL, "1", NEED_OPTIONAL, VALUES_ANY,
               "slide-roll ratio (u1 - u2)/u_m, where the scene gives one"),
+    ATTRIBUTE("thinning", ARTEFACT_REAL, "1", NEED_OPTIONAL, VALUES_NOT_NEGATIVE,
+              "Newtonian shear stress of the sliding over Eyring's stress, of the viscosity at "
+              "zero pressure in a film H = 1; where the sliding thins the flow of the film"),
     ATTRIBUTE("thermal_loading", ARTEFACT_REAL, "1", NEED_OPTIONAL, VALUES_POSITIVE,
               "thermal loading parameter of the inlet, eta0 beta u^2/k; of a scene that gives the "
               "lubricant's conductivity, when stationary"),
@@ -388,7 +399,7 @@ static const artefact_attribute result_attributes[] = {
 
 const artefact_schema schema_result = {"ehdrom-result",
                                        1,
-                                       13,
+                                       14,
                                        "Solution of an elastohydrodynamic contact",
                                        result_axes,
                                        result_fields,
@@ -435,6 +446,7 @@ static const artefact_field snapshots_fields[] = {
          "largest violation of P >= 0 and of the multiplier's Lambda >= 0 (scaled as the residual) "
          "at any node of a stationary point",
          "state"),
+    THINNING_FIELD(""),
     RISE_FIELDS(""),
     EFFECT_FIELDS(""),
     INTEGER("trajectory", NEED_OPTIONAL, VALUES_INDEX_OR_NONE,
@@ -500,7 +512,7 @@ static const artefact_attribute snapshots_attributes[] = {
 
 const artefact_schema schema_snapshots = {"ehdrom-snapshots",
                                           2,
-                                          4,
+                                          5,
                                           "Training solutions of an elastohydrodynamic contact",
                                           snapshots_axes,
                                           snapshots_fields,
@@ -550,7 +562,7 @@ static const artefact_attribute basis_attributes[] = {
 
 const artefact_schema schema_basis = {"ehdrom-basis",
                                       2,
-                                      4,
+                                      5,
                                       "Reduced bases of an elastohydrodynamic contact",
                                       basis_axes,
                                       basis_fields,
@@ -920,7 +932,7 @@ static const artefact_attribute model_attributes[] = {
 
 const artefact_schema schema_model = {"ehdrom-model",
                                       2,
-                                      5,
+                                      6,
                                       "Reduced model of an elastohydrodynamic contact",
                                       model_axes,
                                       model_fields,

@@ -31,6 +31,8 @@ ehd_status result_put_contact(artefact *file, const ehd_contact *contact, ehd_er
     for (size_t i = 0; i < sizeof units / sizeof *units && !status; i++)
         if (isfinite(units[i].value))
             status = artefact_put_real(file, units[i].name, units[i].value, error);
+    if (!status && traction_thins_flow(contact))
+        status = artefact_put_real(file, "thinning", traction_thinning_rate(contact), error);
     if (!status && contact_has_traction(contact)) status = traction_put_units(file, contact, error);
     return status;
 }
@@ -288,6 +290,8 @@ ehd_status result_get_contact(stored_result *stored, artefact *file, const conta
     if (!status) status = artefact_get_real(file, "alpha_p_H", &stored->alpha_p_H, error);
     if (!status && artefact_has(file, "moes_L"))
         status = artefact_get_real(file, "moes_L", &stored->moes_L, error);
+    if (!status && artefact_has(file, "thinning"))
+        status = artefact_get_real(file, "thinning", &stored->thinning, error);
     return status;
 }
 

@@ -79,6 +79,7 @@ typedef struct stored_result {
     size_t num_inner; // nodes of a field; 0: neither fields nor an axis x
     size_t num_lines; // of them, across; 1 of a line contact
     double moes_M, moes_L, alpha_p_H;
+    double thinning;       // of the flow (contact_place.h); 0: not
     double hertz_pressure; // Pa
     double central_film_thickness;
     double minimum_film_thickness;

@@ -408,6 +408,7 @@ static ehd_status get_series(time_series *series, artefact *file, const contact_
     series->moes_M = contact.moes_M;
     series->moes_L = contact.moes_L;
     series->alpha_p_H = contact.alpha_p_H;
+    series->thinning = contact.thinning;
     series->hertz_pressure = contact.hertz_pressure;
     series->num_times = artefact_length(file, "time");
     status = allocate(series, artefact_path(file), error);

@@ -5,7 +5,7 @@
 #include <gsl/gsl_sf_ellint.h>
 #include <math.h>
 
-const contact_shape shape_round = {1, 1, 1, 1};
+const contact_shape shape_round = {1, 1, 1, 1, FAR_ANGLE_ROUND};
 const double MIN_ELLIPTICITY = 0.05, MAX_ELLIPTICITY = 20;
 
 /* A and B (README.md, Elliptical contacts), the integrals from 0 to infinity of
@@ -25,7 +25,8 @@ contact_shape shape_of(double ellipticity) {
     return (contact_shape){.ellipticity = k,
                            .gap_across = k * k / ellipse_radius_ratio(k),
                            .flow_across = 1 / (k * k),
-                           .compliance = M_2_PI * integral_along(k)};
+                           .compliance = M_2_PI * integral_along(k),
+                           .far = far_angle_of(1 / ellipse_radius_ratio(k))};
 }
 
 bool shape_same(const contact_shape *a, const contact_shape *b) {

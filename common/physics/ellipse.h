@@ -3,15 +3,18 @@
 #ifndef EHD_ELLIPSE_H
 #define EHD_ELLIPSE_H
 
+#include "common/physics/far_angle.h"
+
 #include <stdbool.h>
 
 /* Semi-axes a along the entrainment, b across. All of it follows from the first member, and is 1 of
- * a circle and of a line contact. */
+ * a circle and of a line contact, whose far field is that of a circle. */
 typedef struct contact_shape {
     double ellipticity; // b/a, as k of Hamrock and Dowson
     double gap_across;  // R_x b^2/(R_y a^2): of Y^2/2 in the gap
     double flow_across; // (a/b)^2
     double compliance;  // E' a^3/(w R_x) over that of the circle, 2 A/pi of README.md
+    far_angle far;      // of R_x/R_y
 } contact_shape;
 
 /* Of a circle, and of a line contact. */

@@ -7,29 +7,34 @@ bool far_field_is_there(const ehd_grid *grid) {
     return grid->inner_lines > 1 && grid->boundary == BOUNDARY_OPEN;
 }
 
-/* S(phi), zero behind the exit at tan(phi) = -3 tanh(3 phi), where tanh is 1 - 2e-5. */
-static double exit_angle(void) {
-    return M_PI - atan(3);
+/* A place far away: distance in half widths along, direction from the side on which the fluid comes
+ * in. */
+typedef struct far_place {
+    double distance;
+    double per_rise; // 1/q
+    double phi;
+} far_place;
+
+static far_place place_at(const contact_shape *shape, double upstream, double y) {
+    const double across = shape->ellipticity * y, phi = atan2(fabs(across), upstream);
+
+    return (far_place){hypot(upstream, across), 1 / far_angle_rise(&shape->far, phi), phi};
 }
 
-static double shape(double phi) {
-    const double exit = exit_angle();
-
-    return phi < exit ? 0.8 * (cos(phi) - cos(exit) * cosh(3 * phi) / cosh(3 * exit)) : 0;
-}
-
-/* Twice the film over r^2 at a place with 1/r = inverse, and its derivative. */
-static far_value film_ratio(double rigid_approach, double inverse) {
-    const double square = inverse * inverse;
-    const double deflection = 4 / (3 * M_PI) * inverse; // (2/pi^2) (2 pi/3)/r
+/* The film over q r^2/2, and its derivative: the deflection is (2/(pi^2 compliance)) (2 pi/3)/r. */
+static far_value film_ratio(double rigid_approach, double inverse, double per_rise,
+                            const contact_shape *shape) {
+    const double square = inverse * inverse * per_rise;
+    const double deflection = 4 / (3 * M_PI * shape->compliance) * inverse;
 
     return (far_value){1 + 2 * square * (rigid_approach + deflection), 2 * square};
 }
 
-double far_field_film(double rigid_approach, double x, double y) {
-    const double distance = hypot(x, y);
+double far_field_film(const contact_shape *shape, double rigid_approach, double x, double y) {
+    const far_place at = place_at(shape, x, y);
 
-    return distance * distance / 2 * film_ratio(rigid_approach, 1 / distance).value;
+    return at.distance * at.distance / 2 / at.per_rise *
+           film_ratio(rigid_approach, 1 / at.distance, at.per_rise, shape).value;
 }
 
 /* factor/film^2 */
@@ -50,11 +55,14 @@ static void add(far_value *sum, far_value other) {
 
 far_value far_field_pressure(const ehd_contact *contact, double rigid_approach, double x,
                              double y) {
+    const contact_shape *shape = &contact->grid.shape;
     const double speed = contact->far_speed;
-    const double upstream = speed < 0 ? x : -x, inverse = 1 / hypot(x, y);
-    const double factor = contact->lambda * fabs(speed) * shape(atan2(fabs(y), upstream));
+    const far_place at = place_at(shape, speed < 0 ? x : -x, y);
+    const double inverse = 1 / at.distance;
+    const double factor = contact->lambda * fabs(speed) * far_angle_shape(&shape->far, at.phi);
 
-    return over_square(factor * inverse * inverse * inverse, film_ratio(rigid_approach, inverse));
+    return over_square(factor * inverse * inverse * inverse,
+                       film_ratio(rigid_approach, inverse, at.per_rise, shape));
 }
 
 // ---- the load beyond
@@ -66,8 +74,8 @@ static const double abscissa[NUM_GAUSS] = {0.06943184420297371, 0.33000947820757
 static const double weight[NUM_GAUSS] = {0.17392742256872693, 0.32607257743127307,
                                          0.32607257743127307, 0.17392742256872693};
 
-/* Ends of what the sum over the inner nodes counts, half a step beyond them: against the flow,
- * with it, and beside. */
+/* Ends of what the sum over the inner nodes counts, half a step beyond them, in half widths along:
+ * against the flow, with it, and beside. */
 typedef struct inner_ends {
     double upstream, downstream, beside;
 } inner_ends;
@@ -78,46 +86,52 @@ static inner_ends ends_of(const ehd_grid *grid, bool backwards) {
     const double to_smaller = half - extent.x_min, to_larger = half + extent.x_max;
 
     return (inner_ends){backwards ? to_larger : to_smaller, backwards ? to_smaller : to_larger,
-                        half + extent.y_max};
+                        grid->shape.ellipticity * (half + extent.y_max)};
 }
 
-/* Adds the directions between two angles. */
-static void add_rays(far_rays *self, const inner_ends *ends, double from, double to) {
+/* Adds the directions between two, given by the stretched angle. */
+static void add_rays(far_rays *self, const inner_ends *ends, const far_angle *far, double from,
+                     double to) {
     for (int i = 0; i < NUM_GAUSS; i++) {
-        const double phi = from + abscissa[i] * (to - from);
+        double slope;
+        const double phi = far_angle_direction(far, from + abscissa[i] * (to - from), &slope);
         const double along = cos(phi) > 0 ? ends->upstream : ends->downstream;
         const double end = fmin(along / fabs(cos(phi)), ends->beside / sin(phi));
         self->inverse_end[self->num] = 1 / end;
-        self->weight[self->num++] = weight[i] * (to - from) * shape(phi);
+        self->per_rise[self->num] = 1 / far_angle_rise(far, phi);
+        self->weight[self->num++] = weight[i] * ((to - from) * slope) * far_angle_shape(far, phi);
     }
 }
 
 /* Those of an entrainment towards larger X, or `backwards`. */
 static far_rays rays_of(const ehd_grid *grid, bool backwards) {
     const inner_ends ends = ends_of(grid, backwards);
-    const double exit = exit_angle();
+    const far_angle *far = &grid->shape.far;
+    const double exit = far_angle_stretched(far, far->exit);
     // smooth between the corners
-    const double first = atan2(ends.beside, ends.upstream);
-    const double last = fmin(atan2(ends.beside, -ends.downstream), exit);
+    const double first = far_angle_stretched(far, atan2(ends.beside, ends.upstream));
+    const double last = fmin(far_angle_stretched(far, atan2(ends.beside, -ends.downstream)), exit);
     far_rays self = {.num = 0};
 
-    add_rays(&self, &ends, 0, first);
-    add_rays(&self, &ends, first, M_PI_2);
-    add_rays(&self, &ends, M_PI_2, last);
-    add_rays(&self, &ends, last, exit);
+    add_rays(&self, &ends, far, 0, first);
+    add_rays(&self, &ends, far, first, M_PI_2);
+    add_rays(&self, &ends, far, M_PI_2, last);
+    add_rays(&self, &ends, far, last, exit);
     return self;
 }
 
-/* Of each ray the integral of r^2/(2H)^2 dr from its end on, with s = end/r. */
+/* Of each ray the integral of r^2/(2H)^2 dr, H over q, from its end on, with s = end/r. */
 static far_value load_on(const far_rays *rays, const ehd_contact *contact, double rigid_approach) {
+    const contact_shape *shape = &contact->grid.shape;
     far_value sum = {0, 0};
 
     for (size_t k = 0; k < rays->num; k++)
         for (int i = 0; i < NUM_GAUSS; i++)
             add(&sum, over_square(rays->weight[k] * weight[i] * rays->inverse_end[k],
-                                  film_ratio(rigid_approach, abscissa[i] * rays->inverse_end[k])));
-    // on either side of Y = 0
-    return scaled(sum, 2 * contact->lambda * fabs(contact->far_speed));
+                                  film_ratio(rigid_approach, abscissa[i] * rays->inverse_end[k],
+                                             rays->per_rise[k], shape)));
+    // on either side of Y = 0, in cells of X and Y
+    return scaled(sum, 2 * contact->lambda * fabs(contact->far_speed) / shape->ellipticity);
 }
 
 far_value far_field_load(const ehd_contact *contact, double rigid_approach) {
@@ -144,6 +158,7 @@ void far_field_init(far_field *self, const ehd_grid *grid, const size_t *nodes, 
         self->num += far_field_is_at(grid, nodes ? nodes[i] : i);
     self->index = arena_array(memory, self->num, sizeof *self->index);
     self->inverse = arena_array(memory, self->num, sizeof(double));
+    self->per_rise = arena_array(memory, self->num, sizeof(double));
     self->by_approach = arena_array(memory, num_nodes, sizeof(double));
     for (int backwards = 0; backwards < 2; backwards++) {
         self->shape[backwards] = arena_array(memory, self->num, sizeof(double));
@@ -154,11 +169,14 @@ void far_field_init(far_field *self, const ehd_grid *grid, const size_t *nodes, 
     for (size_t i = 0; i < num_nodes && point; i++) {
         const size_t node = nodes ? nodes[i] : i, k = self->num;
         if (!far_field_is_at(grid, node)) continue;
+        const contact_shape *shape = &grid->shape;
         const double x = grid_x(grid, node), y = grid_y(grid, node);
+        const far_place at = place_at(shape, -x, y);
         self->index[k] = i;
-        self->inverse[k] = 1 / hypot(x, y);
-        self->shape[0][k] = shape(atan2(fabs(y), -x));
-        self->shape[1][k] = shape(atan2(fabs(y), x));
+        self->inverse[k] = 1 / at.distance;
+        self->per_rise[k] = at.per_rise;
+        self->shape[0][k] = far_angle_shape(&shape->far, at.phi);
+        self->shape[1][k] = far_angle_shape(&shape->far, place_at(shape, x, y).phi);
         self->num++;
     }
 }
@@ -173,8 +191,9 @@ void far_field_add(double *pressure, far_field *self, const ehd_contact *contact
         const double inverse = self->inverse[i];
         far_value here = {0, 0};
         if (there)
-            here = over_square(factor * shapes[i] * inverse * inverse * inverse,
-                               film_ratio(rigid_approach, inverse));
+            here = over_square(
+                factor * shapes[i] * inverse * inverse * inverse,
+                film_ratio(rigid_approach, inverse, self->per_rise[i], &contact->grid.shape));
         pressure[self->index[i]] += here.value;
         self->by_approach[self->index[i]] = here.by_approach;
     }

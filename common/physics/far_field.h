@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What lies around the grid of a point contact whose boundary is open (README.md, far field). */
+/* What lies around the grid of a point contact or an ellipse whose boundary is open (README.md,
+ * far field). */
 #ifndef EHD_FAR_FIELD_H
 #define EHD_FAR_FIELD_H
 
@@ -13,31 +14,32 @@ typedef struct far_value {
     double value, by_approach;
 } far_value;
 
-/* Whether there is a far field: around the grid of a point contact with BOUNDARY_OPEN. */
+/* Whether there is a far field: around a grid with lines and BOUNDARY_OPEN. */
 bool far_field_is_there(const ehd_grid *grid);
 
-/* H far away, r^2/2 + H0 + 4/(3 pi r): the deflection is that of the whole load in one point. */
-double far_field_film(double rigid_approach, double x, double y);
+/* H far away, q r^2/2 + H0 + 4/(3 pi c r), with r^2 = X^2 + k^2 Y^2, k the ellipticity and c the
+ * compliance: the deflection is that of the whole load in one point. */
+double far_field_film(const contact_shape *shape, double rigid_approach, double x, double y);
 
-/* P there: lambda |U| S(phi) r/(2H)^2, with phi from the side on which the fluid comes in and S =
- * 0.8 cos(phi) + b cosh(3 phi), up to the exit, where S = S' = 0, and 0 behind it. With H = r^2/2
- * + c it solves the isoviscous Reynolds equation up to terms of c^2/r^4. U is
- * contact->far_speed. */
+/* P there: lambda |U| S(phi) r q^2/(2H)^2, with phi from the side on which the fluid comes in and S
+ * of far_angle_shape. With H = q r^2/2 + c it solves the isoviscous Reynolds equation up to terms of
+ * c^2/r^4, and of c/r^2 near the exit. U is contact->far_speed. */
 far_value far_field_pressure(const ehd_contact *contact, double rigid_approach, double x, double y);
 
 /* The load that it carries beyond the cells of the inner nodes; 0 where there is none. */
 far_value far_field_load(const ehd_contact *contact, double rigid_approach);
 
-/* Whether a node of a point contact's grid is a boundary node. */
+/* Whether a node of a grid with lines is a boundary node. */
 bool far_field_is_at(const ehd_grid *grid, size_t node);
 
 // ---- prepared for many states on a grid
 
-/* Directions of Gauss' rule in phi, between the corners of the grid. */
+/* Directions of Gauss' rule in the stretched angle, between the corners of the grid. */
 enum { FAR_RAYS = 16 };
 typedef struct far_rays {
     size_t num;
     double inverse_end[FAR_RAYS]; // 1 over the distance at which the inner nodes' cells end
+    double per_rise[FAR_RAYS];    // 1/q
     double weight[FAR_RAYS];      // with S
 } far_rays;
 
@@ -46,6 +48,7 @@ typedef struct far_field {
     size_t num;
     size_t *index;       // [num] in the list
     double *inverse;     // [num] 1/r
+    double *per_rise;    // [num] 1/q
     double *shape[2];    // [num] S, of an entrainment towards larger X and of one backwards
     double *by_approach; // [num_nodes] of far_field_add: dP/dH0, zero at the others
     far_rays rays[2];

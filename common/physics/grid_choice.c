@@ -124,12 +124,14 @@ static double inlet_length(const ehd_contact *contact, const grid_rule *rule, do
     return length;
 }
 
-/* y_max: around a wide ellipse as far from its edge as around a circle, in half widths along, and at
- * least half of b (README.md, Default grid). */
-static double sides_needed(const grid_rule *rule, double length, double ellipticity) {
-    const double of_circle = rule->sides * length;
+/* y_max. With the far field around as far out as the gap at the sides of a circle; else around a wide
+ * ellipse as far from its edge as around a circle, in half widths along, and at least half of b
+ * (README.md, Default grid). */
+static double sides_needed(const grid_rule *rule, double length, const contact_shape *shape) {
+    const double of_circle = rule->sides * length, k = shape->ellipticity;
 
-    return ellipticity > 1 ? fmax(1.5, 1 + (of_circle - 1) / ellipticity) : of_circle;
+    if (rule == &open_rule) return of_circle / sqrt(shape->gap_across);
+    return k > 1 ? fmax(1.5, 1 + (of_circle - 1) / k) : of_circle;
 }
 
 grid_extent grid_extent_needed(const ehd_contact *contact) {
@@ -151,7 +153,7 @@ grid_extent grid_extent_needed(const ehd_contact *contact) {
     return (grid_extent){.x_min = -length,
                          .x_max = fmax(2, ceil(rule->behind * length)),
                          .step = step,
-                         .y_max = sides_needed(rule, length, shape->ellipticity)};
+                         .y_max = sides_needed(rule, length, shape)};
 }
 
 void grid_extent_join(grid_extent *self, const grid_extent *other) {

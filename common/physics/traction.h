@@ -39,6 +39,12 @@ typedef struct flow_thinning {
 flow_thinning traction_thinning(const ehd_contact *contact, double viscosity, // over that at p = 0
                                 double film, bool along);
 
+/* Newtonian shear stress of the sliding over Eyring's, of a fluid as viscous as at zero pressure in
+ * a film H = 1: besides M, the Hertz pressure and the lubricant all that a thinned flow depends on,
+ * of the slide-roll ratio and of Eyring's stress over the Hertz pressure. 0 where the flow is not
+ * thinned. */
+double traction_thinning_rate(const ehd_contact *contact);
+
 /* Whether the law of shear stress counts in the flow too: its in_film is true. */
 bool traction_thins_flow(const ehd_contact *contact);
 

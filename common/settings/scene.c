@@ -61,9 +61,9 @@ static void fill_published_grid(scene *of) {
 
 static void fill_boundary(scene *of) {
     const bool published = strcmp(of->discretization, "published") == 0;
-    const bool zero = published || strcmp(of->contact, "ellipse") == 0;
 
-    if (!*of->boundary) snprintf(of->boundary, sizeof of->boundary, "%s", zero ? "zero" : "open");
+    if (!*of->boundary)
+        snprintf(of->boundary, sizeof of->boundary, "%s", published ? "zero" : "open");
 }
 
 /* What follows from the way that films are carried. */

@@ -21,8 +21,8 @@ ehd_status scene_contact(
 ehd_status scene_check_kind(const scene *given, const contact_kind *kind, const char *path,
                             ehd_error *error);
 
-/* EHD_DATA: a scene that reduced models and their training do not serve, which have smooth surfaces and
- * the flow of a Newtonian fluid. Before other work. */
+/* EHD_DATA: a scene that reduced models and their training do not serve, which have smooth surfaces.
+ * Before other work. */
 ehd_status scene_check_reducible(const scene *given, ehd_error *error);
 
 /* Puts another grid in place of the one of scene_contact: `needed` where the scene does not say.

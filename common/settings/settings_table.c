@@ -84,8 +84,8 @@ static const setting run_rows[] = {
      "How the equations are discretised on the grid: by rows of higher order, or as published",
      ALWAYS, false},
     {"boundary", CHOICE(boundary), NULL, "open|zero", 0, 0, "1",
-     "What lies around the grid: the far field of the contact, or no pressure; default open, of an "
-     "ellipse zero alone, zero with published",
+     "What lies around the grid: the far field of the contact, or no pressure; default open, "
+     "zero with published",
      ON_A_POINT, false},
     {"transport", CHOICE(transport), NULL, "path|upwind", 0, 0, "1",
      "How films that vary in time are carried through the contact: along the path of the fluid, or by "

@@ -18,7 +18,7 @@ static ehd_status no_memory(const char *name, ehd_error *error) {
 typedef struct crowd {
     size_t count, width;
     const tree_point *points; // [count], NULL: trajectories
-    double scale[2];          // of points
+    double scale[TREE_AXES];  // of points
     double *places;           // [count, width] of trajectories, each column over 0 … 1
     const training_set *set;
 } crowd;

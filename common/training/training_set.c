@@ -2,6 +2,8 @@
 #include "common/training/training_set.h"
 
 #include "common/output/inputs.h"
+#include "common/physics/contact_place.h"
+#include "common/physics/traction.h"
 #include "common/settings/scene_contact.h"
 #include "common/time/history.h"
 #include "common/time/path_filter.h"
@@ -227,9 +229,10 @@ void training_set_places(tree_point *places, const training_set *set) {
         // L where the Hertz pressure follows from it, else what would give the Hertz pressure
         double material =
             contact->alpha_p_H / contact->kind->alpha_p_H(&contact->grid.shape, contact->moes_M, 1);
-        places[i] = (tree_point){.family = family_of(set, i),
-                                 .place = {log_M, material},
-                                 .effort = fabs(log_M - log(12)) + 0.5 * material};
+        places[i] = (tree_point){
+            .family = family_of(set, i),
+            .place = {log_M, material, thinning_coordinate(traction_thinning_rate(contact))},
+            .effort = fabs(log_M - log(12)) + 0.5 * material};
     }
 }
 

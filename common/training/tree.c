@@ -11,8 +11,8 @@ static ehd_status no_memory(size_t num_points, ehd_error *error) {
 
 // ---- minimum spanning trees
 
-void tree_scale(double scale[2], const tree_point *points, size_t num_points) {
-    for (int axis = 0; axis < 2; axis++) {
+void tree_scale(double scale[TREE_AXES], const tree_point *points, size_t num_points) {
+    for (int axis = 0; axis < TREE_AXES; axis++) {
         double low = INFINITY, high = -INFINITY;
         for (size_t i = 0; i < num_points; i++) {
             low = fmin(low, points[i].place[axis]);
@@ -22,10 +22,13 @@ void tree_scale(double scale[2], const tree_point *points, size_t num_points) {
     }
 }
 
-double tree_distance(const tree_point *left, const tree_point *right, const double scale[2]) {
+double tree_distance(const tree_point *left, const tree_point *right,
+                     const double scale[TREE_AXES]) {
     if (left->family != right->family) return INFINITY;
-    return hypot((left->place[0] - right->place[0]) / scale[0],
-                 (left->place[1] - right->place[1]) / scale[1]);
+    double distance = 0;
+    for (int axis = 0; axis < TREE_AXES; axis++)
+        distance = hypot(distance, (left->place[axis] - right->place[axis]) / scale[axis]);
+    return distance;
 }
 
 /* The point to add next: the one nearest to its tree; where no tree can grow, the easiest root. */
@@ -46,7 +49,7 @@ ehd_status tree_build(size_t *parent, const tree_point *points, size_t num_point
                       ehd_error *error) {
     double *nearest = malloc(num_points * sizeof *nearest); // distance to the tree of its family
     bool *added = calloc(num_points, sizeof *added);
-    double scale[2];
+    double scale[TREE_AXES];
     ehd_status status = nearest && added ? EHD_OK : no_memory(num_points, error);
 
     tree_scale(scale, points, num_points);

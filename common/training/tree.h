@@ -8,18 +8,22 @@
 
 #define NO_PARENT ((size_t)-1)
 
+enum { TREE_AXES = 3 };
+
 /* A point as the tree sees it. Points of different families are never neighbours. */
 typedef struct tree_point {
     size_t family;
-    double place[2]; // distances are Euclidean, after each coordinate is scaled to its range
-    double effort;   // of a cold start, in any unit
+    double
+        place[TREE_AXES]; // distances are Euclidean, after each coordinate is scaled to its range
+    double effort;        // of a cold start, in any unit
 } tree_point;
 
 /* What each coordinate is divided by: its range over all points, 1 where there is none. */
-void tree_scale(double scale[2], const tree_point *points, size_t num_points);
+void tree_scale(double scale[TREE_AXES], const tree_point *points, size_t num_points);
 
 /* Infinite between families. */
-double tree_distance(const tree_point *left, const tree_point *right, const double scale[2]);
+double tree_distance(const tree_point *left, const tree_point *right,
+                     const double scale[TREE_AXES]);
 
 /* Minimum spanning trees, one a family, rooted where a cold start is easiest (Prim's method). Of
  * equal choices the first point wins, so that the same points always give the same tree.

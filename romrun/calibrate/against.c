@@ -2,6 +2,7 @@
 #include "romrun/calibrate/against.h"
 
 #include "common/output/grid_file.h"
+#include "common/physics/traction.h"
 #include "romrun/calibrate/time_compare.h"
 
 #include <math.h>
@@ -109,13 +110,18 @@ static void print_heading(const char *path, const ehd_grid *grid, const ehd_grid
     printf("%s:\n", moved || discretized || bounded ? ": what it does is in the deviations)" : "");
 }
 
-ehd_status against_check(double moes_M, double alpha_p_H, double hertz_pressure,
+ehd_status against_check(double moes_M, double alpha_p_H, double hertz_pressure, double thinning,
                          const ehd_grid *grid, const char *path, const ehd_contact *contact,
                          ehd_error *error) {
     const double slack = 1e-6;
     const ehd_status status = grid_check_shape(grid, path, &contact->grid, "the scene", error);
 
+    const double expected = traction_thinning_rate(contact);
     if (status) return status;
+    if (!(fabs(thinning - expected) <= slack * expected))
+        return ehd_fail(error, EHD_DATA,
+                        "%s: thinning: found %g, expected the scene's %g (lubricant.shear.in_film)",
+                        path, thinning, expected);
     if (fabs(moes_M - contact->moes_M) <= slack * contact->moes_M &&
         fabs(hertz_pressure - contact->hertz_pressure) <=
             slack * fmax(contact->hertz_pressure, 1) &&

@@ -8,7 +8,7 @@
 #include "common/output/time_run.h"
 
 /* EHD_DATA: a result with these numbers on a grid, read from `path`, is not one of the contact. */
-ehd_status against_check(double moes_M, double alpha_p_H, double hertz_pressure,
+ehd_status against_check(double moes_M, double alpha_p_H, double hertz_pressure, double thinning,
                          const ehd_grid *grid, const char *path, const ehd_contact *contact,
                          ehd_error *error);
 

@@ -355,11 +355,12 @@ typedef struct ehdrom_traction {
 #define EHDROM_TRACTION_INIT                                                                       \
     { sizeof(ehdrom_traction), 0, 0, 0, 0, 0, 0, 0 }
 
-/* With the surfaces sliding at u1 - u2 = `sliding`, m/s, which films do not depend on; NAN: as
- * slide_roll or both speeds say, over the mean speed. These and the law, lubricant.shear, are those
+/* With the surfaces sliding at u1 - u2 = `sliding`, m/s, which films do not depend on, but with
+ * lubricant.shear.in_film; NAN: as slide_roll or both speeds say, over the mean speed. These and the law, lubricant.shear, are those
  * of the settings with which the contact was last solved or started. A model of this version has it
  * from few nodes, of others its cost grows with the grid. How far it is off is not indicated.
- * EHDROM_DATA: a scene of moes.M and moes.L, or no sliding; EHDROM_INTERNAL: no solution before. */
+ * EHDROM_DATA: a scene of moes.M and moes.L, no sliding, or with in_film another one than the film's;
+ * EHDROM_INTERNAL: no solution before. */
 EHDROM_API ehdrom_status ehdrom_slide(ehdrom_contact *contact, double sliding,
                                       ehdrom_traction *traction);
 

@@ -62,7 +62,14 @@ static ehd_status slide(ehdrom_contact *self, double sliding, ehdrom_traction *t
     if (isnan(reference->half_width))
         return ehd_fail(&self->error, EHD_DATA,
                         "traction: found moes.M and moes.L, expected physical.load and the others");
-    if (isnan(sliding)) sliding = reference->slide_roll * frame.speed * units->speed;
+    const double own_sliding = reference->slide_roll * frame.speed * units->speed;
+    if (isnan(sliding)) sliding = own_sliding;
+    if (traction_thins_flow(reference) &&
+        !(fabs(sliding - own_sliding) <= 1e-9 * fabs(own_sliding)))
+        return ehd_fail(&self->error, EHD_DATA,
+                        "sliding: found %g, expected %g: with lubricant.shear.in_film a film is of "
+                        "one sliding",
+                        sliding, own_sliding);
     if (!isfinite(sliding))
         return ehd_fail(&self->error, EHD_DATA,
                         "sliding: found %g and no slide_roll, expected a speed, or slide_roll set",

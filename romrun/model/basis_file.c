@@ -119,6 +119,15 @@ static ehd_status get_trajectory_marks(reduced_states *states, artefact *file, i
     return status;
 }
 
+/* How much the flow of states is thinned, where it is of any. */
+static ehd_status put_thinning(artefact *file, const reduced_states *states, ehd_error *error) {
+    bool any = false;
+
+    for (size_t s = 0; s < states->num_states; s++)
+        any = any || states->thinning[s] > 0;
+    return any ? artefact_put(file, "state_thinning", states->thinning, error) : EHD_OK;
+}
+
 /* Numbers that need not be known of a state, in columns of their own: what the grid does to the
  * films, and the lubricants. */
 typedef struct optional_columns {
@@ -202,6 +211,7 @@ ehd_status states_write(artefact *file, const reduced_states *states, size_t num
         status = artefact_put(file, "state_central_film_thickness", states->central_film_thickness,
                               error);
     if (!status) status = put_trajectory_marks(file, states, exits, error);
+    if (!status) status = put_thinning(file, states, error);
     if (!status) status = put_optional(file, states, part, error);
     free(exits);
     free(part);
@@ -254,6 +264,8 @@ ehd_status states_read(reduced_states *states, artefact *file, size_t num_pressu
         for (size_t i = 0; i < num_states && !status; i++)
             states->central_film_thickness[i] = NAN; // a foreign file need not have it
     if (!status) status = get_trajectory_marks(states, file, exits, error);
+    if (!status && artefact_has(file, "state_thinning"))
+        status = artefact_get(file, "state_thinning", states->thinning, error);
     if (!status) status = get_optional(states, file, part, error);
     free(exits);
     free(part);

@@ -181,7 +181,8 @@ static void check_states(flat *file, const reduced_model *model, const unsigned 
         !all_above_zero(states->central_film_thickness, states->num_states))
         flat_refuse(file, "states: found a Moes number or a film of 0 or below, expected others");
     for (size_t s = 0; s < states->num_states; s++)
-        if (stationary[s] > 1 || !(states->alpha_p_H[s] >= 0) || !(states->rate[s] >= 0)) {
+        if (stationary[s] > 1 || !(states->alpha_p_H[s] >= 0) || !(states->thinning[s] >= 0) ||
+            !(states->rate[s] >= 0)) {
             flat_refuse(file, "state %zu: found no state, expected one", s);
             return;
         }
@@ -205,6 +206,7 @@ static void walk_states(flat *file, reduced_model *model) {
     states->exit = flat_array(file, "exits", states->exit, num_exits, sizeof *states->exit);
     states->moes_M = flat_table(file, "moes_M", states->moes_M, num, 1);
     states->alpha_p_H = flat_table(file, "alpha_p_H", states->alpha_p_H, num, 1);
+    states->thinning = flat_table(file, "thinning", states->thinning, num, 1);
     states->central_film_thickness =
         flat_table(file, "central_film", states->central_film_thickness, num, 1);
     unsigned char *stationary = flat_array(file, "stationary", states->stationary, num, 1);

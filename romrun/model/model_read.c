@@ -373,6 +373,7 @@ static ehd_status read_states(reduced_model *model, artefact *file, const stored
         target[kept->num_unknowns - 1] = source[whole.num_unknowns - 1];
         kept->moes_M[s] = whole.moes_M[s];
         kept->alpha_p_H[s] = whole.alpha_p_H[s];
+        kept->thinning[s] = whole.thinning[s];
         kept->central_film_thickness[s] = whole.central_film_thickness[s];
         kept->stationary[s] = whole.stationary[s];
         kept->rate[s] = whole.rate[s];

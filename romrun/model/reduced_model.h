@@ -31,6 +31,7 @@ typedef struct reduced_states {
                          // included; of a line contact a grid node
     double *moes_M;      // [num_states]
     double *alpha_p_H;   // [num_states]
+    double *thinning;    // [num_states] of the flow (contact_place.h)
     double *central_film_thickness; // [num_states]
     bool *stationary;               // [num_states] false along a trajectory
     double *rate;                   // [num_states] frame_rate of the contact, 0 when stationary

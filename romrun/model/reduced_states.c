@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "romrun/model/reduced_model.h"
 
+#include "common/physics/traction.h"
 #include "common/program/arena.h"
 
 #include <math.h>
@@ -36,14 +37,15 @@ ehd_status reduced_states_init(reduced_states *states, size_t num_states, size_t
     states->exit = array_new(num_states, num_lines, sizeof *states->exit);
     states->moes_M = array_new(num_states, 1, sizeof(double));
     states->alpha_p_H = array_new(num_states, 1, sizeof(double));
+    states->thinning = array_new(num_states, 1, sizeof(double));
     states->central_film_thickness = array_new(num_states, 1, sizeof(double));
     states->stationary = array_new(num_states, 1, sizeof *states->stationary);
     states->rate = array_new(num_states, 1, sizeof(double));
     states->effects = array_new(num_states, 1, sizeof *states->effects);
     states->rises = array_new(num_states, 1, sizeof *states->rises);
     if (!states->coordinates || !states->exit || !states->moes_M || !states->alpha_p_H ||
-        !states->central_film_thickness || !states->stationary || !states->rate ||
-        !states->effects || !states->rises) {
+        !states->thinning || !states->central_film_thickness || !states->stationary ||
+        !states->rate || !states->effects || !states->rises) {
         reduced_states_free(states);
         return ehd_fail(error, EHD_MEMORY, "reduced model: found no memory for %zu states",
                         num_states);
@@ -75,6 +77,7 @@ bool reduced_state_is_of(const reduced_states *states, size_t state, const ehd_c
 
     return is_same(states->moes_M[state], contact->moes_M) &&
            is_same(states->alpha_p_H[state], contact->alpha_p_H) &&
+           is_same(states->thinning[state], traction_thinning_rate(contact)) &&
            is_same_lubricant(&states->rises[state], &rises);
 }
 
@@ -89,6 +92,7 @@ void reduced_states_free(reduced_states *states) {
     free(states->exit);
     free(states->moes_M);
     free(states->alpha_p_H);
+    free(states->thinning);
     free(states->central_film_thickness);
     free(states->stationary);
     free(states->rate);
@@ -116,6 +120,7 @@ ehd_status reduced_states_copy(reduced_states *target, const reduced_states *sou
     memcpy(target->exit, source->exit, count * source->num_lines * sizeof *target->exit);
     memcpy(target->moes_M, source->moes_M, count * sizeof(double));
     memcpy(target->alpha_p_H, source->alpha_p_H, count * sizeof(double));
+    memcpy(target->thinning, source->thinning, count * sizeof(double));
     memcpy(target->central_film_thickness, source->central_film_thickness, count * sizeof(double));
     memcpy(target->stationary, source->stationary, count * sizeof *target->stationary);
     memcpy(target->rate, source->rate, count * sizeof(double));

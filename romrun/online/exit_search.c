@@ -88,7 +88,7 @@ static void fill_outer_node(double *pressure, double *film, const exit_query *qu
 
     if (far_field_is_there(&model->grid))
         *pressure = far_field_pressure(query->contact, approach, x, y).value;
-    if (!banded) *film = far_field_film(approach, x, y);
+    if (!banded) *film = far_field_film(&model->grid.shape, approach, x, y);
 }
 
 static void fill_stencil(band_stencil *around, const exit_query *query, size_t node) {

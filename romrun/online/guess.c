@@ -19,9 +19,10 @@ enum { NUM_NEIGHBOURS = 24 };
 enum { MAX_STARTS = 11 };
 
 /* Coordinates of a training solution beside a contact: differences of ln M, of half of ln(1 + alpha
- * p_H), since the film follows powers of M and of the viscosity's rise, and what the lubricant was
- * more viscous and denser than the contact's is at the same Hertz pressure, as logarithms. */
-enum { ALONG_M, ALONG_PRESSURE, ALONG_VISCOSITY, ALONG_DENSITY, NUM_COORDINATES };
+ * p_H), since the film follows powers of M and of the viscosity's rise, what the lubricant was
+ * more viscous and denser than the contact's is at the same Hertz pressure, as logarithms, and a
+ * part of that of how much the flow is thinned. */
+enum { ALONG_M, ALONG_PRESSURE, ALONG_VISCOSITY, ALONG_DENSITY, ALONG_THINNING, NUM_COORDINATES };
 
 typedef struct neighbour {
     size_t state;
@@ -30,7 +31,7 @@ typedef struct neighbour {
 
 /* A contact among the training solutions. */
 typedef struct wanted_place {
-    double along_M, along_pressure;
+    double along_M, along_pressure, along_thinning;
     const ehd_lubricant *lubricant; // NULL: any
 } wanted_place;
 
@@ -38,8 +39,14 @@ static double viscosity_coordinate(double rise) {
     return 0.5 * log1p(rise);
 }
 
-static wanted_place place_wanted(double moes_M, double alpha_p_H, const ehd_lubricant *lubricant) {
-    return (wanted_place){log(moes_M), viscosity_coordinate(alpha_p_H), lubricant};
+/* The least thinning and one that halves films are apart as tenfold loads are. */
+static double along_thinning(double thinning) {
+    return 0.25 * thinning_coordinate(thinning);
+}
+
+static wanted_place place_wanted(const contact_place *of) {
+    return (wanted_place){log(of->moes_M), viscosity_coordinate(of->alpha_p_H),
+                          along_thinning(of->thinning), of->lubricant};
 }
 
 /* How much another lubricant a state is of; 0 where that is not known. False: the contact's
@@ -65,6 +72,7 @@ static bool place_state(neighbour *place, const reduced_states *states, size_t s
     *place = (neighbour){.state = state};
     place->away[ALONG_M] = log(states->moes_M[state]) - here->along_M;
     place->away[ALONG_PRESSURE] = viscosity_coordinate(there) - here->along_pressure;
+    place->away[ALONG_THINNING] = along_thinning(states->thinning[state]) - here->along_thinning;
     if (!compare_lubricants(place->away, &states->rises[state], here, there)) return false;
     for (int c = 0; c < NUM_COORDINATES; c++)
         squares += place->away[c] * place->away[c];
@@ -122,13 +130,13 @@ typedef struct neighbour_fit {
     double max_weight;
 } neighbour_fit;
 
-enum { MAX_TERMS = 6 + 2 };
+enum { MAX_TERMS = 6 + NUM_COORDINATES - ALONG_VISCOSITY };
 
 /* The best first. Half the quadratic fit's neighbours would lie in two rows of a regular plan. */
 static const neighbour_fit FITS[] = {{NUM_NEIGHBOURS, 6, 1.5}, {6, 3, 2}};
 
-/* The terms of a neighbour; those of the lubricant are linear, and only along coordinates in which
- * neighbours differ. Returns their number. */
+/* The terms of a neighbour; those of lubricant and thinning are linear, and only along coordinates in
+ * which neighbours differ. Returns their number. */
 static size_t fill_terms(double terms[MAX_TERMS], const neighbour *self, size_t num_terms,
                          const bool *differs) {
     const double x = self->away[ALONG_M], y = self->away[ALONG_PRESSURE];
@@ -195,24 +203,30 @@ static void combine_states(reduced_state *state, const reduced_model *model,
     }
 }
 
-/* The coordinates of the lubricant in which neighbours differ from each other. */
+/* Whether neighbours differ from each other in a coordinate. */
+static bool do_differ(const neighbour *nearest, size_t count, int coordinate) {
+    const double same = 1e-9;
+
+    for (size_t i = 1; i < count; i++)
+        if (fabs(nearest[i].away[coordinate] - nearest[0].away[coordinate]) > same) return true;
+    return false;
+}
+
+/* The coordinates of lubricant and thinning in which they do. */
 static bool find_differences(bool differs[NUM_COORDINATES], const neighbour *nearest,
                              size_t count) {
-    const double same = 1e-9;
     bool any = false;
 
     for (int c = ALONG_VISCOSITY; c < NUM_COORDINATES; c++) {
-        differs[c] = false;
-        for (size_t i = 1; i < count; i++)
-            differs[c] = differs[c] || fabs(nearest[i].away[c] - nearest[0].away[c]) > same;
+        differs[c] = do_differ(nearest, count, c);
         any = any || differs[c];
     }
     return any;
 }
 
-/* Weights of the best fit through `count` neighbours, at least one, first with terms of the
- * lubricants where these differ; returns how many it takes, the nearest one alone where no fit
- * serves. */
+/* Weights of the best fit through `count` neighbours, at least one, first with terms of
+ * lubricants and thinning where these differ; returns how many it takes, the nearest one alone where
+ * no fit serves. */
 static size_t best_weights(double *weights, const neighbour *nearest, size_t count) {
     const bool none[NUM_COORDINATES] = {false};
     bool differs[NUM_COORDINATES];
@@ -228,20 +242,22 @@ static size_t best_weights(double *weights, const neighbour *nearest, size_t cou
     return 1;
 }
 
-void reduced_guess(reduced_state *state, const reduced_model *model, double moes_M,
-                   double alpha_p_H, const ehd_lubricant *lubricant) {
-    const wanted_place here = place_wanted(moes_M, alpha_p_H, lubricant);
+void reduced_guess(reduced_state *state, const reduced_model *model, contact_place place) {
+    const wanted_place here = place_wanted(&place);
     neighbour nearest[NUM_NEIGHBOURS];
     double weights[NUM_NEIGHBOURS];
     size_t states[NUM_NEIGHBOURS];
 
     // of its own lubricant first: how others differ is more than linear
     size_t count = nearest_states(nearest, &model->states, &here, -1, ANY_EFFECT, true);
-    if (!fit_weights(weights, nearest, count, &FITS[0], (const bool[NUM_COORDINATES]){false})) {
+    const bool differs[NUM_COORDINATES] = {[ALONG_THINNING] =
+                                               do_differ(nearest, count, ALONG_THINNING)};
+    if (!fit_weights(weights, nearest, count, &FITS[0], differs)) {
         count = nearest_states(nearest, &model->states, &here, -1, ANY_EFFECT, false);
         // the contact's lubricant has no viscosity at any of them: whatever they are of
         if (count == 0) {
-            const wanted_place of_any = place_wanted(moes_M, alpha_p_H, NULL);
+            wanted_place of_any = here;
+            of_any.lubricant = NULL;
             count = nearest_states(nearest, &model->states, &of_any, -1, ANY_EFFECT, false);
         }
         count = best_weights(weights, nearest, count);
@@ -275,10 +291,10 @@ static void add_effort(reduced_info *info, const reduced_info *before) {
 ehd_status reduced_solve_from_training(reduced_info *info, reduced_state *state,
                                        reduced_solver *solver, const reduced_model *model,
                                        const ehd_contact *contact, ehd_error *error) {
-    const wanted_place here =
-        place_wanted(contact->moes_M, contact->alpha_p_H, &contact->lubricant);
+    const contact_place place = contact_place_of(contact);
+    const wanted_place here = place_wanted(&place);
 
-    reduced_guess(state, model, contact->moes_M, contact->alpha_p_H, &contact->lubricant);
+    reduced_guess(state, model, place);
     ehd_status status = reduced_solve(info, state, solver, contact, NULL, error);
     for (size_t i = 0; i < MAX_STARTS && !status && info->status == EHD_NOT_CONVERGED; i++) {
         const reduced_info before = *info;
@@ -289,9 +305,8 @@ ehd_status reduced_solve_from_training(reduced_info *info, reduced_state *state,
     return status;
 }
 
-void reduced_neighbour(reduced_state *state, const reduced_model *model, double moes_M,
-                       double alpha_p_H, const ehd_lubricant *lubricant) {
-    const wanted_place here = place_wanted(moes_M, alpha_p_H, lubricant);
+void reduced_neighbour(reduced_state *state, const reduced_model *model, contact_place place) {
+    const wanted_place here = place_wanted(&place);
     const double same = 1e-9;
     neighbour nearest[NUM_NEIGHBOURS];
     double one = 1;
@@ -299,7 +314,7 @@ void reduced_neighbour(reduced_state *state, const reduced_model *model, double 
     if (nearest_states(nearest, &model->states, &here, same, ANY_EFFECT, false) > 0)
         combine_states(state, model, nearest, &one, 1);
     else
-        reduced_guess(state, model, moes_M, alpha_p_H, lubricant);
+        reduced_guess(state, model, place);
 }
 
 // ---- what the grid does
@@ -334,9 +349,8 @@ static bool is_known(const reduced_states *states, const neighbour *nearest, siz
     return true;
 }
 
-film_effects reduced_effects(const reduced_model *model, double moes_M, double alpha_p_H,
-                             const ehd_lubricant *lubricant) {
-    const wanted_place here = place_wanted(moes_M, alpha_p_H, lubricant);
+film_effects reduced_effects(const reduced_model *model, contact_place place) {
+    const wanted_place here = place_wanted(&place);
     const reduced_states *states = &model->states;
     neighbour nearest[NUM_NEIGHBOURS], others[NUM_NEIGHBOURS];
     const size_t count = nearest_states(nearest, states, &here, -1, ANY_EFFECT, false);

@@ -389,7 +389,7 @@ void online_judge_pressure(online_result *result, const ehd_contact *contact,
  * untrusted; of one that has not converged there the range is told first. */
 static void judge(online_result *result, online_solver *solver, const ehd_contact *contact) {
     const online_model *model = solver->model;
-    const char *reason = trained_range_check(model->range, contact->moes_M, contact->alpha_p_H, 0);
+    const char *reason = trained_range_check(model->range, contact_place_of(contact), 0);
 
     if (result->status && reason) {
         snprintf(solver->reason, sizeof solver->reason, "%s%s%s", reason,
@@ -460,8 +460,7 @@ online_indications online_indicate(online_solver *solver, const ehd_contact *con
 }
 
 film_effects online_effects(const online_model *model, const ehd_contact *contact) {
-    return reduced_effects(&model->reduced, contact->moes_M, contact->alpha_p_H,
-                           &contact->lubricant);
+    return reduced_effects(&model->reduced, contact_place_of(contact));
 }
 
 bool online_has_traction(const online_model *model) {

@@ -321,7 +321,7 @@ static void judge(march_step *outcome, reduced_march *self, const reduced_state 
     // what is indicated tells more than how fast the contacts of the training changed
     const bool fast_matters = isnan(self->of_films.central) && self->ring.num_previous > 0;
     const double rate = fast_matters ? frame_rate(&self->load_frame, &self->last_load_frame) : 0;
-    outcome->reason = trained_range_check(self->range, contact.moes_M, contact.alpha_p_H, rate);
+    outcome->reason = trained_range_check(self->range, contact_place_of(&contact), rate);
     outcome->status = outcome->reason ? EHD_UNTRUSTED : EHD_OK;
     if (!outcome->reason) outcome->reason = "";
     if (is_at_edge(model, state)) {
@@ -484,8 +484,7 @@ static ehd_status start(march_step *outcome, void *solver, const contact_frame *
     reduced_solver_set_tolerance(self->solver, self->start_tolerance);
     frame_contact(&contact, frame, &self->reference);
     contact.closure = contact_load_closure(contact.kind);
-    reduced_guess(&first->state, self->model, contact.moes_M, contact.alpha_p_H,
-                  &contact.lubricant);
+    reduced_guess(&first->state, self->model, contact_place_of(&contact));
     first->frame = *frame;
     if (frame->speed > 0)
         status = solve(&info, self, &contact, NULL, error);
@@ -1086,8 +1085,7 @@ const char *reduced_march_check_range(const reduced_march *self, const contact_f
     ehd_contact contact;
 
     frame_contact(&contact, now, &self->reference);
-    return trained_range_check(self->range, contact.moes_M, contact.alpha_p_H,
-                               frame_rate(now, before));
+    return trained_range_check(self->range, contact_place_of(&contact), frame_rate(now, before));
 }
 
 /* The coordinates of its pressure and, independent, of its deflection in the orthonormal modes,

@@ -4,6 +4,7 @@
 #ifndef EHD_REDUCED_SOLVER_H
 #define EHD_REDUCED_SOLVER_H
 
+#include "common/physics/contact_place.h"
 #include "common/physics/traction.h"
 #include "romrun/model/reduced_model.h"
 #include <stdbool.h>
@@ -223,9 +224,8 @@ const reduced_state *reduced_take_factors(reduced_solver *solver);
  * p_H)/2), an affine one where that would extrapolate, or the nearest solution where this would;
  * pressures are added spike upon spike (start_shift.h). Of several trained lubricants, those are
  * nearer that at the same Hertz pressure are as viscous and dense as the contact's, and the fit is
- * linear in these differences; `lubricant` NULL: any. */
-void reduced_guess(reduced_state *state, const reduced_model *model, double moes_M,
-                   double alpha_p_H, const ehd_lubricant *lubricant);
+ * linear in these differences, as in that of how much the flow is thinned. */
+void reduced_guess(reduced_state *state, const reduced_model *model, contact_place place);
 
 /* Solves from reduced_guess and, where that does not converge, from each of the nearest trained
  * solutions, one after the other. Errors of reduced_solve; iterations and times are the sum. */
@@ -237,12 +237,10 @@ ehd_status reduced_solve_from_training(
     ehd_error *error);
 
 /* Start from the nearest trained solution that is not this contact's own. */
-void reduced_neighbour(reduced_state *state, const reduced_model *model, double moes_M,
-                       double alpha_p_H, const ehd_lubricant *lubricant);
+void reduced_neighbour(reduced_state *state, const reduced_model *model, contact_place place);
 
 /* What the full model's grid does to the films, interpolated in the same way between the trained
  * solutions of which it is known; NaN: of none, infinite: the grid is too coarse to tell. */
-film_effects reduced_effects(const reduced_model *model, double moes_M, double alpha_p_H,
-                             const ehd_lubricant *lubricant);
+film_effects reduced_effects(const reduced_model *model, contact_place place);
 
 #endif

@@ -1,15 +1,18 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "romrun/online/trained_range.h"
 
+#include "common/algebra/hull.h"
+
 #include <math.h>
 #include <stdbool.h>
 #include <stdlib.h>
 
-void trained_place(double place[2], double moes_M, double alpha_p_H) {
+void trained_place(double place[RANGE_AXES], contact_place of) {
     const double least = 1e-3; // below, the viscosity rises by less than a thousandth
 
-    place[0] = log(moes_M);
-    place[1] = log(fmax(alpha_p_H, least));
+    place[0] = log(of.moes_M);
+    place[1] = log(fmax(of.alpha_p_H, least));
+    place[2] = thinning_coordinate(of.thinning);
 }
 
 typedef struct point {
@@ -60,21 +63,36 @@ struct trained_range {
     point extent;
     double slack; // how far outside of the hull still counts as inside, in units of the extent
     double max_rate;
+    // of thinned flows, where any of the training is one
+    double least_thinning, most_thinning; // coordinates
+    size_t num_points;
+    double *points; // [RANGE_AXES, num_points] in parts of the extents; NULL: all are Newtonian
 };
 
 trained_range *trained_range_free(trained_range *self) {
     if (self) {
         free(self->edges);
+        free(self->points);
         free(self);
     }
     return NULL;
 }
 
-static point place_of(double moes_M, double alpha_p_H) {
-    double place[2];
+static contact_place place_of_state(const reduced_states *states, size_t state) {
+    return (contact_place){.moes_M = states->moes_M[state],
+                           .alpha_p_H = states->alpha_p_H[state],
+                           .thinning = states->thinning[state]};
+}
 
-    trained_place(place, moes_M, alpha_p_H);
+static point point_of(const double place[RANGE_AXES]) {
     return (point){place[0], place[1]};
+}
+
+static point point_of_state(const reduced_states *states, size_t state) {
+    double place[RANGE_AXES];
+
+    trained_place(place, place_of_state(states, state));
+    return point_of(place);
 }
 
 static point in_units(point place, const trained_range *self) {
@@ -86,7 +104,7 @@ static void find_extent(trained_range *self, const reduced_states *states) {
     bool stationary = true;
 
     for (size_t s = 0; s < states->num_states; s++) {
-        const point here = place_of(states->moes_M[s], states->alpha_p_H[s]);
+        const point here = point_of_state(states, s);
         low.M = fmin(low.M, here.M);
         high.M = fmax(high.M, here.M);
         low.pressure = fmin(low.pressure, here.pressure);
@@ -101,6 +119,39 @@ static void find_extent(trained_range *self, const reduced_states *states) {
     // training points count as inside, and so does what lies between the few states that are kept
     // of a trajectory, which is a curve
     self->slack = stationary ? 1e-9 : 2e-3;
+}
+
+/* A place in parts of the extents, as a column. */
+static void put_column(double *column, size_t stride, const double place[RANGE_AXES],
+                       const trained_range *self) {
+    const double thickness = self->most_thinning - self->least_thinning;
+    const point here = in_units(point_of(place), self);
+
+    column[0] = here.M - self->low.M;
+    column[stride] = here.pressure - self->low.pressure;
+    column[2 * stride] = (place[2] - self->least_thinning) / (thickness > 0 ? thickness : 1);
+}
+
+/* self->points where flow is thinned. False: no memory. */
+static bool list_thinned(trained_range *self, const reduced_states *states) {
+    const size_t num = states->num_states;
+    double place[RANGE_AXES];
+
+    self->least_thinning = INFINITY;
+    self->most_thinning = -INFINITY;
+    for (size_t s = 0; s < num; s++) {
+        const double here = thinning_coordinate(states->thinning[s]);
+        self->least_thinning = fmin(self->least_thinning, here);
+        self->most_thinning = fmax(self->most_thinning, here);
+    }
+    if (!(self->most_thinning > thinning_coordinate(0))) return true;
+    self->num_points = num;
+    self->points = malloc(RANGE_AXES * num * sizeof *self->points);
+    for (size_t s = 0; s < num && self->points; s++) {
+        trained_place(place, place_of_state(states, s));
+        put_column(self->points + s, num, place, self);
+    }
+    return self->points != NULL;
 }
 
 static hull_edge edge_between(point a, point b) {
@@ -119,10 +170,11 @@ trained_range *trained_range_create(const reduced_model *model) {
     if (self && self->edges && points && hull) {
         find_extent(self, states);
         for (size_t s = 0; s < num; s++)
-            points[s] = in_units(place_of(states->moes_M[s], states->alpha_p_H[s]), self);
+            points[s] = in_units(point_of_state(states, s), self);
         self->count = num ? convex_hull(hull, points, num) : 0;
         for (size_t i = 0; i < self->count; i++)
             self->edges[i] = edge_between(hull[i], hull[(i + 1) % self->count]);
+        if (!list_thinned(self, states)) self = trained_range_free(self);
     } else {
         self = trained_range_free(self);
     }
@@ -140,11 +192,9 @@ static double outside_edge(const hull_edge *edge, point wanted, bool line) {
     return line ? fmax(across, along - edge->length) : across;
 }
 
-const char *trained_range_check(const trained_range *self, double moes_M, double alpha_p_H,
-                                double rate) {
-    const double rate_slack = 1.05, min_rate = 1e-3;
-    const point wanted = in_units(place_of(moes_M, alpha_p_H), self), low = self->low,
-                high = self->high;
+/* How far outside of the hull of M and alpha p_H. */
+static double outside_plane(const trained_range *self, const double place[RANGE_AXES]) {
+    const point wanted = in_units(point_of(place), self), low = self->low, high = self->high;
     bool line = self->count <= 2;
     double outside = fmax(fmax(low.M - wanted.M, wanted.M - high.M),
                           fmax(low.pressure - wanted.pressure, wanted.pressure - high.pressure));
@@ -154,7 +204,27 @@ const char *trained_range_check(const trained_range *self, double moes_M, double
         double here = outside_edge(&self->edges[i], wanted, line);
         outside = here > outside ? here : outside;
     }
-    if (!(outside <= self->slack)) return "outside of the trained range of M and alpha p_H";
+    return outside;
+}
+
+const char *trained_range_check(const trained_range *self, contact_place of, double rate) {
+    const double rate_slack = 1.05, min_rate = 1e-3;
+    double place[RANGE_AXES], here[RANGE_AXES];
+
+    trained_place(place, of);
+    if (place[2] < self->least_thinning - self->slack)
+        return "a flow that is thinned less than any in training";
+    if (place[2] > self->most_thinning + self->slack)
+        return "a flow that is thinned more than any in training";
+    if (!(outside_plane(self, place) <= self->slack))
+        return "outside of the trained range of M and alpha p_H";
+    if (self->points) {
+        put_column(here, 1, place, self);
+        // what adaptive training leaves outside of its corners counts as inside
+        const double slack = fmax(self->slack, 1e-8);
+        if (!(hull_distance(self->points, self->num_points, RANGE_AXES, here) <= slack))
+            return "outside of the trained range of M, alpha p_H and thinning";
+    }
     if (rate > fmax(rate_slack * self->max_rate, min_rate))
         return "a contact that changes faster than any in training";
     return NULL;

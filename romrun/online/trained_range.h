@@ -3,11 +3,14 @@
 #ifndef EHD_TRAINED_RANGE_H
 #define EHD_TRAINED_RANGE_H
 
+#include "common/physics/contact_place.h"
 #include "romrun/model/reduced_model.h"
 
-/* Coordinates of a contact in the trained range: ln M and ln(alpha p_H). Regions of load and speed, or
- * of M and L, are polygons in them, and what varies in one of these alone is a straight line. */
-void trained_place(double place[2], double moes_M, double alpha_p_H);
+/* Coordinates of a contact in the trained range: ln M, ln(alpha p_H), and of a flow that is thinned
+ * the logarithm of by how much (contact_place.h). Regions of load, speed, sliding and Eyring's stress,
+ * or of M and L, are polytopes in them, and what varies in one of these alone is a straight line. */
+enum { RANGE_AXES = 3 };
+void trained_place(double place[RANGE_AXES], contact_place of);
 
 /* The trained range: convex hull of the training points in these coordinates, and fastest change. */
 typedef struct trained_range trained_range;
@@ -15,7 +18,6 @@ trained_range *trained_range_create(const reduced_model *model); // NULL: no mem
 trained_range *trained_range_free(trained_range *range);         // accepts and returns NULL
 
 /* Why a contact lies outside, or NULL. `rate`: frame_rate, 0 when stationary. */
-const char *trained_range_check(const trained_range *range, double moes_M, double alpha_p_H,
-                                double rate);
+const char *trained_range_check(const trained_range *range, contact_place place, double rate);
 
 #endif

@@ -384,8 +384,7 @@ static void solve_scene(measurement *result, reduced_state *state, const problem
     settings.solve_linear = solve_linear;
     settings.linear_context = context;
     must(reduced_solver_create(&solver, model, &settings, &error), &error);
-    reduced_guess(state, model, self->contact->moes_M, self->contact->alpha_p_H,
-                  &self->contact->lubricant);
+    reduced_guess(state, model, contact_place_of(self->contact));
     must(reduced_solve(&info, state, solver, self->contact, self->squeeze, &error), &error);
     result->status = info.status;
     result->iterations = info.iterations;

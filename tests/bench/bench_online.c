@@ -46,7 +46,7 @@ static void solve_once(reduced_state *state, const reduced_model *model, reduced
     reduced_info info;
     ehd_error error;
 
-    reduced_neighbour(state, model, contact->moes_M, contact->alpha_p_H, &contact->lubricant);
+    reduced_neighbour(state, model, contact_place_of(contact));
     double start = grid_x(&model->grid, state->exit);
     must(reduced_solve(&info, state, solver, contact, NULL, &error), &error);
     printf("n %zu, %zu unknowns, %zu rows, %zu needed nodes: %s, %zu iterations, exit %.4f "
@@ -65,7 +65,7 @@ static reduced_info measure(double *seconds[NUM_PARTS], size_t i, reduced_state 
     reduced_info info;
     ehd_error error;
 
-    reduced_guess(state, model, contact->moes_M, contact->alpha_p_H, &contact->lubricant);
+    reduced_guess(state, model, contact_place_of(contact));
     must(reduced_solve(&info, state, solver, contact, NULL, &error), &error);
     double start = program_seconds();
     indicator_bound(indicate, solver, state, contact, &info.scalars);

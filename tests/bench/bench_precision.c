@@ -54,7 +54,7 @@ static void solve_stationary(outcome *result, const reduced_model *model,
     ehd_error error;
 
     must(reduced_solver_create(&solver, model, &settings, &error), &error);
-    reduced_guess(&state, model, contact->moes_M, contact->alpha_p_H, &contact->lubricant);
+    reduced_guess(&state, model, contact_place_of(contact));
     must(reduced_solve(&info, &state, solver, contact, NULL, &error), &error);
     result->converged = info.status == EHD_OK;
     result->iterations = info.iterations;
@@ -291,7 +291,7 @@ static double time_iteration(const reduced_model *model, const ehd_contact *cont
 
     must(reduced_solver_create(&solver, model, &settings, &error), &error);
     for (size_t i = 0; i < REPEATS; i++) {
-        reduced_guess(&state, model, contact->moes_M, contact->alpha_p_H, &contact->lubricant);
+        reduced_guess(&state, model, contact_place_of(contact));
         must(reduced_solve(&info, &state, solver, contact, NULL, &error), &error);
         times[i] = info.seconds / (double)info.iterations;
     }

@@ -55,7 +55,7 @@ static void measure(samples *self, reduced_state *state, const reduced_model *mo
 
     for (size_t i = 0; i < repeats; i++) {
         const double before = program_seconds();
-        reduced_guess(state, model, contact->moes_M, contact->alpha_p_H, &contact->lubricant);
+        reduced_guess(state, model, contact_place_of(contact));
         start[i] = program_seconds() - before;
         must(reduced_solve(&info, state, solver, contact, NULL, &error), &error);
         solve[i] = info.seconds;

@@ -136,11 +136,11 @@ YAML
     deimselect --no-check rp.h5 --basis bp.h5 -o p.h5 --rows 60 --method sopt
 }
 
-# half_and_whole_are_symmetric: half.h5 and whole.h5, the results of scene.yml on half of the domain and on all of it,
-# have the same fields, which are symmetric.
+# half_and_whole_are_symmetric OPTION...: half.h5 and whole.h5, the results of scene.yml on half of the domain and on all
+# of it, have the same fields, which are symmetric.
 half_and_whole_are_symmetric() {
-    fullrun scene.yml -o half.h5
-    fullrun scene.yml --set grid.half=false -o whole.h5
+    fullrun scene.yml "$@" -o half.h5
+    fullrun scene.yml "$@" --set grid.half=false -o whole.h5
     fullrun --check half.h5
     /usr/bin/python3 - <<'PYTHON'
 import h5py, numpy

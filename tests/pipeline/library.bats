@@ -460,6 +460,19 @@ except ehdrom.Error as error:
     assert "since the state was restored" in str(error), error
 else:
     raise AssertionError("nothing raised")
+# a film that the sliding thins is of one sliding, and not in the trained range of a Newtonian flow
+thinned = ehdrom.Contact(model, "si.yml", accuracy=math.inf)
+thinned["slide_roll"], thinned["lubricant.shear.law"], thinned["lubricant.shear.tau0"] = 0.1, "eyring", 5e5
+thinned["lubricant.shear.in_film"] = True
+found = thinned.solve()
+assert "thinned more than any in training" in found.reason, found
+assert thinned.slide(0.1 * speed) == thinned.slide() != slid
+try:
+    thinned.slide(0.2 * speed)
+except ehdrom.Error as error:
+    assert "a film is of one sliding" in str(error), error
+else:
+    raise AssertionError("nothing raised")
 try:
     unset = ehdrom.Contact(model, "si.yml", accuracy=math.inf)
     unset.solve()

@@ -207,8 +207,6 @@ without_cubature() {
     [ "$(number fields.h5 friction_force)" = "$(number red.h5 friction_force)" ]
     romrun sliding.yml --model m.h5 --fallback full --quiet -o back.h5
     close_to "$(number back.h5 friction_force)" "$(number slid.h5 friction_force)" 1e-7
-    refuse 65 "lubricant.shear.in_film: found true, expected false" \
-        romrun sliding.yml --model m.h5 --set lubricant.shear.in_film=true -o x.h5
     # a flat file has the same bits
     romrun --export m.h5 -o m.ehdrom
     romrun sliding.yml --model m.ehdrom --allow-untrusted -o flat.h5 --quiet

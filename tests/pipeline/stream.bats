@@ -160,6 +160,23 @@ assert (h5py.File('b.h5')['state_stationary'][...] == 0).any()"
     romrun --print x.h5 history | grep -c 'podbuild.*--compress'
 }
 
+@test "thinned flow is told of the states, streamed and of parts" {
+    /usr/bin/python3 -c "
+import h5py, numpy
+for k in '12':
+    with h5py.File(f's{k}.h5', 'r+') as f:
+        del f.attrs['content_sha256']
+        f['thinning'] = numpy.arange(len(f['moes_M'])) * 0.5 + int(k)"
+    podbuild -q --compress s1.h5 -o p1.h5
+    podbuild -q p1.h5 s2.h5 s3.h5 -o x.h5
+    podbuild -q s1.h5 s2.h5 s3.h5 -o y.h5
+    /usr/bin/python3 -c "
+import h5py, numpy
+x, y = (h5py.File(name)['state_thinning'][...] for name in ('x.h5', 'y.h5'))
+expected = [h5py.File(f's{k}.h5')['thinning'][...] for k in '12']
+assert numpy.array_equal(x, y) and numpy.array_equal(x[: sum(map(len, expected))], numpy.concatenate(expected))"
+}
+
 @test "a part that left out too much is refused" {
     podbuild -q --compress s.h5 --energy 1e-6 -o p.h5
     refuse 65 "found parts that leave out .* expected at most .*; compress them with --energy 1.0e-13 or less" \

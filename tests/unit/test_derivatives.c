@@ -219,6 +219,8 @@ static void derivatives_of_lines_are_those_of_differences(void **state) {
     }
     trained_init_published(&tested.training, 0.05);
     check_problem(&tested, DEFORMATION_COUPLED);
+    trained_init_thinned(&tested.training, 0.05);
+    check_problem(&tested, DEFORMATION_COUPLED);
 }
 
 static void derivatives_of_points_are_those_of_differences(void **state) {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The far field of a point contact, and films on grids with it around. */
+/* The far field of point contacts and ellipses, and films on grids with it around. */
 #include "common/physics/far_field.h"
 #include "tests/unit/check.h"
 #include "tests/unit/problem.h"
@@ -21,38 +21,58 @@ static ehd_contact contact_on(double moes_M, double moes_L, double x_min, double
     return contact;
 }
 
+/* The contact of the same p_H, R_x, speed and lubricant with another ellipticity. */
+static ehd_contact ellipse_on(double ellipticity, double moes_M, double moes_L, double x_min,
+                              double x_max, double y_max, double step, const char *boundary) {
+    ehd_contact contact = contact_on(moes_M, moes_L, x_min, x_max, y_max, step, boundary);
+    const contact_shape shape = shape_of(ellipticity);
+
+    contact.kind = &contact_ellipse;
+    contact.grid.shape = shape;
+    contact_set_moes(&contact, moes_M * pow(ellipticity, 3) * pow(shape.compliance, 2), moes_L);
+    return contact;
+}
+
 static double pressure_at(const ehd_contact *contact, double approach, double x, double y) {
     return far_field_pressure(contact, approach, x, y).value;
 }
 
-/* d/dX (H^3 dP/dX) + d/dY (H^3 dP/dY) - lambda dH/dX over lambda |dH/dX|, by differences. */
+/* d/dX (H^3 dP/dX) + (1/k^2) d/dY (H^3 dP/dY) - lambda dH/dX over lambda |dH/dX|, by differences. */
 static double reynolds_at(const ehd_contact *contact, double approach, double x, double y) {
-    const double d = 0.01 * hypot(x, y);
+    const double k = contact->grid.shape.ellipticity, d = 0.01 * hypot(x, k * y);
     const double here = pressure_at(contact, approach, x, y);
     double sum = 0;
 
     for (int i = 0; i < 4; i++) {
-        const double along = i < 2 ? (i ? d : -d) : 0, across = i < 2 ? 0 : (i > 2 ? d : -d);
-        const double film = far_field_film(approach, x + along / 2, y + across / 2);
+        const double along = i < 2 ? (i ? d : -d) : 0, across = i < 2 ? 0 : (i > 2 ? d : -d) / k;
+        const double film =
+            far_field_film(&contact->grid.shape, approach, x + along / 2, y + across / 2);
         sum += film * film * film * (pressure_at(contact, approach, x + along, y + across) - here);
     }
-    const double slope =
-        (far_field_film(approach, x + d, y) - far_field_film(approach, x - d, y)) / (2 * d);
+    const double slope = (far_field_film(&contact->grid.shape, approach, x + d, y) -
+                          far_field_film(&contact->grid.shape, approach, x - d, y)) /
+                         (2 * d);
     return (sum / (d * d) / contact->lambda - slope) / fabs(slope);
 }
 
 /* Away from the exit; what is left falls with r^-3 or faster: c^2/r^4, and c is not constant. */
 static void solves_the_reynolds_equation(void **state) {
     (void)state;
-    const ehd_contact contact = contact_on(10, 0, -4, 2, 3, 0.25, "open");
-    const double directions[] = {0, 0.4, 0.8, 1.2};
-    for (int approach = -1; approach <= 1; approach++) {
-        for (size_t i = 0; i < 4; i++) {
-            const double x = -cos(directions[i]), y = sin(directions[i]);
-            const double near = reynolds_at(&contact, approach, 8 * x, 8 * y);
-            const double far = reynolds_at(&contact, approach, 32 * x, 32 * y);
-            assert_true(fabs(near) < 0.02);
-            assert_true(fabs(far) < 5e-4);
+    const double ellipticities[] = {1, 0.5, 1.5, 3}, directions[] = {0, 0.4, 0.8, 1.2};
+    for (size_t e = 0; e < 4; e++) {
+        const double k = ellipticities[e];
+        const ehd_contact contact = ellipse_on(k, 10, 0, -4, 2, 3, 0.25, "open");
+        // where b is large the gap of the sides is that of a circle farther off
+        const double far_off = k > 1 ? k : 1;
+        for (int approach = -1; approach <= 1; approach++) {
+            for (size_t i = 0; i < 4; i++) {
+                const double x = -far_off * cos(directions[i]);
+                const double y = far_off * sin(directions[i]) / k;
+                const double near = reynolds_at(&contact, approach, 8 * x, 8 * y);
+                const double far = reynolds_at(&contact, approach, 32 * x, 32 * y);
+                assert_true(fabs(near) < 0.02);
+                assert_true(fabs(far) < (k == 1 ? 5e-4 : 2e-3));
+            }
         }
     }
 }
@@ -77,22 +97,27 @@ static void ends_at_the_exit(void **state) {
 /* What two grids have beyond them differs by what lies between; the derivative by differences. */
 static void counts_the_load_beyond(void **state) {
     (void)state;
-    const ehd_contact one = contact_on(10, 0, -4, 2, 3, 0.25, "open");
-    const ehd_contact other = contact_on(10, 0, -6, 4, 7, 0.25, "open");
-    const double step = 0.0125, approach = -0.4, d = 1e-5;
-    double between = 0;
+    const double ellipticities[] = {0.5, 3, 1}, approach = -0.4, d = 1e-5;
+    ehd_contact one;
+    far_value load;
+    for (size_t e = 0; e < 3; e++) {
+        const double k = ellipticities[e], step = 0.0125;
+        const ehd_contact other = ellipse_on(k, 10, 0, -6, 4, 7, 0.25, "open");
+        double between = 0;
 
-    for (double x = -6.125 + step / 2; x < 4.125; x += step)
-        for (double y = step / 2; y < 7.125; y += step)
-            if (x < -4.125 || x > 2.125 || y > 3.125)
-                between += 2 * step * step * pressure_at(&one, approach, x, y);
-    const far_value load = far_field_load(&one, approach);
-    check_close(load.value - far_field_load(&other, approach).value, between, 1e-3, 0);
-    check_close(
-        load.by_approach,
-        (far_field_load(&one, approach + d).value - far_field_load(&one, approach - d).value) /
-            (2 * d),
-        1e-6, 0);
+        one = ellipse_on(k, 10, 0, -4, 2, 3, 0.25, "open");
+        for (double x = -6.125 + step / 2; x < 4.125; x += step)
+            for (double y = step / 2; y < 7.125; y += step)
+                if (x < -4.125 || x > 2.125 || y > 3.125)
+                    between += 2 * step * step * pressure_at(&one, approach, x, y);
+        load = far_field_load(&one, approach);
+        check_close(load.value - far_field_load(&other, approach).value, between, 1e-3, 0);
+        check_close(
+            load.by_approach,
+            (far_field_load(&one, approach + d).value - far_field_load(&one, approach - d).value) /
+                (2 * d),
+            1e-6, 0);
+    }
     const far_value there = far_field_pressure(&one, approach, -3, 2);
     check_close(there.by_approach,
                 (pressure_at(&one, approach + d, -3, 2) - pressure_at(&one, approach - d, -3, 2)) /
@@ -114,8 +139,10 @@ static void counts_the_load_beyond(void **state) {
 /* At the boundary nodes alone, with its derivative, in either direction. */
 static void is_added_at_the_boundary_nodes(void **state) {
     (void)state;
-    for (int i = 0; i < 4; i++) {
-        ehd_contact contact = contact_on(10, 0, -4, 2, 3, 0.25, i < 2 ? "open" : "zero");
+    for (int i = 0; i < 8; i++) {
+        const bool open = i / 2 % 2 == 0;
+        ehd_contact contact =
+            ellipse_on(i < 4 ? 1 : 0.6, 10, 0, -4, 2, 3, 0.25, open ? "open" : "zero");
         const ehd_grid *grid = &contact.grid;
         double *pressure = calloc(grid->num_nodes, sizeof *pressure);
         arena memory = {0};
@@ -131,8 +158,8 @@ static void is_added_at_the_boundary_nodes(void **state) {
                                k / grid_width(grid) + 1 == grid_lines(grid);
             const far_value there =
                 far_field_pressure(&contact, 0.2, grid_x(grid, k), grid_y(grid, k));
-            check_close(pressure[k], outer && i < 2 ? there.value : 0, 1e-13, 0);
-            check_close(field.by_approach[k], outer && i < 2 ? there.by_approach : 0, 1e-13, 0);
+            check_close(pressure[k], outer && open ? there.value : 0, 1e-13, 0);
+            check_close(field.by_approach[k], outer && open ? there.by_approach : 0, 1e-13, 0);
         }
         arena_free(&memory);
         free(pressure);
@@ -163,7 +190,7 @@ static contact_scalars films_of(const ehd_contact *contact) {
 
     problem_solve_cold(&found, contact, &settings);
     const contact_scalars scalars = full_evaluate_scalars(&found.state, contact);
-    assert_true(found.info.newton_iterations < 10);
+    assert_true(found.info.newton_iterations < 12);
     problem_free(&found);
     return scalars;
 }
@@ -171,14 +198,17 @@ static contact_scalars films_of(const ehd_contact *contact) {
 /* A domain from -4 on is as good as one from -16 on; with zero around they differ. */
 static void short_domains_are_as_good_as_long_ones(void **state) {
     (void)state;
-    static const double points[][2] = {{5, 0}, {10, 0}, {10, 5}, {20, 5}};
+    static const double points[][4] = {{5, 0, 1, 3},     {10, 0, 1, 3},     {10, 5, 1, 3},
+                                       {20, 5, 1, 3},    {20, 5, 0.5, 3.5}, {20, 0, 1.5, 2.75},
+                                       {20, 5, 3, 2.375}};
     double differences = 0;
 
     for (size_t i = 0; i < sizeof points / sizeof *points; i++) {
         const double M = points[i][0], L = points[i][1];
-        const ehd_contact near = contact_on(M, L, -4, 2, 3, 0.125, "open");
-        const ehd_contact far = contact_on(M, L, -16, 6, 12, 0.125, "open");
-        const ehd_contact without = contact_on(M, L, -4, 2, 3, 0.125, "zero");
+        const double k = points[i][2], sides = points[i][3];
+        const ehd_contact near = ellipse_on(k, M, L, -4, 2, sides, 0.125, "open");
+        const ehd_contact far = ellipse_on(k, M, L, -16, 6, 4 * sides, 0.125, "open");
+        const ehd_contact without = ellipse_on(k, M, L, -4, 2, sides, 0.125, "zero");
         const contact_scalars expected = films_of(&far), found = films_of(&near);
         check_close(found.central_film_thickness, expected.central_film_thickness, 1e-3, 0);
         check_close(found.minimum_film_thickness, expected.minimum_film_thickness, 1e-3, 0);
@@ -186,7 +216,7 @@ static void short_domains_are_as_good_as_long_ones(void **state) {
         differences +=
             fabs(films_of(&without).central_film_thickness / expected.central_film_thickness - 1);
     }
-    assert_true(differences > 0.1);
+    assert_true(differences > 0.15);
 }
 
 int main(void) {

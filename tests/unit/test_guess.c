@@ -57,8 +57,9 @@ static void places_free(places *self) {
 
 /* The guess at a place in units of the spacing, against the field at another one. */
 static void check_guess(places *self, const double at[2], const double as[2], bool quadratic) {
-    reduced_guess(&self->state, &self->model, exp(SPACING[0] * at[0]),
-                  expm1(2 * SPACING[1] * at[1]), NULL);
+    reduced_guess(&self->state, &self->model,
+                  (contact_place){.moes_M = exp(SPACING[0] * at[0]),
+                                  .alpha_p_H = expm1(2 * SPACING[1] * at[1])});
     for (size_t j = 0; j < UNKNOWNS; j++)
         check_close(self->state.coordinates[j],
                     field(SPACING[0] * as[0], SPACING[1] * as[1], j, quadratic), 1e-8, 1e-8);
@@ -153,19 +154,23 @@ static void lubricants_are_told_apart(void **state) {
     const double M = exp(SPACING[0] * at[0]), pressure = expm1(2 * SPACING[1] * at[1]);
     for (size_t j = 0; j < UNKNOWNS; j++) {
         const double own = field(SPACING[0] * at[0], SPACING[1] * at[1], j, true);
-        reduced_guess(&self.state, &self.model, M, pressure, &of[0]);
+        reduced_guess(&self.state, &self.model,
+                      (contact_place){.moes_M = M, .alpha_p_H = pressure, .lubricant = &of[0]});
         check_close(self.state.coordinates[j], own, 1e-7, 1e-7);
-        reduced_guess(&self.state, &self.model, M, pressure, &of[1]);
+        reduced_guess(&self.state, &self.model,
+                      (contact_place){.moes_M = M, .alpha_p_H = pressure, .lubricant = &of[1]});
         check_close(self.state.coordinates[j],
                     own + 5 * lubricant_rises_at(&of[1], pressure / ALPHA).of[RISE_DENSITY], 0,
                     1e-3);
-        reduced_guess(&self.state, &self.model, M, pressure, NULL);
+        reduced_guess(&self.state, &self.model,
+                      (contact_place){.moes_M = M, .alpha_p_H = pressure});
         assert_true(self.state.coordinates[j] > own + 0.01);
     }
     // what is known of the incompressible one alone
     states->num_states = ALL / 2;
     for (size_t j = 0; j < UNKNOWNS; j++) {
-        reduced_guess(&self.state, &self.model, M, pressure, &of[1]);
+        reduced_guess(&self.state, &self.model,
+                      (contact_place){.moes_M = M, .alpha_p_H = pressure, .lubricant = &of[1]});
         check_close(self.state.coordinates[j],
                     field(SPACING[0] * at[0], SPACING[1] * at[1], j, true), 1e-2, 1e-2);
     }
@@ -200,7 +205,8 @@ static void effects_are_powers(void **state) {
                                        pow(1 + states->alpha_p_H[s], 0.3 * e);
     for (double x = 2; x <= 4; x += 0.25) {
         const double M = exp(SPACING[0] * x), pressure = expm1(2 * SPACING[1] * (6 - x));
-        const film_effects found = reduced_effects(&self.model, M, pressure, NULL);
+        const film_effects found =
+            reduced_effects(&self.model, (contact_place){.moes_M = M, .alpha_p_H = pressure});
         for (int e = 0; e < NUM_EFFECTS; e++)
             check_close(found.of[e],
                         (e == EFFECT_STEP ? -1e-3 : 1e-3) * pow(M, e + 0.5) *
@@ -218,7 +224,8 @@ static void effects_that_are_not_known(void **state) {
     const reduced_states *states = &self.model.states;
     const double M = exp(SPACING[0] * 3.1), pressure = expm1(2 * SPACING[1] * 3.1);
     const size_t nearest = 3 * MOST + 3;
-    film_effects found = reduced_effects(&self.model, M, pressure, NULL);
+    film_effects found =
+        reduced_effects(&self.model, (contact_place){.moes_M = M, .alpha_p_H = pressure});
     for (int e = 0; e < NUM_EFFECTS; e++)
         assert_true(isnan(found.of[e]));
     // an effect that some states do not know, or that is infinite there, comes from the others
@@ -229,11 +236,11 @@ static void effects_that_are_not_known(void **state) {
     states->effects[nearest + 1].of[EFFECT_STEP] = INFINITY;
     states->stationary[nearest + MOST] = false;
     states->effects[nearest + MOST].of[EFFECT_STEP] = 5;
-    found = reduced_effects(&self.model, M, pressure, NULL);
+    found = reduced_effects(&self.model, (contact_place){.moes_M = M, .alpha_p_H = pressure});
     check_close(found.of[EFFECT_STEP], 0.02, 1e-9, 0);
     // but where it is infinite at the nearest, nothing can be said
     states->effects[nearest].of[EFFECT_STEP] = INFINITY;
-    found = reduced_effects(&self.model, M, pressure, NULL);
+    found = reduced_effects(&self.model, (contact_place){.moes_M = M, .alpha_p_H = pressure});
     assert_true(isinf(found.of[EFFECT_STEP]));
     check_close(found.of[EFFECT_INLET], 0.02, 1e-9, 0);
     places_free(&self);
@@ -254,10 +261,12 @@ static void guess_at_a_training_point_is_that_state(void **state) {
     for (size_t s = 0; s < TRAINED_STATES; s++) {
         const double *expected = coupled.states.coordinates + s * n;
         double M = training.set.moes_M[s], pressure = training.set.alpha_p_H[s], away = 0;
-        reduced_guess(&reduced.state, &reduced.model, M, pressure, NULL);
+        reduced_guess(&reduced.state, &reduced.model,
+                      (contact_place){.moes_M = M, .alpha_p_H = pressure});
         assert_int_equal(reduced.state.exit, coupled.states.exit[s]);
         check_close_array(reduced.state.coordinates, expected, n, 1e-4, 1e-4);
-        reduced_neighbour(&reduced.state, &reduced.model, M, pressure, NULL);
+        reduced_neighbour(&reduced.state, &reduced.model,
+                          (contact_place){.moes_M = M, .alpha_p_H = pressure});
         for (size_t j = 0; j < n; j++)
             away = fmax(away, fabs(reduced.state.coordinates[j] - expected[j]));
         assert_true(away > 1e-3);
@@ -265,7 +274,7 @@ static void guess_at_a_training_point_is_that_state(void **state) {
         assert_true(reduced.state.exit <= reduced.model.band.lines[0].max_exit);
     }
     // far outside: some trained solution, and an exit within the tables
-    reduced_guess(&reduced.state, &reduced.model, 1e4, 1e3, NULL);
+    reduced_guess(&reduced.state, &reduced.model, (contact_place){.moes_M = 1e4, .alpha_p_H = 1e3});
     size_t same = 0;
     for (size_t s = 0; s < TRAINED_STATES; s++)
         same += reduced.state.coordinates[0] == coupled.states.coordinates[s * n];
@@ -306,8 +315,7 @@ static void goes_on_to_other_starts(void **state) {
     reduced_problem_init(&reduced, &coupled, NULL, 0, &strict_settings);
     const ehd_contact *contact = &training.contacts[3];
     spoil_nearest(&reduced.model.states, contact, 10);
-    reduced_guess(&reduced.state, &reduced.model, contact->moes_M, contact->alpha_p_H,
-                  &contact->lubricant);
+    reduced_guess(&reduced.state, &reduced.model, contact_place_of(contact));
     assert_int_equal(
         reduced_solve(&reduced.info, &reduced.state, reduced.solver, contact, NULL, NULL), EHD_OK);
     const size_t alone = reduced.info.iterations;
@@ -327,7 +335,8 @@ static void goes_on_to_other_starts(void **state) {
 static bool is_trained(const reduced_model *model, double M, double alpha_p_H, double rate) {
     trained_range *range = trained_range_create(model);
     assert_non_null(range);
-    const char *reason = trained_range_check(range, M, alpha_p_H, rate);
+    const char *reason =
+        trained_range_check(range, (contact_place){.moes_M = M, .alpha_p_H = alpha_p_H}, rate);
     trained_range_free(range);
     return reason == NULL;
 }
@@ -335,10 +344,12 @@ static bool is_trained(const reduced_model *model, double M, double alpha_p_H, d
 static void trained_range_is_the_hull(void **state) {
     (void)state;
     bool stationary[] = {true, true, true, true, true, true};
-    double rate[6] = {0}, moes_M[] = {10, 20, 20, 10, 15, 15}, alpha_p_H[] = {1, 2, 6, 5, 3, 1.5};
+    double rate[6] = {0}, thinning[6] = {0}, moes_M[] = {10, 20, 20, 10, 15, 15},
+           alpha_p_H[] = {1, 2, 6, 5, 3, 1.5};
     reduced_model model = {.states = {.num_states = 6,
                                       .moes_M = moes_M,
                                       .alpha_p_H = alpha_p_H,
+                                      .thinning = thinning,
                                       .stationary = stationary,
                                       .rate = rate}};
     const struct {
@@ -394,6 +405,56 @@ static void trained_range_is_the_hull(void **state) {
     assert_false(is_trained(&model, 1, 1, 0));
 }
 
+static const char *judge(const reduced_model *model, double M, double alpha_p_H, double thinning) {
+    trained_range *range = trained_range_create(model);
+    assert_non_null(range);
+    const char *reason = trained_range_check(
+        range, (contact_place){.moes_M = M, .alpha_p_H = alpha_p_H, .thinning = thinning}, 0);
+    trained_range_free(range);
+    return reason ? reason : "";
+}
+
+/* A wedge: more thinned at larger M, and a model that no thinned flow has trained. */
+static void trained_range_knows_thinning(void **state) {
+    (void)state;
+    static const char less[] = "a flow that is thinned less than any in training";
+    static const char more[] = "a flow that is thinned more than any in training";
+    static const char beside[] = "outside of the trained range of M, alpha p_H and thinning";
+    static const char plane[] = "outside of the trained range of M and alpha p_H";
+    bool stationary[] = {true, true, true, true, true, true, true};
+    double rate[7] = {0}, moes_M[] = {10, 10, 10, 10, 40, 40, 20},
+           alpha_p_H[] = {5, 20, 5, 20, 5, 20, 10},
+           thinning[] = {0.01, 0.01, 0.04, 0.04, 0.04, 0.04, 0.03};
+    reduced_model model = {.states = {.num_states = 7,
+                                      .moes_M = moes_M,
+                                      .alpha_p_H = alpha_p_H,
+                                      .thinning = thinning,
+                                      .stationary = stationary,
+                                      .rate = rate}};
+
+    for (size_t s = 0; s < 7; s++)
+        assert_string_equal(judge(&model, moes_M[s], alpha_p_H[s], thinning[s]), "");
+    // of the slope of the wedge: ln(thinning/0.01) = ln(M/10)
+    assert_string_equal(judge(&model, 20, 10, 0.02), "");
+    assert_string_equal(judge(&model, 20, 10, 0.02 * (1 + 1e-6)), "");
+    assert_string_equal(judge(&model, 20, 10, 0.02 * (1 - 1e-6)), beside);
+    assert_string_equal(judge(&model, 30, 12, 0.0299), beside);
+    assert_string_equal(judge(&model, 20, 10, 0.041), more);
+    assert_string_equal(judge(&model, 10, 10, 0.0099), less);
+    assert_string_equal(judge(&model, 10, 10, 0), less);
+    assert_string_equal(judge(&model, 9.9, 10, 0.02), plane);
+    // flow of Newtonian fluids, which is what no thinning and one that no film shows are
+    for (size_t s = 0; s < 7; s++)
+        thinning[s] = 0;
+    assert_string_equal(judge(&model, 20, 10, 0), "");
+    assert_string_equal(judge(&model, 20, 10, 1e-7), "");
+    assert_string_equal(judge(&model, 20, 10, 1.1e-6), more);
+    // both
+    thinning[0] = 0.01;
+    assert_string_equal(judge(&model, 10, 5, 0.005), "");
+    assert_string_equal(judge(&model, 20, 10, 0.005), beside);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(quadratic_amid_training),
@@ -405,6 +466,7 @@ int main(void) {
         cmocka_unit_test(goes_on_to_other_starts),
         cmocka_unit_test(guess_at_a_training_point_is_that_state),
         cmocka_unit_test(trained_range_is_the_hull),
+        cmocka_unit_test(trained_range_knows_thinning),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);

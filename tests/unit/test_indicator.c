@@ -197,7 +197,7 @@ static void bound_follows_the_deviation(void **state) {
         for (size_t s = 0; s < TRAINED_STATES; s++) {
             const ehd_contact *contact = &training.contacts[s];
             reduced_state at = {.coordinates = z};
-            reduced_guess(&at, &model, contact->moes_M, contact->alpha_p_H, &contact->lubricant);
+            reduced_guess(&at, &model, contact_place_of(contact));
             check_ok(reduced_solve(&info, &at, solver, contact, NULL, &error));
             double found = indicator_bound(self, solver, &at, contact, &info.scalars);
             assert_true(info.status == EHD_OK && found > 0);
@@ -341,7 +341,7 @@ static void other_errors_are_what_each_row_does(void **state) {
         for (size_t s = 1; s < TRAINED_STATES; s += 5) {
             const ehd_contact *contact = &training.contacts[s];
             double left[400] = {0}, gradient[40], pressure = 0, film = 0;
-            reduced_guess(&at, &model, contact->moes_M, contact->alpha_p_H, &contact->lubricant);
+            reduced_guess(&at, &model, contact_place_of(contact));
             check_ok(reduced_solve(&info, &at, other, contact, NULL, &error));
             for (size_t r = 0; r < last.num_rows; r++)
                 left[r] = last.right[r] + cblas_ddot((int)n, last.matrix + r * n, 1, last.step, 1);
@@ -351,7 +351,7 @@ static void other_errors_are_what_each_row_does(void **state) {
             for (size_t k = 1; k < at.exit; k++)
                 pressure = fmax(pressure, moved(&last, left, gradients + k * n));
 
-            reduced_guess(&at, &model, contact->moes_M, contact->alpha_p_H, &contact->lubricant);
+            reduced_guess(&at, &model, contact_place_of(contact));
             check_ok(reduced_solve(&info, &at, solver, contact, NULL, &error));
             const reduced_errors found = reduced_other_errors(solver, &at, contact, added);
             check_close(found.pressure, pressure, 1e-3, 0);
@@ -407,7 +407,7 @@ static void film_error_is_what_each_row_does(void **state) {
         for (size_t s = 0; s < TRAINED_STATES; s += 3) {
             const ehd_contact *contact = &training.contacts[s];
             double gradient[40], cause[400], influence[400], sum = 0;
-            reduced_guess(&at, &model, contact->moes_M, contact->alpha_p_H, &contact->lubricant);
+            reduced_guess(&at, &model, contact_place_of(contact));
             check_ok(reduced_solve(&info, &at, other, contact, NULL, &error));
             film_gradient(gradient, other, &at, contact, last.num_columns);
             shortest_cause(cause, &last, gradient);
@@ -417,7 +417,7 @@ static void film_error_is_what_each_row_does(void **state) {
                                                last.matrix + r * last.num_columns, 1, last.step, 1);
                 sum += left * left * cause[r] * cause[r];
             }
-            reduced_guess(&at, &model, contact->moes_M, contact->alpha_p_H, &contact->lubricant);
+            reduced_guess(&at, &model, contact_place_of(contact));
             check_ok(reduced_solve(&info, &at, solver, contact, NULL, &error));
             check_close(reduced_film_error(influence, solver, REDUCED_CENTRAL_FILM), sqrt(sum),
                         1e-4, 0);
@@ -463,8 +463,9 @@ static void what_the_iteration_leaves_is_indicated(void **state) {
             reduced_info info;
             check_ok(reduced_solver_create(&solver, &model, &settings, &error));
             check_ok(reduced_state_init(&at, &model, &error));
-            reduced_neighbour(&at, &model, training.contacts[s].moes_M,
-                              training.contacts[s].alpha_p_H, NULL);
+            reduced_neighbour(&at, &model,
+                              (contact_place){.moes_M = training.contacts[s].moes_M,
+                                              .alpha_p_H = training.contacts[s].alpha_p_H});
             check_ok(reduced_solve(&info, &at, solver, &training.contacts[s], NULL, &error));
             film[loose] = info.scalars.central_film_thickness;
             indicated = reduced_film_error(influence, solver, REDUCED_CENTRAL_FILM);

@@ -177,7 +177,7 @@ static reduced_info solve(const reduced_model *model, double *coordinates) {
 
     contact_set_moes(&contact, 12, 3);
     check_ok(reduced_solver_create(&solver, model, &settings, &error));
-    reduced_guess(&state, model, contact.moes_M, contact.alpha_p_H, &contact.lubricant);
+    reduced_guess(&state, model, contact_place_of(&contact));
     check_ok(reduced_solve(&info, &state, solver, &contact, NULL, &error));
     reduced_solver_free(solver);
     return info;

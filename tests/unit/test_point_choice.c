@@ -17,7 +17,7 @@ static bool contains(const size_t *numbers, size_t count, size_t wanted) {
 }
 
 static void corners_of_a_grid_are_its_four(void **state) {
-    double places[25][2];
+    double places[25][RANGE_AXES] = {{0}};
     size_t corners[25];
     (void)state;
 
@@ -25,7 +25,8 @@ static void corners_of_a_grid_are_its_four(void **state) {
         places[i][0] = (double)(i % 5);
         places[i][1] = (double)(i / 5);
     }
-    assert_int_equal(point_choice_corners(corners, (const double(*)[2])places, 25, 1e-9), 4);
+    assert_int_equal(point_choice_corners(corners, (const double(*)[RANGE_AXES])places, 25, 1e-9),
+                     4);
     for (size_t i = 0; i < 4; i++)
         assert_true(contains(corners, 4, (size_t[]){0, 4, 20, 24}[i]));
 }
@@ -34,7 +35,7 @@ static void corners_of_a_grid_are_its_four(void **state) {
  * takes. */
 static void corners_of_a_circle_follow_the_tolerance(void **state) {
     enum { COUNT = 360 };
-    double places[COUNT][2];
+    double places[COUNT][RANGE_AXES] = {{0}};
     size_t corners[COUNT];
     (void)state;
 
@@ -42,16 +43,46 @@ static void corners_of_a_circle_follow_the_tolerance(void **state) {
         places[i][0] = cos((double)i * acos(-1) / 180);
         places[i][1] = sin((double)i * acos(-1) / 180);
     }
-    assert_int_equal(point_choice_corners(corners, (const double(*)[2])places, COUNT, 1e-9), COUNT);
+    assert_int_equal(
+        point_choice_corners(corners, (const double(*)[RANGE_AXES])places, COUNT, 1e-9), COUNT);
     // the sagitta of 90 degrees is 0.293, of 45 degrees 0.076, of 22 or 23 degrees 0.020
-    assert_int_equal(point_choice_corners(corners, (const double(*)[2])places, COUNT, 0.3), 4);
-    assert_int_equal(point_choice_corners(corners, (const double(*)[2])places, COUNT, 0.1), 8);
-    assert_int_equal(point_choice_corners(corners, (const double(*)[2])places, COUNT, 0.025), 16);
+    assert_int_equal(point_choice_corners(corners, (const double(*)[RANGE_AXES])places, COUNT, 0.3),
+                     4);
+    assert_int_equal(point_choice_corners(corners, (const double(*)[RANGE_AXES])places, COUNT, 0.1),
+                     8);
+    assert_int_equal(
+        point_choice_corners(corners, (const double(*)[RANGE_AXES])places, COUNT, 0.025), 16);
+}
+
+/* A skewed grid of 3 by 3 by 3 with one more corner, where the last coordinate varies too. */
+static void corners_of_a_body_span_it(void **state) {
+    double places[28][RANGE_AXES];
+    size_t corners[28], call = 0, count;
+    (void)state;
+
+    for (size_t i = 0; i < 27; i++) {
+        places[i][0] = 7 + (double)(i % 3);
+        places[i][1] = (double)(i / 3 % 3) + 0.3 * places[i][0];
+        places[i][2] = (double)(i / 9) - 0.2 * places[i][1];
+    }
+    for (int axis = 0; axis < RANGE_AXES; axis++)
+        places[27][axis] = places[13][axis] + (axis == 2 ? 3 : 0);
+    count = point_choice_corners(corners, (const double(*)[RANGE_AXES])places, 28, 1e-9);
+    assert_int_equal(count, 9);
+    for (size_t i = 0; i < 9; i++)
+        assert_true(contains(corners, 9, (size_t[]){0, 2, 6, 8, 18, 20, 24, 26, 27}[i]));
+    do { // no memory
+        allocation_fail_at(call);
+        count = point_choice_corners(corners, (const double(*)[RANGE_AXES])places, 28, 1e-9);
+        if (!allocation_failed()) break;
+        assert_true(count == 0 || count >= 9);
+    } while (call++ < 1000);
+    assert_int_equal(count, 9);
 }
 
 static void corners_of_few_points(void **state) {
-    const double same[3][2] = {{1, 2}, {1, 2}, {1, 2}};
-    const double line[4][2] = {{1, 0}, {0, 0}, {3, 0}, {2, 0}};
+    const double same[3][RANGE_AXES] = {{1, 2}, {1, 2}, {1, 2}};
+    const double line[4][RANGE_AXES] = {{1, 0}, {0, 0}, {3, 0}, {2, 0}};
     size_t corners[4];
     (void)state;
 
@@ -178,6 +209,7 @@ static void choice_survives_failing_allocations(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(corners_of_a_grid_are_its_four),
                                        cmocka_unit_test(corners_of_a_circle_follow_the_tolerance),
+                                       cmocka_unit_test(corners_of_a_body_span_it),
                                        cmocka_unit_test(corners_of_few_points),
                                        cmocka_unit_test(the_worst_come_first_and_apart),
                                        cmocka_unit_test(what_is_good_enough_or_taken_is_left),

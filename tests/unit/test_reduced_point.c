@@ -97,8 +97,9 @@ static void check_full_rank(deformation_kind kind, size_t stride) {
     reduced_problem_init(&reduced, &basis, NULL, 0, &strict_settings);
     for (size_t s = 0; s < TRAINED_STATES; s += stride) {
         if (has_two_exits(s)) continue;
-        reduced_neighbour(&reduced.state, &reduced.model, half.set.moes_M[s], half.set.alpha_p_H[s],
-                          NULL);
+        reduced_neighbour(
+            &reduced.state, &reduced.model,
+            (contact_place){.moes_M = half.set.moes_M[s], .alpha_p_H = half.set.alpha_p_H[s]});
         reduced_problem_solve(&reduced, &half.contacts[s]);
         check_is_training_state(&reduced, &basis, &half, s, 1e-9);
     }
@@ -359,7 +360,8 @@ static void a_start_beside_a_row_of_neighbours_is_near_it(void **state) {
     // at many places, for rounding hides the line from the factorisation at some of them only
     for (double M = 20.1; M < 20.6; M += 0.1)
         for (double pressure = 8.03; pressure < 8.5; pressure += 0.01) {
-            reduced_guess(&reduced.state, &reduced.model, M, pressure, NULL);
+            reduced_guess(&reduced.state, &reduced.model,
+                          (contact_place){.moes_M = M, .alpha_p_H = pressure});
             assert_true(reduced.state.coordinates[0] > least - extent &&
                         reduced.state.coordinates[0] < most + extent);
         }

@@ -37,8 +37,9 @@ static int tear_down(void **state) {
 // ---- helpers
 
 static void solve_from_neighbour(reduced_problem *self, size_t s) {
-    reduced_neighbour(&self->state, &self->model, training.set.moes_M[s], training.set.alpha_p_H[s],
-                      NULL);
+    reduced_neighbour(
+        &self->state, &self->model,
+        (contact_place){.moes_M = training.set.moes_M[s], .alpha_p_H = training.set.alpha_p_H[s]});
     reduced_problem_solve(self, &training.contacts[s]);
 }
 
@@ -256,8 +257,9 @@ static void another_linear_solver_may_be_put_in(void **state) {
     }
     // that it cannot be solved is an outcome
     ways.other = (other_solver){.fails_at = 2};
-    reduced_neighbour(&with_other->state, &with_other->model, training.set.moes_M[0],
-                      training.set.alpha_p_H[0], NULL);
+    reduced_neighbour(
+        &with_other->state, &with_other->model,
+        (contact_place){.moes_M = training.set.moes_M[0], .alpha_p_H = training.set.alpha_p_H[0]});
     assert_int_equal(reduced_solve(&with_other->info, &with_other->state, with_other->solver,
                                    &training.contacts[0], NULL, NULL),
                      EHD_OK);
@@ -308,8 +310,9 @@ static void truncated_bases_stay_near(void **state) {
             reduced_problem_init(&reduced, &small, NULL, 0, &strict_settings);
             for (size_t s = 0; s < TRAINED_STATES; s++) {
                 double expected = training.set.central_film_thickness[s];
-                reduced_guess(&reduced.state, &reduced.model, training.set.moes_M[s],
-                              training.set.alpha_p_H[s], NULL);
+                reduced_guess(&reduced.state, &reduced.model,
+                              (contact_place){.moes_M = training.set.moes_M[s],
+                                              .alpha_p_H = training.set.alpha_p_H[s]});
                 reduced_problem_solve(&reduced, &training.contacts[s]);
                 worst =
                     fmax(worst, fabs(reduced.info.scalars.central_film_thickness / expected - 1));
@@ -360,11 +363,10 @@ static void any_trained_solution_leads_to_any_other(void **state) {
 
 static const deformation_kind both_kinds[] = {DEFORMATION_COUPLED, DEFORMATION_INDEPENDENT};
 
-static void accurate_full_rank_reproduces_the_full_model(void **state) {
-    (void)state;
+static void check_full_rank(void (*init)(trained *, double)) {
     trained accurate;
     reduced_basis small;
-    trained_init_accurate(&accurate, 0.04);
+    init(&accurate, 0.04);
     trained_basis(&small, &accurate, DEFORMATION_COUPLED, 0, 0);
     for (int kind = 0; kind < 2; kind++) {
         reduced_basis basis = identity_basis(&accurate.set, both_kinds[kind], small.weight);
@@ -374,8 +376,10 @@ static void accurate_full_rank_reproduces_the_full_model(void **state) {
         for (size_t s = 0; s < TRAINED_STATES; s++) {
             const size_t exit = accurate.set.exit[s];
             const double *pressure = accurate.set.pressure + s * num_nodes;
-            reduced_neighbour(&reduced.state, &reduced.model, accurate.set.moes_M[s],
-                              accurate.set.alpha_p_H[s], NULL);
+            reduced_neighbour(&reduced.state, &reduced.model,
+                              (contact_place){.moes_M = accurate.set.moes_M[s],
+                                              .alpha_p_H = accurate.set.alpha_p_H[s],
+                                              .thinning = accurate.set.thinning[s]});
             reduced_problem_solve(&reduced, &accurate.contacts[s]);
             assert_int_equal(reduced.state.exit, exit);
             check_close_array(reduced.state.coordinates, pressure + 1, exit - 1, 0, 1e-9);
@@ -388,6 +392,53 @@ static void accurate_full_rank_reproduces_the_full_model(void **state) {
     }
     reduced_basis_free(&small);
     trained_free(&accurate);
+}
+
+static void accurate_full_rank_reproduces_the_full_model(void **state) {
+    (void)state;
+    check_full_rank(trained_init_accurate);
+}
+
+static void thinned_full_rank_reproduces_the_full_model(void **state) {
+    trained thinned, newtonian;
+    (void)state;
+
+    check_full_rank(trained_init_thinned);
+    // which is another flow: at the thickest film by a tenth
+    trained_init_thinned(&thinned, 0.04);
+    trained_init_accurate(&newtonian, 0.04);
+    assert_true(thinned.set.central_film_thickness[2] <
+                0.9 * newtonian.set.central_film_thickness[2]);
+    trained_free(&thinned);
+    trained_free(&newtonian);
+}
+
+/* With a large stress of Eyring's the film is the Newtonian one, with a small one it is not. Of a fluid
+ * whose mobility is exponential, which has no need of one between the nodes. */
+static void thinned_solutions_have_the_newtonian_limit(void **state) {
+    (void)state;
+    trained thinned;
+    reduced_basis basis;
+    reduced_problem reduced;
+    trained_init_thinned(&thinned, 0.05);
+    trained_basis(&basis, &thinned, DEFORMATION_COUPLED, 0, 0);
+    reduced_problem_init(&reduced, &basis, NULL, 0, &strict_settings);
+    const double stresses[] = {0, 1e9, 1e-2};
+    contact_scalars found[3];
+    for (int i = 0; i < 3; i++) {
+        ehd_contact contact = thinned.contacts[4];
+        contact.lubricant.thinning_stress = stresses[i] * contact.hertz_pressure;
+        contact.lubricant.density = NULL;
+        reduced_guess(&reduced.state, &reduced.model, contact_place_of(&contact));
+        reduced_problem_solve(&reduced, &contact);
+        found[i] = reduced.info.scalars;
+    }
+    check_close(found[1].central_film_thickness, found[0].central_film_thickness, 1e-9, 0);
+    check_close(found[1].minimum_film_thickness, found[0].minimum_film_thickness, 1e-9, 0);
+    assert_true(fabs(found[2].central_film_thickness / found[0].central_film_thickness - 1) > 1e-6);
+    reduced_problem_free(&reduced);
+    reduced_basis_free(&basis);
+    trained_free(&thinned);
 }
 
 /* The last row of a least-squares problem, which is the cell's. */
@@ -449,6 +500,68 @@ static void the_cell_s_row_equals_finite_differences(void **state) {
     trained_free(&accurate);
 }
 
+/* A whole least-squares problem. */
+enum { MOST_UNKNOWNS = TRAINED_STATES * 4, MOST_ROWS = 200 };
+typedef struct whole_problem {
+    double matrix[MOST_ROWS * MOST_UNKNOWNS], right[MOST_ROWS];
+    size_t num_rows;
+} whole_problem;
+
+static ehd_status keep_problem(double *step, void *context, const double *matrix,
+                               const double *right, size_t num_rows, size_t num_unknowns) {
+    whole_problem *self = context;
+    (void)step;
+
+    assert_true(num_rows <= MOST_ROWS && num_unknowns <= MOST_UNKNOWNS);
+    memcpy(self->matrix, matrix, num_rows * num_unknowns * sizeof(double));
+    memcpy(self->right, right, num_rows * sizeof(double));
+    self->num_rows = num_rows;
+    return EHD_NOT_CONVERGED;
+}
+
+/* Of flows that the sliding thins, the cell's row included. */
+static void thinned_rows_equal_finite_differences(void **state) {
+    (void)state;
+    trained thinned;
+    static whole_problem here, side[2];
+    trained_init_thinned(&thinned, 0.05);
+    for (int i = 0; i < 2; i++) {
+        const size_t s = 6;
+        reduced_basis basis;
+        trained_basis(&basis, &thinned, both_kinds[i], 0, 0);
+        for (size_t j = 0; j < reduced_num_unknowns(basis.num_pressure, basis.num_deformation);
+             j++) {
+            const size_t n = reduced_num_unknowns(basis.num_pressure, basis.num_deformation);
+            const double h = j + 1 < n ? 1e-4 : 1e-7;
+            for (int sign = 0; sign < 3; sign++) {
+                whole_problem *kept = sign < 2 ? &side[sign] : &here;
+                const reduced_settings once = {.max_iterations = 1,
+                                               .tolerance = 1e-8,
+                                               .solve_linear = keep_problem,
+                                               .linear_context = kept};
+                reduced_problem reduced;
+                reduced_problem_init(&reduced, &basis, NULL, 0, &once);
+                memcpy(reduced.state.coordinates, basis.states.coordinates + s * n,
+                       n * sizeof(double));
+                reduced.state.coordinates[j] += sign == 0 ? -h : sign == 1 ? h : 0;
+                reduced_state_set_exits(&reduced.state, &reduced.model, &thinned.set.exit[s]);
+                assert_int_equal(reduced_solve(&reduced.info, &reduced.state, reduced.solver,
+                                               &thinned.contacts[s], NULL, NULL),
+                                 EHD_OK);
+                reduced_problem_free(&reduced);
+            }
+            double largest = 0;
+            for (size_t r = 0; r < here.num_rows; r++)
+                largest = fmax(largest, fabs(here.matrix[r * n + j]));
+            for (size_t r = 0; r < here.num_rows; r++)
+                check_close(here.matrix[r * n + j], (side[1].right[r] - side[0].right[r]) / (2 * h),
+                            1e-4, 1e-5 * largest);
+        }
+        reduced_basis_free(&basis);
+    }
+    trained_free(&thinned);
+}
+
 // ---- the exit's moves
 
 /* Newton that starts with a wrong exit moves it node by node and in strides, with a rank-k update
@@ -470,8 +583,9 @@ static void moving_the_exit_equals_rebuilding(void **state) {
                most = reduced.model.band.lines[0].max_exit, found = 0;
         for (size_t exit = least; exit <= most; exit++) {
             double load = 0;
-            reduced_neighbour(&reduced.state, &reduced.model, training.set.moes_M[STATE],
-                              training.set.alpha_p_H[STATE], NULL);
+            reduced_neighbour(&reduced.state, &reduced.model,
+                              (contact_place){.moes_M = training.set.moes_M[STATE],
+                                              .alpha_p_H = training.set.alpha_p_H[STATE]});
             reduced.state.exit = exit;
             reduced_problem_solve(&reduced, &training.contacts[STATE]);
             if (reduced.state.exit == training.set.exit[STATE])
@@ -506,8 +620,7 @@ static void the_exit_stays_inside_the_tables(void **state) {
         for (size_t i = 0; i < 12; i++) {
             ehd_contact contact = training.contacts[0];
             contact_set_moes(&contact, moes_M[i / 2], 3);
-            reduced_guess(&reduced.state, &reduced.model, contact.moes_M, contact.alpha_p_H,
-                          &contact.lubricant);
+            reduced_guess(&reduced.state, &reduced.model, contact_place_of(&contact));
             reduced.state.exit = ends[i % 2];
             assert_int_equal(
                 reduced_solve(&reduced.info, &reduced.state, reduced.solver, &contact, NULL, NULL),
@@ -705,7 +818,10 @@ int main(void) {
         cmocka_unit_test(truncated_bases_stay_near),
         cmocka_unit_test(any_trained_solution_leads_to_any_other),
         cmocka_unit_test(accurate_full_rank_reproduces_the_full_model),
+        cmocka_unit_test(thinned_full_rank_reproduces_the_full_model),
+        cmocka_unit_test(thinned_solutions_have_the_newtonian_limit),
         cmocka_unit_test(the_cell_s_row_equals_finite_differences),
+        cmocka_unit_test(thinned_rows_equal_finite_differences),
         cmocka_unit_test(moving_the_exit_equals_rebuilding),
         cmocka_unit_test(the_exit_stays_inside_the_tables),
         cmocka_unit_test(minimum_film_is_that_of_the_fields),

@@ -28,6 +28,7 @@ static ehd_status build(reduced_model *result, size_t num_workers, size_t num_po
                                    set->rigid_approach[s],
                                    set->moes_M[s],
                                    set->alpha_p_H[s],
+                                   set->thinning[s],
                                    set->central_film_thickness[s],
                                    set->rises[s]};
     trial_costs costs;

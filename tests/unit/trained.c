@@ -2,6 +2,7 @@
 #include "tests/unit/trained.h"
 
 #include "common/physics/minimum.h"
+#include "common/physics/traction.h"
 #include "fullrun/full_solver.h"
 #include "tests/unit/sample.h"
 
@@ -39,6 +40,7 @@ static void train(trained *self) {
                            solution.rigid_approach,
                            contact->moes_M,
                            contact->alpha_p_H,
+                           traction_thinning_rate(contact),
                            full_evaluate_scalars(&solution, contact).central_film_thickness,
                            lubricant_rises_at(&contact->lubricant, contact->hertz_pressure)};
     }
@@ -65,6 +67,19 @@ void trained_init_accurate(trained *self, double step) {
     make_contacts(self, step);
     for (size_t s = 0; s < TRAINED_STATES; s++)
         self->contacts[s].grid.discretization = DISCRETIZATION_ACCURATE;
+    train(self);
+}
+
+void trained_init_thinned(trained *self, double step) {
+    make_contacts(self, step);
+    for (size_t s = 0; s < TRAINED_STATES; s++) {
+        ehd_contact *contact = &self->contacts[s];
+        contact->grid.discretization = DISCRETIZATION_ACCURATE;
+        contact->half_width = 1e-4;
+        contact->radius = 0.01;
+        contact->slide_roll = 0.5 + 0.1 * (double)(s % 2);
+        contact->lubricant.thinning_stress = (s % 3 == 0 ? 1e-4 : 2e-4) * contact->hertz_pressure;
+    }
     train(self);
 }
 

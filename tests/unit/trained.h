@@ -26,6 +26,9 @@ void trained_init_published(trained *self, double step); // the same with the pu
 /* The same with the accurate rows. */
 void trained_init_accurate(trained *self, double step);
 
+/* The same of flows that the sliding thins, where its least stress is a hundredth of the Hertz pressure. */
+void trained_init_thinned(trained *self, double step);
+
 /* The same points of a point contact on -2.5 … 1.5 and -2 … 2 in steps of 0.125, or on the half y
  * >= 0, with a boundary "open" or "zero". */
 void trained_init_point(trained *self, bool half, const char *boundary);

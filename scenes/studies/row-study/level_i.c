@@ -256,7 +256,7 @@ static void measure(const variant *way, const reduced_model *model, const traini
         const ehd_contact *contact = &set->contacts[i];
         reduced_info info;
         if (!inside[i]) continue;
-        reduced_guess(&state, model, contact->moes_M, contact->alpha_p_H, &contact->lubricant);
+        reduced_guess(&state, model, contact_place_of(contact));
         if (way->band) band_fill(way->band, &state, contact);
         need(!reduced_solve(&info, &state, solver, contact, NULL, NULL), "memory: found none");
         if (info.status) {
@@ -302,15 +302,14 @@ int main(int argc, char **argv) {
     double *film = solve_full(&set);
     need(range, "memory: found none");
     for (size_t i = 0; i < set.num_points; i++)
-        inside[i] =
-            !trained_range_check(range, set.contacts[i].moes_M, set.contacts[i].alpha_p_H, 0);
+        inside[i] = !trained_range_check(range, contact_place_of(&set.contacts[i]), 0);
 
     band bands[] = {band_create(&model, &basis, 0), band_create(&model, &basis, 10),
                     band_create(&model, &basis, 100)};
     band one = band_create(&model, &basis, 0);
     reduced_state middle = {.coordinates = claim(model.num_unknowns)};
     const ehd_contact *contact = &set.contacts[set.num_points / 2];
-    reduced_guess(&middle, &model, contact->moes_M, contact->alpha_p_H, &contact->lubricant);
+    reduced_guess(&middle, &model, contact_place_of(contact));
     band_fill(&one, &middle, contact);
 
     const variant ways[] = {{"D of the basis", NULL, NULL, NULL},

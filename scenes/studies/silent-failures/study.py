@@ -135,9 +135,10 @@ def beyond_neighbours(field, other):
 
 
 def fields_off(file, pressure, film, central):
-    """The larger deviation of both fields: of P in Hertz pressures, of H over the central film where there is P."""
+    """The larger deviation of both fields: of P in Hertz pressures, of H over the central film where there is P. A result has
+    both halves of a point contact, pressure and film maybe the one with y >= 0 alone."""
     pressure, film = np.squeeze(pressure), np.squeeze(film)
-    found = np.squeeze(file["pressure"][()]), np.squeeze(file["film_thickness"][()])
+    found = [np.squeeze(file[name][()])[-len(pressure):] for name in ("pressure", "film_thickness")]
     inside = pressure > 0
     film_off = beyond_neighbours(np.where(inside, found[1], 0), np.where(inside, film, 0))
     return max(beyond_neighbours(found[0], pressure), film_off / central)

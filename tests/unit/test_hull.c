@@ -1,0 +1,45 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "common/algebra/hull.h"
+#include "tests/unit/allocation.h"
+#include "tests/unit/check.h"
+
+#include <math.h>
+
+/* Of a cube, of which some corners are given twice. */
+static void distances_from_a_cube(void **state) {
+    double cube[3 * 10];
+    (void)state;
+
+    for (size_t i = 0; i < 10; i++)
+        for (size_t axis = 0; axis < 3; axis++)
+            cube[axis * 10 + i] = (double)(i >> axis & 1);
+    check_close(hull_distance(cube, 10, 3, (double[]){0.2, 0.7, 0.4}), 0, 0, 1e-10);
+    check_close(hull_distance(cube, 10, 3, (double[]){1, 0, 0.5}), 0, 0, 1e-10);
+    assert_true(hull_distance(cube, 10, 3, (double[]){1 + 1e-6, 0.5, 0.5}) > 1e-7);
+    assert_true(hull_distance(cube, 10, 3, (double[]){0.5, 0.5, -1}) > 0.5);
+    assert_true(isinf(hull_distance(cube, 10, 3, (double[]){0.5, NAN, 0.5})));
+    allocation_fail_at(0);
+    assert_true(isinf(hull_distance(cube, 10, 3, (double[]){0.5, 0.5, 0.5})));
+    assert_true(allocation_failed());
+}
+
+/* Of a segment and of a single point, which have no volume. */
+static void distances_from_what_is_flat(void **state) {
+    const double segment[] = {0, 1, 0, 2}, lone[] = {0.3, 0.4};
+    (void)state;
+
+    check_close(hull_distance(segment, 2, 2, (double[]){0.25, 0.5}), 0, 0, 1e-10);
+    assert_true(hull_distance(segment, 2, 2, (double[]){0.25, 0.6}) > 1e-2);
+    assert_true(hull_distance(segment, 2, 2, (double[]){1.1, 2.2}) > 1e-2);
+    check_close(hull_distance(lone, 1, 2, lone), 0, 0, 1e-10);
+    assert_true(hull_distance(lone, 1, 2, (double[]){0.3, 0.5}) > 1e-2);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(distances_from_a_cube),
+        cmocka_unit_test(distances_from_what_is_flat),
+    };
+
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
