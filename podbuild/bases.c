@@ -37,8 +37,7 @@ static ehd_status deflect(double **deflections, const snapshot_set *set, const d
     return EHD_OK;
 }
 
-/* Modes as the reduced basis holds them, node-major. */
-static double *turn_modes(const pod_basis *pod) {
+double *bases_turn_modes(const pod_basis *pod) {
     double *modes = malloc(pod->num_nodes * pod->num_modes * sizeof(double));
 
     for (size_t j = 0; modes && j < pod->num_modes; j++)
@@ -56,19 +55,12 @@ static void project(reduced_states *states, size_t first, const pod_basis *pod,
                     states->coordinates + s * states->num_unknowns + first, 1);
 }
 
-static ehd_status fill_states(reduced_basis *basis, const snapshot_set *set,
-                              const pod_basis *pressure_pod, const pod_basis *deformation_pod,
-                              const double *deflections, ehd_error *error) {
-    reduced_states *states = &basis->states;
-    size_t num_states = set->num_states, num_lines = grid_lines(&set->grid);
-    size_t num_unknowns = reduced_num_unknowns(basis->num_pressure, basis->num_deformation);
-    ehd_status status = reduced_states_init(states, num_states, num_lines, num_unknowns, error);
+void bases_fill_states(reduced_states *states, const snapshot_set *set) {
+    const size_t num_states = set->num_states, num_lines = grid_lines(&set->grid);
+    const size_t last = states->num_unknowns - 1;
 
-    if (status) return status;
-    project(states, 0, pressure_pod, set->pressure);
-    if (deflections) project(states, basis->num_pressure, deformation_pod, deflections);
     for (size_t s = 0; s < num_states; s++)
-        states->coordinates[s * num_unknowns + num_unknowns - 1] = set->rigid_approach[s];
+        states->coordinates[s * states->num_unknowns + last] = set->rigid_approach[s];
     memcpy(states->exit, set->exit, num_states * num_lines * sizeof *states->exit);
     memcpy(states->moes_M, set->moes_M, num_states * sizeof(double));
     memcpy(states->alpha_p_H, set->alpha_p_H, num_states * sizeof(double));
@@ -79,7 +71,33 @@ static ehd_status fill_states(reduced_basis *basis, const snapshot_set *set,
     memcpy(states->rate, set->rate, num_states * sizeof(double));
     memcpy(states->effects, set->effects, num_states * sizeof *states->effects);
     memcpy(states->rises, set->rises, num_states * sizeof *states->rises);
+}
+
+static ehd_status fill_states(reduced_basis *basis, const snapshot_set *set,
+                              const pod_basis *pressure_pod, const pod_basis *deformation_pod,
+                              const double *deflections, ehd_error *error) {
+    reduced_states *states = &basis->states;
+    size_t num_unknowns = reduced_num_unknowns(basis->num_pressure, basis->num_deformation);
+    ehd_status status =
+        reduced_states_init(states, set->num_states, grid_lines(&set->grid), num_unknowns, error);
+
+    if (status) return status;
+    project(states, 0, pressure_pod, set->pressure);
+    if (deflections) project(states, basis->num_pressure, deformation_pod, deflections);
+    bases_fill_states(states, set);
     return EHD_OK;
+}
+
+void bases_begin(reduced_basis *basis, const contact_kind *kind, const ehd_grid *grid,
+                 const ehd_carriage *carriage, deformation_kind deformation) {
+    *basis = (reduced_basis){
+        .kind = kind, .grid = *grid, .carriage = *carriage, .deformation = deformation};
+}
+
+ehd_status bases_weigh(reduced_basis *basis, ehd_error *error) {
+    basis->weight = malloc(basis->grid.num_nodes * sizeof(double));
+    if (!basis->weight) return ehd_fail(error, EHD_MEMORY, "bases: found no memory");
+    return test_weight_mode(basis->weight, basis, NULL, 0, error);
 }
 
 ehd_status bases_build(reduced_basis *basis, pod_basis *pressure_pod, pod_basis *deformation_pod,
@@ -87,13 +105,9 @@ ehd_status bases_build(reduced_basis *basis, pod_basis *pressure_pod, pod_basis 
     size_t num_nodes = set->grid.num_nodes;
     double *deflections = NULL, *snapshots = NULL;
 
-    memset(basis, 0, sizeof *basis);
+    bases_begin(basis, set->kind, &set->grid, &set->carriage, settings->kind);
     memset(pressure_pod, 0, sizeof *pressure_pod);
     memset(deformation_pod, 0, sizeof *deformation_pod);
-    basis->kind = set->kind;
-    basis->grid = set->grid;
-    basis->carriage = set->carriage;
-    basis->deformation = settings->kind;
     ehd_status status = pod_build(pressure_pod, set->snapshots, set->num_snapshots, num_nodes,
                                   &settings->pressure, error);
     if (!status && settings->kind == DEFORMATION_INDEPENDENT) {
@@ -106,13 +120,12 @@ ehd_status bases_build(reduced_basis *basis, pod_basis *pressure_pod, pod_basis 
     if (!status) {
         basis->num_pressure = pressure_pod->num_modes;
         basis->num_deformation = deformation_pod->num_modes;
-        basis->pressure = turn_modes(pressure_pod);
-        basis->weight = malloc(num_nodes * sizeof(double));
-        if (deflections) basis->deformation_modes = turn_modes(deformation_pod);
-        if (!basis->pressure || !basis->weight || (deflections && !basis->deformation_modes))
+        basis->pressure = bases_turn_modes(pressure_pod);
+        if (deflections) basis->deformation_modes = bases_turn_modes(deformation_pod);
+        if (!basis->pressure || (deflections && !basis->deformation_modes))
             status = ehd_fail(error, EHD_MEMORY, "bases: found no memory");
     }
-    if (!status) status = test_weight_mode(basis->weight, basis, NULL, 0, error);
+    if (!status) status = bases_weigh(basis, error);
     if (!status)
         status = fill_states(basis, set, pressure_pod, deformation_pod, deflections, error);
     free(deflections);

@@ -25,6 +25,20 @@ ehd_status bases_build(
     // input:
     const snapshot_set *set, const bases_settings *settings, ehd_error *error);
 
+/* The parts of it, for who builds otherwise. */
+void bases_begin(
+    // output:
+    reduced_basis *basis, // free with reduced_basis_free; nothing is allocated
+    // input:
+    const contact_kind *kind, const ehd_grid *grid, const ehd_carriage *carriage,
+    deformation_kind deformation);
+/* Modes as the reduced basis holds them, node-major; NULL without memory, free(). */
+double *bases_turn_modes(const pod_basis *pod);
+/* The weight by the first mode of a basis that has its pressure modes. EHD_MEMORY. */
+ehd_status bases_weigh(reduced_basis *basis, ehd_error *error);
+/* What a set knows of its states, but for the coordinates of their fields. */
+void bases_fill_states(reduced_states *states, const snapshot_set *set);
+
 /* Part of the squared singular values that lies behind the basis. */
 double bases_energy_discarded(const pod_basis *basis);
 

@@ -7,21 +7,58 @@
 #include "common/training/training_set.h"
 #include "podbuild/bases.h"
 #include "podbuild/readers.h"
+#include "podbuild/stream_bases.h"
 #include "podbuild/test_weight.h"
 #include "romrun/calibrate/accuracy.h"
 #include "romrun/model/basis_file.h"
 
+#include <math.h>
 #include <stddef.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 typedef struct build_options {
     bases_settings bases;
     const test_weight *weight;
     const char *plan; // NULL: none
+    double memory;    // bytes that arrays may take
+    bool compress;    // a part, not a basis
 } build_options;
+
+/* Half of what the machine has: the same on each run, and room for the files that are read. */
+static double default_memory(void) {
+    const long pages = sysconf(_SC_PHYS_PAGES), page = sysconf(_SC_PAGE_SIZE);
+
+    return pages > 0 && page > 0 ? 0.5 * (double)pages * (double)page : 4e9;
+}
+
+/* "2G", "500M", "1.5G". */
+static ehd_status read_memory(void *member, const char *argument, ehd_error *error) {
+    static const struct {
+        char letter;
+        double bytes;
+    } units[] = {{'K', 1e3}, {'M', 1e6}, {'G', 1e9}, {'T', 1e12}};
+    const size_t length = strlen(argument);
+    char number[NUMBER_TEXT], shown[SHOWN_TEXT];
+    double *bytes = member, unit = 0;
+
+    for (size_t i = 0; i < sizeof units / sizeof *units && length > 0; i++)
+        if (argument[length - 1] == units[i].letter) unit = units[i].bytes;
+    if (unit > 0 && length <= sizeof number) {
+        memcpy(number, argument, length - 1);
+        number[length - 1] = '\0';
+        if (number_read(bytes, number) && *bytes > 0) {
+            *bytes *= unit;
+            return EHD_OK;
+        }
+    }
+    text_show(shown, argument);
+    return ehd_fail(error, EHD_USAGE,
+                    "--memory: found %s, expected a number above 0 and K, M, G or T, as 2G", shown);
+}
 
 static ehd_status read_weight(void *member, const char *argument, ehd_error *error) {
     const test_weight **weight = member;
@@ -58,6 +95,10 @@ static const program_option own_options[] = {
      "their own, as published", OPTION_READ(bases.kind, read_deformation)},
     {"weight", 0, "NAME", "Weight of the Reynolds rows: mode (default), identity, row-norm; see below",
      OPTION_READ(weight, read_weight)},
+    {"memory", 0, "SIZE", "Memory that arrays may take, as 2G or 500M; default half of the machine's. Snapshots that "
+     "need more are streamed, and read twice", OPTION_READ(memory, read_memory)},
+    {"compress", 0, NULL, "Write a part: the POD of these snapshots and their states, for bases of several parts, which leave "
+     "out no less than --energy of theirs", OPTION_FLAG(compress)},
     {"plan", 0, "PLAN.yml", "The plan of the training, for weights that evaluate its contacts", OPTION_TEXT(plan)},
     {0}};
 // clang-format on
@@ -69,22 +110,25 @@ static void print_weights(void) {
 }
 
 static void report(const reduced_basis *basis, const basis_origin *origin,
-                   const snapshot_set *set) {
-    printf("%zu states on %zu nodes", set->num_states, set->grid.num_inner);
-    if (set->num_left_out > 0) printf(", %zu left out that had not converged", set->num_left_out);
-    printf(
-        "\npressure:    %zu modes, last singular value %.1e of the first, energy left out %.1e\n",
-        basis->num_pressure,
-        origin->pressure_singular_values[basis->num_pressure - 1] /
-            origin->pressure_singular_values[0],
-        origin->pressure_energy_discarded);
+                   const snapshot_files *files, bool direct) {
+    const char *at_most = direct ? "" : "at most ";
+
+    printf("%zu states on %zu nodes", files->num_states, files->grid.num_inner);
+    if (files->num_left_out > 0)
+        printf(", %zu left out that had not converged", files->num_left_out);
+    printf("\npressure:    %zu modes, last singular value %.1e of the first, energy left out "
+           "%s%.1e\n",
+           basis->num_pressure,
+           origin->pressure_singular_values[basis->num_pressure - 1] /
+               origin->pressure_singular_values[0],
+           at_most, origin->pressure_energy_discarded);
     if (basis->num_deformation > 0)
         printf("deformation: %zu modes, last singular value %.1e of the first, energy left out "
-               "%.1e\n",
+               "%s%.1e\n",
                basis->num_deformation,
                origin->deformation_singular_values[basis->num_deformation - 1] /
                    origin->deformation_singular_values[0],
-               origin->deformation_energy_discarded);
+               at_most, origin->deformation_energy_discarded);
     else
         printf("deformation: coupled\n");
 }
@@ -148,52 +192,200 @@ static ehd_status weigh(reduced_basis *basis, const program *self, const build_o
     return status;
 }
 
-static ehd_status build(const program *self, const build_options *options, ehd_error *error) {
-    const bases_settings *settings = &options->bases;
-    snapshot_set set = {0};
-    reduced_basis basis = {0};
-    pod_basis pressure = {0}, deformation = {0};
-    ehd_status status = snapshot_set_read(&set, self->arguments, self->num_arguments, error);
-    const char **inputs = calloc(self->num_arguments + 1, sizeof *inputs);
+/* All at once. */
+static ehd_status build_at_once(reduced_basis *basis, basis_origin *origin, pod_basis *pressure,
+                                pod_basis *deformation, snapshot_set *set, snapshot_files *files,
+                                const program *self, const build_options *options,
+                                ehd_error *error) {
     ehd_error cause = {""};
-    char text[256];
+    ehd_status status = snapshot_set_read(set, files, error);
 
-    if (!status && !inputs) status = ehd_fail(error, EHD_MEMORY, "podbuild: found no memory");
     if (!status) {
-        status = bases_build(&basis, &pressure, &deformation, &set, settings, &cause);
+        status = bases_build(basis, pressure, deformation, set, &options->bases, &cause);
         if (status) ehd_fail(error, status, "%s: %s", self->arguments[0], cause.text);
     }
-    if (!status) status = weigh(&basis, self, options, error);
-    if (!status) {
-        const basis_origin origin = {
-            pressure.singular_values,          pressure.num_singular_values,
-            bases_energy_discarded(&pressure), deformation.singular_values,
-            deformation.num_singular_values,   bases_energy_discarded(&deformation)};
-        memcpy(inputs, self->arguments, self->num_arguments * sizeof *inputs);
-        snprintf(text, sizeof text,
-                 "deformation: %s\npressure-modes: %zu\ndeformation-modes: %zu\nenergy: "
-                 "%g\nweight: %s\n",
-                 deformation_names[settings->kind], settings->pressure.num_modes,
-                 settings->deformation.num_modes, settings->pressure.discarded_energy,
-                 options->weight->name);
-        status = basis_write(&basis, &origin, self, text, inputs, error);
-        if (!status) report(&basis, &origin, &set);
-        if (!status) report_thinness(self, &pressure, &set);
-    }
+    origin->pressure_energy_discarded = bases_energy_discarded(pressure);
+    origin->deformation_energy_discarded = bases_energy_discarded(deformation);
+    return status;
+}
+
+/* One after the other, in the memory that there is for it. */
+static ehd_status build_by_stream(reduced_basis *basis, basis_origin *origin, pod_basis *pressure,
+                                  pod_basis *deformation, snapshot_files *files,
+                                  const stream_plan *way, const program *self,
+                                  const build_options *options, ehd_error *error) {
+    double discarded[2] = {0};
+    ehd_error cause = {""};
+    ehd_status status = stream_bases_build(basis, pressure, deformation, discarded, files,
+                                           &options->bases, way, self, &cause);
+
+    if (status) return ehd_fail(error, status, "%s: %s", self->arguments[0], cause.text);
+    origin->pressure_energy_discarded = discarded[0];
+    origin->deformation_energy_discarded = discarded[1];
+    return EHD_OK;
+}
+
+static ehd_status write_basis(const reduced_basis *basis, basis_origin *origin,
+                              const pod_basis *pressure, const pod_basis *deformation,
+                              const program *self, const build_options *options, ehd_error *error) {
+    const bases_settings *settings = &options->bases;
+    const char **inputs = calloc(self->num_arguments + 1, sizeof *inputs);
+    char text[256];
+
+    if (!inputs) return ehd_fail(error, EHD_MEMORY, "podbuild: found no memory");
+    origin->pressure_singular_values = pressure->singular_values;
+    origin->num_pressure_values = pressure->num_singular_values;
+    origin->deformation_singular_values = deformation->singular_values;
+    origin->num_deformation_values = deformation->num_singular_values;
+    memcpy(inputs, self->arguments, self->num_arguments * sizeof *inputs);
+    snprintf(text, sizeof text,
+             "deformation: %s\npressure-modes: %zu\ndeformation-modes: %zu\nenergy: "
+             "%g\nweight: %s\n",
+             deformation_names[settings->kind], settings->pressure.num_modes,
+             settings->deformation.num_modes, settings->pressure.discarded_energy,
+             options->weight->name);
+    const ehd_status status = basis_write(basis, origin, self, text, inputs, error);
     free(inputs);
+    return status;
+}
+
+/* Where parts do not serve. */
+static ehd_status check_parts(const snapshot_files *files, const build_options *options,
+                              ehd_error *error) {
+    size_t i = 0;
+
+    while (i < files->num_files && !files->files[i].is_part)
+        i++;
+    if (i == files->num_files) return EHD_OK;
+    if (options->compress)
+        return ehd_fail(error, EHD_DATA, "%s: found a part, expected snapshots with --compress",
+                        files->files[i].path);
+    if (options->bases.kind == DEFORMATION_INDEPENDENT)
+        return ehd_fail(error, EHD_DATA,
+                        "%s: found a part, expected snapshots with --deformation independent: what "
+                        "parts leave out is known of pressures only",
+                        files->files[i].path);
+    return EHD_OK;
+}
+
+/* What is going to be taken, before it is. */
+static ehd_status plan_memory(stream_plan *way, const snapshot_files *files, const program *self,
+                              const build_options *options, ehd_error *error) {
+    const bases_settings *settings = &options->bases;
+    const bool exact = settings->pressure.num_modes > 0 && !program_was_given(self, "energy");
+    ehd_status status = check_parts(files, options, error);
+
+    if (!status)
+        status = stream_plan_make(way, files, settings, exact, options->compress, options->memory,
+                                  error);
+
+    if (status) return status;
+    if (way->direct) {
+        program_detail(self, "%zu snapshots at once, at most %.4g MB of %.4g MB", files->num_rows,
+                       way->bytes * 1e-6, way->limit * 1e-6);
+        return EHD_OK;
+    }
+    program_note(self,
+                 "%zu snapshots of %zu nodes one after the other, in blocks of %zu, with room for "
+                 "%zu directions: at most %.4g MB of %.4g MB",
+                 files->num_rows, files->grid.num_nodes, way->pressure.block,
+                 way->pressure.max_rank, way->bytes * 1e-6, way->limit * 1e-6);
+    return program_check_memory(self->arguments[0], "snapshots", files->num_rows, "snapshots",
+                                " with this --memory", way->bytes, error);
+}
+
+static ehd_status build(const program *self, const build_options *options, ehd_error *error) {
+    snapshot_files files = {0};
+    snapshot_set set = {0};
+    reduced_basis basis = {0};
+    basis_origin origin = {0};
+    pod_basis pressure = {0}, deformation = {0};
+    stream_plan way = {0};
+    ehd_status status = snapshot_files_open(&files, self->arguments, self->num_arguments, error);
+
+    if (!status) status = plan_memory(&way, &files, self, options, error);
+    if (!status)
+        status = way.direct ? build_at_once(&basis, &origin, &pressure, &deformation, &set, &files,
+                                            self, options, error)
+                            : build_by_stream(&basis, &origin, &pressure, &deformation, &files,
+                                              &way, self, options, error);
+    if (!status) status = weigh(&basis, self, options, error);
+    if (!status)
+        status = write_basis(&basis, &origin, &pressure, &deformation, self, options, error);
+    if (!status) report(&basis, &origin, &files, way.direct);
+    if (!status && way.direct) report_thinness(self, &pressure, &set);
+    snapshot_set_free(&set);
     pod_free(&pressure);
     pod_free(&deformation);
     reduced_basis_free(&basis);
-    snapshot_set_free(&set);
+    snapshot_files_close(&files);
     return status;
+}
+
+static ehd_status write_part(const reduced_basis *basis, const pod_basis *modes,
+                             const part_origin *origin, const program *self,
+                             const build_options *options, ehd_error *error) {
+    const char **inputs = calloc(self->num_arguments + 1, sizeof *inputs);
+    char text[64];
+
+    if (!inputs) return ehd_fail(error, EHD_MEMORY, "podbuild: found no memory");
+    memcpy(inputs, self->arguments, self->num_arguments * sizeof *inputs);
+    snprintf(text, sizeof text, "compress: true\nenergy: %g\n",
+             options->bases.pressure.discarded_energy);
+    const ehd_status status = part_write(basis, modes, origin, self, text, inputs, error);
+    free(inputs);
+    return status;
+}
+
+static ehd_status compress(const program *self, const build_options *options, ehd_error *error) {
+    snapshot_files files = {0};
+    reduced_basis basis = {0};
+    pod_basis modes = {0};
+    part_origin origin = {0};
+    stream_plan way = {0};
+    ehd_error cause = {""};
+    ehd_status status = snapshot_files_open(&files, self->arguments, self->num_arguments, error);
+
+    if (!status) status = plan_memory(&way, &files, self, options, error);
+    if (!status) {
+        status = stream_part_build(&basis, &modes, &origin, &files, &way, self, &cause);
+        if (status) ehd_fail(error, status, "%s: %s", self->arguments[0], cause.text);
+    }
+    if (!status) status = write_part(&basis, &modes, &origin, self, options, error);
+    if (!status) {
+        printf("%zu states on %zu nodes", files.num_states, files.grid.num_inner);
+        if (files.num_left_out > 0)
+            printf(", %zu left out that had not converged", files.num_left_out);
+        printf("\ncompressed:  %zu modes of %zu snapshots, energy left out at most %.1e\n",
+               modes.num_modes, files.num_rows, origin.discarded);
+    }
+    pod_free(&modes);
+    reduced_basis_free(&basis);
+    snapshot_files_close(&files);
+    return status;
+}
+
+/* Options that are of bases alone. */
+static ehd_status check_compress(const program *self, ehd_error *error) {
+    static const char *const of_bases[] = {"pressure-modes", "deformation-modes", "deformation",
+                                           "weight", "plan"};
+
+    for (size_t i = 0; i < sizeof of_bases / sizeof *of_bases; i++)
+        if (program_was_given(self, of_bases[i]))
+            return ehd_fail(error, EHD_USAGE,
+                            "--%s: found it with --compress, expected it where the parts are put "
+                            "together",
+                            of_bases[i]);
+    return EHD_OK;
 }
 
 int main(int argc, char **argv) {
     build_options own = {.bases = {{.discarded_energy = 1e-13}, {0}, DEFORMATION_COUPLED},
-                         .weight = test_weights};
+                         .weight = test_weights,
+                         .memory = default_memory()};
     const program_options options = {.options = own_options,
                                      .own = &own,
-                                     .arguments_doc = "SNAPSHOTS.h5... -o BASIS.h5",
+                                     .arguments_doc = "SNAPSHOTS.h5|PART.h5... -o BASIS.h5|PART.h5",
                                      .doc = "Builds trial and test bases of training solutions.",
                                      .help_tail = print_weights,
                                      .min_arguments = 1,
@@ -221,7 +413,8 @@ int main(int argc, char **argv) {
                                        "expected --deformation independent",
                                        own.bases.deformation.num_modes),
                               &error);
-    ehd_status status = build(&self, &own, &error);
+    ehd_status status = own.compress ? check_compress(&self, &error) : EHD_OK;
+    if (!status) status = own.compress ? compress(&self, &own, &error) : build(&self, &own, &error);
     if (!status) stage_end(&self.stage);
     return program_finish(&self, status, &error);
 }

@@ -55,12 +55,9 @@ static size_t modes_by_energy(const double *singular_values, size_t rank, double
     return num_modes;
 }
 
-static ehd_status choose_num_modes(
-    // output:
-    size_t *num_modes,
-    // input:
-    const double *singular_values, size_t num_singular_values, const pod_settings *settings,
-    ehd_error *error) {
+ehd_status pod_choose_num_modes(size_t *num_modes, const double *singular_values,
+                                size_t num_singular_values, const pod_settings *settings,
+                                ehd_error *error) {
     const size_t rank = numerical_rank(singular_values, num_singular_values);
     if (rank == 0)
         return ehd_fail(error, EHD_DATA, "snapshots: found only zeros, expected rank > 0");
@@ -74,8 +71,7 @@ static ehd_status choose_num_modes(
     return EHD_OK;
 }
 
-/* The sign of a singular vector is arbitrary; make the largest entry positive. */
-static void fix_sign(double *mode, size_t num_nodes) {
+void pod_fix_sign(double *mode, size_t num_nodes) {
     size_t largest = 0;
     for (size_t node = 1; node < num_nodes; node++)
         if (fabs(mode[node]) > fabs(mode[largest])) largest = node;
@@ -152,7 +148,7 @@ static ehd_status form_modes(
                               (int)num_values, work->matrix, (int)num_nodes, work->scales,
                               basis->modes, (int)num_nodes);
     for (size_t mode = 0; mode < basis->num_modes; mode++)
-        fix_sign(basis->modes + mode * num_nodes, num_nodes);
+        pod_fix_sign(basis->modes + mode * num_nodes, num_nodes);
     return lapack_outcome("dormqr", info, error);
 }
 
@@ -167,8 +163,8 @@ static ehd_status decompose(pod_basis *basis, pod_work *work, const pod_settings
                                            work->right, values),
                             error);
     if (status) return status;
-    status = choose_num_modes(&basis->num_modes, basis->singular_values, work->num_values, settings,
-                              error);
+    status = pod_choose_num_modes(&basis->num_modes, basis->singular_values, work->num_values,
+                                  settings, error);
     if (status) return status;
     return form_modes(basis, work, error);
 }

@@ -49,6 +49,17 @@ void pod_left_out(
     // input:
     const pod_basis *basis, const double *snapshots, size_t num_states);
 
+/* How many modes the settings ask for. EHD_DATA: more than the numerical rank, or only zeros. */
+ehd_status pod_choose_num_modes(
+    // output:
+    size_t *num_modes,
+    // input:
+    const double *singular_values, // [num_singular_values] descending
+    size_t num_singular_values, const pod_settings *settings, ehd_error *error);
+
+/* The sign of a singular vector is arbitrary; makes the largest entry positive. */
+void pod_fix_sign(double *mode, size_t num_nodes);
+
 void pod_free(pod_basis *basis);
 
 #endif

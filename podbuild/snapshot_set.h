@@ -6,6 +6,8 @@
 #include "common/output/film_effects.h"
 #include "common/physics/contact.h"
 #include "common/program/status.h"
+#include "podbuild/snapshot_files.h"
+#include "romrun/model/reduced_model.h"
 #include <stdbool.h>
 #include <stddef.h>
 
@@ -31,13 +33,30 @@ typedef struct snapshot_set {
     double *snapshots; // [num_snapshots, num_nodes]
 } snapshot_set;
 
-/* Reads the converged states of all files, in order. EHD_DATA: no converged state, files of
- * different grids, values that are not finite; else as artefact_open. */
+/* Reads the converged states of all files, in order. Errors as artefact_get; EHD_MEMORY. */
 ehd_status snapshot_set_read(
     // output:
     snapshot_set *set, // free with snapshot_set_free
     // input:
-    const char *const *paths, size_t num_paths, ehd_error *error);
+    snapshot_files *files, ehd_error *error);
+
+/* A set without fields, `pressure` and `snapshots` NULL, for the states of files that are added one by
+ * one. EHD_MEMORY. */
+ehd_status snapshot_set_begin(
+    // output:
+    snapshot_set *set, // free with snapshot_set_free
+    // input:
+    const snapshot_files *files, ehd_error *error);
+
+/* Bytes that such a set takes. */
+double snapshot_set_bytes(const snapshot_files *files);
+
+/* The next state, of a file's columns, and its pressure, which is not kept. */
+void snapshot_set_add(snapshot_set *set, const double *pressure, const file_states *states,
+                      size_t state);
+
+/* The next states, as a part has them. */
+void snapshot_set_add_reduced(snapshot_set *set, const reduced_states *states);
 
 /* A stationary solution in memory. */
 typedef struct solved_state {

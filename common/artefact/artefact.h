@@ -94,8 +94,8 @@ typedef struct artefact_schema {
     const artefact_attribute *attributes; // ends with {0}
 } artefact_schema;
 
-extern const artefact_schema schema_result, schema_snapshots, schema_basis, schema_residuals,
-    schema_model, schema_cases;
+extern const artefact_schema schema_result, schema_snapshots, schema_basis, schema_part,
+    schema_residuals, schema_model, schema_cases;
 extern const artefact_schema *const artefact_schemas[]; // all of them, NULL at the end
 
 typedef struct artefact artefact;

@@ -131,14 +131,16 @@ enum {
         "state")
 
 // training solutions in the coordinates of a basis
-#define STATE_FIELDS                                                                               \
+#define STATE_PRESSURE_FIELD                                                                       \
     REAL("state_pressure", "1", NEED_ALWAYS, VALUES_FINITE,                                        \
-         "coordinates of the training pressures in the pressure basis", "state", "pressure_mode"), \
-        REAL("state_deformation", "1", NEED_OPTIONAL, VALUES_FINITE,                               \
-             "coordinates of the training deformations in the deformation basis", "state",         \
-             "deformation_mode"),                                                                  \
-        REAL("state_rigid_approach", "1", NEED_ALWAYS, VALUES_FINITE,                              \
-             "rigid approach H0 of the training solutions", "state"),                              \
+         "coordinates of the training pressures in the pressure basis", "state", "pressure_mode")
+#define STATE_DEFORMATION_FIELD                                                                    \
+    REAL("state_deformation", "1", NEED_OPTIONAL, VALUES_FINITE,                                   \
+         "coordinates of the training deformations in the deformation basis", "state",             \
+         "deformation_mode")
+#define STATE_OTHER_FIELDS                                                                         \
+    REAL("state_rigid_approach", "1", NEED_ALWAYS, VALUES_FINITE,                                  \
+         "rigid approach H0 of the training solutions", "state"),                                  \
         INTEGER(                                                                                   \
             "state_exit_node", NEED_ALWAYS, VALUES_COLUMN,                                         \
             "index into x of the first node without pressure, length of x where there is none",    \
@@ -157,6 +159,7 @@ enum {
         REAL("state_rate", "1", NEED_OPTIONAL, VALUES_NOT_NEGATIVE,                                \
              "rate of change of the contact at the training solutions; 0 where missing", "state"), \
         THINNING_FIELD("state_"), RISE_FIELDS("state_"), EFFECT_FIELDS("state_")
+#define STATE_FIELDS STATE_PRESSURE_FIELD, STATE_DEFORMATION_FIELD, STATE_OTHER_FIELDS
 
 // ---- result
 
@@ -567,6 +570,42 @@ const artefact_schema schema_basis = {"ehdrom-basis",
                                       basis_axes,
                                       basis_fields,
                                       basis_attributes};
+
+// ---- part
+
+static const artefact_axis part_axes[] = {Y_AXIS, X_AXIS, PRESSURE_MODE_AXIS, STATE_AXIS, {0}};
+
+static const artefact_field part_fields[] = {
+    REAL("pressure_basis", "1", NEED_ALWAYS, VALUES_FINITE,
+         "pressure modes of the part, of length 1 and orthogonal", "pressure_mode", "y", "x"),
+    REAL("pressure_singular_values", "1", NEED_ALWAYS, VALUES_NOT_NEGATIVE,
+         "singular values of its snapshots, descending", "pressure_mode"),
+    STATE_PRESSURE_FIELD,
+    STATE_OTHER_FIELDS,
+    {0}};
+
+static const artefact_attribute part_attributes[] = {
+    GRID_ATTRIBUTES("line, point or ellipse", NULL),
+    TRANSPORT_ATTRIBUTE,
+    HALF_ATTRIBUTE,
+    ATTRIBUTE("energy", ARTEFACT_REAL, "1", NEED_ALWAYS, VALUES_POSITIVE,
+              "sum of the squares of the snapshots, at all nodes"),
+    ATTRIBUTE("energy_discarded", ARTEFACT_REAL, "1", NEED_ALWAYS, VALUES_NOT_NEGATIVE,
+              "part of it that the squared distances of the snapshots from the modes have at most"),
+    ATTRIBUTE("num_snapshots", ARTEFACT_INTEGER, "1", NEED_OWN, VALUES_COUNT,
+              "number of the snapshots"),
+    ATTRIBUTE("num_left_out", ARTEFACT_INTEGER, "1", NEED_OWN, VALUES_COUNT,
+              "number of states that had not converged, and are not in the file"),
+    {0}};
+
+const artefact_schema schema_part = {
+    "ehdrom-part",
+    1,
+    0,
+    "Compressed part of a training of an elastohydrodynamic contact",
+    part_axes,
+    part_fields,
+    part_attributes};
 
 // ---- residuals
 
@@ -989,5 +1028,5 @@ const artefact_schema schema_cases = {"ehdrom-cases",
                                       cases_attributes};
 
 const artefact_schema *const artefact_schemas[] = {
-    &schema_result, &schema_snapshots, &schema_basis, &schema_residuals,
-    &schema_model,  &schema_cases,     NULL};
+    &schema_result,    &schema_snapshots, &schema_basis, &schema_part,
+    &schema_residuals, &schema_model,     &schema_cases, NULL};

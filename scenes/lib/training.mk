@@ -7,6 +7,8 @@
 #   MODELS    names of the models to make: model. What each is made of, where not by ENERGY alone (podbuild --help,
 #             deimselect --help): NAME.PRESSURE_MODES, NAME.DEFORMATION, NAME.DEFORMATION_MODES, NAME.WEIGHT; NAME.ROWS,
 #             NAME.METHOD, NAME.WEIGHTS, NAME.STABILITY; NAME.CHECK = no: without a check
+#   MEMORY    memory that podbuild's arrays may take (podbuild --memory): half of the machine's
+#   PARTS     not empty: each piece of the training is compressed where it was solved, and the modes are those of these parts
 #   SLURM     not empty: train on Slurm, with an array of SHARDS tasks (4), in a region one a round, and sbatch's
 #             SBATCH_OPTIONS (slurm.sh)
 
@@ -44,7 +46,12 @@ SBATCH_OPTIONS ?=
 SNAPSHOTS := $(if $(or $(chosen),$(filter 1,$(SHARDS))),$(OUT)/snapshots.h5,$(patsubst %,$(OUT)/snapshots-%-of-$(SHARDS).h5,$(shell seq $(SHARDS))))
 shard      = $(if $(or $(chosen),$(filter 1,$(SHARDS))),,--shard $(word 2,$(subst -, ,$(notdir $@)))/$(SHARDS))
 
-TRAINED := $(SNAPSHOTS) $(foreach model,$(MODELS),$(model:%=$(OUT)/%-basis.h5) $(model:%=$(OUT)/%-residuals.h5) $(model:%=$(OUT)/%.h5))
+# What the modes are made of.
+MEMORY ?=
+PARTS  ?=
+SOURCES := $(if $(PARTS),$(SNAPSHOTS:$(OUT)/snapshots%=$(OUT)/part%),$(SNAPSHOTS))
+
+TRAINED := $(sort $(SNAPSHOTS) $(SOURCES)) $(foreach model,$(MODELS),$(model:%=$(OUT)/%-basis.h5) $(model:%=$(OUT)/%-residuals.h5) $(model:%=$(OUT)/%.h5))
 
 # ---- On Slurm: the same rules, as jobs
 
@@ -65,7 +72,7 @@ slurm_make = $(MAKE)
 on-slurm:
 	$(if $(chosen),,$(file >$(OUT)/shards,$(SHARDS)))@SBATCH_OPTIONS='$(SBATCH_OPTIONS)' SNAPGEN=$(BIN)/snapgen \
 	    $(SHARED)slurm.sh $(if $(in_rounds),rounds,run) $(OUT)/slurm '$(slurm_make)' '$(firstword $(MAKEFILE_LIST))' \
-	    '$(or $(in_rounds),$(SNAPSHOTS))' $(OUT) '$(MODELS)'
+	    '$(or $(in_rounds),$(SOURCES))' $(OUT) '$(MODELS)'
 
 .PHONY: on-slurm
 
@@ -116,6 +123,13 @@ next-round:
 
 .PHONY: next-round
 
+memory_option = $(MEMORY:%=--memory %)
+
+ifneq ($(PARTS),)
+$(SOURCES): $(OUT)/part%: $(OUT)/snapshots% $(BIN)/podbuild $(call options,parts,$(ENERGY))
+	$(call quiet,$(call stage_of,training) podbuild  ,$@)$(BIN)/podbuild --compress $< -o $@ --force --energy $(ENERGY) $(memory_option)
+endif
+
 podbuild_options   = --deformation $(or $($1.DEFORMATION),coupled) \
                      $(or $($1.PRESSURE_MODES:%=--pressure-modes %),--energy $(ENERGY)) \
                      $($1.DEFORMATION_MODES:%=--deformation-modes %) $($1.WEIGHT:%=--weight %) \
@@ -124,9 +138,9 @@ deimselect_options = --method $(or $($1.METHOD),joint) $($1.ROWS:%=--rows %) \
                      $($1.STABILITY:%=--stability %) $($1.WEIGHTS:%=--weights %) \
                      $(if $(filter no,$($1.CHECK)),--no-check)
 
-$(MODELS:%=$(OUT)/%-basis.h5): $(OUT)/%-basis.h5: $(SNAPSHOTS) $(BIN)/podbuild \
+$(MODELS:%=$(OUT)/%-basis.h5): $(OUT)/%-basis.h5: $(SOURCES) $(BIN)/podbuild \
                                $$(call options,$$*-basis,$$(call podbuild_options,$$*))
-	$(call quiet,$(call stage_of,$*-basis) podbuild  ,$@)$(call at_stage,$*-basis) $(BIN)/podbuild $(SNAPSHOTS) -o $@ --force $(strip $(call podbuild_options,$*))
+	$(call quiet,$(call stage_of,$*-basis) podbuild  ,$@)$(call at_stage,$*-basis) $(BIN)/podbuild $(SOURCES) -o $@ --force $(memory_option) $(strip $(call podbuild_options,$*))
 
 $(MODELS:%=$(OUT)/%-residuals.h5): $(OUT)/%-residuals.h5: $(OUT)/%-basis.h5 $(SNAPSHOTS)
 	$(call quiet,$(call stage_of,$*-residuals) snapgen   ,$@)$(call at_stage,$*-residuals) $(BIN)/snapgen $(PLAN) $(adaptive) --basis $< -o $@ --force $(SNAPGEN_JOBS:%=--jobs %) $(SET)

@@ -39,6 +39,11 @@ section "POD: pod_build against LAPACK dgesdd, 3001 x 1500 to 160 modes (goal: a
 section "compression: 10000 snapshots of 1201 nodes while they come (goal: 20 s)"
 "$BENCH/bench_compress" || failed=1
 
+# BENCH_STREAM="SNAPSHOTS NODES GIGABYTES": larger, as "20000 100000 3.9", a file of 16 GB in BENCH_FOLDER
+section "POD of snapshots one after the other (goal: modes in at most 2.5 times the time of reading and a Gram matrix)"
+# shellcheck disable=SC2086
+"$BENCH/bench_stream" "${BENCH_FOLDER:-$work}/bench_stream.h5" ${BENCH_STREAM-} || failed=1
+
 section "row selection: 160 of 3001 rows, two bases of 160 (goal: joint at most 0.05 s, sopt about 0.07 s)"
 "$BENCH/bench_selection" || failed=1
 

@@ -52,6 +52,7 @@ chain() { # NAME SCENE PODBUILD_OPTION...
     chain line line
     chain both line --deformation independent --pressure-modes 10 --deformation-modes 8
     chain point point
+    for name in line point; do podbuild --compress s-$name.h5 -q -o p-$name.h5; done
     for name in line both point; do romrun --export m-$name.h5 -o m-$name.ehdrom; done
     romrun --export m-line.h5 --pressure-modes 9 --rows 20 -o m-small.ehdrom
     for scene in line time point; do fullrun $scene.yml -q -o f-$scene.h5; done
@@ -60,7 +61,7 @@ chain() { # NAME SCENE PODBUILD_OPTION...
     /usr/bin/python3 - <<'PYTHON'
 import glob, h5py
 OWN = ("history", "creator", "title", "Conventions", "complete", "input_", "basis_sha256", "content_sha256")
-for path in glob.glob("[sbrmf]-*.h5"):
+for path in glob.glob("[sbrmfp]-*.h5"):
     with h5py.File(path) as own, h5py.File("x" + path, "w") as foreign:
         for name, value in own.attrs.items():
             if not name.startswith(OWN):
