@@ -223,8 +223,8 @@ ehd_status transfer(artefact *file, const char *name, artefact_type type, size_t
     }
     file_space = H5Dget_space(dataset);
     if (!select_entries(file_space, &memory_space, first, count)) {
-        // of an unfinished file, a dataset may be shorter than its axis
-        const bool foreign = file->growing && !file->partial;
+        // of an unfinished file, also one that is resumed, a dataset may be shorter than its axis
+        const bool foreign = (file->growing && !file->partial) || file->history_line;
         status = ehd_fail(error, foreign ? EHD_DATA : EHD_INTERNAL,
                           "%s: %s: found entries %zu to %zu, expected fewer", shown_name(file),
                           name, first, first + count);
