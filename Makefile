@@ -177,7 +177,7 @@ check: $(PROGRAMS) $(LIBRARY) $(USE_LIBRARY) $(FMU_FILES) $(USE_FMU) $(TESTS) $(
 	@$(run_tests) $(TESTS) $(PIPELINES)
 
 check-long: export TIMEOUT ?= 7200
-check-long: $(PROGRAMS) $(LONG_TESTS) $(USE_LIBRARY) $(FAULT_TOOLS) ## the tests that take minutes
+check-long: $(PROGRAMS) $(FMU_FILES) $(LONG_TESTS) $(USE_LIBRARY) $(FAULT_TOOLS) ## the tests that take minutes
 	@$(run_tests) $(LONG_TESTS) $(LONG_PIPELINES)
 
 # Apart from check, since it installs Slurm.
