@@ -14,9 +14,6 @@ enum { DEFAULT_BLOCK = 512 };
 /* One part a level, and a carry; no count of snapshots has more binary digits. */
 enum { MAX_PARTS = 65 };
 
-/* Squares of this sum up without overflow over any number of nodes and snapshots. */
-static const double LARGEST_VALUE = 1e140;
-
 /* Some consecutive snapshots after compression. */
 typedef struct compressed_part {
     double *rows;            // [rank, num_nodes]
@@ -149,16 +146,6 @@ static ehd_status store_block(snapshot_compressor *self, ehd_error *error) {
     return EHD_OK;
 }
 
-static ehd_status check_rows(const double *rows, size_t count, size_t num_nodes, ehd_error *error) {
-    for (size_t i = 0; i < count * num_nodes; i++)
-        if (!(fabs(rows[i]) <= LARGEST_VALUE))
-            return ehd_fail(error, EHD_DATA,
-                            "snapshots: found %g in snapshot %zu at node %zu, expected a finite "
-                            "number, at most %g",
-                            rows[i], i / num_nodes, i % num_nodes, LARGEST_VALUE);
-    return EHD_OK;
-}
-
 /* Row by row, so that block limits and the order of all sums are the same however rows arrive. */
 static ehd_status add_rows(snapshot_compressor *self, const double *rows, size_t count,
                            ehd_error *error) {
@@ -213,7 +200,7 @@ snapshot_compressor *compressor_free(snapshot_compressor *self) {
 
 ehd_status compressor_add(snapshot_compressor *self, const double *snapshots, size_t count,
                           ehd_error *error) {
-    ehd_status status = check_rows(snapshots, count, self->num_nodes, error);
+    ehd_status status = pod_check_snapshots(snapshots, count, self->num_nodes, 0, error);
 
     if (!status) status = add_rows(self, snapshots, count, error);
     if (!status) self->num_snapshots += count;
@@ -232,7 +219,7 @@ ehd_status compressor_merge(snapshot_compressor *self, const compressed_set *set
             "compressed snapshots: found energy %g, part discarded %g, expected a finite "
             "one >= 0, a part from 0 to 1",
             set->energy, set->energy_discarded);
-    ehd_status status = check_rows(set->rows, set->rank, self->num_nodes, error);
+    ehd_status status = pod_check_snapshots(set->rows, set->rank, self->num_nodes, 0, error);
     if (!status) status = add_rows(self, set->rows, set->rank, error);
     if (!status) {
         self->num_snapshots += set->num_snapshots;

@@ -109,14 +109,19 @@ static void print_weights(void) {
         printf("  %-10s %s\n", weight->name, weight->help);
 }
 
+static void print_states(const snapshot_files *files) {
+    printf("%zu states on %zu nodes", files->num_states, files->grid.num_inner);
+    if (files->num_left_out > 0)
+        printf(", %zu left out that had not converged", files->num_left_out);
+    putchar('\n');
+}
+
 static void report(const reduced_basis *basis, const basis_origin *origin,
                    const snapshot_files *files, bool direct) {
     const char *at_most = direct ? "" : "at most ";
 
-    printf("%zu states on %zu nodes", files->num_states, files->grid.num_inner);
-    if (files->num_left_out > 0)
-        printf(", %zu left out that had not converged", files->num_left_out);
-    printf("\npressure:    %zu modes, last singular value %.1e of the first, energy left out "
+    print_states(files);
+    printf("pressure:    %zu modes, last singular value %.1e of the first, energy left out "
            "%s%.1e\n",
            basis->num_pressure,
            origin->pressure_singular_values[basis->num_pressure - 1] /
@@ -142,13 +147,13 @@ static int compare_doubles(const void *a, const void *b) {
 /* With as many modes as states more states would tell more: how much, is told by how well each is
  * told by the others. A warning where that is worse than what results are promised to be. */
 static void report_thinness(const program *self, const pod_basis *pressure,
-                            const snapshot_set *set) {
+                            const reduced_states *states, const snapshot_files *files) {
     const double promised = accuracy_limit(0);
-    const size_t num = set->num_states;
+    const size_t num = files->num_states;
     double *distance = malloc((num + 1) * sizeof *distance);
 
-    if (distance && num > 1 && num == set->num_snapshots && pressure->num_modes == num) {
-        pod_left_out(distance, pressure, set->pressure, num);
+    if (distance && num > 1 && num == files->num_rows && pressure->num_modes == num) {
+        pod_left_out(distance, pressure, states->coordinates, states->num_unknowns, num);
         qsort(distance, num, sizeof *distance, compare_doubles);
         printf("as many modes as states; each state is told by the others to %.1e (median), %.1e "
                "(worst)\n",
@@ -192,6 +197,17 @@ static ehd_status weigh(reduced_basis *basis, const program *self, const build_o
     return status;
 }
 
+/* The snapshot files, NULL at the end; NULL: no memory. */
+static const char **list_inputs(const program *self, ehd_error *error) {
+    const char **inputs = calloc(self->num_arguments + 1, sizeof *inputs);
+
+    if (inputs)
+        memcpy(inputs, self->arguments, self->num_arguments * sizeof *inputs);
+    else
+        ehd_fail(error, EHD_MEMORY, "podbuild: found no memory");
+    return inputs;
+}
+
 /* All at once. */
 static ehd_status build_at_once(reduced_basis *basis, basis_origin *origin, pod_basis *pressure,
                                 pod_basis *deformation, snapshot_set *set, snapshot_files *files,
@@ -229,15 +245,14 @@ static ehd_status write_basis(const reduced_basis *basis, basis_origin *origin,
                               const pod_basis *pressure, const pod_basis *deformation,
                               const program *self, const build_options *options, ehd_error *error) {
     const bases_settings *settings = &options->bases;
-    const char **inputs = calloc(self->num_arguments + 1, sizeof *inputs);
+    const char **inputs = list_inputs(self, error);
     char text[256];
 
-    if (!inputs) return ehd_fail(error, EHD_MEMORY, "podbuild: found no memory");
+    if (!inputs) return EHD_MEMORY;
     origin->pressure_singular_values = pressure->singular_values;
     origin->num_pressure_values = pressure->num_singular_values;
     origin->deformation_singular_values = deformation->singular_values;
     origin->num_deformation_values = deformation->num_singular_values;
-    memcpy(inputs, self->arguments, self->num_arguments * sizeof *inputs);
     snprintf(text, sizeof text,
              "deformation: %s\npressure-modes: %zu\ndeformation-modes: %zu\nenergy: "
              "%g\nweight: %s\n",
@@ -313,7 +328,7 @@ static ehd_status build(const program *self, const build_options *options, ehd_e
     if (!status)
         status = write_basis(&basis, &origin, &pressure, &deformation, self, options, error);
     if (!status) report(&basis, &origin, &files, way.direct);
-    if (!status && way.direct) report_thinness(self, &pressure, &set);
+    if (!status) report_thinness(self, &pressure, &basis.states, &files);
     snapshot_set_free(&set);
     pod_free(&pressure);
     pod_free(&deformation);
@@ -325,11 +340,10 @@ static ehd_status build(const program *self, const build_options *options, ehd_e
 static ehd_status write_part(const reduced_basis *basis, const pod_basis *modes,
                              const part_origin *origin, const program *self,
                              const build_options *options, ehd_error *error) {
-    const char **inputs = calloc(self->num_arguments + 1, sizeof *inputs);
+    const char **inputs = list_inputs(self, error);
     char text[64];
 
-    if (!inputs) return ehd_fail(error, EHD_MEMORY, "podbuild: found no memory");
-    memcpy(inputs, self->arguments, self->num_arguments * sizeof *inputs);
+    if (!inputs) return EHD_MEMORY;
     snprintf(text, sizeof text, "compress: true\nenergy: %g\n",
              options->bases.pressure.discarded_energy);
     const ehd_status status = part_write(basis, modes, origin, self, text, inputs, error);
@@ -353,10 +367,8 @@ static ehd_status compress(const program *self, const build_options *options, eh
     }
     if (!status) status = write_part(&basis, &modes, &origin, self, options, error);
     if (!status) {
-        printf("%zu states on %zu nodes", files.num_states, files.grid.num_inner);
-        if (files.num_left_out > 0)
-            printf(", %zu left out that had not converged", files.num_left_out);
-        printf("\ncompressed:  %zu modes of %zu snapshots, energy left out at most %.1e\n",
+        print_states(&files);
+        printf("compressed:  %zu modes of %zu snapshots, energy left out at most %.1e\n",
                modes.num_modes, files.num_rows, origin.discarded);
     }
     pod_free(&modes);

@@ -55,6 +55,31 @@ static size_t modes_by_energy(const double *singular_values, size_t rank, double
     return num_modes;
 }
 
+/* Squares of this sum up without overflow over any number of nodes and snapshots. */
+static const double LARGEST_VALUE = 1e140;
+
+/* Whether all are numbers up to that: without a branch, so that several are compared at once. */
+static bool are_usable(const double *values, size_t count) {
+    size_t num_wrong = 0;
+
+    for (size_t k = 0; k < count; k++)
+        num_wrong += fabs(values[k]) <= LARGEST_VALUE ? 0 : 1;
+    return num_wrong == 0;
+}
+
+ehd_status pod_check_snapshots(const double *snapshots, size_t count, size_t num_nodes,
+                               size_t first, ehd_error *error) {
+    size_t i = 0;
+
+    if (are_usable(snapshots, count * num_nodes)) return EHD_OK;
+    while (fabs(snapshots[i]) <= LARGEST_VALUE)
+        i++;
+    return ehd_fail(error, EHD_DATA,
+                    "snapshots: found %g in snapshot %zu at node %zu, expected a finite number, at "
+                    "most %g",
+                    snapshots[i], first + i / num_nodes, i % num_nodes, LARGEST_VALUE);
+}
+
 ehd_status pod_choose_num_modes(size_t *num_modes, const double *singular_values,
                                 size_t num_singular_values, const pod_settings *settings,
                                 ehd_error *error) {
@@ -202,17 +227,13 @@ void pod_free(pod_basis *basis) {
     *basis = (pod_basis){0};
 }
 
-void pod_left_out(double *distance, const pod_basis *basis, const double *snapshots,
-                  size_t num_states) {
+void pod_left_out(double *distance, const pod_basis *basis, const double *coordinates,
+                  size_t stride, size_t num_states) {
     for (size_t s = 0; s < num_states; s++) {
         double length = 0, inverse = 0;
         for (size_t m = 0; m < basis->num_modes; m++) {
-            const double *mode = basis->modes + m * basis->num_nodes;
-            const double *snapshot = snapshots + s * basis->num_nodes;
+            const double along = coordinates[s * stride + m];
             const double singular = basis->singular_values[m];
-            double along = 0;
-            for (size_t k = 0; k < basis->num_nodes; k++)
-                along += mode[k] * snapshot[k];
             length = hypot(length, along);
             inverse = hypot(inverse, along / (singular * singular));
         }

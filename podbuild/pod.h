@@ -47,7 +47,14 @@ void pod_left_out(
     // output:
     double *distance, // [num_states]
     // input:
-    const pod_basis *basis, const double *snapshots, size_t num_states);
+    const pod_basis *basis,    // its modes may be gone
+    const double *coordinates, // of state s in the modes, from s * stride on
+    size_t stride, size_t num_states);
+
+/* EHD_DATA: a value that is not finite or above 1e140, where squares may overflow. `first`: the number of
+ * the first of these snapshots, for the message. */
+ehd_status pod_check_snapshots(const double *snapshots, // [count, num_nodes]
+                               size_t count, size_t num_nodes, size_t first, ehd_error *error);
 
 /* How many modes the settings ask for. EHD_DATA: more than the numerical rank, or only zeros. */
 ehd_status pod_choose_num_modes(

@@ -12,9 +12,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Squares of this sum up without overflow over any number of nodes and snapshots. */
-static const double LARGEST_VALUE = 1e140;
-
 /* Nodes that are rotated at once, at most. */
 enum { MOST_ROTATED = 512 };
 
@@ -435,17 +432,10 @@ double stream_pod_bytes(size_t num_nodes, const stream_settings *settings) {
 }
 
 ehd_status stream_pod_add(stream_pod *self, const double *snapshot, ehd_error *error) {
-    size_t num_wrong = 0;
+    const ehd_status status =
+        pod_check_snapshots(snapshot, 1, self->num_nodes, self->num_snapshots, error);
 
-    // without a branch, so that several are compared at once
-    for (size_t k = 0; k < self->num_nodes; k++)
-        num_wrong += fabs(snapshot[k]) <= LARGEST_VALUE ? 0 : 1;
-    for (size_t k = 0; k < self->num_nodes && num_wrong > 0; k++)
-        if (!(fabs(snapshot[k]) <= LARGEST_VALUE))
-            return ehd_fail(error, EHD_DATA,
-                            "snapshots: found %g in snapshot %zu at node %zu, expected a finite "
-                            "number, at most %g",
-                            snapshot[k], self->num_snapshots, k, LARGEST_VALUE);
+    if (status) return status;
     memcpy(self->waiting + self->num_waiting * self->num_nodes, snapshot,
            self->num_nodes * sizeof(double));
     self->num_waiting++;

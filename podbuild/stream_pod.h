@@ -8,12 +8,11 @@
 #include <stddef.h>
 
 typedef struct stream_settings {
-    double
-        local_energy; // 0 <= … < 1: part of the energy of all snapshots so far that their distance
-                      // from the directions kept may have
-    double root_energy; // 0 <= … < 1: part that may be left out where directions have to give way
-    size_t block;       // snapshots that are taken up together
-    size_t max_rank;    // directions that there is room for
+    // parts of the energy of all snapshots so far, 0 <= … < 1: that their distance from the directions
+    // kept may have, and that may be left out where directions have to give way
+    double local_energy, root_energy;
+    size_t block;    // snapshots that are taken up together
+    size_t max_rank; // directions that there is room for
 } stream_settings;
 
 typedef struct stream_pod stream_pod;
@@ -26,9 +25,8 @@ typedef struct stream_pod stream_pod;
  *     A = B Qᵀ,   B' = B - A Q,   Q := [Q; V],   R := triangle of [R 0; A B' Vᵀ]
  *
  * where V is the POD of those rows of B' that are longer than may be left out, by their Gram matrix,
- * five decades at a time. Two products of
- * the size of a Gram matrix of Q and all snapshots are nearly all of the work, while a tree of SVDs
- * (compress.h) takes ten of them.
+ * five decades at a time. Two products of the size of a Gram matrix of Q and all snapshots are nearly
+ * all of the work, while a tree of SVDs (compress.h) takes ten of them.
  *
  * Error. With X the snapshots S as they are in Q and d = |S - X|² at most local_energy |S|² (squares of
  * all entries); t the energy of directions that gave way, at most root_energy |S|²; and sigma' behind

@@ -65,14 +65,16 @@ struct trained_range {
     double max_rate;
     // of thinned flows, where any of the training is one
     double least_thinning, most_thinning; // coordinates
-    size_t num_points;
+    size_t num_points, num_outer;
     double *points; // [RANGE_AXES, num_points] in parts of the extents; NULL: all are Newtonian
+    double *outer;  // [RANGE_AXES, num_outer] those that lie farthest out in some direction
 };
 
 trained_range *trained_range_free(trained_range *self) {
     if (self) {
         free(self->edges);
         free(self->points);
+        free(self->outer);
         free(self);
     }
     return NULL;
@@ -132,6 +134,48 @@ static void put_column(double *column, size_t stride, const double place[RANGE_A
     column[2 * stride] = (place[2] - self->least_thinning) / (thickness > 0 ? thickness : 1);
 }
 
+/* The point that lies farthest out in a direction. */
+static size_t farthest(const trained_range *self, const int direction[RANGE_AXES]) {
+    double most = -INFINITY;
+    size_t found = 0;
+
+    for (size_t i = 0; i < self->num_points; i++) {
+        double along = 0;
+        for (size_t axis = 0; axis < RANGE_AXES; axis++)
+            along += direction[axis] * self->points[axis * self->num_points + i];
+        if (!(along > most)) continue;
+        most = along;
+        found = i;
+    }
+    return found;
+}
+
+/* self->outer: along the axes and the diagonals, points that lie farthest in several of them more than
+ * once. Most of what is inside is inside of these few already: a model of 188 states takes 293 thousand
+ * instructions for all of them. False: no memory. */
+static bool list_outer(trained_range *self) {
+    size_t num = 1, count = 0;
+
+    for (size_t axis = 0; axis < RANGE_AXES; axis++)
+        num *= 3;
+    self->num_outer = num - 1; // but for no direction at all
+    self->outer = malloc(RANGE_AXES * self->num_outer * sizeof *self->outer);
+    for (size_t code = 0; code < num && self->outer; code++) {
+        int direction[RANGE_AXES], length = 0;
+        size_t rest = code;
+        for (size_t axis = 0; axis < RANGE_AXES; axis++, rest /= 3) {
+            direction[axis] = (int)(rest % 3) - 1;
+            length += abs(direction[axis]);
+        }
+        if (length == 0) continue;
+        const size_t i = farthest(self, direction);
+        for (size_t axis = 0; axis < RANGE_AXES; axis++)
+            self->outer[axis * self->num_outer + count] = self->points[axis * self->num_points + i];
+        count++;
+    }
+    return self->outer != NULL;
+}
+
 /* self->points where flow is thinned. False: no memory. */
 static bool list_thinned(trained_range *self, const reduced_states *states) {
     const size_t num = states->num_states;
@@ -151,7 +195,7 @@ static bool list_thinned(trained_range *self, const reduced_states *states) {
         trained_place(place, place_of_state(states, s));
         put_column(self->points + s, num, place, self);
     }
-    return self->points != NULL;
+    return self->points && list_outer(self);
 }
 
 static hull_edge edge_between(point a, point b) {
@@ -222,7 +266,8 @@ const char *trained_range_check(const trained_range *self, contact_place of, dou
         put_column(here, 1, place, self);
         // what adaptive training leaves outside of its corners counts as inside
         const double slack = fmax(self->slack, 1e-8);
-        if (!(hull_distance(self->points, self->num_points, RANGE_AXES, here) <= slack))
+        if (!(hull_distance(self->outer, self->num_outer, RANGE_AXES, here) <= slack) &&
+            !(hull_distance(self->points, self->num_points, RANGE_AXES, here) <= slack))
             return "outside of the trained range of M, alpha p_H and thinning";
     }
     if (rate > fmax(rate_slack * self->max_rate, min_rate))

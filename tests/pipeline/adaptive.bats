@@ -325,6 +325,11 @@ YAML
     [ "$status" -eq 0 ]
     [[ $output == *"as many modes as states; each state is told by the others to "* ]]
     [[ $stderr == "podbuild: thin.h5: found a training too thin: half of its pressures are further than 0."* ]]
+    # also where it comes in parts, which are streamed
+    podbuild -q --compress thin.h5 -o part.h5
+    run --separate-stderr podbuild -q part.h5 -o part-basis.h5
+    [ "$status" -eq 0 ]
+    [[ $stderr == *"podbuild: part.h5: found a training too thin: half of its pressures are further than 0."* ]]
     run --separate-stderr podbuild s.h5 -o b.h5 --energy 1e-18
     [ "$status" -eq 0 ]
     [ -z "$stderr" ]

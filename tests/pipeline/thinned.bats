@@ -4,19 +4,24 @@
 
 load common
 
-# sliding_line GRID: line.yml; in plan.yml load, speed, sliding and Eyring's stress vary.
-sliding_line() {
-    cat >line.yml <<YAML
-contact: line
+# sliding_scene KIND LOAD-RADIUS-SPEED SLIDE-ROLL GRID: the text of a scene.
+sliding_scene() {
+    cat <<YAML
+contact: $1
 regime: stationary
-physical: {load: 1.0e5, radius: 0.01, speed: 0.7, modulus: 2.3e11, viscosity: 0.04}
-slide_roll: 0.4
+physical: {$2, modulus: 2.3e11, viscosity: 0.04}
+slide_roll: $3
 lubricant:
   viscosity: {law: barus, alpha: 15e-9}
   density: {law: dowson-higginson}
   shear: {law: eyring, tau0: 5e6, in_film: true}
-grid: {$1}
+grid: {$4}
 YAML
+}
+
+# sliding_line GRID: line.yml; in plan.yml load, speed, sliding and Eyring's stress vary.
+sliding_line() {
+    sliding_scene line 'load: 1.0e5, radius: 0.01, speed: 0.7' 0.4 "$1" >line.yml
     cat >plan.yml <<'YAML'
 groups:
   - scene: line.yml
@@ -194,17 +199,8 @@ PYTHON
 }
 
 @test "point contacts" {
-    cat >point.yml <<'YAML'
-contact: point
-regime: stationary
-physical: {load: 60, radius: 0.0127, speed: 0.8, modulus: 2.3e11, viscosity: 0.04}
-slide_roll: 1
-lubricant:
-  viscosity: {law: barus, alpha: 15e-9}
-  density: {law: dowson-higginson}
-  shear: {law: eyring, tau0: 5e6, in_film: true}
-grid: {x_min: -3, x_max: 1.5, step: 0.125, y_max: 2, half: true}
-YAML
+    sliding_scene point 'load: 60, radius: 0.0127, speed: 0.8' 1 \
+        'x_min: -3, x_max: 1.5, step: 0.125, y_max: 2, half: true' >point.yml
     cat >points.yml <<'YAML'
 groups:
   - scene: point.yml

@@ -3,6 +3,7 @@
 #include "tests/unit/allocation.h"
 #include "tests/unit/check.h"
 
+#include <cblas.h>
 #include <lapacke.h>
 #include <math.h>
 #include <stdlib.h>
@@ -295,10 +296,13 @@ static void tells_what_the_others_leave_out(void **state) {
     const double snapshots[] = {1, 0, 0, 0, 1, 1e-3, 0, 0, 0, 0, 3, 4};
     const pod_settings settings = {.num_modes = 3};
     pod_basis basis;
-    double distance[3];
+    double distance[3], coordinates[3 * 5]; // a coordinate more is of the approach
     (void)state;
     assert_int_equal(pod_build(&basis, snapshots, 3, 4, &settings, NULL), EHD_OK);
-    pod_left_out(distance, &basis, snapshots, 3);
+    for (size_t s = 0; s < 3; s++)
+        for (size_t m = 0; m < 3; m++)
+            coordinates[5 * s + m] = cblas_ddot(4, basis.modes + 4 * m, 1, snapshots + 4 * s, 1);
+    pod_left_out(distance, &basis, coordinates, 5, 3);
     const double length = hypot(1, 1e-3);
     check_close(distance[0], 1e-3 / length, 1e-9, 0);
     check_close(distance[1], 1e-3 / length, 1e-9, 0);
