@@ -72,10 +72,12 @@ static double dry_start_film(const ehd_contact *reference) {
 ehd_status full_march_create(full_march **created, const ehd_contact *reference,
                              const full_settings *settings, double start_film, ehd_error *error) {
     size_t num_nodes = reference->grid.num_nodes;
-    full_march *self = calloc(1, sizeof *self);
     full_settings in_time = *settings;
 
     *created = NULL;
+    ehd_status status = discretization_check_in_time(reference->grid.discretization, error);
+    if (status) return status;
+    full_march *self = calloc(1, sizeof *self);
     in_time.exit_at_node = true; // of the start too: another exit would set off a wave
     if (!self) return ehd_fail(error, EHD_MEMORY, "full model: found no memory");
     arena *memory = &self->memory;
@@ -93,9 +95,9 @@ ehd_status full_march_create(full_march **created, const ehd_contact *reference,
     for (size_t i = 0; i < BDF_PREVIOUS; i++)
         self->mass[i] = arena_array(memory, num_nodes, sizeof(double));
     bool whole = !memory->failed;
-    ehd_status status = whole ? full_solver_create(&self->solver, reference->kind, &reference->grid,
-                                                   &in_time, error)
-                              : ehd_fail(error, EHD_MEMORY, "full model: found no memory");
+    status = whole ? full_solver_create(&self->solver, reference->kind, &reference->grid, &in_time,
+                                        error)
+                   : ehd_fail(error, EHD_MEMORY, "full model: found no memory");
     if (!status) status = previous_carrier_init(&self->carrier, reference, error);
     for (size_t i = 0; i <= BDF_PREVIOUS && !status; i++)
         status = previous_init(&self->states[i], reference, error);

@@ -255,9 +255,10 @@ static void evaluate_rows(full_solver *self, const ehd_contact *contact,
 /* Largest entry of a row of the Jacobian, the film's derivative times the kernel included. */
 static double row_magnitude(const full_solver *self, size_t r) {
     const reynolds_row *row = &self->rows[r];
+    const int size = reynolds_stencil_size(&self->grid);
     double largest = 0, approach = 0;
 
-    for (int a = 0; a < NUM_STENCIL; a++) {
+    for (int a = 0; a < size; a++) {
         largest = fmax(largest, fabs(row->by_pressure[a]));
         approach += row->by_film[a];
     }

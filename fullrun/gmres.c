@@ -111,6 +111,7 @@ gmres_workspace *gmres_workspace_create(const ehd_grid *grid, size_t near_field)
 static void apply_jacobian(double *y, const double *x, full_system *system) {
     gmres_workspace *work = system->workspace;
     size_t num_passive = system->num_unknowns;
+    const int size = reynolds_stencil_size(system->grid);
     double sum = 0;
 
     memset(work->spread, 0, system->grid->num_nodes * sizeof(double));
@@ -126,7 +127,7 @@ static void apply_jacobian(double *y, const double *x, full_system *system) {
         const reynolds_row *row = &system->rows[r];
         const reynolds_stencil *stencil = &system->stencils[r];
         double product = 0;
-        for (int a = 0; a < NUM_STENCIL; a++) {
+        for (int a = 0; a < size; a++) {
             size_t node = stencil->node[a];
             if (node == NO_NODE) continue;
             product += row->by_pressure[a] * work->spread[node] +
@@ -190,12 +191,13 @@ static int fill_near_row(int *column, double *value, double *approach, const ful
     const ptrdiff_t columns = at.last_column - at.first_column + 1;
     const ptrdiff_t lines = at.last_line - at.first_line + 1;
     double *window = ((gmres_workspace *)system->workspace)->window; // by line and column
+    const int size = reynolds_stencil_size(grid);
     double scale = system->row_scale[r];
     int count = 0;
 
     *approach = 0;
     memset(window, 0, (size_t)(columns * lines) * sizeof *window);
-    for (int a = 0; a < NUM_STENCIL; a++) {
+    for (int a = 0; a < size; a++) {
         if (stencil->node[a] == NO_NODE) continue;
         ptrdiff_t here = (ptrdiff_t)stencil->node[a] % width;
         ptrdiff_t line = (ptrdiff_t)stencil->node[a] / width;

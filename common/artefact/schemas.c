@@ -70,7 +70,8 @@ enum {
         {"step",      ARTEFACT_REAL,   "1",  "distance between the nodes of x",                    \
          NEED_ALWAYS, VALUES_POSITIVE, scale},                                                     \
         ATTRIBUTE("discretization", ARTEFACT_TEXT, "1", NEED_OPTIONAL, VALUES_ANY,                 \
-                  "of the equations on the grid: accurate or published; published where missing"), \
+                  "of the equations on the grid: accurate, cross-flux or published; published "    \
+                  "where missing"),                                                                \
         ATTRIBUTE(                                                                                 \
             "boundary", ARTEFACT_TEXT, "1", NEED_OPTIONAL, VALUES_ANY,                             \
             "what lies around the grid of a point contact: open, the far field, or zero, no "      \

@@ -114,8 +114,9 @@ ehd_status grid_read_discretization(ehd_discretization *discretization, artefact
     if (!artefact_has(file, "discretization")) return EHD_OK;
     ehd_status status = artefact_get_text(file, "discretization", &name, error);
     if (!status && !discretization_find(discretization, name))
-        status = ehd_fail(error, EHD_DATA, "%s: discretization: found %.32s, expected %s|%s",
+        status = ehd_fail(error, EHD_DATA, "%s: discretization: found %.32s, expected %s|%s|%s",
                           artefact_path(file), name, discretization_name(DISCRETIZATION_ACCURATE),
+                          discretization_name(DISCRETIZATION_CROSS_FLUX),
                           discretization_name(DISCRETIZATION_PUBLISHED));
     free(name);
     return status;

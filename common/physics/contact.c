@@ -200,8 +200,9 @@ static size_t find_name(const char *const *names, size_t num, const char *name) 
     return i;
 }
 
-static const char *const discretizations[] = {
-    [DISCRETIZATION_PUBLISHED] = "published", [DISCRETIZATION_ACCURATE] = "accurate"};
+static const char *const discretizations[] = {[DISCRETIZATION_PUBLISHED] = "published",
+                                              [DISCRETIZATION_ACCURATE] = "accurate",
+                                              [DISCRETIZATION_CROSS_FLUX] = "cross-flux"};
 enum { NUM_DISCRETIZATIONS = sizeof discretizations / sizeof *discretizations };
 
 const char *discretization_name(ehd_discretization discretization) {
@@ -213,6 +214,14 @@ bool discretization_find(ehd_discretization *discretization, const char *name) {
 
     if (found < NUM_DISCRETIZATIONS) *discretization = (ehd_discretization)found;
     return found < NUM_DISCRETIZATIONS;
+}
+
+ehd_status discretization_check_in_time(ehd_discretization discretization, ehd_error *error) {
+    if (discretization != DISCRETIZATION_CROSS_FLUX) return EHD_OK;
+    return ehd_fail(error, EHD_DATA, "discretization: found %s in time, expected %s|%s",
+                    discretization_name(discretization),
+                    discretization_name(DISCRETIZATION_ACCURATE),
+                    discretization_name(DISCRETIZATION_PUBLISHED));
 }
 
 static const char *const boundaries[] = {[BOUNDARY_ZERO] = "zero", [BOUNDARY_OPEN] = "open"};

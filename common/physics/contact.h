@@ -45,11 +45,14 @@ const contact_kind *contact_kind_find(const char *name);
 /* How the equations are discretised (README.md, Reynolds equation). */
 typedef enum ehd_discretization {
     DISCRETIZATION_PUBLISHED, // as in Maier et al. (2015)
-    DISCRETIZATION_ACCURATE
+    DISCRETIZATION_ACCURATE,
+    DISCRETIZATION_CROSS_FLUX // of stationary point contacts and ellipses
 } ehd_discretization;
 
 /* The name of a discretisation in scenes and files. */
 const char *discretization_name(ehd_discretization discretization);
+/* In time there are no cross fluxes: EHD_DATA. */
+ehd_status discretization_check_in_time(ehd_discretization discretization, ehd_error *error);
 /* Finds one by its name; false: there is none. */
 bool discretization_find(ehd_discretization *discretization, const char *name);
 

@@ -20,15 +20,15 @@ static size_t node_across(const ehd_grid *grid, size_t node, ptrdiff_t lines) {
 }
 
 size_t reynolds_reach_back(const ehd_grid *grid) {
-    return grid->discretization == DISCRETIZATION_ACCURATE ? 3 : 2;
+    return grid->discretization != DISCRETIZATION_PUBLISHED ? 3 : 2;
 }
 
 size_t reynolds_reach_ahead(const ehd_grid *grid) {
-    return grid->discretization == DISCRETIZATION_ACCURATE ? 2 : 1;
+    return grid->discretization != DISCRETIZATION_PUBLISHED ? 2 : 1;
 }
 
 reynolds_stencil reynolds_stencil_at(const ehd_grid *grid, size_t node) {
-    const bool wide = grid->discretization == DISCRETIZATION_ACCURATE;
+    const bool wide = grid->discretization != DISCRETIZATION_PUBLISHED;
     size_t width = grid_width(grid), column = grid->inner_lines > 1 ? node % width : node;
     reynolds_stencil stencil = {
         .node = {[NODE_BACK3] = wide && column > 2 ? node - 3 : NO_NODE,
@@ -40,7 +40,11 @@ reynolds_stencil reynolds_stencil_at(const ehd_grid *grid, size_t node) {
                  [NODE_LEFT2] = NO_NODE,
                  [NODE_LEFT] = NO_NODE,
                  [NODE_RIGHT] = NO_NODE,
-                 [NODE_RIGHT2] = NO_NODE}};
+                 [NODE_RIGHT2] = NO_NODE,
+                 [NODE_BACK_LEFT] = NO_NODE,
+                 [NODE_BACK_RIGHT] = NO_NODE,
+                 [NODE_AHEAD_LEFT] = NO_NODE,
+                 [NODE_AHEAD_RIGHT] = NO_NODE}};
 
     if (grid->inner_lines == 1) return stencil;
     stencil.node[NODE_LEFT] = node_across(grid, node, -1);
@@ -48,11 +52,16 @@ reynolds_stencil reynolds_stencil_at(const ehd_grid *grid, size_t node) {
     if (!wide) return stencil;
     stencil.node[NODE_LEFT2] = node_across(grid, node, -2);
     stencil.node[NODE_RIGHT2] = node_across(grid, node, 2);
+    if (grid->discretization != DISCRETIZATION_CROSS_FLUX) return stencil;
+    stencil.node[NODE_BACK_LEFT] = node_across(grid, node - 1, -1);
+    stencil.node[NODE_BACK_RIGHT] = node_across(grid, node - 1, 1);
+    stencil.node[NODE_AHEAD_LEFT] = node_across(grid, node + 1, -1);
+    stencil.node[NODE_AHEAD_RIGHT] = node_across(grid, node + 1, 1);
     return stencil;
 }
 
 reynolds_stencil reynolds_stencil_reversed(const ehd_grid *grid, size_t node) {
-    const bool wide = grid->discretization == DISCRETIZATION_ACCURATE;
+    const bool wide = grid->discretization != DISCRETIZATION_PUBLISHED;
     const size_t width = grid_width(grid), column = grid->inner_lines > 1 ? node % width : node;
     reynolds_stencil stencil = reynolds_stencil_at(grid, node);
 
@@ -68,7 +77,7 @@ reynolds_stencil reynolds_stencil_reversed(const ehd_grid *grid, size_t node) {
 
 reynolds_fluid reynolds_fluid_in(double *memory, size_t num_nodes, const ehd_contact *contact) {
     const bool compressible = contact->lubricant.density != NULL;
-    const bool accurate = contact->grid.discretization == DISCRETIZATION_ACCURATE;
+    const bool accurate = contact->grid.discretization != DISCRETIZATION_PUBLISHED;
 
     return (reynolds_fluid){
         .mobility = memory,
@@ -470,17 +479,146 @@ static void add_flow_across(reynolds_row *row, const int of[NUM_HALF], double sc
 }
 
 static const int half_back[NUM_HALF] = {NODE_BACK3, NODE_BACK2, NODE_BACK, NODE_HERE, NODE_AHEAD};
+static const int half_ahead[NUM_HALF] = {NODE_BACK2, NODE_BACK, NODE_HERE, NODE_AHEAD, NODE_AHEAD2};
+static const int half_left[NUM_HALF] = {NODE_LEFT2, NODE_LEFT2, NODE_LEFT, NODE_HERE, NODE_RIGHT};
+static const int half_right[NUM_HALF] = {NODE_LEFT, NODE_LEFT, NODE_HERE, NODE_RIGHT, NODE_RIGHT2};
+
+// ---- cross fluxes
+
+/* step^2 times how a flow along three nodes changes about the one in the middle, to leading order. */
+typedef struct net_flow {
+    int node[3]; // of the stencil
+    double value, by_pressure[3], by_film[3];
+} net_flow;
+
+/* Adds scale * step * eps dP/dx from one of the nodes to the next, through the mean of the films. */
+static inline void add_flow(net_flow *net, int before, double scale, const row_nodes *at) {
+    const int a = net->node[before], b = net->node[before + 1];
+    const double *film = at->film;
+    const double mean = (film[at->stencil->node[a]] + film[at->stencil->node[b]]) / 2;
+    const double square = scale * mean * mean, cube = square * mean;
+    const reynolds_link change = link_between(at, a, b);
+
+    net->value += cube * change.value;
+    net->by_pressure[before] += cube * change.by_before;
+    net->by_pressure[before + 1] += cube * change.by_after;
+    net->by_film[before] += 1.5 * square * change.value;
+    net->by_film[before + 1] += 1.5 * square * change.value;
+}
+
+static net_flow net_pressure_flow(int left, int here, int right, double scale,
+                                  const row_nodes *at) {
+    net_flow net = {.node = {left, here, right}};
+
+    add_flow(&net, 1, scale, at);
+    add_flow(&net, 0, -scale, at);
+    return net;
+}
+
+/* Of U rho H - eps dP/dx, which is what flows in across: none where the film has ruptured. */
+static net_flow net_along(int back, int here, int ahead, double entrained, const row_nodes *at) {
+    if (!(at->pressure[at->stencil->node[here]] > 0))
+        return (net_flow){.node = {back, here, ahead}};
+    net_flow net = net_pressure_flow(back, here, ahead, -1, at);
+
+    for (int i = 0; i < 3; i += 2) {
+        const mass of = mass_at(at, net.node[i]);
+        const double half = (i - 1) * entrained / 2;
+        net.value += half * of.value;
+        net.by_pressure[i] += half * of.by_pressure;
+        net.by_film[i] += half * of.by_film;
+    }
+    return net;
+}
+
+/* What lies around a row's node, with the sums of what is to be added of each. */
+typedef struct weighted_net {
+    net_flow flow;
+    double weight;
+} weighted_net;
+
+static void add_net(reynolds_row *row, const weighted_net *net) {
+    row->residual += net->weight * net->flow.value;
+    for (int i = 0; i < 3; i++) {
+        row->by_pressure[net->flow.node[i]] += net->weight * net->flow.by_pressure[i];
+        row->by_film[net->flow.node[i]] += net->weight * net->flow.by_film[i];
+    }
+}
+
+/* Adds to the row, and to the weights of the nets at both ends, scale times the pressure flow g
+ * through a half node of which
+ *
+ *     int g/H^3 = flow_scale * change        g' = -sign * net
+ *
+ * with a line for the net flow between the two nodes and Simpson's rule over them and the half node.
+ * `change` is NULL for what the nets do to it alone. */
+static void add_crossed_flow(reynolds_row *row, const int of[NUM_HALF], double scale, double sign,
+                             const reynolds_link *change, double flow_scale, weighted_net *before,
+                             weighted_net *after, const row_nodes *at) {
+    const int a = of[HALF_BEFORE], b = of[HALF_AFTER];
+    const double *film_weight = film_weights(of, at);
+    const double inverse = 1 / film_at_half(of, film_weight, at);
+    const double inverse_a = 1 / at->film[at->stencil->node[a]];
+    const double inverse_b = 1 / at->film[at->stencil->node[b]];
+    const double cube_a = inverse_a * inverse_a * inverse_a;
+    const double cube_b = inverse_b * inverse_b * inverse_b;
+    const double cube = inverse * inverse * inverse;
+    const double over_sum = 6 / (cube_a + 4 * cube + cube_b);
+    // of the net flows from the half node to either node
+    const double to_a = -sign * (3 * before->flow.value + after->flow.value) / 48;
+    const double to_b = sign * (before->flow.value + 3 * after->flow.value) / 48;
+    const double factor = scale * over_sum, by_link = factor * flow_scale;
+    const double flow =
+        factor * ((change ? flow_scale * change->value : 0) + to_a * cube_a + to_b * cube_b);
+
+    before->weight += factor * sign / 48 * (cube_b - 3 * cube_a);
+    after->weight += factor * sign / 48 * (3 * cube_b - cube_a);
+    if (change) {
+        row->residual += by_link * change->value;
+        row->by_pressure[a] += by_link * change->by_before;
+        row->by_pressure[b] += by_link * change->by_after;
+    }
+    row->by_film[a] += (flow * over_sum / 2 - 3 * factor * to_a) * cube_a * inverse_a;
+    row->by_film[b] += (flow * over_sum / 2 - 3 * factor * to_b) * cube_b * inverse_b;
+    for (int k = 0; k < NUM_HALF; k++)
+        row->by_film[of[k]] += 2 * flow * over_sum * cube * inverse * film_weight[k];
+}
+
+/* The flow across, and to the fluxes along of an accurate row what leaves across: between two nodes
+ * either changes by the other's net flow, and the mean of a side of the cell is that of its middle
+ * and of its curvature (README.md). */
+static void add_cross_fluxes(reynolds_row *row, const ehd_grid *grid, double entrainment,
+                             const row_nodes *at) {
+    const double scale = 1 / (grid->step * grid->step), across = flow_across(&grid->shape);
+    const double entrained = grid->step * entrainment;
+    enum { BEFORE, MIDDLE, AFTER };
+    weighted_net out[3] = {
+        {net_pressure_flow(NODE_BACK_LEFT, NODE_BACK, NODE_BACK_RIGHT, across, at), scale / 24},
+        {net_pressure_flow(NODE_LEFT, NODE_HERE, NODE_RIGHT, across, at), -scale / 12},
+        {net_pressure_flow(NODE_AHEAD_LEFT, NODE_AHEAD, NODE_AHEAD_RIGHT, across, at), scale / 24}};
+    weighted_net in[3] = {
+        {net_along(NODE_BACK_LEFT, NODE_LEFT, NODE_AHEAD_LEFT, entrained, at), -scale / 24},
+        {net_along(NODE_BACK, NODE_HERE, NODE_AHEAD, entrained, at), scale / 12},
+        {net_along(NODE_BACK_RIGHT, NODE_RIGHT, NODE_AHEAD_RIGHT, entrained, at), -scale / 24}};
+    const reynolds_link left = link_between(at, NODE_LEFT, NODE_HERE);
+    const reynolds_link right = link_between(at, NODE_HERE, NODE_RIGHT);
+
+    // along, where g' = U (rho H)' - what leaves across
+    add_crossed_flow(row, half_ahead, scale, 1, NULL, 0, &out[MIDDLE], &out[AFTER], at);
+    add_crossed_flow(row, half_back, -scale, 1, NULL, 0, &out[BEFORE], &out[MIDDLE], at);
+    // across, where g' = what comes in along
+    add_crossed_flow(row, half_right, scale, -1, &right, across, &in[MIDDLE], &in[AFTER], at);
+    add_crossed_flow(row, half_left, -scale, -1, &left, across, &in[BEFORE], &in[MIDDLE], at);
+    for (int i = 0; i < 3; i++) {
+        add_net(row, &out[i]);
+        add_net(row, &in[i]);
+    }
+}
 
 /* *ahead: the flux behind the HERE of the row before, where that is the BACK of this one, and then
  * that behind its own. */
 static void add_accurate_row(reynolds_row *row, half_flux *ahead, bool known, const ehd_grid *grid,
                              double entrainment, const row_nodes *at) {
-    static const int half_ahead[NUM_HALF] = {NODE_BACK2, NODE_BACK, NODE_HERE, NODE_AHEAD,
-                                             NODE_AHEAD2};
-    static const int half_left[NUM_HALF] = {NODE_LEFT2, NODE_LEFT2, NODE_LEFT, NODE_HERE,
-                                            NODE_RIGHT};
-    static const int half_right[NUM_HALF] = {NODE_LEFT, NODE_LEFT, NODE_HERE, NODE_RIGHT,
-                                             NODE_RIGHT2};
     const double step = grid->step, scale = 1 / (step * step);
 
     const half_flux back = known ? *ahead : flux_along(half_back, step, entrainment, at);
@@ -488,6 +626,10 @@ static void add_accurate_row(reynolds_row *row, half_flux *ahead, bool known, co
     add_flux(row, half_ahead, -scale, ahead);
     add_flux(row, half_back, scale, &back);
     if (at->stencil->node[NODE_LEFT] == NO_NODE) return;
+    if (grid->discretization == DISCRETIZATION_CROSS_FLUX) {
+        add_cross_fluxes(row, grid, entrainment, at);
+        return;
+    }
     add_flow_across(row, half_left, -scale * flow_across(&grid->shape), at);
     add_flow_across(row, half_right, scale * flow_across(&grid->shape), at);
 }
@@ -512,7 +654,7 @@ void reynolds_rows(reynolds_row *rows, const ehd_grid *grid, double entrainment,
         reynolds_row *row = &rows[r];
 
         memset(row, 0, sizeof *row);
-        if (grid->discretization == DISCRETIZATION_ACCURATE)
+        if (grid->discretization != DISCRETIZATION_PUBLISHED)
             add_accurate_row(row, &ahead, r > 0 && follows(&stencils[r], &stencils[r - 1]), grid,
                              entrainment, &at);
         else
@@ -530,7 +672,7 @@ reynolds_row reynolds_flux(const ehd_grid *grid, double entrainment,
     const row_nodes at = {stencil, fluid, pressure, film};
     reynolds_row flux = {0};
 
-    if (grid->discretization == DISCRETIZATION_ACCURATE) {
+    if (grid->discretization != DISCRETIZATION_PUBLISHED) {
         const half_flux back = flux_along(half_back, grid->step, entrainment, &at);
         add_flux(&flux, half_back, 1 / grid->step, &back);
     } else

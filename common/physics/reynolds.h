@@ -11,9 +11,9 @@
 #include "common/physics/contact.h"
 #include <stddef.h>
 
-/* Nodes of a row's stencil, named along the direction of entrainment. The last four, across it,
- * are those of a point contact. The published discretisation has none of BACK3, AHEAD2, LEFT2 and
- * RIGHT2. */
+/* Nodes of a row's stencil, named along the direction of entrainment. Those across it are of a point
+ * contact. The published discretisation has none of BACK3, AHEAD2, LEFT2 and RIGHT2; the last four,
+ * beside the nodes before and behind, are of the discretisation with cross fluxes alone. */
 enum {
     NODE_BACK3,
     NODE_BACK2,
@@ -26,6 +26,11 @@ enum {
     NODE_LEFT,
     NODE_RIGHT,
     NODE_RIGHT2,
+    NUM_CROSS_STENCIL,
+    NODE_BACK_LEFT = NUM_CROSS_STENCIL,
+    NODE_BACK_RIGHT,
+    NODE_AHEAD_LEFT,
+    NODE_AHEAD_RIGHT,
     NUM_STENCIL
 };
 #define NO_NODE ((size_t)-1) // beyond the boundary nodes, or not in the discretisation
@@ -64,6 +69,11 @@ typedef struct reynolds_squeeze {
     // [num_rows] weighted sum of rho H at previous time levels, in the current frame
     const double *previous;
 } reynolds_squeeze;
+
+/* So many of a stencil's nodes, the first ones, may be there. */
+static inline int reynolds_stencil_size(const ehd_grid *grid) {
+    return grid->discretization == DISCRETIZATION_CROSS_FLUX ? NUM_STENCIL : NUM_CROSS_STENCIL;
+}
 
 /* By how many nodes a stencil reaches back along the entrainment, and ahead and across it. */
 size_t reynolds_reach_back(const ehd_grid *grid);

@@ -125,16 +125,29 @@ static ehd_status check_traction(const scene_source *source, ehd_error *error) {
                           "%s: found a value, expected slide_roll, or physical.speed_1 and "
                           "speed_2, with it",
                           law->key);
-    if (strcmp(of->discretization, "published") == 0 && scene_thins_flow(of))
+    if (strcmp(of->discretization, "accurate") != 0 && scene_thins_flow(of))
         return place_fail(error, place_of_key(source, "lubricant.shear.in_film"),
-                          "lubricant.shear.in_film: found true with the discretization published, "
-                          "expected accurate");
+                          "lubricant.shear.in_film: found true with the discretization %s, "
+                          "expected accurate",
+                          of->discretization);
     for (const setting *row = law; !has_law && row->key; row++)
         if (strncmp(row->key, "lubricant.shear.", strlen("lubricant.shear.")) == 0 &&
             setting_is_given(row, of))
             return place_fail(error, place_of_key(source, row->key),
                               "%s: found a value, expected %s too", row->key, law->key);
     return EHD_OK;
+}
+
+/* Cross fluxes are those of a stationary flow across. */
+static ehd_status check_cross_flux(const scene_source *source, ehd_error *error) {
+    const scene *of = &source->values;
+    const bool line = strcmp(of->contact, "line") == 0;
+
+    if (strcmp(of->discretization, "cross-flux") != 0) return EHD_OK;
+    if (!line && strcmp(of->regime, "stationary") == 0) return EHD_OK;
+    return place_fail(error, place_of_key(source, "discretization"),
+                      "discretization: found cross-flux of a %s, expected accurate|published",
+                      line ? "line contact" : "contact in time");
 }
 
 /* An ellipse has its shape from one of two keys. */
@@ -352,6 +365,7 @@ ehd_status source_validate(const scene_source *source, ehd_error *error) {
     if (!status) status = check_operating_point(source, error);
     if (!status) status = check_traction(source, error);
     if (!status) status = check_ellipse(source, error);
+    if (!status) status = check_cross_flux(source, error);
     if (!status) status = check_lubricant(source, error);
     if (!status) status = check_grid(source, error);
     return status;

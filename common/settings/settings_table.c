@@ -80,8 +80,9 @@ static const setting run_rows[] = {
     {"lubricant.thermal_conductivity", REAL(lubricant.thermal_conductivity), NULL, NULL, 1e-3, 1e3, "W/(m K)",
      "Thermal conductivity of the lubricant: results then tell beside the films, which are isothermal, the factor "
      "by which shear heating of the inlet thins them", {{"regime", "stationary"}}, false},
-    {"discretization", CHOICE(discretization), "accurate", "accurate|published", 0, 0, "1",
-     "How the equations are discretised on the grid: by rows of higher order, or as published",
+    {"discretization", CHOICE(discretization), "accurate", "accurate|cross-flux|published", 0, 0, "1",
+     "How the equations are discretised on the grid: by rows of higher order; by those with what flows across counted "
+     "along and the other way round, of stationary point contacts and ellipses; or as published",
      ALWAYS, false},
     {"boundary", CHOICE(boundary), NULL, "open|zero", 0, 0, "1",
      "What lies around the grid: the far field of the contact, or no pressure; default open, "

@@ -33,8 +33,9 @@ static void walk_grid(flat *file, reduced_model *model) {
         flat_whole(file, "inner_lines", own->inner_lines, point ? 2 : 1, point ? MAX_NODES : 1);
     ehd_grid like = {.half = flat_whole(file, "half", own->half, 0, point) != 0};
 
-    like.discretization = (ehd_discretization)flat_whole(
-        file, "discretization", (size_t)own->discretization, 0, DISCRETIZATION_ACCURATE);
+    like.discretization =
+        (ehd_discretization)flat_whole(file, "discretization", (size_t)own->discretization, 0,
+                                       point ? DISCRETIZATION_CROSS_FLUX : DISCRETIZATION_ACCURATE);
     like.boundary = (ehd_boundary)flat_whole(file, "boundary", (size_t)own->boundary, 0,
                                              point ? BOUNDARY_OPEN : 0);
     const double found = flat_real(file, "ellipticity", own->shape.ellipticity);

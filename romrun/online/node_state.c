@@ -288,7 +288,7 @@ static size_t lowest_before_band(const node_state *self) {
     const reduced_model *model = self->model;
     size_t best = 0;
 
-    if (model->band.num_lines > 1 || model->grid.discretization != DISCRETIZATION_ACCURATE)
+    if (model->band.num_lines > 1 || model->grid.discretization == DISCRETIZATION_PUBLISHED)
         return 0;
     for (size_t q = 0; q + 1 < model->rows.num_needed; q++)
         if (self->pressurised[q] && model->rows.needed_node[q] < model->band.lines[0].begin &&

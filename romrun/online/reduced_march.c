@@ -216,6 +216,7 @@ ehd_status reduced_march_create(reduced_march **created, const reduced_model *mo
     const ehd_carriage carriage = {reference->transport, reference->smoothing};
     ehd_status status =
         carriage_check(&carriage, NULL, &model->carriage, "the model's training", error);
+    if (!status) status = discretization_check_in_time(model->grid.discretization, error);
     if (status) return status;
     reduced_march *self = calloc(1, sizeof *self);
     if (!self) return ehd_fail(error, EHD_MEMORY, "online solver: found no memory");

@@ -99,9 +99,10 @@ static void expand_pressure(row_system *self, const node_state *nodes, double ri
 /* Takes rows first … end - 1 from the pressures `about` to the state's along their derivatives. */
 static void shift_rows(row_system *self, const double *about, size_t first, size_t end) {
     const row_set *set = &self->model->rows;
+    const int size = reynolds_stencil_size(&self->model->grid);
 
     for (size_t r = first; r < end; r++)
-        for (int a = 0; a < NUM_STENCIL; a++) {
+        for (int a = 0; a < size; a++) {
             const size_t q = set->stencils[r].node[a];
             if (q == NO_NODE) continue;
             self->rows[r].residual += self->rows[r].by_pressure[a] * (self->pressure[q] - about[q]);
@@ -202,15 +203,16 @@ static inline void add_rows(double *restrict target, const double factors[NUM_LI
 
 /* Of a point's stencil, those with a factor: five of ten for the pressures along the path. */
 static inline void add_listed_rows(double *restrict target, const double factors[NUM_STENCIL],
-                                   const double *const sources[NUM_STENCIL], size_t count) {
-    enum { AT_ONCE = 5 };
-    double listed[NUM_STENCIL] = {0};
-    const double *rows[NUM_STENCIL];
+                                   const double *const sources[NUM_STENCIL], int size,
+                                   size_t count) {
+    enum { AT_ONCE = 5, MOST = (NUM_STENCIL + AT_ONCE - 1) / AT_ONCE * AT_ONCE };
+    double listed[MOST] = {0};
+    const double *rows[MOST];
     int num = 0;
 
-    for (int a = 0; a < NUM_STENCIL; a++)
+    for (int a = 0; a < MOST; a++)
         rows[a] = sources[0];
-    for (int a = 0; a < NUM_STENCIL; a++)
+    for (int a = 0; a < size; a++)
         if (factors[a] != 0) {
             listed[num] = factors[a];
             rows[num++] = sources[a];
@@ -227,7 +229,7 @@ static void fill_reynolds_row(double *target, const row_system *self, const node
     const reynolds_stencil *stencil = &model->rows.stencils[r];
     const reynolds_row *row = &self->rows[r];
     double weight = model->rows.weight[r], approach = 0;
-    const bool wide = model->grid.discretization == DISCRETIZATION_ACCURATE;
+    const bool wide = model->grid.discretization != DISCRETIZATION_PUBLISHED;
     bool coupled = model->deformation == DEFORMATION_COUPLED;
     size_t width = coupled ? model->num_pressure : model->num_deformation;
     size_t offset = coupled ? 0 : model->num_pressure;
@@ -235,8 +237,9 @@ static void fill_reynolds_row(double *target, const row_system *self, const node
 
     double by_pressure[NUM_STENCIL] = {0}, by_film[NUM_STENCIL] = {0};
     const double *pressures[NUM_STENCIL], *films[NUM_STENCIL];
+    const int size = reynolds_stencil_size(&model->grid);
 
-    for (int a = 0; a < NUM_STENCIL; a++) {
+    for (int a = 0; a < size; a++) {
         bool there = stencil->node[a] != NO_NODE;
         size_t q = there ? stencil->node[a] : 0;
         pressures[a] = model->rows.pressure + q * model->num_pressure;
@@ -248,8 +251,8 @@ static void fill_reynolds_row(double *target, const row_system *self, const node
     }
     memset(target, 0, model->num_unknowns * sizeof(double));
     if (model->band.num_lines > 1) {
-        add_listed_rows(target, by_pressure, pressures, model->num_pressure);
-        add_listed_rows(target + offset, by_film, films, width);
+        add_listed_rows(target, by_pressure, pressures, size, model->num_pressure);
+        add_listed_rows(target + offset, by_film, films, size, width);
     } else {
         add_rows(target, by_pressure, pressures, wide, model->num_pressure);
         add_rows(target + offset, by_film, films, wide, width);
@@ -265,8 +268,9 @@ static void fill_left_side(double *left, const row_system *self, size_t r, const
     const reynolds_stencil *stencil = &model->rows.stencils[r];
     double factor[NUM_STENCIL];
     size_t needed[NUM_STENCIL], num = 0;
+    const int size = reynolds_stencil_size(&model->grid);
 
-    for (int a = 0; a < NUM_STENCIL; a++) {
+    for (int a = 0; a < size; a++) {
         if (stencil->node[a] == NO_NODE || self->rows[r].by_film[a] == 0) continue;
         factor[num] = model->rows.weight[r] * self->rows[r].by_film[a];
         needed[num++] = stencil->node[a];
