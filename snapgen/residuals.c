@@ -175,7 +175,8 @@ ehd_status residuals_collect(residual_snapshots *snapshots, const program *calle
 
     *snapshots = (residual_snapshots){0};
     if (!status)
-        status = residual_snapshots_init(snapshots, count_iterations(&training), num_inner, error);
+        status =
+            residual_snapshots_init(snapshots, count_iterations(&training), num_inner, NULL, error);
     for (size_t i = 0; i < set->num_points && !status; i++) {
         const point_trace *trace = &training.traces[i];
         size_t count = trace->num_iterations, bytes = count * num_inner * sizeof(double);
