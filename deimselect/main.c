@@ -128,7 +128,7 @@ static ehd_status open_residuals(residual_input *input, const char *path,
     if (!status) status = check_fit(*file, basis, basis_path, identity, error);
     if (!status)
         status = residual_snapshots_init(snapshots, artefact_length(*file, "iteration"),
-                                         basis->grid.num_inner, &input->reader, error);
+                                         &input->reader, error);
     for (size_t i = 0; i < snapshots->count && !status; i++)
         snapshots->state[i] = -1;
     if (!status && artefact_has(*file, "iteration_state"))
@@ -139,26 +139,26 @@ static ehd_status open_residuals(residual_input *input, const char *path,
 }
 
 /* What is going to be taken, before it is. */
-static ehd_status plan_memory(row_plan *plan, const residual_input *input, const program *self,
+static ehd_status plan_memory(row_plan *way, const residual_input *input, const program *self,
                               const reduced_basis *basis, const select_options *options,
                               ehd_error *error) {
     const residual_snapshots *snapshots = &input->snapshots;
     const ehd_status status =
-        row_plan_make(plan, snapshots, basis, &options->rows, options->memory, error);
+        row_plan_make(way, snapshots, basis, &options->rows, options->memory, error);
 
     if (status) return status;
-    if (plan->direct) {
+    if (way->direct) {
         program_detail(self, "%zu iterations at once, at most %.4g MB of %.4g MB", snapshots->count,
-                       plan->bytes * 1e-6, plan->limit * 1e-6);
+                       way->bytes * 1e-6, way->limit * 1e-6);
         return EHD_OK;
     }
     program_note(self,
                  "%zu iterations of %zu nodes one after the other, in blocks of %zu, with room for "
                  "%zu directions: at most %.4g MB of %.4g MB",
-                 snapshots->count, basis->grid.num_inner, plan->block, plan->max_rank,
-                 plan->bytes * 1e-6, plan->limit * 1e-6);
+                 snapshots->count, basis->grid.num_inner, way->block, way->max_rank,
+                 way->bytes * 1e-6, way->limit * 1e-6);
     return program_check_memory(self->arguments[0], "iterations", snapshots->count, "iterations",
-                                " with this --memory", plan->bytes, error);
+                                " with this --memory", way->bytes, error);
 }
 
 /* The snapshots all at once, or as the plan has room for. */
@@ -166,14 +166,14 @@ static ehd_status read_residuals(residual_input *input, const program *self,
                                  const reduced_basis *basis, const select_options *options,
                                  ehd_error *error) {
     artefact *file = input->reader.file;
-    row_plan plan;
-    ehd_status status = plan_memory(&plan, input, self, basis, options, error);
+    row_plan way;
+    ehd_status status = plan_memory(&way, input, self, basis, options, error);
     if (status) return status;
 
-    if (!plan.direct) {
+    if (!way.direct) {
         input->reader.caller = self;
-        input->reader.block = plan.block;
-        input->reader.max_rank = plan.max_rank;
+        input->reader.block = way.block;
+        input->reader.max_rank = way.max_rank;
         return EHD_OK;
     }
     status = residual_snapshots_hold(&input->snapshots, basis->grid.num_inner, error);

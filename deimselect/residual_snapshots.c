@@ -24,12 +24,39 @@ static ehd_status no_memory(const residual_snapshots *snapshots, ehd_error *erro
                     snapshots->count);
 }
 
-ehd_status residual_snapshots_init(residual_snapshots *snapshots, size_t count, size_t num_inner,
+ehd_status residual_snapshots_init(residual_snapshots *snapshots, size_t count,
                                    const residual_reader *reader, ehd_error *error) {
     *snapshots = (residual_snapshots){.count = count, .reader = reader};
     snapshots->state = array_new(count, 1, sizeof *snapshots->state);
-    if (!snapshots->state) return no_memory(snapshots, error);
-    return reader ? EHD_OK : residual_snapshots_hold(snapshots, num_inner, error);
+    return snapshots->state ? EHD_OK : no_memory(snapshots, error);
+}
+
+/* Room for so many rows in front of which the old ones stay. */
+static bool make_longer(double **rows, size_t count, size_t num_inner) {
+    double *longer = array_resize(*rows, count, num_inner, sizeof **rows);
+
+    if (longer) *rows = longer;
+    return longer;
+}
+
+ehd_status residual_snapshots_append(residual_snapshots *snapshots, const double *residuals,
+                                     const double *steps, size_t count, int64_t state,
+                                     size_t num_inner, ehd_error *error) {
+    const size_t before = snapshots->count, after = before + count;
+    int64_t *states = array_resize(snapshots->state, after, 1, sizeof *states);
+
+    if (states) snapshots->state = states;
+    if (!states || !make_longer(&snapshots->residuals, after, num_inner) ||
+        !make_longer(&snapshots->steps, after, num_inner))
+        return no_memory(snapshots, error);
+    if (count == 0) return EHD_OK;
+    memcpy(snapshots->residuals + before * num_inner, residuals,
+           count * num_inner * sizeof *residuals);
+    memcpy(snapshots->steps + before * num_inner, steps, count * num_inner * sizeof *steps);
+    for (size_t i = before; i < after; i++)
+        snapshots->state[i] = state;
+    snapshots->count = after;
+    return EHD_OK;
 }
 
 ehd_status residual_snapshots_hold(residual_snapshots *snapshots, size_t num_inner,

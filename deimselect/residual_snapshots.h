@@ -31,11 +31,19 @@ typedef struct residual_snapshots {
     const residual_reader *reader; // of what is not in memory
 } residual_snapshots;
 
-/* Memory for `count` snapshots on all inner nodes, or but for the states none where they are read by
- * `reader`. EHD_MEMORY. */
-ehd_status residual_snapshots_init(residual_snapshots *snapshots, size_t count, size_t num_inner,
+/* Snapshots that `reader` reads. EHD_MEMORY. */
+ehd_status residual_snapshots_init(residual_snapshots *snapshots, size_t count,
                                    const residual_reader *reader,
                                    ehd_error *error); // free with residual_snapshots_free
+
+/* More iterations of a state to those in memory, of which there are none in a zero object. EHD_MEMORY. */
+ehd_status residual_snapshots_append(
+    // in and out:
+    residual_snapshots *snapshots,
+    // input:
+    const double *residuals, const double *steps, // [count, num_inner]
+    size_t count, int64_t state, size_t num_inner, ehd_error *error);
+
 /* Memory for those that were to be read, which are in memory from now on. EHD_MEMORY. */
 ehd_status residual_snapshots_hold(residual_snapshots *snapshots, size_t num_inner,
                                    ehd_error *error);

@@ -152,6 +152,39 @@ print(resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss)" "$@"
     ((direct > libraries + 40000))
 }
 
+# grid_plan FILE N: N values each of M and L
+grid_plan() {
+    /usr/bin/python3 - "$@" >"$1" <<'PY'
+import numpy, sys
+M, L = (", ".join(f"{v:.4f}" for v in numpy.linspace(*ends, int(sys.argv[2]))) for ends in ((8, 15), (2, 6)))
+print("groups:\n- scene: base.yml\n  vary: {moes.M: [" + M + "], moes.L: [" + L + "]}")
+PY
+}
+
+@test "residuals are written as they come, in the order of the plan" {
+    grid_plan few.yml 5
+    snapgen -q few.yml --basis b.h5 --jobs 1 -o one.h5
+    snapgen -q few.yml --basis b.h5 --jobs 3 -o three.h5
+    same_data one.h5 three.h5
+    /usr/bin/python3 -c "
+import h5py, numpy
+f = h5py.File('three.h5')
+state = f['iteration_state'][...]
+assert (numpy.diff(state) >= 0).all() and set(state) == set(range(25))
+assert numpy.array_equal(numpy.bincount(state), f['newton_iterations'][...])
+assert numpy.array_equal(f['iteration'][...], numpy.arange(len(state)))"
+    [ "$VARIANT" = release ] || skip "sanitizers take memory of their own"
+    # a file is read once more for its digest, a million numbers at a time
+    grid_plan more.yml 16
+    grid_plan many.yml 32
+    few=$(peak snapgen -q more.yml --basis b.h5 --jobs 2 -f -o x.h5)
+    many=$(peak snapgen -q many.yml --basis b.h5 --jobs 2 -f -o x.h5)
+    iterations=$(/usr/bin/python3 -c "import h5py; print(h5py.File('x.h5')['iteration'].size)")
+    echo "few points $few kB, many $many kB, with $iterations iterations of 601 nodes"
+    ((iterations * 601 * 16 / 1000 > 60000)) # all of them in kB
+    ((many < few + 12000))
+}
+
 @test "Ctrl-C and SIGTERM while residuals are streamed leave nothing" {
     for signal in INT TERM; do
         deimselect many.h5 --basis b.h5 --memory 5M -o x.h5 2>log &
