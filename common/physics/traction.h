@@ -38,12 +38,12 @@ stress_slopes contact_stress_slopes(const ehd_contact *contact, double pressure,
 
 /* By what the sliding of an Eyring fluid thins the pressure flow (README.md, thinned flow): the factor
  * on its mobility, along the sliding or across, and its derivative by the logarithm of viscosity over
- * film, over the factor. */
+ * film, over the factor. `rate`: of the Newtonian stress over the law's, sinh(tau/tau0), which is that
+ * of traction_thinning_rate times viscosity over film. */
 typedef struct flow_thinning {
     double factor, by_log_rate;
 } flow_thinning;
-flow_thinning traction_thinning(const ehd_contact *contact, double viscosity, // over that at p = 0
-                                double film, bool along);
+flow_thinning traction_thinning(double rate, bool along);
 
 /* Newtonian shear stress of the sliding over Eyring's, of a fluid as viscous as at zero pressure in
  * a film H = 1: besides M, the Hertz pressure and the lubricant all that a thinned flow depends on,
