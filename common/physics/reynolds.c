@@ -220,7 +220,7 @@ typedef struct mobility {
     double log_by_film;            // of that, derivative of the logarithm by the film
 } mobility;
 
-static mobility mobility_at(const row_nodes *at, int a) {
+static inline mobility mobility_at(const row_nodes *at, int a) {
     const reynolds_fluid *fluid = at->fluid;
     const size_t node = at->stencil->node[a];
 
@@ -320,7 +320,7 @@ static reynolds_link link_between(const row_nodes *at, int before, int after) {
 }
 
 /* At a node, with what the thinning needs. */
-static mobility thinned_mobility_at(const row_nodes *at, int a) {
+static inline mobility thinned_mobility_at(const row_nodes *at, int a) {
     const reynolds_fluid *fluid = at->fluid;
     const size_t node = at->stencil->node[a];
     mobility found = mobility_at(at, a);

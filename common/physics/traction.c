@@ -51,20 +51,6 @@ double traction_thinning_rate(const ehd_contact *contact) {
            contact->lubricant.thinning_stress;
 }
 
-/* asinh by the root of 1 + rate^2, to rounding. */
-static double asinh_by_root(double rate, double root) {
-    return rate < 0.5 ? log1p(rate + rate * rate / (1 + root)) : log(rate + root);
-}
-
-flow_thinning traction_thinning(double rate, bool along) {
-    const double root = rate < 1e8 ? sqrt(1 + rate * rate) : rate;
-
-    if (along) return (flow_thinning){root, rate / root * (rate / root)};
-    if (rate < 1e-4) return (flow_thinning){1 + rate * rate / 6, rate * rate / 3};
-    const double secant = rate / asinh_by_root(rate, root);
-    return (flow_thinning){secant, 1 - secant / root};
-}
-
 double contact_traction_behind(const ehd_contact *contact, const ehd_grid *grid, size_t node,
                                double stress, const double film[2], double exit) {
     const double beside = (exit - grid_x(grid, node)) / grid->step;

@@ -5,6 +5,7 @@
 #define EHD_TRACTION_H
 
 #include "common/physics/contact.h"
+#include <math.h>
 #include <stdbool.h>
 #include <stddef.h>
 
@@ -43,7 +44,15 @@ stress_slopes contact_stress_slopes(const ehd_contact *contact, double pressure,
 typedef struct flow_thinning {
     double factor, by_log_rate;
 } flow_thinning;
-flow_thinning traction_thinning(double rate, bool along);
+static inline flow_thinning traction_thinning(double rate, bool along) {
+    const double root = rate < 1e8 ? sqrt(1 + rate * rate) : rate;
+
+    if (along) return (flow_thinning){root, rate / root * (rate / root)};
+    if (rate < 1e-4) return (flow_thinning){1 + rate * rate / 6, rate * rate / 3};
+    // asinh by that root, to rounding
+    const double stress = rate < 0.5 ? log1p(rate + rate * rate / (1 + root)) : log(rate + root);
+    return (flow_thinning){rate / stress, 1 - rate / (root * stress)};
+}
 
 /* Newtonian shear stress of the sliding over Eyring's, of a fluid as viscous as at zero pressure in
  * a film H = 1: besides M, the Hertz pressure and the lubricant all that a thinned flow depends on,
