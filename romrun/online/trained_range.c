@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "romrun/online/trained_range.h"
 
+#include "common/program/arena.h"
+
 #include <math.h>
 #include <stdbool.h>
 #include <stdlib.h>
@@ -188,7 +190,7 @@ static bool list_thinned(trained_range *self, const reduced_states *states) {
     }
     if (!(self->most_thinning > thinning_coordinate(0))) return true;
     self->num_points = num;
-    self->points = malloc(RANGE_AXES * num * sizeof *self->points);
+    self->points = array_new(RANGE_AXES, num, sizeof *self->points);
     for (size_t s = 0; s < num && self->points; s++) {
         trained_place(place, place_of_state(states, s));
         put_column(self->points + s, num, place, self);
