@@ -6,33 +6,6 @@
 #include <cblas.h>
 #include <lapacke.h>
 #include <stdlib.h>
-#include <string.h>
-
-/* The last iteration of a state, where its residual is that of the converged reduced solution. */
-static bool is_last(const residual_snapshots *snapshots, size_t i) {
-    return snapshots->state[i] >= 0 &&
-           (i + 1 == snapshots->count || snapshots->state[i + 1] != snapshots->state[i]);
-}
-
-static size_t count_converged(const residual_snapshots *snapshots) {
-    size_t count = 0;
-
-    for (size_t i = 0; i < snapshots->count; i++)
-        count += is_last(snapshots, i);
-    return count;
-}
-
-/* Converged residuals, each of unit norm. */
-static void gather_converged(double *converged, const residual_snapshots *snapshots,
-                             size_t num_inner) {
-    for (size_t i = 0; i < snapshots->count; i++) {
-        if (!is_last(snapshots, i)) continue;
-        memcpy(converged, snapshots->residuals + i * num_inner, num_inner * sizeof(double));
-        double norm = cblas_dnrm2((int)num_inner, converged, 1);
-        if (norm > 0) cblas_dscal((int)num_inner, 1 / norm, converged, 1);
-        converged += num_inner;
-    }
-}
 
 /* Columns of the result are the vectors, [num_vectors, num_inner], at the rows. */
 static void sample(double *sampled, const double *vectors, size_t num_vectors, size_t num_inner,
@@ -76,29 +49,37 @@ static ehd_status subtract_predicted(double *remainder, size_t num_residuals, si
     return status;
 }
 
-ehd_status control_choose(size_t *control, size_t *num_control, bool given,
-                          const residual_snapshots *snapshots, size_t num_inner,
-                          const double *modes, size_t num_modes, const size_t *rows,
-                          size_t num_rows, ehd_error *error) {
-    size_t num_converged = count_converged(snapshots), max_control = num_inner - num_rows;
-    if (max_control > num_converged) max_control = num_converged;
+/* No more control rows than that: fewer, or refused where their number was given. */
+static ehd_status limit_control(size_t *num_control, size_t max_control, bool given,
+                                ehd_error *error) {
     if (*num_control > max_control && given)
         return ehd_fail(error, EHD_DATA,
                         "--control: found %zu, expected at most %zu, as many as there are "
                         "converged stationary solutions and rows that are not selected",
                         *num_control, max_control);
     if (*num_control > max_control) *num_control = max_control;
-    if (*num_control == 0) return EHD_OK;
+    return EHD_OK;
+}
 
-    double *remainder = malloc(num_converged * num_inner * sizeof *remainder);
-    if (!remainder)
-        return ehd_fail(error, EHD_MEMORY, "control rows: found no memory for %zu residuals",
-                        num_converged);
-    gather_converged(remainder, snapshots, num_inner);
-    ehd_status status = subtract_predicted(remainder, num_converged, num_inner, modes, num_modes,
-                                           rows, num_rows, error);
+ehd_status control_choose(size_t *control, size_t *num_control, bool given,
+                          const residual_snapshots *snapshots, size_t num_inner,
+                          const double *modes, size_t num_modes, const size_t *rows,
+                          size_t num_rows, ehd_error *error) {
+    const size_t num_converged = residual_snapshots_converged(snapshots);
+    const size_t not_selected = num_inner - num_rows;
+    double *remainder = NULL;
+    size_t num_remainders;
+    ehd_status status = limit_control(
+        num_control, not_selected < num_converged ? not_selected : num_converged, given, error);
+    if (status || *num_control == 0) return status;
+
+    status = residual_snapshots_unit(&remainder, &num_remainders, snapshots, num_inner, error);
+    if (!status) status = limit_control(num_control, num_remainders, given, error);
+    if (!status)
+        status = subtract_predicted(remainder, num_remainders, num_inner, modes, num_modes, rows,
+                                    num_rows, error);
     const selection_bases bases = {
-        .num_nodes = num_inner, .num_modes = {num_converged, 0}, .modes = {remainder, NULL}};
+        .num_nodes = num_inner, .num_modes = {num_remainders, 0}, .modes = {remainder, NULL}};
     if (!status) status = selection_pivoted_qr(control, &bases, *num_control, error);
     free(remainder);
     return status;

@@ -91,6 +91,14 @@ static size_t used_state(const reduced_basis *basis, size_t i) {
     return i * basis->states.num_states / num_used_states(basis);
 }
 
+double cubature_bytes(const reduced_basis *basis) {
+    const double rows = (double)(num_used_states(basis) * NUM_INTEGRANDS);
+    const double inner = (double)basis->grid.num_inner;
+
+    // both tables, and that of the least squares (nnls.c)
+    return 8 * (3 * rows * fmin(inner, MAX_CANDIDATES) + 16 * inner);
+}
+
 /* The inner nodes at which a state has pressure; where there are too many, evenly spread ones. */
 static ehd_status list_nodes(cubature_fit *self, ehd_error *error) {
     const ehd_grid *grid = &self->basis->grid;

@@ -6,6 +6,9 @@
 
 #include "romrun/model/reduced_model.h"
 
+/* Bytes that this takes at most. */
+double cubature_bytes(const reduced_basis *basis);
+
 /* Chooses nodes and weights from states of the basis, 120 at most, and adds them to a model of it. Where
  * there are no weights that integrate them (README.md), none are added. EHD_MEMORY, EHD_INTERNAL. */
 ehd_status cubature_train(

@@ -4,11 +4,12 @@
 #include "common/output/check.h"
 #include "common/output/print.h"
 #include "common/output/vtk.h"
+#include "common/program/memory_option.h"
 #include "common/program/program.h"
 #include "common/training/pool.h"
 #include "deimselect/checked_model.h"
 #include "deimselect/cubature.h"
-#include "deimselect/row_choice.h"
+#include "deimselect/row_plan.h"
 #include "podbuild/readers.h"
 #include "romrun/model/basis_file.h"
 #include "romrun/model/model_file.h"
@@ -26,6 +27,7 @@ typedef struct select_options {
     row_settings rows;     // method and weights NULL where not given
     bool no_check;
     size_t num_jobs;
+    double memory; // bytes that arrays may take
 } select_options;
 
 static ehd_status read_method(void *member, const char *argument, ehd_error *error) {
@@ -63,6 +65,8 @@ static const program_option own_options[] = {
      "deviation; default a tenth of the rows, at least 8; 0: none", OPTION_COUNT(rows.num_control, 0, 10000000)},
     {"no-check", 0, NULL, "Leave out the check of the model, by full solutions between the points of its training; "
      "romrun then trusts none of its results", OPTION_FLAG(no_check)},
+    {"memory", 0, "SIZE", "Memory that arrays may take, as 2G or 500M; default half of the machine's. Residuals that "
+     "need more are streamed, and read twice", OPTION_READ(memory, memory_option_read)},
     {"jobs", 'j', "N", "Full solutions at a time; as many as there are processors by default",
      OPTION_COUNT(num_jobs, 1, 4096)},
     {0}};
@@ -100,27 +104,84 @@ static ehd_status check_fit(artefact *file, const reduced_basis *basis, const ch
     return status;
 }
 
-/* *plan_text: the settings of the file, free with free(); NULL: it has none. */
-static ehd_status read_residuals(residual_snapshots *snapshots, char **plan_text, const char *path,
+/* A file of residuals, and what is read of it. */
+typedef struct residual_input {
+    residual_reader reader; // its file is closed where all is in memory
+    residual_snapshots snapshots;
+    char *plan_text; // the settings of the file; NULL: it has none
+} residual_input;
+
+static void residual_input_close(residual_input *input) {
+    artefact_close(&input->reader.file);
+    residual_snapshots_free(&input->snapshots);
+}
+
+/* Opens the file and reads all but the snapshots. */
+static ehd_status open_residuals(residual_input *input, const char *path,
                                  const reduced_basis *basis, const char *basis_path,
                                  const char *identity, ehd_error *error) {
     const artefact_schema *const kinds[] = {&schema_residuals, NULL};
-    artefact *file = NULL;
-    ehd_status status = artefact_open(&file, path, kinds, error);
+    residual_snapshots *snapshots = &input->snapshots;
+    artefact **file = &input->reader.file;
+    ehd_status status = artefact_open(file, path, kinds, error);
 
-    if (!status) status = check_fit(file, basis, basis_path, identity, error);
+    if (!status) status = check_fit(*file, basis, basis_path, identity, error);
     if (!status)
-        status = residual_snapshots_init(snapshots, artefact_length(file, "iteration"),
-                                         basis->grid.num_inner, error);
-    if (!status) status = artefact_get(file, "weighted_residual", snapshots->residuals, error);
-    if (!status) status = artefact_get(file, "weighted_jacobian_step", snapshots->steps, error);
+        status = residual_snapshots_init(snapshots, artefact_length(*file, "iteration"),
+                                         &input->reader, error);
     for (size_t i = 0; i < snapshots->count && !status; i++)
         snapshots->state[i] = -1;
-    if (!status && artefact_has(file, "iteration_state"))
-        status = artefact_get_integers(file, "iteration_state", snapshots->state, error);
-    if (!status && artefact_has(file, "settings"))
-        status = artefact_get_text(file, "settings", plan_text, error);
-    artefact_close(&file);
+    if (!status && artefact_has(*file, "iteration_state"))
+        status = artefact_get_integers(*file, "iteration_state", snapshots->state, error);
+    if (!status && artefact_has(*file, "settings"))
+        status = artefact_get_text(*file, "settings", &input->plan_text, error);
+    return status;
+}
+
+/* What is going to be taken, before it is. */
+static ehd_status plan_memory(row_plan *way, const residual_input *input, const program *self,
+                              const reduced_basis *basis, const select_options *options,
+                              ehd_error *error) {
+    const residual_snapshots *snapshots = &input->snapshots;
+    const ehd_status status =
+        row_plan_make(way, snapshots, basis, &options->rows, options->memory, error);
+
+    if (status) return status;
+    if (way->direct) {
+        program_detail(self, "%zu iterations at once, at most %.4g MB of %.4g MB", snapshots->count,
+                       way->bytes * 1e-6, way->limit * 1e-6);
+        return EHD_OK;
+    }
+    program_note(self,
+                 "%zu iterations of %zu nodes one after the other, in blocks of %zu, with room for "
+                 "%zu directions: at most %.4g MB of %.4g MB",
+                 snapshots->count, basis->grid.num_inner, way->block, way->max_rank,
+                 way->bytes * 1e-6, way->limit * 1e-6);
+    return program_check_memory(self->arguments[0], "iterations", snapshots->count, "iterations",
+                                " with this --memory", way->bytes, error);
+}
+
+/* The snapshots all at once, or as the plan has room for. */
+static ehd_status read_residuals(residual_input *input, const program *self,
+                                 const reduced_basis *basis, const select_options *options,
+                                 ehd_error *error) {
+    artefact *file = input->reader.file;
+    row_plan way;
+    ehd_status status = plan_memory(&way, input, self, basis, options, error);
+    if (status) return status;
+
+    if (!way.direct) {
+        input->reader.caller = self;
+        input->reader.block = way.block;
+        input->reader.max_rank = way.max_rank;
+        return EHD_OK;
+    }
+    status = residual_snapshots_hold(&input->snapshots, basis->grid.num_inner, error);
+    if (!status)
+        status = artefact_get(file, "weighted_residual", input->snapshots.residuals, error);
+    if (!status)
+        status = artefact_get(file, "weighted_jacobian_step", input->snapshots.steps, error);
+    artefact_close(&input->reader.file);
     return status;
 }
 
@@ -185,12 +246,12 @@ static ehd_status read_given(given_rows *given, const select_options *options,
 }
 
 static ehd_status run(const program *self, select_options *options, ehd_error *error) {
-    residual_snapshots snapshots = {0};
+    residual_input input = {0};
     reduced_basis basis = {0};
     given_rows given = {0};
     row_choice choice = {0};
     ehd_error cause = {""};
-    char identity[65], *plan_text = NULL;
+    char identity[65];
 
     if (!options->basis)
         return ehd_fail(error, EHD_USAGE, "--basis: found none, expected the basis of %s",
@@ -201,18 +262,20 @@ static ehd_status run(const program *self, select_options *options, ehd_error *e
     if (!options->rows.method) options->rows.method = selection_methods;
     if (!options->rows.weights) options->rows.weights = weightings;
     if (!status)
-        status = read_residuals(&snapshots, &plan_text, self->arguments[0], &basis, options->basis,
-                                identity, error);
+        status =
+            open_residuals(&input, self->arguments[0], &basis, options->basis, identity, error);
+    if (!status) status = read_residuals(&input, self, &basis, options, error);
     if (!status) {
-        status = row_choice_make(&choice, &snapshots, &basis, &options->rows, &cause);
+        status = row_choice_make(&choice, &input.snapshots, &basis, &options->rows, &cause);
         if (status) ehd_fail(error, status, "%s: %s", self->arguments[0], cause.text);
     }
-    if (!status) status = write_model(self, options, &basis, &choice, identity, plan_text, error);
-    free(plan_text);
+    residual_input_close(&input); // full solutions of the check need the memory
+    if (!status)
+        status = write_model(self, options, &basis, &choice, identity, input.plan_text, error);
+    free(input.plan_text);
     row_choice_free(&choice);
     options->rows.given = NULL;
     given_rows_free(&given);
-    residual_snapshots_free(&snapshots);
     reduced_basis_free(&basis);
     return status;
 }
@@ -239,7 +302,8 @@ static ehd_status check_usage(const select_options *options, ehd_error *error) {
 
 int main(int argc, char **argv) {
     select_options own = {.rows = {.num_control = CONTROL_BY_ITSELF},
-                          .num_jobs = pool_default_workers()};
+                          .num_jobs = pool_default_workers(),
+                          .memory = memory_option_default()};
     const program_options options = {
         .options = own_options,
         .own = &own,

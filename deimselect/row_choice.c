@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "deimselect/row_choice.h"
 
-#include "common/program/arena.h"
 #include "deimselect/control.h"
 #include "deimselect/stability.h"
 #include "podbuild/pod.h"
@@ -10,24 +9,6 @@
 #include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
-
-ehd_status residual_snapshots_init(residual_snapshots *snapshots, size_t count, size_t num_inner,
-                                   ehd_error *error) {
-    *snapshots = (residual_snapshots){.count = count};
-    snapshots->residuals = array_new(count, num_inner, sizeof(double));
-    snapshots->steps = array_new(count, num_inner, sizeof(double));
-    snapshots->state = array_new(count, 1, sizeof *snapshots->state);
-    if (snapshots->residuals && snapshots->steps && snapshots->state) return EHD_OK;
-    residual_snapshots_free(snapshots);
-    return ehd_fail(error, EHD_MEMORY, "residuals: found no memory for %zu iterations", count);
-}
-
-void residual_snapshots_free(residual_snapshots *snapshots) {
-    free(snapshots->residuals);
-    free(snapshots->steps);
-    free(snapshots->state);
-    *snapshots = (residual_snapshots){0};
-}
 
 void row_choice_free(row_choice *choice) {
     free(choice->rows);
@@ -46,19 +27,33 @@ static size_t wanted_modes(size_t rows_per_mode, size_t num_rows, size_t num_unk
     return rows_a_mode > 1 && modes < num_unknowns ? num_unknowns : modes;
 }
 
-static const char *const snapshot_names[] = {"residuals", "Jacobian products"};
+/* How many rows are selected first. */
+static size_t first_rows(const reduced_basis *basis, const row_settings *settings) {
+    const size_t num_inner = basis->grid.num_inner;
+    const size_t two_a_mode =
+        2 * basis->num_pressure < num_inner ? 2 * basis->num_pressure : num_inner;
+
+    if (settings->given) return settings->given->count;
+    return settings->num_rows > 0 ? settings->num_rows : two_a_mode;
+}
+
+size_t row_choice_num_modes(const reduced_basis *basis, const row_settings *settings) {
+    // of given rows as many as pivoted QR gets for them
+    const size_t rows_per_mode = settings->given ? 2 : settings->method->rows_per_mode;
+
+    return wanted_modes(rows_per_mode, first_rows(basis, settings), basis->states.num_unknowns);
+}
 
 static ehd_status build_pods(pod_basis pods[2], const residual_snapshots *snapshots,
                              size_t num_inner, size_t num_modes, ehd_error *error) {
-    const pod_settings settings = {.num_modes = num_modes, .at_most = true};
-    const double *sets[] = {snapshots->residuals, snapshots->steps};
+    static const residual_kind kinds[] = {RESIDUALS, PRODUCTS};
     ehd_error cause;
 
     for (int i = 0; i < 2; i++) {
         ehd_status status =
-            pod_build(&pods[i], sets[i], snapshots->count, num_inner, &settings, &cause);
+            residual_snapshots_pod(&pods[i], snapshots, kinds[i], num_inner, num_modes, &cause);
         if (status)
-            return ehd_fail(error, status, "snapshots of the %s: %s", snapshot_names[i],
+            return ehd_fail(error, status, "snapshots of the %s: %s", residual_names[i],
                             cause.text);
     }
     return EHD_OK;
@@ -146,7 +141,7 @@ static ehd_status limit_rows(size_t *num_rows, const pod_basis pods[2],
         return ehd_fail(error, EHD_DATA,
                         "--rows: found %zu, expected at most %zu, as many as the snapshots of the "
                         "%s tell apart",
-                        *num_rows, max_rows, snapshot_names[poorer]);
+                        *num_rows, max_rows, residual_names[poorer]);
     *num_rows = max_rows;
     return EHD_OK;
 }
@@ -172,9 +167,9 @@ static int compare_exits(const void *a, const void *b, void *context) {
     return (x[l] > y[l]) - (x[l] < y[l]);
 }
 
-/* The exits of training, each once and in order, as numbers of rows before them on each inner line.
- * NULL: no memory. */
-static size_t *list_exits(size_t *num_exits, const reduced_states *states, const ehd_grid *grid) {
+size_t *row_choice_exits(size_t *num_exits, const reduced_basis *basis) {
+    const reduced_states *states = &basis->states;
+    const ehd_grid *grid = &basis->grid;
     size_t num_lines = grid->inner_lines, bytes = num_lines * sizeof(size_t);
     size_t *exits = malloc((states->num_states + 1) * bytes);
 
@@ -193,7 +188,7 @@ static size_t *list_exits(size_t *num_exits, const reduced_states *states, const
     return exits;
 }
 
-/* What the method selects from: the PODs, and `exits` from list_exits. */
+/* What the method selects from: the PODs, and `exits` from row_choice_exits. */
 static selection_bases make_bases(const pod_basis pods[2], const reduced_basis *basis,
                                   const size_t *exits, size_t num_exits) {
     const selection_bases bases = {
@@ -340,13 +335,11 @@ static ehd_status choose_control(row_choice *choice, const residual_snapshots *s
 ehd_status row_choice_make(row_choice *choice, const residual_snapshots *snapshots,
                            const reduced_basis *basis, const row_settings *settings,
                            ehd_error *error) {
-    const size_t num_inner = basis->grid.num_inner, num_unknowns = basis->states.num_unknowns;
-    const size_t two_a_mode =
-        2 * basis->num_pressure < num_inner ? 2 * basis->num_pressure : num_inner;
-    const size_t num_rows = settings->num_rows > 0 ? settings->num_rows : two_a_mode;
+    const size_t num_unknowns = basis->states.num_unknowns;
+    const size_t num_rows = first_rows(basis, settings);
     pod_basis pods[2] = {{0}, {0}};
     selection_bases bases = {0};
-    size_t *exits = list_exits(&bases.num_exits, &basis->states, &basis->grid);
+    size_t *exits = row_choice_exits(&bases.num_exits, basis);
     ehd_status status = EHD_OK;
 
     memset(choice, 0, sizeof *choice);
@@ -359,21 +352,21 @@ ehd_status row_choice_make(row_choice *choice, const residual_snapshots *snapsho
             select_stable_rows(choice, pods, &bases, snapshots, basis, settings, num_rows, error);
     else if (!status)
         status = select_rows(choice, pods, &bases, snapshots, basis, settings, num_rows, error);
-    if (!status)
-        status =
-            choose_control(choice, snapshots, &pods[0], num_unknowns, settings->num_control, error);
     if (!status && settings->given && settings->given->factors)
         status = use_given_factors(choice, settings->given, error);
     else if (!status)
         status = weigh_rows(choice, &pods[1], num_unknowns, settings->weights, error);
     if (!status) status = measure(choice, pods, basis, &bases, error);
+    pod_free(&pods[1]); // for what control rows take
+    if (!status)
+        status =
+            choose_control(choice, snapshots, &pods[0], num_unknowns, settings->num_control, error);
     for (size_t r = 0; r < choice->num_rows && !status; r++)
         choice->rows[r] = grid_node_of_row(&basis->grid, choice->rows[r]);
     for (size_t r = 0; r < choice->num_control && !status; r++)
         choice->control[r] = grid_node_of_row(&basis->grid, choice->control[r]);
     free(exits);
     pod_free(&pods[0]);
-    pod_free(&pods[1]);
     if (status) row_choice_free(choice);
     return status;
 }

@@ -4,25 +4,12 @@
 #define EHD_ROW_CHOICE_H
 
 #include "deimselect/given_rows.h"
+#include "deimselect/residual_snapshots.h"
 #include "deimselect/selection.h"
 #include "romrun/model/reduced_model.h"
 #include "romrun/model/weighting.h"
-#include <stdint.h>
-
-/* Iterations of the training repeated with the projected system. */
-typedef struct residual_snapshots {
-    size_t count;
-    double *residuals; // [count, num_inner] D f
-    double *steps;     // [count, num_inner] D J dz
-    int64_t *state; // [count] stationary training state that each belongs to, ascending, -1: none
-} residual_snapshots;
 
 #define CONTROL_BY_ITSELF ((size_t)-1) // number of control rows: a tenth of the rows, at least 8
-
-/* Memory for `count` snapshots on all inner nodes. EHD_MEMORY. */
-ehd_status residual_snapshots_init(residual_snapshots *snapshots, size_t count, size_t num_inner,
-                                   ehd_error *error); // free with residual_snapshots_free
-void residual_snapshots_free(residual_snapshots *snapshots);
 
 typedef struct row_choice {
     size_t num_rows;
@@ -48,6 +35,13 @@ typedef struct row_settings {
 } row_settings;
 
 void row_choice_free(row_choice *choice);
+
+/* How many modes of either set the rows are selected with at most; of --stability at first. */
+size_t row_choice_num_modes(const reduced_basis *basis, const row_settings *settings);
+
+/* The exits of training, each once and in order, as numbers of rows before them on each inner line.
+ * NULL: no memory. */
+size_t *row_choice_exits(size_t *num_exits, const reduced_basis *basis); // free()
 
 /* PODs of both snapshot sets, the method's or the given rows and their weights, and the smallest
  * singular values of the bases sampled there: over all rows, and for the exit of each training

@@ -8,22 +8,22 @@
 #include <string.h>
 
 const selection_method selection_methods[] = {
-    {"joint", selection_joint, 1,
+    {"joint", selection_joint, 1, 0, false,
      "greedy on the interpolation errors of both bases (Maier et al. 2015, Fig. A1); at most as "
      "many rows as "
      "the "
      "smaller basis has modes"},
-    {"qr", selection_pivoted_qr, 2,
+    {"qr", selection_pivoted_qr, 2, 2, false,
      "column-pivoted QR of both bases side by side; at most as many rows as both have modes"},
-    {"sopt", selection_s_opt, 0,
+    {"sopt", selection_s_opt, 0, 1, false,
      "oversampled S-OPT: largest product of the determinants of both bases sampled at the rows, "
      "over the norms of "
      "their columns; any number of rows"},
-    {"exits", selection_exits, 0,
+    {"exits", selection_exits, 0, 0, true,
      "joint up to as many rows as pressure modes, then the row that helps the worst exit of "
      "training "
      "most; any number of rows"},
-    {NULL, NULL, 0, NULL},
+    {NULL, NULL, 0, 0, false, NULL},
 };
 
 const selection_method *selection_find(const char *name) {

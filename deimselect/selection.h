@@ -4,6 +4,7 @@
 #define EHD_SELECTION_H
 
 #include "common/program/status.h"
+#include <stdbool.h>
 #include <stddef.h>
 
 /* POD bases of the weighted residuals and of the weighted products J dz (Maier et al. 2015,
@@ -33,6 +34,8 @@ typedef struct selection_method {
     const char *name; // "joint"
     selection_function *select;
     size_t rows_per_mode; // at most, of the modes of either basis; 0: any number of rows
+    size_t copies;        // of a basis that it takes memory for, beside both
+    bool keeps_exits;     // looks at all exits of training at once (stability.h)
     const char *help;
 } selection_method;
 

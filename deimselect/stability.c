@@ -33,6 +33,7 @@ struct row_stability {
     exit_block *blocks;                 // [num_blocks]
     bool *selected;                     // [num_nodes]
     // scratch
+    double *running_gram[2]; // [num_modes, num_modes] over the nodes before the exit filled last
     double *row, *along;     // [num_modes] of the larger basis
     double *matrix, *values; // [num_modes, num_modes], [num_modes]
     arena memory;            // of all arrays
@@ -68,20 +69,17 @@ static void move_gram(double *gram, const row_stability *self, const double *mod
 /* resolved = U / sqrt(lambda) of the modes' Gram matrix U lambda U^T over the nodes before the
  * exit. `running_gram` is that matrix over the nodes before `from`, in, and before the exit, out.
  */
-static ehd_status block_init(exit_block *block, row_stability *self, double *running_gram,
-                             const size_t *from, const double *modes, size_t num_modes,
-                             const size_t *num_before, ehd_error *error) {
+static ehd_status block_fill(exit_block *block, row_stability *self, double *running_gram,
+                             const size_t *from, const double *modes, const size_t *num_before,
+                             ehd_error *error) {
+    const size_t num_modes = block->num_modes;
     const int n = (int)num_modes;
     // of sums over all nodes, of modes of unit norm
     const double rounding = DBL_EPSILON * (double)self->num_nodes;
     block->modes = modes;
-    block->num_modes = num_modes;
     block->num_before = num_before;
-    block->resolved = arena_array(&self->memory, num_modes * num_modes, sizeof(double));
-    block->gram = arena_array(&self->memory, num_modes * num_modes, sizeof(double));
-    block->direction = arena_array(&self->memory, num_modes, sizeof(double));
-    if (self->memory.failed) return no_memory(error);
-
+    block->smallest = 0;
+    block->is_known = false;
     move_gram(running_gram, self, modes, num_modes, from, num_before);
     memcpy(block->resolved, running_gram, num_modes * num_modes * sizeof(double));
     ehd_status status = lapack_outcome(
@@ -96,49 +94,88 @@ static ehd_status block_init(exit_block *block, row_stability *self, double *run
             block->num_resolved * num_modes * sizeof(double));
     for (size_t k = 0; k < block->num_resolved; k++)
         cblas_dscal(n, 1 / sqrt(self->values[unresolved + k]), block->resolved + k * num_modes, 1);
+    memset(block->gram, 0, num_modes * num_modes * sizeof(double));
     return EHD_OK;
+}
+
+/* Nodes before an exit, and before the one that its Gram matrices are moved from; those behind the last
+ * exit are all. */
+static const size_t *nodes_before(const row_stability *self, const selection_bases *bases,
+                                  size_t exit) {
+    return exit < bases->num_exits ? bases->exits + exit * self->num_lines : self->all;
+}
+
+static const size_t *moved_from(const row_stability *self, const selection_bases *bases,
+                                size_t exit) {
+    return exit > 0 ? nodes_before(self, bases, exit - 1) : self->none;
+}
+
+/* Memory for so many exits, two blocks each. */
+static row_stability *allocate(const selection_bases *leading, size_t num_exits) {
+    const size_t *num_modes = leading->num_modes;
+    const size_t larger = num_modes[num_modes[1] > num_modes[0]];
+    row_stability *self = calloc(1, sizeof *self);
+    if (!self) return NULL;
+
+    arena *memory = &self->memory;
+    self->num_nodes = leading->num_nodes;
+    self->num_lines = leading->num_lines > 0 ? leading->num_lines : 1;
+    self->width = self->num_nodes / self->num_lines;
+    self->num_blocks = 2 * num_exits;
+    self->none = arena_array(memory, self->num_lines, sizeof *self->none);
+    self->all = arena_array(memory, self->num_lines, sizeof *self->all);
+    self->blocks = arena_array(memory, self->num_blocks, sizeof *self->blocks);
+    self->selected = arena_array(memory, leading->num_nodes, sizeof *self->selected);
+    self->row = arena_array(memory, larger, sizeof(double));
+    self->along = arena_array(memory, larger, sizeof(double));
+    self->matrix = arena_array(memory, larger * larger, sizeof(double));
+    self->values = arena_array(memory, larger, sizeof(double));
+    for (int i = 0; i < 2; i++)
+        self->running_gram[i] = arena_array(memory, num_modes[i] * num_modes[i], sizeof(double));
+    for (size_t b = 0; b < self->num_blocks && !memory->failed; b++) {
+        exit_block *block = &self->blocks[b];
+        block->num_modes = num_modes[b % 2];
+        block->resolved = arena_table(memory, block->num_modes, block->num_modes, sizeof(double));
+        block->gram = arena_table(memory, block->num_modes, block->num_modes, sizeof(double));
+        block->direction = arena_array(memory, block->num_modes, sizeof(double));
+    }
+    for (size_t l = 0; l < self->num_lines && !memory->failed; l++)
+        self->all[l] = self->width;
+    return memory->failed ? row_stability_free(self) : self;
+}
+
+/* The two blocks of an exit, behind those of the exit before. */
+static ehd_status fill_exit(exit_block blocks[2], row_stability *self, const selection_bases *bases,
+                            size_t exit, ehd_error *error) {
+    ehd_status status = EHD_OK;
+
+    for (int i = 0; i < 2 && !status; i++)
+        status = block_fill(&blocks[i], self, self->running_gram[i], moved_from(self, bases, exit),
+                            bases->modes[i], nodes_before(self, bases, exit), error);
+    return status;
 }
 
 ehd_status row_stability_create(row_stability **stability, const selection_bases *bases,
                                 ehd_error *error) {
     const selection_bases leading = selection_leading(bases);
-    const size_t *num_modes = leading.num_modes;
-    const size_t larger = num_modes[num_modes[1] > num_modes[0]];
-    row_stability *self = calloc(1, sizeof *self);
+    row_stability *self = allocate(&leading, bases->num_exits + 1);
 
     *stability = NULL;
     if (!self) return no_memory(error);
-    arena *memory = &self->memory;
-    double *running_gram[2];
-    for (int i = 0; i < 2; i++)
-        running_gram[i] = arena_array(memory, num_modes[i] * num_modes[i], sizeof(double));
-    self->num_nodes = bases->num_nodes;
-    self->num_lines = bases->num_lines > 0 ? bases->num_lines : 1;
-    self->width = self->num_nodes / self->num_lines;
-    self->none = arena_array(memory, self->num_lines, sizeof *self->none);
-    self->all = arena_array(memory, self->num_lines, sizeof *self->all);
-    self->num_blocks = 2 * (bases->num_exits + 1);
-    self->blocks = arena_array(memory, self->num_blocks, sizeof *self->blocks);
-    self->selected = arena_array(memory, bases->num_nodes, sizeof *self->selected);
-    self->row = arena_array(memory, larger, sizeof(double));
-    self->along = arena_array(memory, larger, sizeof(double));
-    self->matrix = arena_array(memory, larger * larger, sizeof(double));
-    self->values = arena_array(memory, larger, sizeof(double));
-    ehd_status status = memory->failed ? no_memory(error) : EHD_OK;
-    for (size_t l = 0; l < self->num_lines && !status; l++)
-        self->all[l] = self->width;
-    for (size_t b = 0; b < self->num_blocks && !status; b++) {
-        const size_t *num_before =
-            b / 2 < bases->num_exits ? bases->exits + b / 2 * self->num_lines : self->all;
-        const size_t *from = b >= 2 ? self->blocks[b - 2].num_before : self->none;
-        status = block_init(&self->blocks[b], self, running_gram[b % 2], from, bases->modes[b % 2],
-                            num_modes[b % 2], num_before, error);
-    }
+    ehd_status status = EHD_OK;
+    for (size_t e = 0; e <= bases->num_exits && !status; e++)
+        status = fill_exit(&self->blocks[2 * e], self, bases, e, error);
     if (status)
         row_stability_free(self);
     else
         *stability = self;
     return status;
+}
+
+double row_stability_bytes(size_t num_leading, size_t num_exits) {
+    const double modes = (double)num_leading, an_exit = 2 * (2 * modes * modes + modes);
+
+    return 8 * ((double)num_exits + 1) * an_exit + 8 * 6 * modes * modes;
 }
 
 void row_stability_add(row_stability *self, size_t row) {
@@ -224,16 +261,24 @@ ehd_status row_stability_worst(double *sigma_min, size_t *best_row, row_stabilit
     return EHD_OK;
 }
 
+/* One exit after the other: all of them take much memory where there are many, and nothing is asked of
+ * them again. */
 ehd_status row_stability_of(double *inverse_sigma_min, const selection_bases *bases,
                             const size_t *rows, size_t num_rows, ehd_error *error) {
-    row_stability *self = NULL;
-    double sigma_min = 0;
-    ehd_status status = row_stability_create(&self, bases, error);
+    const selection_bases leading = selection_leading(bases);
+    row_stability *self = allocate(&leading, 1);
+    double smallest = INFINITY;
+    ehd_status status = self ? EHD_OK : no_memory(error);
 
-    for (size_t n = 0; n < num_rows && !status; n++)
-        row_stability_add(self, rows[n]);
-    if (!status) status = row_stability_worst(&sigma_min, NULL, self, error);
-    *inverse_sigma_min = 1 / sigma_min;
+    for (size_t e = 0; e <= bases->num_exits && !status; e++) {
+        double sigma_min = 0;
+        status = fill_exit(self->blocks, self, bases, e, error);
+        for (size_t n = 0; n < num_rows && !status; n++)
+            row_stability_add(self, rows[n]);
+        if (!status) status = row_stability_worst(&sigma_min, NULL, self, error);
+        smallest = fmin(smallest, sigma_min);
+    }
+    *inverse_sigma_min = 1 / smallest;
     row_stability_free(self);
     return status;
 }

@@ -23,6 +23,9 @@ ehd_status row_stability_create(
     const selection_bases *bases, ehd_error *error);
 row_stability *row_stability_free(row_stability *self); // accepts and returns NULL
 
+/* Bytes that it takes. */
+double row_stability_bytes(size_t num_leading, size_t num_exits);
+
 /* Adds a row to the selection: at no exit does the smallest singular value fall. */
 void row_stability_add(row_stability *self, size_t row);
 

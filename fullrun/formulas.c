@@ -58,24 +58,37 @@ void formulas_print(const contact_scalars *solution, const ehd_contact *contact)
     }
 }
 
-void formulas_print_traction(const contact_traction *solution, const ehd_contact *contact) {
+/* Coefficients at the formula's film for other slide-roll ratios than the contact's. */
+static void print_curve(const ehd_contact *contact) {
     static const double curve[] = {0.001, 0.003, 0.01, 0.03, 0.1, 0.3, 1};
+    const double film = film_central(contact);
+
+    printf("slide-roll: friction");
+    for (size_t i = 0; i < sizeof curve / sizeof *curve; i++)
+        printf("%s %g: %.4g", i ? "," : "", curve[i],
+               traction_at_mean_pressure(contact, film, curve[i]).coefficient);
+    putchar('\n');
+}
+
+static void print_traction_head(void) {
+    printf("traction %-20s %-8s", "evans-johnson", "friction");
+}
+
+void formulas_print_traction(const contact_traction *solution, const ehd_contact *contact) {
     const double film = film_central(contact);
     const traction_estimate own = traction_at_mean_pressure(contact, film, contact->slide_roll);
     const bool within = own.excess >= TRACTION_MIN_EXCESS;
 
     if (isnan(own.coefficient)) return;
-    printf("traction %-20s %-8s  %-11.6g", "evans-johnson", "friction", own.coefficient);
+    print_traction_head();
+    printf("  %-11.6g", own.coefficient);
     // in pure rolling both are 0
     if (solution->coefficient != 0)
         printf(" %+8.3f %%", 100 * (own.coefficient / solution->coefficient - 1));
     printf("  %s; viscous stress from %g Eyring stresses on, %s: %.3g\n", traction_formula_source,
            TRACTION_MIN_EXCESS, within ? "here" : "here outside", own.excess);
-    printf("traction %-20s", "slide-roll: friction");
-    for (size_t i = 0; i < sizeof curve / sizeof *curve; i++)
-        printf("%s %g: %.4g", i ? "," : "", curve[i],
-               traction_at_mean_pressure(contact, film, curve[i]).coefficient);
-    putchar('\n');
+    printf("traction ");
+    print_curve(contact);
 }
 
 // ---- in time
@@ -103,10 +116,24 @@ static double quantile_in_time(const weighted *values, size_t count, double quan
     return values[i].deviation;
 }
 
+/* For how long a time stands. */
+static double duration_of(const time_series *series, size_t i) {
+    const size_t last = series->num_times - 1;
+
+    return (series->time[i < last ? i + 1 : i] - series->time[i > 0 ? i - 1 : 0]) / 2;
+}
+
+static void print_deviations(weighted *deviations, size_t count) {
+    qsort(deviations, count, sizeof *deviations, compare_deviations);
+    printf("  worst %.3f %%, 95 %% %.3f %%, median %.3f %%", 100 * deviations[count - 1].deviation,
+           100 * quantile_in_time(deviations, count, 0.95),
+           100 * quantile_in_time(deviations, count, 0.5));
+}
+
 /* The contact at one of the times, taken as stationary, and the film scale of its frame. The load
  * is the result's, which is an outcome where the approach is given. */
-static film_numbers numbers_at(double *film_scale, const time_series *series, size_t i,
-                               const ehd_histories *histories, const ehd_contact *reference) {
+static ehd_contact contact_at(double *film_scale, const time_series *series, size_t i,
+                              const ehd_histories *histories, const ehd_contact *reference) {
     double values[NUM_VARY];
     ehd_contact contact;
 
@@ -115,30 +142,64 @@ static film_numbers numbers_at(double *film_scale, const time_series *series, si
     const contact_frame frame = frame_at(reference->kind, series->time[i], values, NAN);
     frame_contact(&contact, &frame, reference);
     *film_scale = frame.film_scale;
-    return film_numbers_of(&contact);
+    return contact;
 }
 
 static void print_formula_in_time(weighted *deviations, const film_formula *formula,
                                   const time_series *series, const ehd_histories *histories,
                                   const ehd_contact *reference) {
-    const size_t last = series->num_times - 1;
     double scale;
+    ehd_contact contact;
 
-    for (size_t i = 0; i <= last; i++) {
-        const film_numbers numbers = numbers_at(&scale, series, i, histories, reference);
+    for (size_t i = 0; i < series->num_times; i++) {
+        contact = contact_at(&scale, series, i, histories, reference);
+        const film_numbers numbers = film_numbers_of(&contact);
         double film = scale * formula->film(formula, &numbers);
         double of_solution = formula->of_minimum ? series->minimum_film_thickness[i]
                                                  : series->central_film_thickness[i];
-        double before = series->time[i > 0 ? i - 1 : 0], after = series->time[i < last ? i + 1 : i];
-        deviations[i] = (weighted){fabs(film / of_solution - 1), (after - before) / 2};
+        deviations[i] = (weighted){fabs(film / of_solution - 1), duration_of(series, i)};
     }
-    qsort(deviations, last + 1, sizeof *deviations, compare_deviations);
     print_head(formula);
-    printf("  worst %.3f %%, 95 %% %.3f %%, median %.3f %%", 100 * deviations[last].deviation,
-           100 * quantile_in_time(deviations, last + 1, 0.95),
-           100 * quantile_in_time(deviations, last + 1, 0.5));
-    const film_numbers at_start = numbers_at(&scale, series, 0, histories, reference);
+    print_deviations(deviations, series->num_times);
+    contact = contact_at(&scale, series, 0, histories, reference);
+    const film_numbers at_start = film_numbers_of(&contact);
     print_tail(formula, &at_start);
+}
+
+/* As the films: of the contact at each time as if it were stationary, at the film of its formula. */
+static void print_traction_in_time(weighted *deviations, const time_series *series,
+                                   const ehd_histories *histories, const ehd_contact *reference) {
+    double scale, least = INFINITY, most = 0, outside = 0, total = 0;
+    ehd_contact contact = contact_at(&scale, series, 0, histories, reference);
+    const ehd_contact at_start = contact;
+    size_t count = 0;
+
+    if (isnan(traction_at_mean_pressure(&contact, 1, contact.slide_roll).coefficient)) return;
+    for (size_t i = 0; i < series->num_times; i++) {
+        contact = contact_at(&scale, series, i, histories, reference);
+        const traction_estimate own =
+            traction_at_mean_pressure(&contact, film_central(&contact), contact.slide_roll);
+        const double duration = duration_of(series, i);
+
+        least = fmin(least, own.excess);
+        most = fmax(most, own.excess);
+        total += duration;
+        if (!(own.excess >= TRACTION_MIN_EXCESS)) outside += duration;
+        // in pure rolling, and where the entrainment rests, both are 0
+        if (series->friction_coefficient[i] != 0)
+            deviations[count++] =
+                (weighted){fabs(own.coefficient / series->friction_coefficient[i] - 1), duration};
+    }
+    print_traction_head();
+    if (count > 0)
+        print_deviations(deviations, count);
+    else
+        printf("  0 at all times");
+    printf("  %s; viscous stress from %g Eyring stresses on, here %.3g to %.3g",
+           traction_formula_source, TRACTION_MIN_EXCESS, least, most);
+    if (outside > 0) printf(", outside for %.3g %% of the time", 100 * outside / total);
+    printf("\ntraction at T = %g, ", series->time[0]);
+    print_curve(&at_start);
 }
 
 ehd_status formulas_print_in_time(const char *path, const scene *given,
@@ -156,6 +217,7 @@ ehd_status formulas_print_in_time(const char *path, const scene *given,
     for (const film_formula *formula = film_formulas; formula->name && !status; formula++)
         if (formula->dimensions == reference->kind->dimensions)
             print_formula_in_time(deviations, formula, &series, histories, reference);
+    if (!status) print_traction_in_time(deviations, &series, histories, reference);
     free(deviations);
     histories_free(histories);
     time_series_free(&series);

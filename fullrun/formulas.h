@@ -15,8 +15,9 @@ void formulas_print(const contact_scalars *solution, const ehd_contact *contact)
  * deviation from the solution's coefficient; nothing of others. */
 void formulas_print_traction(const contact_traction *solution, const ehd_contact *contact);
 
-/* Films for a finished transient result, the contact of each time taken as stationary: worst
- * deviation, 95 % and median over time. EHD_MEMORY; errors of reading result and histories. */
+/* Films, and of Eyring's law the friction coefficient, for a finished transient result, the contact of
+ * each time taken as stationary: worst deviation, 95 % and median over time; the traction curve of the
+ * first time. EHD_MEMORY; errors of reading result and histories. */
 ehd_status formulas_print_in_time(const char *path, const scene *given,
                                   const ehd_contact *reference, ehd_error *error);
 

@@ -101,8 +101,12 @@ full_linear_solver full_solve_gmres;
 
 typedef struct full_solver full_solver;
 
-/* Peak memory of a point contact's solution in bytes, about: counted, but for the factors, whose
- * fill was measured to grow as N log N. */
+/* Whether a grid is of a point contact and so large that its linear systems are preconditioned by
+ * multigrid, which takes less time and memory than factors. */
+bool full_is_large(const ehd_grid *grid);
+
+/* Peak memory of a point contact's solution in bytes, about: counted, but for the factors of a grid
+ * that is not large, whose fill was measured to grow as N log N. */
 double full_solver_bytes(const ehd_grid *grid);
 
 /* Grid-sized memory and FFT plans; one object a thread. EHD_MEMORY. */

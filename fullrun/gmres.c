@@ -2,7 +2,8 @@
 /* Linear systems of Newton by GMRES: products with the exact Jacobian by rows and FFT,
  * preconditioned by UMFPACK's factors of a sparse Jacobian, in which the kernel is its shifted near
  * field (fullrun/README.md, Linear systems). In a step in time, where Newton starts near the
- * solution, the factors of its first system serve the others.
+ * solution, the factors of its first system serve the others. On large grids a cycle of multigrid
+ * stands for the factors (Large point contacts).
  *
  * The sparse Jacobian is a band B, bordered by the column c of H0 and the closure's row. Only the
  * band is factorised, since with a full row UMFPACK's analysis takes O(n^2); the border follows
@@ -12,6 +13,7 @@
 
 #include "common/program/arena.h"
 #include "common/program/program.h"
+#include "fullrun/multigrid.h"
 
 #include <cblas.h>
 #include <errno.h>
@@ -27,9 +29,15 @@
  * 4, 4 steps on the finest grid of 19201 (M = 200, L = 5), with 160 as with 80. */
 enum { MAX_ITERATIONS = 80 };
 
+/* Columns that a cycle's rows are wider at either end, before what is there is added to the entries at
+ * their ends: without these a difference along the line that leaves out some of its nodes makes the
+ * line's solutions grow or fade downstream. M = 200, L = 20, 256 cells a side: 251 GMRES iterations
+ * without, 144 with, published rows 172 and 161; M = 1000, L = 5: 141 and 81, 105 and 72. */
+enum { CYCLE_WIDER = 2 };
+
 /* Factors of the band of one system, which serve the next ones of a Newton iteration. */
 typedef struct near_factors {
-    void *numeric; // NULL: none
+    void *numeric; // NULL: none, as with a cycle
     double control[UMFPACK_CONTROL];
     size_t num_unknowns;
     size_t *unknown; // [num_unknowns] nodes
@@ -48,6 +56,7 @@ struct gmres_workspace {
     double *response; // [num_nodes] its deflection
     double *approach; // [size] c, the column of H0
     near_factors factors;
+    multigrid *cycle;         // in place of the factors of the band; NULL: not
     double *right, *solution; // [size] of a system with the factors
     // B by rows, to UMFPACK the columns of the transpose
     int *row_start; // [size + 1]
@@ -63,6 +72,7 @@ struct gmres_workspace {
 gmres_workspace *gmres_workspace_free(gmres_workspace *self) {
     if (self) {
         umfpack_di_free_numeric(&self->factors.numeric);
+        multigrid_free(self->cycle);
         arena_free(&self->memory);
     }
     free(self);
@@ -75,8 +85,10 @@ static size_t entries_of_row(const ehd_grid *grid, size_t near_field) {
 }
 
 double gmres_workspace_bytes(const ehd_grid *grid) {
-    const double vectors = MAX_ITERATIONS + 1 + 15;
+    const bool large = full_is_large(grid);
+    const double vectors = MAX_ITERATIONS + 1 + (large ? 9 : 15);
 
+    if (large) return vectors * sizeof(double) + multigrid_bytes();
     return vectors * sizeof(double) +
            (double)entries_of_row(grid, 1) * (sizeof(double) + sizeof(int));
 }
@@ -86,8 +98,8 @@ gmres_workspace *gmres_workspace_create(const ehd_grid *grid, size_t near_field)
     if (!self) return NULL;
     arena *memory = &self->memory;
     size_t size = self->size = grid->num_inner + 1;
-    size_t window = entries_of_row(grid, near_field);
-    self->capacity = size * window;
+    const size_t window = entries_of_row(grid, near_field) + CYCLE_LINES * 2 * CYCLE_WIDER;
+    self->capacity = size * entries_of_row(grid, near_field);
     self->krylov = arena_array(memory, (MAX_ITERATIONS + 1) * size, sizeof(double));
     self->vector = arena_array(memory, size, sizeof(double));
     self->spread = arena_array(memory, grid->num_nodes, sizeof(double));
@@ -98,10 +110,14 @@ gmres_workspace *gmres_workspace_create(const ehd_grid *grid, size_t near_field)
     self->factors.index = arena_array(memory, grid->num_nodes, sizeof *self->factors.index);
     self->right = arena_array(memory, size, sizeof(double));
     self->solution = arena_array(memory, size, sizeof(double));
+    self->window = arena_array(memory, window, sizeof(double));
+    if (full_is_large(grid)) {
+        self->cycle = multigrid_create(grid);
+        return memory->failed || !self->cycle ? gmres_workspace_free(self) : self;
+    }
     self->row_start = arena_array(memory, (size + 1), sizeof(int));
     self->column = arena_array(memory, self->capacity, sizeof(int));
     self->value = arena_array(memory, self->capacity, sizeof(double));
-    self->window = arena_array(memory, window, sizeof(double));
     self->solve_work = arena_array(memory, 5 * size, sizeof(double));
     self->solve_index = arena_array(memory, size, sizeof(int));
     return memory->failed ? gmres_workspace_free(self) : self;
@@ -141,18 +157,18 @@ static void apply_jacobian(double *y, const double *x, full_system *system) {
 
 /* Columns and lines around a row's node that have entries in the band: those of its stencil, of a
  * line contact widened by the near field. Of a point contact wider rows cost more in the factors
- * than they save in iterations. */
+ * than they save in iterations; for a cycle they are `wider` at first. */
 typedef struct reach {
     ptrdiff_t first_column, last_column, first_line, last_line;
 } reach;
 
-static reach reach_of(const ehd_grid *grid, size_t node, ptrdiff_t near_field) {
+static reach reach_of(const ehd_grid *grid, size_t node, ptrdiff_t near_field, ptrdiff_t wider) {
     const bool line_contact = grid->inner_lines == 1;
     const ptrdiff_t width = (ptrdiff_t)grid_width(grid);
     const ptrdiff_t column = (ptrdiff_t)node % width, line = (ptrdiff_t)node / width;
     const ptrdiff_t first_line = (ptrdiff_t)grid_first_line(grid);
     const ptrdiff_t last_line = first_line + (ptrdiff_t)grid->inner_lines - 1;
-    const ptrdiff_t along = line_contact ? near_field : 0, across = line_contact ? 0 : 1;
+    const ptrdiff_t along = line_contact ? near_field : wider, across = line_contact ? 0 : 1;
     const reach wanted = {column - 2 - along, column + 1 + along, line - across, line + across};
 
     return (reach){wanted.first_column < 1 ? 1 : wanted.first_column,
@@ -179,21 +195,20 @@ static void add_near_line(double *window, const reach *at, double by_film, ptrdi
         window[c - at->first_column] += by_film * (of_line[labs(c - column)] - far);
 }
 
-/* The band's row of a node, and its entry of the column of H0. Returns the number of entries. */
-static int fill_near_row(int *column, double *value, double *approach, const full_system *system,
-                         size_t row_node) {
+/* The band's row of a node, in the workspace's window, and its entry of the column of H0. */
+static reach near_row(double *approach, const full_system *system, size_t row_node,
+                      ptrdiff_t wider) {
     const ehd_grid *grid = system->grid;
     const size_t r = grid_row_of_node(grid, row_node);
     const reynolds_row *row = &system->rows[r];
     const reynolds_stencil *stencil = &system->stencils[r];
     const ptrdiff_t width = (ptrdiff_t)grid_width(grid);
-    const reach at = reach_of(grid, row_node, (ptrdiff_t)system->near_field);
+    const reach at = reach_of(grid, row_node, (ptrdiff_t)system->near_field, wider);
     const ptrdiff_t columns = at.last_column - at.first_column + 1;
     const ptrdiff_t lines = at.last_line - at.first_line + 1;
     double *window = ((gmres_workspace *)system->workspace)->window; // by line and column
     const int size = reynolds_stencil_size(grid);
     double scale = system->row_scale[r];
-    int count = 0;
 
     *approach = 0;
     memset(window, 0, (size_t)(columns * lines) * sizeof *window);
@@ -215,12 +230,23 @@ static int fill_near_row(int *column, double *value, double *approach, const ful
         if (system->outer)
             *approach += row->by_pressure[a] * scale * system->outer->by_approach[stencil->node[a]];
     }
+    return at;
+}
+
+/* The entries of unknowns in the band's row of a node. Returns their number. */
+static int fill_near_row(int *column, double *value, double *approach, const full_system *system,
+                         size_t row_node) {
+    const reach at = near_row(approach, system, row_node, 0);
+    const ptrdiff_t width = (ptrdiff_t)grid_width(system->grid);
+    const double *window = ((gmres_workspace *)system->workspace)->window;
+    int count = 0;
+
     for (ptrdiff_t l = at.first_line; l <= at.last_line; l++)
-        for (ptrdiff_t c = at.first_column; c <= at.last_column; c++) {
+        for (ptrdiff_t c = at.first_column; c <= at.last_column; c++, window++) {
             size_t index = system->index[l * width + c];
             if (index == NO_NODE) continue;
             column[count] = (int)index;
-            value[count++] = window[(l - at.first_line) * columns + c - at.first_column];
+            value[count++] = *window;
         }
     return count;
 }
@@ -236,6 +262,34 @@ static void assemble_near_field(full_system *system) {
                                system, system->unknown[i]);
     }
     work->row_start[num_passive] = count;
+}
+
+/* The band as a cycle's matrix, whose rows are not scaled, since their residuals are added up. False
+ * when it is singular. */
+static bool prepare_cycle(full_system *system) {
+    gmres_workspace *work = system->workspace;
+    const ehd_grid *grid = system->grid;
+    const ptrdiff_t width = (ptrdiff_t)grid_width(grid);
+    bool *unknown = multigrid_unknowns(work->cycle);
+
+    memset(unknown, 0, grid->num_inner * sizeof *unknown);
+    memset(multigrid_rows(work->cycle), 0, grid->num_inner * CYCLE_ENTRIES * sizeof(double));
+    for (size_t i = 0; i < system->num_unknowns; i++) {
+        const size_t node = system->unknown[i], r = grid_row_of_node(grid, node);
+        const ptrdiff_t line = (ptrdiff_t)node / width, column = (ptrdiff_t)node % width;
+        const reach at = near_row(work->approach + i, system, node, CYCLE_WIDER);
+        const double *window = work->window;
+
+        unknown[r] = true;
+        for (ptrdiff_t l = at.first_line; l <= at.last_line; l++) {
+            double *here = multigrid_rows(work->cycle) + r * CYCLE_ENTRIES +
+                           (l - line + 1) * CYCLE_COLUMNS + CYCLE_BACK;
+            for (ptrdiff_t c = at.first_column - column; c <= at.last_column - column; c++)
+                here[c < -CYCLE_BACK ? -CYCLE_BACK : (c > 1 ? 1 : c)] +=
+                    *window++ / system->row_scale[r];
+        }
+    }
+    return multigrid_prepare(work->cycle);
 }
 
 /* Factors of the band; false when it is singular or there is no memory. */
@@ -264,8 +318,30 @@ static bool factorise(const full_system *system) {
     return factors->numeric != NULL;
 }
 
+/* y = B^-1 x, about, by a cycle. */
+static void apply_cycle(double *y, const double *x, const full_system *system) {
+    const gmres_workspace *work = system->workspace;
+    double *right = multigrid_right(work->cycle);
+    const double *solution = multigrid_solution(work->cycle);
+
+    memset(right, 0, system->grid->num_inner * sizeof *right);
+    for (size_t i = 0; i < work->factors.num_unknowns; i++) {
+        const size_t r = grid_row_of_node(system->grid, work->factors.unknown[i]);
+        right[r] = x[i] / system->row_scale[r];
+    }
+    multigrid_cycle(work->cycle);
+    for (size_t i = 0; i < work->factors.num_unknowns; i++)
+        y[i] = solution[grid_row_of_node(system->grid, work->factors.unknown[i])];
+}
+
 /* y = B^-1 x on the unknowns of the factors; false when UMFPACK cannot. */
-static bool solve_band(double *y, const double *x, gmres_workspace *work) {
+static bool solve_band(double *y, const double *x, const full_system *system) {
+    gmres_workspace *work = system->workspace;
+
+    if (work->cycle) {
+        apply_cycle(y, x, system);
+        return true;
+    }
     // B is stored by rows, so that UMFPACK's matrix is the transpose
     return umfpack_di_wsolve(UMFPACK_Aat, work->row_start, work->column, work->value, y, x,
                              work->factors.numeric, work->factors.control, NULL, work->solve_index,
@@ -287,19 +363,24 @@ static bool solve_border(const full_system *system) {
     gmres_workspace *work = system->workspace;
     near_factors *factors = &work->factors;
 
-    if (!solve_band(factors->border, work->approach, work)) return false;
+    if (!solve_band(factors->border, work->approach, system)) return false;
     double sum = weighted_sum(factors->border, factors, system->grid);
     factors->border_pivot = system->closure_load * sum - system->closure_approach;
     return isfinite(factors->border_pivot) && factors->border_pivot != 0;
 }
 
-/* Factors of the system's own band; false when it is singular. */
+/* Factors of the system's own band, or a cycle for it; false when it is singular. */
 static bool renew_factors(full_system *system) {
-    near_factors *factors = &((gmres_workspace *)system->workspace)->factors;
+    gmres_workspace *work = system->workspace;
+    near_factors *factors = &work->factors;
     const size_t count = system->num_unknowns;
 
-    assemble_near_field(system);
-    if (!factorise(system)) return false;
+    if (work->cycle) {
+        if (!prepare_cycle(system)) return false;
+    } else {
+        assemble_near_field(system);
+        if (!factorise(system)) return false;
+    }
     factors->num_unknowns = count;
     memcpy(factors->unknown, system->unknown, count * sizeof *factors->unknown);
     memcpy(factors->index, system->index, system->grid->num_nodes * sizeof *factors->index);
@@ -337,7 +418,7 @@ static void precondition(double *y, const double *x, const full_system *system) 
         const size_t index = system->index[factors->unknown[i]];
         work->right[i] = index == NO_NODE ? 0 : x[index];
     }
-    solve_band(work->solution, work->right, work);
+    solve_band(work->solution, work->right, system);
     double sum = weighted_sum(work->solution, factors, system->grid);
     double approach = (system->closure_load * sum - x[num_passive]) / factors->border_pivot;
     for (size_t i = 0; i < num_passive; i++) {

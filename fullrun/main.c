@@ -47,7 +47,7 @@ static const program_option own_options[] = {
     {"tolerance", 0, "X", "Largest scaled residual at which Newton's iteration may end; default 1e-10",
      OPTION_REAL(tolerance, 1e-13, 1)},
     {"formulas", 0, NULL, "Print beside the solution what published film formulas say, and the traction curve of an "
-     "Eyring fluid; in time, the films of the contact at each time as if it were stationary", OPTION_FLAG(formulas)},
+     "Eyring fluid; in time, films and friction of the contact at each time as if it were stationary", OPTION_FLAG(formulas)},
     {"repeat", 0, "N", "Solve N times and report the median time; default 1 (stationary)",
      OPTION_COUNT(repeats, 1, 1000000)},
     {"resume", 0, NULL, "Continue an interrupted run of the same scene, where there is one (transient)",

@@ -3,6 +3,7 @@
 #include "common/output/check.h"
 #include "common/output/print.h"
 #include "common/output/vtk.h"
+#include "common/program/memory_option.h"
 #include "common/program/program.h"
 #include "common/training/training_set.h"
 #include "podbuild/bases.h"
@@ -18,7 +19,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 typedef struct build_options {
     bases_settings bases;
@@ -27,38 +27,6 @@ typedef struct build_options {
     double memory;    // bytes that arrays may take
     bool compress;    // a part, not a basis
 } build_options;
-
-/* Half of what the machine has: the same on each run, and room for the files that are read. */
-static double default_memory(void) {
-    const long pages = sysconf(_SC_PHYS_PAGES), page = sysconf(_SC_PAGE_SIZE);
-
-    return pages > 0 && page > 0 ? 0.5 * (double)pages * (double)page : 4e9;
-}
-
-/* "2G", "500M", "1.5G". */
-static ehd_status read_memory(void *member, const char *argument, ehd_error *error) {
-    static const struct {
-        char letter;
-        double bytes;
-    } units[] = {{'K', 1e3}, {'M', 1e6}, {'G', 1e9}, {'T', 1e12}};
-    const size_t length = strlen(argument);
-    char number[NUMBER_TEXT], shown[SHOWN_TEXT];
-    double *bytes = member, unit = 0;
-
-    for (size_t i = 0; i < sizeof units / sizeof *units && length > 0; i++)
-        if (argument[length - 1] == units[i].letter) unit = units[i].bytes;
-    if (unit > 0 && length <= sizeof number) {
-        memcpy(number, argument, length - 1);
-        number[length - 1] = '\0';
-        if (number_read(bytes, number) && *bytes > 0) {
-            *bytes *= unit;
-            return EHD_OK;
-        }
-    }
-    text_show(shown, argument);
-    return ehd_fail(error, EHD_USAGE,
-                    "--memory: found %s, expected a number above 0 and K, M, G or T, as 2G", shown);
-}
 
 static ehd_status read_weight(void *member, const char *argument, ehd_error *error) {
     const test_weight **weight = member;
@@ -96,7 +64,7 @@ static const program_option own_options[] = {
     {"weight", 0, "NAME", "Weight of the Reynolds rows: mode (default), identity, row-norm; see below",
      OPTION_READ(weight, read_weight)},
     {"memory", 0, "SIZE", "Memory that arrays may take, as 2G or 500M; default half of the machine's. Snapshots that "
-     "need more are streamed, and read twice", OPTION_READ(memory, read_memory)},
+     "need more are streamed, and read twice", OPTION_READ(memory, memory_option_read)},
     {"compress", 0, NULL, "Write a part: the POD of these snapshots and their states, for bases of several parts, which leave "
      "out no less than --energy of theirs", OPTION_FLAG(compress)},
     {"plan", 0, "PLAN.yml", "The plan of the training, for weights that evaluate its contacts", OPTION_TEXT(plan)},
@@ -394,7 +362,7 @@ static ehd_status check_compress(const program *self, ehd_error *error) {
 int main(int argc, char **argv) {
     build_options own = {.bases = {{.discarded_energy = 1e-13}, {0}, DEFORMATION_COUPLED},
                          .weight = test_weights,
-                         .memory = default_memory()};
+                         .memory = memory_option_default()};
     const program_options options = {.options = own_options,
                                      .own = &own,
                                      .arguments_doc = "SNAPSHOTS.h5|PART.h5... -o BASIS.h5|PART.h5",

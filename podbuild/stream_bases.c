@@ -98,30 +98,19 @@ static void take_room(stream_plan *way, size_t block, size_t rank) {
     way->pressure.max_rank = way->deformation.max_rank = rank;
 }
 
-/* Block and directions that the limit has room for; false: not even for `least` directions. */
-static bool share_out(stream_plan *way, const snapshot_files *files, const bases_settings *settings,
-                      size_t least, size_t most) {
-    // the more snapshots a block has, the better its products; the less of it, the more directions
-    static const size_t blocks[] = {128, 64, 32, 16, 8, 4, 2, 1};
+/* What a plan is made for. */
+typedef struct plan_work {
+    const snapshot_files *files;
+    const bases_settings *settings;
+    const stream_plan *way;
+} plan_work;
 
-    for (size_t b = 0; b < sizeof blocks / sizeof *blocks; b++) {
-        const size_t block = blocks[b] < files->num_rows ? blocks[b] : files->num_rows;
-        size_t low = least, high = most;
-        take_room(way, block, least);
-        if (bytes_of_stream(way, files, settings) > way->limit) continue;
-        while (low < high) {
-            const size_t middle = low + (high - low + 1) / 2;
-            take_room(way, block, middle);
-            if (bytes_of_stream(way, files, settings) <= way->limit)
-                low = middle;
-            else
-                high = middle - 1;
-        }
-        take_room(way, block, low);
-        // a large block at the cost of directions only where there are enough of these
-        if (low >= 4 * block || low == most) break;
-    }
-    return bytes_of_stream(way, files, settings) <= way->limit;
+static double bytes_with(const void *work, size_t block, size_t rank) {
+    const plan_work *self = work;
+    stream_plan way = *self->way;
+
+    take_room(&way, block, rank);
+    return bytes_of_stream(&way, self->files, self->settings);
 }
 
 ehd_status stream_plan_make(stream_plan *way, const snapshot_files *files,
@@ -141,17 +130,17 @@ ehd_status stream_plan_make(stream_plan *way, const snapshot_files *files,
     way->direct = !as_part && files->num_parts == 0 && way->bytes <= limit;
     if (way->direct) return EHD_OK;
     if (least > most) least = most;
-    if (share_out(way, files, settings, least, most)) {
-        way->bytes = bytes_of_stream(way, files, settings);
-        return EHD_OK;
-    }
-    take_room(way, 1, least);
+    const plan_work work = {files, settings, way};
+    size_t block, rank;
+    const bool enough = stream_pod_room(&block, &rank, rows, least, most, limit, bytes_with, &work);
+    take_room(way, block, rank);
+    way->bytes = bytes_of_stream(way, files, settings);
+    if (enough) return EHD_OK;
     return ehd_fail(
         error, EHD_MEMORY,
         "--memory: found %.4g MB, expected at least %.4g MB for %zu states on %zu nodes "
         "and %zu modes",
-        limit * 1e-6, ceil(bytes_of_stream(way, files, settings) * 1e-4) * 1e-2, files->num_states,
-        nodes, least);
+        limit * 1e-6, ceil(way->bytes * 1e-4) * 1e-2, files->num_states, nodes, least);
 }
 
 // ---- readings

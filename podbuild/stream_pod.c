@@ -431,6 +431,34 @@ double stream_pod_bytes(size_t num_nodes, const stream_settings *settings) {
     return 8 * (rows + small + rank * (double)rotated_nodes(num_nodes));
 }
 
+bool stream_pod_room(size_t *block, size_t *max_rank, size_t num_snapshots, size_t least,
+                     size_t most, double limit, stream_work_bytes *bytes, const void *work) {
+    // the more snapshots a block has, the better its products; the less of it, the more directions
+    static const size_t blocks[] = {128, 64, 32, 16, 8, 4, 2, 1};
+    bool enough = false;
+
+    *block = 1;
+    *max_rank = least;
+    for (size_t b = 0; b < sizeof blocks / sizeof *blocks; b++) {
+        const size_t size = blocks[b] < num_snapshots ? blocks[b] : num_snapshots;
+        size_t low = least, high = most;
+        if (bytes(work, size, least) > limit) continue;
+        while (low < high) {
+            const size_t middle = low + (high - low + 1) / 2;
+            if (bytes(work, size, middle) <= limit)
+                low = middle;
+            else
+                high = middle - 1;
+        }
+        enough = true;
+        *block = size;
+        *max_rank = low;
+        // a large block at the cost of directions only where there are enough of these
+        if (low >= 4 * size || low == most) break;
+    }
+    return enough;
+}
+
 ehd_status stream_pod_add(stream_pod *self, const double *snapshot, ehd_error *error) {
     const ehd_status status =
         pod_check_snapshots(snapshot, 1, self->num_nodes, self->num_snapshots, error);

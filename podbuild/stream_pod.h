@@ -5,6 +5,7 @@
 
 #include "common/program/status.h"
 #include "podbuild/pod.h"
+#include <stdbool.h>
 #include <stddef.h>
 
 typedef struct stream_settings {
@@ -50,6 +51,18 @@ stream_pod *stream_pod_free(stream_pod *self); // accepts and returns NULL
 
 /* Bytes that a stream takes at most, of `max_modes` of its directions in the end. */
 double stream_pod_bytes(size_t num_nodes, const stream_settings *settings);
+
+/* Bytes that some work with streams takes in all, of blocks of so many and room for so many directions. */
+typedef double stream_work_bytes(const void *work, size_t block, size_t max_rank);
+
+/* How a limit is shared out between blocks of snapshots and `least` to `most` directions. False: it has no
+ * room for the least, of which block and directions are then. */
+bool stream_pod_room(
+    // output:
+    size_t *block, size_t *max_rank,
+    // input:
+    size_t num_snapshots, size_t least, size_t most, double limit, stream_work_bytes *bytes,
+    const void *work);
 
 /* EHD_DATA: a snapshot that is not finite or above 1e140. After the others the stream can only be freed:
  * EHD_MEMORY, also where directions are more than there is room for; EHD_INTERNAL (LAPACK). */

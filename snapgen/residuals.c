@@ -15,17 +15,25 @@
 /* What a point leaves behind. */
 typedef struct point_trace {
     size_t num_iterations;
-    double *residual; // [num_iterations, num_inner]
+    double *residual; // [num_iterations, num_inner], until they are taken
     double *step;     // [num_iterations, num_inner]
     size_t *exits;    // [inner_lines] first column without pressure
     reduced_info info;
+    bool is_finished;
 } point_trace;
+
+/* Takes the iterations of a point, which are then gone. */
+typedef ehd_status take_iterations(void *sink, size_t point, const point_trace *trace,
+                                   ehd_error *error);
 
 typedef struct repeated_training {
     const program *caller;
     const training_set *set;
     const reduced_model *model;
     point_trace *traces; // [num_points]
+    take_iterations *take;
+    void *sink;
+    size_t num_taken; // points, the first ones of the plan
     trajectories repeated;
     size_t num_done, num_failed;
     progress progress;
@@ -108,12 +116,32 @@ static ehd_status trace_point(void *shared, void *worker, size_t point, size_t p
     return status;
 }
 
+static void free_iterations(point_trace *trace) {
+    free(trace->residual);
+    free(trace->step);
+    trace->residual = trace->step = NULL;
+}
+
+/* Those whose turn it is: in the order of the plan, so that threads change no result. */
+static ehd_status hand_over(repeated_training *training, ehd_error *error) {
+    ehd_status status = EHD_OK;
+
+    while (training->num_taken < training->set->num_points && !status) {
+        point_trace *trace = &training->traces[training->num_taken];
+        if (!trace->is_finished) break;
+        status = training->take(training->sink, training->num_taken, trace, error);
+        free_iterations(trace);
+        training->num_taken++;
+    }
+    return status;
+}
+
 static ehd_status finish_point(void *shared, void *worker, size_t point, size_t parent,
                                ehd_error *error) {
     repeated_training *training = shared;
-    const point_trace *trace = &training->traces[point];
+    point_trace *trace = &training->traces[point];
     char name[POINT_NAME];
-    (void)worker, (void)parent, (void)error;
+    (void)worker, (void)parent;
 
     training_point_name(name, &training->set->contacts[point]);
     if (trace->info.status) {
@@ -123,31 +151,23 @@ static ehd_status finish_point(void *shared, void *worker, size_t point, size_t 
                      name, trace->info.reason);
     }
     progress_show(&training->progress, ++training->num_done, name);
-    return EHD_OK;
-}
-
-static size_t count_iterations(const repeated_training *training) {
-    size_t count = 0;
-
-    for (size_t i = 0; i < training->set->num_points; i++)
-        count += training->traces[i].num_iterations;
-    return count;
+    trace->is_finished = true;
+    return hand_over(training, error);
 }
 
 static void free_traces(repeated_training *training) {
     for (size_t i = 0; training->traces && i < training->set->num_points; i++) {
-        free(training->traces[i].residual);
-        free(training->traces[i].step);
+        free_iterations(&training->traces[i]);
         free(training->traces[i].exits);
     }
     free(training->traces);
 }
 
-/* Every point starts from a trained solution, so none waits for another. */
+/* Every point starts from a trained solution, so none waits for another; and they are taken as numbered,
+ * so that few iterations wait for those of points before. */
 static ehd_status run_pool(repeated_training *training, size_t num_workers, ehd_error *error) {
     size_t num_points = training->set->num_points;
     const pool_work work = {.num_points = num_points,
-                            .order = training->set->order,
                             .num_workers = num_workers,
                             .shared = training,
                             .begin = begin_tracer,
@@ -166,51 +186,58 @@ static ehd_status run_pool(repeated_training *training, size_t num_workers, ehd_
 
 // ---- in memory
 
+/* Where iterations go. */
+typedef struct collection {
+    residual_snapshots *snapshots;
+    size_t num_inner;
+} collection;
+
+static ehd_status collect(void *sink, size_t point, const point_trace *trace, ehd_error *error) {
+    const collection *self = sink;
+
+    return residual_snapshots_append(self->snapshots, trace->residual, trace->step,
+                                     trace->num_iterations, (int64_t)point, self->num_inner, error);
+}
+
 ehd_status residuals_collect(residual_snapshots *snapshots, const program *caller,
                              const training_set *set, const reduced_model *model,
                              size_t num_workers, ehd_error *error) {
-    repeated_training training = {.caller = caller, .set = set, .model = model};
-    size_t num_inner = model->grid.num_inner, at = 0;
-    ehd_status status = run_pool(&training, num_workers, error);
+    collection sink = {snapshots, model->grid.num_inner};
+    repeated_training training = {
+        .caller = caller, .set = set, .model = model, .take = collect, .sink = &sink};
 
     *snapshots = (residual_snapshots){0};
-    if (!status)
-        status = residual_snapshots_init(snapshots, count_iterations(&training), num_inner, error);
-    for (size_t i = 0; i < set->num_points && !status; i++) {
-        const point_trace *trace = &training.traces[i];
-        size_t count = trace->num_iterations, bytes = count * num_inner * sizeof(double);
-        if (count == 0) continue;
-        memcpy(snapshots->residuals + at * num_inner, trace->residual, bytes);
-        memcpy(snapshots->steps + at * num_inner, trace->step, bytes);
-        for (size_t k = 0; k < count; k++)
-            snapshots->state[at++] = (int64_t)i;
-    }
+    const ehd_status status = run_pool(&training, num_workers, error);
     free_traces(&training);
+    if (status) residual_snapshots_free(snapshots);
     return status;
 }
 
 // ---- the file
 
-static ehd_status put_iterations(artefact *file, const repeated_training *training,
-                                 ehd_error *error) {
-    const training_set *set = training->set;
-    size_t at = 0;
+/* The file, and how many iterations it has. */
+typedef struct iteration_file {
+    artefact *file;
+    size_t count;
+} iteration_file;
+
+static ehd_status write_iterations(void *sink, size_t point, const point_trace *trace,
+                                   ehd_error *error) {
+    iteration_file *self = sink;
+    const size_t first = self->count, count = trace->num_iterations;
+    const int64_t state = (int64_t)point;
     ehd_status status = EHD_OK;
 
-    for (size_t i = 0; i < set->num_points && !status; i++) {
-        const point_trace *trace = &training->traces[i];
-        size_t count = trace->num_iterations;
-        if (count == 0) continue;
-        status = artefact_put_part(file, "weighted_residual", at, count, trace->residual, error);
-        if (!status)
-            status =
-                artefact_put_part(file, "weighted_jacobian_step", at, count, trace->step, error);
-        for (size_t k = 0; k < count && !status; k++) {
-            const int64_t state = (int64_t)i;
-            status = artefact_put_integers_part(file, "iteration_state", at + k, 1, &state, error);
-        }
-        at += count;
-    }
+    if (count == 0) return EHD_OK;
+    status =
+        artefact_put_part(self->file, "weighted_residual", first, count, trace->residual, error);
+    if (!status)
+        status = artefact_put_part(self->file, "weighted_jacobian_step", first, count, trace->step,
+                                   error);
+    for (size_t k = 0; k < count && !status; k++)
+        status =
+            artefact_put_integers_part(self->file, "iteration_state", first + k, 1, &state, error);
+    self->count += count;
     return status;
 }
 
@@ -307,28 +334,47 @@ static ehd_status put_states(artefact *file, const repeated_training *training, 
     return status;
 }
 
-static ehd_status write_file(artefact **file, const repeated_training *training,
+/* All but the iterations, and room for them. */
+static ehd_status begin_file(artefact *file, const repeated_training *training,
                              const char *identity, ehd_error *error) {
     const reduced_model *model = training->model;
-    const trajectories *repeated = &training->repeated;
-    size_t num_iterations = count_iterations(training), num_compressed = repeated->first.rank;
-    size_t num_states = training->set->num_points + repeated->num_trajectories * NUM_KEPT;
+    const size_t num_states =
+        training->set->num_points + training->set->num_trajectories * NUM_KEPT;
+    ehd_status status = grid_write(file, model->kind, &model->grid, error);
 
-    if (repeated->second.rank > num_compressed) num_compressed = repeated->second.rank;
-    ehd_status status = grid_write(*file, model->kind, &model->grid, error);
     if (!status)
         status =
-            artefact_put_text(*file, "deformation", deformation_names[model->deformation], error);
-    if (!status) status = artefact_put_text(*file, "basis_sha256", identity, error);
-    if (!status)
-        status =
-            artefact_put_axis(*file, "iteration", num_iterations + num_compressed, NULL, error);
-    if (!status) status = artefact_put_axis(*file, "state", num_states, NULL, error);
+            artefact_put_text(file, "deformation", deformation_names[model->deformation], error);
+    if (!status) status = artefact_put_text(file, "basis_sha256", identity, error);
+    if (!status) status = artefact_put_axis(file, "state", num_states, NULL, error);
     for (const artefact_field *field = schema_residuals.fields; field->name && !status; field++)
-        status = artefact_declare(*file, field->name, error);
-    if (!status) status = put_iterations(*file, training, error);
-    if (!status && num_compressed > 0)
+        status = artefact_declare(file, field->name, error);
+    return status;
+}
+
+/* The numbers of the iterations, once all are there. */
+static ehd_status number_iterations(artefact *file, size_t count, ehd_error *error) {
+    double *numbers = malloc((count + 1) * sizeof *numbers);
+    if (!numbers) return ehd_fail(error, EHD_MEMORY, "residuals: found no memory");
+
+    for (size_t i = 0; i < count; i++)
+        numbers[i] = (double)i;
+    const ehd_status status = artefact_put_axis_part(file, "iteration", 0, count, numbers, error);
+    free(numbers);
+    return status;
+}
+
+/* Those of trajectories, and what is known of the states. */
+static ehd_status end_file(artefact **file, const repeated_training *training,
+                           size_t num_iterations, ehd_error *error) {
+    const trajectories *repeated = &training->repeated;
+    const size_t num_compressed =
+        repeated->second.rank > repeated->first.rank ? repeated->second.rank : repeated->first.rank;
+    ehd_status status = EHD_OK;
+
+    if (num_compressed > 0)
         status = put_compressed(*file, repeated, num_iterations, num_compressed, error);
+    if (!status) status = number_iterations(*file, num_iterations + num_compressed, error);
     if (!status) status = put_states(*file, training, error);
     return status ? status : artefact_finish(file, error);
 }
@@ -373,8 +419,9 @@ ehd_status residuals_run(size_t *num_failed, const program *caller, training_set
     const char **inputs = training_inputs(set, plan_path, basis_path);
     reduced_basis basis = {0};
     reduced_model model = {0};
-    repeated_training training = {.caller = caller, .set = set, .model = &model};
-    artefact *file = NULL;
+    iteration_file sink = {0};
+    repeated_training training = {
+        .caller = caller, .set = set, .model = &model, .take = write_iterations, .sink = &sink};
     char identity[65];
     ehd_status status = inputs ? basis_read(&basis, identity, basis_path, error)
                                : ehd_fail(error, EHD_MEMORY, "residuals: found no memory");
@@ -387,9 +434,10 @@ ehd_status residuals_run(size_t *num_failed, const program *caller, training_set
     }
     if (!status && trained_only) status = keep_trained(set, &basis, plan_path, basis_path, error);
     if (!status)
-        status = artefact_create(&file, caller->output, &schema_residuals, caller, set->text,
-                                 inputs, error);
+        status = artefact_create_growing(&sink.file, caller->output, &schema_residuals, "iteration",
+                                         caller, set->text, inputs, error);
     if (!status) status = reduced_model_build(&model, &basis, NULL, 0, error);
+    if (!status) status = begin_file(sink.file, &training, identity, error);
     if (!status) status = run_pool(&training, num_workers, error);
     if (!status && set->num_trajectories > 0)
         status = run_trajectories(&training, &basis, num_workers, error);
@@ -398,8 +446,8 @@ ehd_status residuals_run(size_t *num_failed, const program *caller, training_set
                  caller->output, training.num_done, set->num_points);
     *num_failed = training.num_failed + training.repeated.num_failed;
     if (!status) status = training_check_outcome(set, *num_failed, plan_path, error);
-    if (!status) status = write_file(&file, &training, identity, error);
-    artefact_close(&file);
+    if (!status) status = end_file(&sink.file, &training, sink.count, error);
+    artefact_close(&sink.file);
     free_traces(&training);
     free(inputs);
     trajectories_free(&training.repeated);

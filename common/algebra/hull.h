@@ -14,4 +14,11 @@ double hull_distance(const double *points, // [num_axes, num_points]
                      size_t num_points, size_t num_axes,
                      const double *place); // [num_axes]
 
+/* The same in memory that is kept, of at most so many points, infinite for more; NULL: there is none. */
+typedef struct hull_space hull_space;
+hull_space *hull_space_create(size_t max_points);
+hull_space *hull_space_free(hull_space *space); // accepts and returns NULL
+double hull_distance_in(hull_space *space, const double *points, size_t num_points, size_t num_axes,
+                        const double *place);
+
 #endif

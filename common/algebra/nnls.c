@@ -8,6 +8,7 @@
 #include <lapacke.h>
 #include <math.h>
 #include <stdbool.h>
+#include <stdlib.h>
 #include <string.h>
 
 // of the length of a column, and of that of the right side too
@@ -27,8 +28,39 @@ typedef struct active_set {
     double *value;   // [num_used] x of the columns of unit length
     double *next;    // [num_used] where the least squares of those in use lead
     double *factor;  // [num_rows] of a reflection; [num_columns + 1] of the compression
-    arena memory;
 } active_set;
+
+struct nnls_space {
+    active_set set;
+    size_t max_rows, max_columns;
+    arena memory;
+};
+
+nnls_space *nnls_space_free(nnls_space *self) {
+    if (self) arena_free(&self->memory);
+    free(self);
+    return NULL;
+}
+
+nnls_space *nnls_space_create(size_t max_rows, size_t max_columns) {
+    nnls_space *self = calloc(1, sizeof *self);
+    const size_t longest = max_rows > max_columns ? max_rows : max_columns + 1;
+
+    if (!self) return NULL;
+    active_set *set = &self->set;
+    arena *memory = &self->memory;
+    self->max_rows = max_rows;
+    self->max_columns = max_columns;
+    set->columns = arena_table(memory, max_columns + 1, max_rows, sizeof(double));
+    set->length = arena_array(memory, max_columns, sizeof(double));
+    set->used = arena_array(memory, max_columns, sizeof *set->used);
+    set->in_use = arena_array(memory, max_columns, sizeof *set->in_use);
+    set->refused = arena_array(memory, max_columns, sizeof *set->refused);
+    set->value = arena_array(memory, max_columns, sizeof(double));
+    set->next = arena_array(memory, max_columns, sizeof(double));
+    set->factor = arena_array(memory, longest, sizeof(double));
+    return memory->failed ? nnls_space_free(self) : self;
+}
 
 static double *column_of(const active_set *self, size_t column) {
     return self->columns + column * self->num_rows;
@@ -57,19 +89,10 @@ static ehd_status compress(active_set *self, ehd_error *error) {
 static ehd_status begin(active_set *self, const double *matrix, const double *right,
                         ehd_error *error) {
     const size_t rows = self->num_rows, columns = self->num_columns;
-    const size_t longest = rows > columns ? rows : columns + 1;
 
-    self->columns = arena_table(&self->memory, columns + 1, rows, sizeof(double));
-    self->length = arena_array(&self->memory, columns, sizeof(double));
-    self->used = arena_array(&self->memory, columns, sizeof *self->used);
-    self->in_use = arena_array(&self->memory, columns, sizeof *self->in_use);
-    self->refused = arena_array(&self->memory, columns, sizeof *self->refused);
-    self->value = arena_array(&self->memory, columns, sizeof(double));
-    self->next = arena_array(&self->memory, columns, sizeof(double));
-    self->factor = arena_array(&self->memory, longest, sizeof(double));
-    if (self->memory.failed)
-        return ehd_fail(error, EHD_MEMORY, "least squares: found no memory for %zu by %zu numbers",
-                        rows, columns);
+    self->num_used = 0;
+    memset(self->in_use, 0, columns * sizeof *self->in_use);
+    memset(self->refused, 0, columns * sizeof *self->refused);
     memcpy(right_of(self), right, rows * sizeof *right);
     for (size_t j = 0; j <= columns; j++) {
         double *target = column_of(self, j);
@@ -203,15 +226,34 @@ static ehd_status improve(active_set *self, double tolerance, ehd_error *error) 
                     MAX_CHANGES * self->num_columns);
 }
 
-ehd_status nnls_solve(double *x, const double *matrix, const double *right, size_t num_rows,
-                      size_t num_columns, double tolerance, ehd_error *error) {
-    active_set self = {.num_rows = num_rows, .num_columns = num_columns};
-    ehd_status status = begin(&self, matrix, right, error);
+ehd_status nnls_solve_in(double *x, nnls_space *space, const double *matrix, const double *right,
+                         size_t num_rows, size_t num_columns, double tolerance, ehd_error *error) {
+    active_set *self = &space->set;
+
+    if (num_rows > space->max_rows || num_columns > space->max_columns)
+        return ehd_fail(error, EHD_INTERNAL,
+                        "least squares: found %zu by %zu numbers, expected at most %zu by %zu",
+                        num_rows, num_columns, space->max_rows, space->max_columns);
+    self->num_rows = num_rows;
+    self->num_columns = num_columns;
+    ehd_status status = begin(self, matrix, right, error);
 
     memset(x, 0, num_columns * sizeof *x);
-    if (!status) status = improve(&self, tolerance, error);
-    for (size_t i = 0; i < self.num_used; i++)
-        x[self.used[i]] = self.value[i] / self.length[self.used[i]];
-    arena_free(&self.memory);
+    if (!status) status = improve(self, tolerance, error);
+    for (size_t i = 0; i < self->num_used; i++)
+        x[self->used[i]] = self->value[i] / self->length[self->used[i]];
+    return status;
+}
+
+ehd_status nnls_solve(double *x, const double *matrix, const double *right, size_t num_rows,
+                      size_t num_columns, double tolerance, ehd_error *error) {
+    nnls_space *space = nnls_space_create(num_rows, num_columns);
+    if (!space)
+        return ehd_fail(error, EHD_MEMORY, "least squares: found no memory for %zu by %zu numbers",
+                        num_rows, num_columns);
+
+    const ehd_status status =
+        nnls_solve_in(x, space, matrix, right, num_rows, num_columns, tolerance, error);
+    nnls_space_free(space);
     return status;
 }

@@ -21,4 +21,18 @@ ehd_status nnls_solve(
     const double *right,  // b [num_rows]
     size_t num_rows, size_t num_columns, double tolerance, ehd_error *error);
 
+/* The same in memory that is kept, of problems of at most so many rows and columns; NULL: there is none.
+ * EHD_INTERNAL also of a larger one. */
+typedef struct nnls_space nnls_space;
+nnls_space *nnls_space_create(size_t max_rows, size_t max_columns);
+nnls_space *nnls_space_free(nnls_space *space); // accepts and returns NULL
+ehd_status nnls_solve_in(
+    // output:
+    double *x, // [num_columns]
+    // in and out:
+    nnls_space *space,
+    // input:
+    const double *matrix, const double *right, size_t num_rows, size_t num_columns,
+    double tolerance, ehd_error *error);
+
 #endif

@@ -340,10 +340,11 @@ static ehd_status allocate(time_series *series, const char *path, ehd_error *err
     for (size_t i = 0; i < NUM_REALS && allocated; i++)
         allocated = (*series_array(series, i) = array_new(count, 1, sizeof(double))) != NULL;
     series->exit_position = array_new(count, 1, sizeof(double));
+    series->friction_coefficient = array_new(count, 1, sizeof(double));
     series->newton_iterations = array_new(count, 1, sizeof(int64_t));
     series->status = array_new(count, 1, sizeof(int64_t));
-    if (allocated && series->exit_position && series->newton_iterations && series->status)
-        return EHD_OK;
+    allocated = allocated && series->exit_position && series->friction_coefficient;
+    if (allocated && series->newton_iterations && series->status) return EHD_OK;
     return ehd_fail(error, EHD_MEMORY, "%s: found no memory for %zu times", path, count);
 }
 
@@ -388,6 +389,9 @@ static ehd_status get_reals(time_series *series, artefact *file, size_t num_line
     if (!status)
         status = get_real(series->exit_position, count, file, "exit_position", num_lines * exits,
                           num_lines / 2 * exits, error);
+    if (!status)
+        status = get_real(series->friction_coefficient, count, file, "friction_coefficient", 1, 0,
+                          error);
     return status;
 }
 
@@ -438,6 +442,7 @@ void time_series_free(time_series *series) {
         free(*series_array(series, i));
     free(series->time);
     free(series->exit_position);
+    free(series->friction_coefficient);
     free(series->newton_iterations);
     free(series->status);
     memset(series, 0, sizeof *series);

@@ -118,6 +118,7 @@ typedef struct time_series {
     double *time_step;
     double *time_effect, *time_effect_minimum;
     double *indicated_deviation, *indicated_deviation_minimum;
+    double *friction_coefficient;
     int64_t *newton_iterations;
     int64_t *status;
 } time_series;

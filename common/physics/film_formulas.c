@@ -75,6 +75,7 @@ static double power_law(const film_formula *self, const film_numbers *numbers) {
            pow(numbers->load, self->load_power) / (numbers->half_width * numbers->half_width);
 }
 
+// From which texts the constants of those of point contacts are: README.md, film formulas.
 // clang-format off
 #define NO_SIDES {0, 0, 0}, 0, INFINITY
 

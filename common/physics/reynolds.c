@@ -86,7 +86,8 @@ reynolds_fluid reynolds_fluid_in(double *memory, size_t num_nodes, const ehd_con
         .density = compressible ? memory + 3 * num_nodes : NULL,
         .density_slope = compressible ? memory + 4 * num_nodes : NULL,
         .between = accurate && !contact->lubricant.viscosity->exponential ? contact : NULL,
-        .thinned = traction_thins_flow(contact) ? contact : NULL};
+        .thinned = traction_thins_flow(contact) ? contact : NULL,
+        .thinning = traction_thinning_rate(contact) / contact->lambda};
 }
 
 void reynolds_fluid_evaluate(reynolds_fluid *fluid, const ehd_contact *contact,
@@ -228,7 +229,7 @@ typedef struct mobility {
     double log_by_film;            // of that, derivative of the logarithm by the film
 } mobility;
 
-static mobility mobility_at(const row_nodes *at, int a) {
+static inline mobility mobility_at(const row_nodes *at, int a) {
     const reynolds_fluid *fluid = at->fluid;
     const size_t node = at->stencil->node[a];
 
@@ -238,11 +239,11 @@ static mobility mobility_at(const row_nodes *at, int a) {
                       .pressure = at->pressure[node]};
 }
 
-/* By the logarithmic mean of the mobilities; `thinned`: these depend on the film. */
+/* By the logarithmic mean of the mobilities, the logarithm of whose ratio is known; `thinned`: these
+ * depend on the film. */
 static inline reynolds_link logarithmic_link(const mobility *before, const mobility *after,
-                                             bool thinned) {
+                                             double logarithm, bool thinned) {
     const double a = before->value, b = after->value;
-    const double logarithm = before->logarithm - after->logarithm;
     const double drop = after->pressure - before->pressure;
     double mean, by_log_a, by_log_b;
 
@@ -275,17 +276,17 @@ static inline reynolds_link logarithmic_link(const mobility *before, const mobil
 }
 
 static reynolds_link exponential_link(const mobility *before, const mobility *after) {
-    return logarithmic_link(before, after, false);
+    return logarithmic_link(before, after, before->logarithm - after->logarithm, false);
 }
 
-/* At the mean pressure of two nodes. */
+/* At the mean pressure of two nodes; `with_logarithm`: with that too. */
 static inline mobility mobility_between(const mobility *before, const mobility *after,
-                                        const ehd_contact *contact) {
+                                        const ehd_contact *contact, bool with_logarithm) {
     mobility middle = {.pressure = (before->pressure + after->pressure) / 2, .density = 1};
     const bool compressible = contact->lubricant.density != NULL;
     reynolds_fluid fluid = {.mobility = &middle.value,
                             .mobility_slope = &middle.slope,
-                            .log_mobility = &middle.logarithm,
+                            .log_mobility = with_logarithm ? &middle.logarithm : NULL,
                             .density = compressible ? &middle.density : NULL,
                             .density_slope = compressible ? &middle.density_slope : NULL};
 
@@ -293,14 +294,20 @@ static inline mobility mobility_between(const mobility *before, const mobility *
     return middle;
 }
 
+/* Logarithms of ratios of mobilities: before over middle, middle over after, before over after. */
+typedef struct mobility_falls {
+    double first, second, whole;
+} mobility_falls;
+
 /* By the law's mobility at the mean pressure as well: the two halves' and the whole link,
  * extrapolated to fourth order. The halves of a falling mobility are more than half of the whole,
  * so that the link is never against the pressures. */
 static inline reynolds_link link_with_middle(const mobility *before, const mobility *middle,
-                                             const mobility *after, bool thinned) {
-    const reynolds_link whole = logarithmic_link(before, after, thinned);
-    const reynolds_link first = logarithmic_link(before, middle, thinned);
-    const reynolds_link second = logarithmic_link(middle, after, thinned);
+                                             const mobility *after, mobility_falls falls,
+                                             bool thinned) {
+    const reynolds_link whole = logarithmic_link(before, after, falls.whole, thinned);
+    const reynolds_link first = logarithmic_link(before, middle, falls.first, thinned);
+    const reynolds_link second = logarithmic_link(middle, after, falls.second, thinned);
     const double by_middle = (first.by_after + second.by_before) / 2; // by either end
 
     return (reynolds_link){
@@ -315,46 +322,56 @@ static reynolds_link link_between(const row_nodes *at, int before, int after) {
     const mobility a = mobility_at(at, before), b = mobility_at(at, after);
 
     if (!at->fluid->between) return exponential_link(&a, &b);
-    const mobility middle = mobility_between(&a, &b, at->fluid->between);
-    return link_with_middle(&a, &middle, &b, false);
+    const mobility middle = mobility_between(&a, &b, at->fluid->between, true);
+    const mobility_falls falls = {a.logarithm - middle.logarithm, middle.logarithm - b.logarithm,
+                                  a.logarithm - b.logarithm};
+    return link_with_middle(&a, &middle, &b, falls, false);
 }
 
-/* Makes it the mobility of a flow that the sliding thins, through a film. */
-static void thin(mobility *self, const ehd_contact *contact, double film, bool along) {
-    // ln eta = ln rho - ln mobility
-    const double viscosity = self->density / (self->value * contact->lambda);
-    const double viscosity_slope = self->density_slope / self->density - self->slope / self->value;
-    const flow_thinning by = traction_thinning(contact, viscosity, film, along);
+/* At a node, with what the thinning needs. */
+static inline mobility thinned_mobility_at(const row_nodes *at, int a) {
+    const reynolds_fluid *fluid = at->fluid;
+    const size_t node = at->stencil->node[a];
+    mobility found = mobility_at(at, a);
 
+    found.density = fluid->density ? fluid->density[node] : 1;
+    if (fluid->density) found.density_slope = fluid->density_slope[node];
+    return found;
+}
+
+/* Makes it the mobility of a flow that the sliding thins, through a film; but for the logarithm. */
+static inline void thin(mobility *self, const reynolds_fluid *fluid, double film, bool along) {
     // a viscosity that is infinite in floating point: nothing flows, and nothing is thinned
     if (!(self->value > 0)) return;
+    // ln eta = ln rho - ln mobility
+    const double viscosity_slope = self->density_slope / self->density - self->slope / self->value;
+    const flow_thinning by =
+        traction_thinning(fluid->thinning * self->density / (self->value * film), along);
+
     self->slope = by.factor * (self->slope + self->value * by.by_log_rate * viscosity_slope);
     self->value *= by.factor;
-    self->logarithm += log(by.factor);
     self->log_by_film = -by.by_log_rate / film;
 }
 
 /* The link of a flow that the sliding thins, along it or across: with the mobilities of both nodes and
- * between them through the film of the half node. */
+ * between them through the film of the half node. The logarithms are those of ratios, two in place of
+ * one for each mobility and factor. */
 static reynolds_link thinned_link(const row_nodes *at, int before, int after, double film,
                                   bool along) {
-    const ehd_contact *contact = at->fluid->thinned;
-    mobility a = mobility_at(at, before), b = mobility_at(at, after);
+    const reynolds_fluid *fluid = at->fluid;
+    mobility a = thinned_mobility_at(at, before), b = thinned_mobility_at(at, after);
 
-    if (at->fluid->density) {
-        const size_t *node = at->stencil->node;
-        a.density = at->fluid->density[node[before]];
-        a.density_slope = at->fluid->density_slope[node[before]];
-        b.density = at->fluid->density[node[after]];
-        b.density_slope = at->fluid->density_slope[node[after]];
-    } else {
-        a.density = b.density = 1;
+    // mostly behind the exit, where the search for it looks
+    if (a.pressure == b.pressure && a.value == b.value) {
+        thin(&a, fluid, film, along);
+        return (reynolds_link){0, -a.value, a.value, 0};
     }
-    mobility middle = mobility_between(&a, &b, contact);
-    thin(&a, contact, film, along);
-    thin(&b, contact, film, along);
-    thin(&middle, contact, film, along);
-    return link_with_middle(&a, &middle, &b, true);
+    mobility middle = mobility_between(&a, &b, fluid->thinned, false);
+    thin(&a, fluid, film, along);
+    thin(&b, fluid, film, along);
+    thin(&middle, fluid, film, along);
+    const double first = log(a.value / middle.value), second = log(middle.value / b.value);
+    return link_with_middle(&a, &middle, &b, (mobility_falls){first, second, first + second}, true);
 }
 
 /* Stencil nodes around a half node: i - 2 … i + 2 about the one between i and i + 1. Across, where

@@ -55,6 +55,7 @@ typedef struct reynolds_fluid {
     const ehd_contact *between; // whose mobility is evaluated between two nodes too; NULL where the
                                 // mean of theirs is enough
     const ehd_contact *thinned; // whose flow is thinned by the sliding; NULL: not
+    double thinning;            // of that, its rate at film 1 and rho over mobility 1
 } reynolds_fluid;
 
 enum { NUM_FLUID_ARRAYS = 5 };

@@ -45,25 +45,10 @@ bool traction_thins_flow(const ehd_contact *contact) {
     return contact->lubricant.thinning_stress > 0 && contact_has_traction(contact);
 }
 
-/* Of a fluid that has this viscosity, over that at zero pressure. */
-static double thinning_rate(const ehd_contact *contact, double viscosity, double film) {
-    return fabs(viscous_stress(contact, viscosity, film)) * contact->hertz_pressure /
-           contact->lubricant.thinning_stress;
-}
-
 double traction_thinning_rate(const ehd_contact *contact) {
-    return traction_thins_flow(contact) ? thinning_rate(contact, 1, 1) : 0;
-}
-
-flow_thinning traction_thinning(const ehd_contact *contact, double viscosity, double film,
-                                bool along) {
-    // of the Newtonian stress over the law's: sinh(tau/tau0)
-    const double rate = thinning_rate(contact, viscosity, film);
-    const double root = rate < 1e8 ? sqrt(1 + rate * rate) : rate;
-
-    if (along) return (flow_thinning){root, rate / root * (rate / root)};
-    if (rate < 1e-4) return (flow_thinning){1 + rate * rate / 6, rate * rate / 3};
-    return (flow_thinning){rate / asinh(rate), 1 - rate / (root * asinh(rate))};
+    if (!traction_thins_flow(contact)) return 0;
+    return fabs(viscous_stress(contact, 1, 1)) * contact->hertz_pressure /
+           contact->lubricant.thinning_stress;
 }
 
 double contact_traction_behind(const ehd_contact *contact, const ehd_grid *grid, size_t node,

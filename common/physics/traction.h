@@ -5,6 +5,7 @@
 #define EHD_TRACTION_H
 
 #include "common/physics/contact.h"
+#include <math.h>
 #include <stdbool.h>
 #include <stddef.h>
 
@@ -38,12 +39,20 @@ stress_slopes contact_stress_slopes(const ehd_contact *contact, double pressure,
 
 /* By what the sliding of an Eyring fluid thins the pressure flow (README.md, thinned flow): the factor
  * on its mobility, along the sliding or across, and its derivative by the logarithm of viscosity over
- * film, over the factor. */
+ * film, over the factor. `rate`: of the Newtonian stress over the law's, sinh(tau/tau0), which is that
+ * of traction_thinning_rate times viscosity over film. */
 typedef struct flow_thinning {
     double factor, by_log_rate;
 } flow_thinning;
-flow_thinning traction_thinning(const ehd_contact *contact, double viscosity, // over that at p = 0
-                                double film, bool along);
+static inline flow_thinning traction_thinning(double rate, bool along) {
+    const double root = rate < 1e8 ? sqrt(1 + rate * rate) : rate;
+
+    if (along) return (flow_thinning){root, rate / root * (rate / root)};
+    if (rate < 1e-4) return (flow_thinning){1 + rate * rate / 6, rate * rate / 3};
+    // asinh by that root, to rounding
+    const double stress = rate < 0.5 ? log1p(rate + rate * rate / (1 + root)) : log(rate + root);
+    return (flow_thinning){rate / stress, 1 - rate / (root * stress)};
+}
 
 /* Newtonian shear stress of the sliding over Eyring's, of a fluid as viscous as at zero pressure in
  * a film H = 1: besides M, the Hertz pressure and the lubricant all that a thinned flow depends on,

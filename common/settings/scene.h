@@ -107,7 +107,8 @@ typedef struct scene {
     surface_settings surface;     // only when transient
 } scene;
 
-enum { MAX_NODES = 2000000 }; // of a grid
+// of a grid, of which those of a point contact are checked against memory first; of a line contact
+enum { MAX_NODES = 100000000, MAX_LINE_NODES = 2000000 };
 
 typedef enum setting_type {
     SETTING_CHOICE,

@@ -5,14 +5,16 @@
 #include <string.h>
 
 ehd_status scene_set_grid(ehd_contact *contact, const grid_extent *needed, ehd_error *error) {
+    const size_t most = contact->kind->dimensions > 1 ? MAX_NODES : MAX_LINE_NODES;
+
     contact->grid = grid_choose(&contact->grid_given, needed, &contact->grid);
-    if (contact->grid.num_inner <= MAX_NODES) return EHD_OK;
+    if (contact->grid.num_inner <= most) return EHD_OK;
     return ehd_fail(
         error, EHD_DATA,
-        "grid: found %zu nodes from %g by %g for M = %g and L = %g, expected at most %d, "
+        "grid: found %zu nodes from %g by %g for M = %g and L = %g, expected at most %zu, "
         "as by another grid.step",
         contact->grid.num_inner, contact->grid.x_min, contact->grid.step, contact->moes_M,
-        contact->moes_L, MAX_NODES);
+        contact->moes_L, most);
 }
 
 static const contact_kind *kind_of(const scene *given) {

@@ -332,14 +332,15 @@ static ehd_status check_grid(const scene_source *source, ehd_error *error) {
     const double step = of->grid.step, extent = of->grid.x_max - of->grid.x_min,
                  steps = extent / step;
     const double nodes = (steps + 1) * count_lines(of);
+    const int most = is_point(of) ? MAX_NODES : MAX_LINE_NODES;
     char found[NUMBER_TEXT], valid[NUMBER_TEXT];
     const ehd_status status = check_extent(source, error);
     // the rest is chosen so that it fits
     if (status || isnan(steps)) return status;
-    if (!(nodes <= MAX_NODES))
+    if (!(nodes <= most))
         return place_fail(error, place_of_key(source, "grid.step"),
                           "grid.step: found %g, which makes %.0f nodes, expected at most %d", step,
-                          nodes, MAX_NODES);
+                          nodes, most);
     number_show(found, step);
     if (!is_whole(steps)) {
         number_show(valid, nearest_step(extent, step));

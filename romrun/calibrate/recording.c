@@ -144,7 +144,7 @@ const char *recording_check(const recording *self, const trained_range *range) {
         const contact_frame *now = &self->steps[i].load_frame;
         ehd_contact contact;
         frame_contact(&contact, now, self->reference);
-        const char *reason = trained_range_check(range, contact_place_of(&contact), 0);
+        const char *reason = trained_range_check(range, NULL, contact_place_of(&contact), 0);
         if (reason) return reason;
     }
     return NULL;

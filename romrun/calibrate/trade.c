@@ -221,9 +221,9 @@ double trade_part_in_time(const trade_position *position, double deviation) {
     return part;
 }
 
-/* How far pressures of nearly all scenes were off. */
+/* How far pressures were off at worst. */
 static double field_deviation(const trade_table *table, size_t position) {
-    return table->positions[position].deviation[TRADE_PRESSURE][TRADE_95];
+    return table->positions[position].deviation[TRADE_PRESSURE][TRADE_WORST];
 }
 
 size_t trade_cheapest(const trade_table *table, double deviation, bool in_time) {

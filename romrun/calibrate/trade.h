@@ -26,7 +26,7 @@ double trade_quantile_of(double *values, size_t count, double quantile);
  * below: as measured on trajectories. */
 bool trade_is_dominated(const trade_table *table, size_t position, bool in_time);
 
-/* The fastest position without failures whose films deviate by no more, and of which the pressures of 95 % of the scenes
+/* The fastest position without failures whose films deviate by no more, and of which the pressures of all scenes
  * do by no more than three times that, in Hertz pressures: spikes may be false where films are right. Where none has such
  * pressures, the one with the best. num_positions: none has such films. In time, with an indicator, which marks the steps
  * that deviate by more, the fastest of the positions of which the most trajectories are indicated to deviate by no more, at

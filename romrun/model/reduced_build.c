@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "romrun/model/reduced_build.h"
 
+#include "common/program/program.h"
+
 #include <cblas.h>
 #include <stdlib.h>
 #include <string.h>
@@ -136,6 +138,15 @@ static ehd_status gather_needed(reduced_model *model, row_set *set, const reduce
     return set->pressure && set->film ? EHD_OK : no_memory(error);
 }
 
+/* Of all rows of a point contact this is what takes memory: nodes of the band times needed nodes. */
+static ehd_status check_cut_memory(const reduced_model *model, ehd_error *error) {
+    const double rows = (double)model->cut.num_rows, nodes = (double)model->band.num_nodes;
+    const double modes = (double)(2 * model->num_pressure + model->num_deformation);
+
+    return program_check_memory("reduced model", "table of the exit", model->band.num_nodes,
+                                "nodes of the band", "", 8 * (nodes * (rows + modes)), error);
+}
+
 /* The bases in the band, and the cut table. */
 static ehd_status fill_cut(reduced_model *model, const reduced_basis *basis,
                            ehd_deflection *deflection, const double *coupled, double *work,
@@ -145,6 +156,8 @@ static ehd_status fill_cut(reduced_model *model, const reduced_basis *basis,
     exit_cut *cut = &model->cut;
 
     cut->num_rows = (coupled_basis ? model->rows.num_needed : model->num_deformation) + 1;
+    const ehd_status status = check_cut_memory(model, error);
+    if (status) return status;
     band->pressure = gather_band(model, basis->pressure, basis->num_pressure);
     band->film = coupled_basis
                      ? gather_band(model, coupled, basis->num_pressure)

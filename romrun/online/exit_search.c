@@ -289,6 +289,37 @@ static void find_exits(exit_query *query) {
     }
 }
 
+/* What the multiplier at the exit of a line is worth in pressure there. */
+static double multiplier_margin(exit_query *query, size_t node) {
+    band_stencil around;
+    reynolds_row row;
+
+    fill_stencil(&around, query, node);
+    reynolds_rows(&row, &query->search->model->grid, query->contact->entrainment, NULL,
+                  &around.stencil, 1, &around.fluid, around.pressure, around.film);
+    return exit_multiplier(&row) / fabs(row.by_pressure[NODE_HERE]);
+}
+
+void exits_margins(double *margin, exit_search *self, node_state *nodes, const double *z,
+                   const ehd_contact *contact) {
+    const reduced_model *model = self->model;
+    exit_query query = {.search = self, .nodes = nodes, .z = z, .contact = contact};
+
+    self->search++;
+    expand_around(&query);
+    for (size_t l = 0; l < model->band.num_lines; l++) {
+        const band_line *band = &model->band.lines[l];
+        const size_t exit = nodes->exit[l];
+        margin[l] = INFINITY;
+        if (!reduced_model_has_band(model, l) || exit <= band->begin) continue;
+        margin[l] = nodes->band_pressure[band->offset + exit - 1 - band->begin];
+        if (exit < band->max_exit)
+            margin[l] =
+                fmin(margin[l], multiplier_margin(&query, l * grid_width(&model->grid) + exit));
+        margin[l] = fmax(margin[l], 0);
+    }
+}
+
 // ---- within a node
 
 /* P and H around the last node with pressure. */

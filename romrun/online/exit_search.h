@@ -64,6 +64,14 @@ void exits_watch_in_time(exit_search *self, double far);
 bool exits_adapt(exit_search *self, node_state *nodes, reduced_state *state,
                  const ehd_contact *contact, const reduced_squeeze *squeeze, double change);
 
+/* By how little each exit of the stationary point contact that `nodes` holds is where it is, as a
+ * change of pressure: P at the line's last node, or what the multiplier at the next one is worth there,
+ * whichever is less; 0 where its sign is the wrong one, infinite on lines without pressure in the
+ * band. */
+void exits_margins(double *margin, // [num_lines]
+                   exit_search *self, node_state *nodes, const double *z,
+                   const ehd_contact *contact);
+
 /* Finds self->cell of the stationary exit of a line within the last node that has pressure in
  * `nodes`, by the flux; where in it is not known, sets that too. False: the state is so far from a
  * solution that there is none. */

@@ -101,9 +101,10 @@ static bool has_stationary(const reduced_states *states) {
 }
 
 /* Lists the nearest stationary states farther away than `beyond`, of those of which an effect of
- * the grid is known, or of the contact's own lubricant; returns their number. */
+ * the grid is known; returns their number. `others` not NULL: those of the contact's own lubricant
+ * alone, and whether there are others. */
 static size_t nearest_states(neighbour *nearest, const reduced_states *states,
-                             const wanted_place *here, double beyond, int effect, bool own) {
+                             const wanted_place *here, double beyond, int effect, bool *others) {
     const bool any = !has_stationary(states);
     size_t count = 0;
 
@@ -111,7 +112,11 @@ static size_t nearest_states(neighbour *nearest, const reduced_states *states,
         neighbour fresh;
         if (!is_start(states, s, any)) continue;
         if (effect != ANY_EFFECT && isnan(states->effects[s].of[effect])) continue;
-        if (!place_state(&fresh, states, s, here) || (own && !is_own(&fresh))) continue;
+        if (!place_state(&fresh, states, s, here)) continue;
+        if (others && !is_own(&fresh)) {
+            *others = true;
+            continue;
+        }
         if (!(fresh.distance > beyond) ||
             (count == NUM_NEIGHBOURS && fresh.distance >= nearest[count - 1].distance))
             continue;
@@ -249,16 +254,17 @@ void reduced_guess(reduced_state *state, const reduced_model *model, contact_pla
     size_t states[NUM_NEIGHBOURS];
 
     // of its own lubricant first: how others differ is more than linear
-    size_t count = nearest_states(nearest, &model->states, &here, -1, ANY_EFFECT, true);
+    bool others = false;
+    size_t count = nearest_states(nearest, &model->states, &here, -1, ANY_EFFECT, &others);
     const bool differs[NUM_COORDINATES] = {[ALONG_THINNING] =
                                                do_differ(nearest, count, ALONG_THINNING)};
     if (!fit_weights(weights, nearest, count, &FITS[0], differs)) {
-        count = nearest_states(nearest, &model->states, &here, -1, ANY_EFFECT, false);
+        if (others) count = nearest_states(nearest, &model->states, &here, -1, ANY_EFFECT, NULL);
         // the contact's lubricant has no viscosity at any of them: whatever they are of
         if (count == 0) {
             wanted_place of_any = here;
             of_any.lubricant = NULL;
-            count = nearest_states(nearest, &model->states, &of_any, -1, ANY_EFFECT, false);
+            count = nearest_states(nearest, &model->states, &of_any, -1, ANY_EFFECT, NULL);
         }
         count = best_weights(weights, nearest, count);
     }
@@ -274,7 +280,7 @@ static bool start_from_state(reduced_state *state, const reduced_model *model,
     neighbour nearest[NUM_NEIGHBOURS];
     double one = 1;
 
-    if (skipped >= nearest_states(nearest, &model->states, here, -1, ANY_EFFECT, false))
+    if (skipped >= nearest_states(nearest, &model->states, here, -1, ANY_EFFECT, NULL))
         return false;
     combine_states(state, model, &nearest[skipped], &one, 1);
     return true;
@@ -311,7 +317,7 @@ void reduced_neighbour(reduced_state *state, const reduced_model *model, contact
     neighbour nearest[NUM_NEIGHBOURS];
     double one = 1;
 
-    if (nearest_states(nearest, &model->states, &here, same, ANY_EFFECT, false) > 0)
+    if (nearest_states(nearest, &model->states, &here, same, ANY_EFFECT, NULL) > 0)
         combine_states(state, model, nearest, &one, 1);
     else
         reduced_guess(state, model, place);
@@ -353,7 +359,7 @@ film_effects reduced_effects(const reduced_model *model, contact_place place) {
     const wanted_place here = place_wanted(&place);
     const reduced_states *states = &model->states;
     neighbour nearest[NUM_NEIGHBOURS], others[NUM_NEIGHBOURS];
-    const size_t count = nearest_states(nearest, states, &here, -1, ANY_EFFECT, false);
+    const size_t count = nearest_states(nearest, states, &here, -1, ANY_EFFECT, NULL);
     film_effects effects;
 
     for (int e = 0; e < NUM_EFFECTS; e++) {
@@ -361,7 +367,7 @@ film_effects reduced_effects(const reduced_model *model, contact_place place) {
             effects.of[e] = effect_at(states, nearest, count, e);
         else
             effects.of[e] =
-                effect_at(states, others, nearest_states(others, states, &here, -1, e, false), e);
+                effect_at(states, others, nearest_states(others, states, &here, -1, e, NULL), e);
     }
     return effects;
 }

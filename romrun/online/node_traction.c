@@ -205,14 +205,15 @@ void nodes_add_friction(double *target, double *influence, node_state *self, con
                           num_pressure);
 }
 
-double nodes_friction_of_exits(node_state *self, const double *z, const ehd_contact *contact) {
+double nodes_friction_of_exits(node_state *self, const double *z, const ehd_contact *contact,
+                               const double *risk) {
     double squares = 0;
     line_end end;
 
     moment_of(self, z); // as above
     for (size_t l = 0; l < self->model->band.num_lines; l++)
         if (find_line_end(&end, self, z, l))
-            squares +=
-                pow(end.weight * contact_shear_stress(contact, end.pressure, end.film[0]), 2);
+            squares += pow(
+                risk[l] * end.weight * contact_shear_stress(contact, end.pressure, end.film[0]), 2);
     return sqrt(squares);
 }

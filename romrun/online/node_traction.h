@@ -17,8 +17,9 @@ void nodes_add_friction(double *target,
                         double *influence, // [nodes of the band], is lost
                         node_state *self, const double *z, const ehd_contact *contact);
 
-/* What int tau dA changes by where exits are a node off: on each line that of its last node, as
- * if lines had nothing to do with each other. */
-double nodes_friction_of_exits(node_state *self, const double *z, const ehd_contact *contact);
+/* What int tau dA changes by where exits are a node off: on each line that of its last node times its
+ * risk, as if lines had nothing to do with each other. */
+double nodes_friction_of_exits(node_state *self, const double *z, const ehd_contact *contact,
+                               const double *risk); // [num_lines]
 
 #endif

@@ -47,6 +47,7 @@ struct online_solver {
     contact_scalars scalars;  // of it
     reduced_tangent *tangent; // NULL: not needed yet
     bool linearised;          // at the last solution
+    hull_space *range_space;  // of checks of the trained range
     char reason[192];         // of the last result, where it is put together
 };
 
@@ -272,7 +273,8 @@ ehd_status online_solver_create(online_solver **solver, const online_model *mode
     self->model = model;
     status = reduced_state_init(&self->state, &model->reduced, error);
     self->indicator = indicator_create(&model->reduced);
-    if (!status && !self->indicator)
+    self->range_space = trained_range_space(model->range);
+    if (!status && (!self->indicator || !self->range_space))
         status = ehd_fail(error, EHD_MEMORY, "online solver: found no memory");
     if (!status) status = reduced_solver_create(&self->reduced, &model->reduced, &settings, error);
     if (status)
@@ -287,6 +289,7 @@ online_solver *online_solver_free(online_solver *self) {
         reduced_solver_free(self->reduced);
         indicator_free(self->indicator);
         reduced_tangent_free(self->tangent);
+        hull_space_free(self->range_space);
         reduced_state_free(&self->state);
         free(self);
     }
@@ -389,7 +392,8 @@ void online_judge_pressure(online_result *result, const ehd_contact *contact,
  * untrusted; of one that has not converged there the range is told first. */
 static void judge(online_result *result, online_solver *solver, const ehd_contact *contact) {
     const online_model *model = solver->model;
-    const char *reason = trained_range_check(model->range, contact_place_of(contact), 0);
+    const char *reason =
+        trained_range_check(model->range, solver->range_space, contact_place_of(contact), 0);
 
     if (result->status && reason) {
         snprintf(solver->reason, sizeof solver->reason, "%s%s%s", reason,

@@ -63,6 +63,7 @@ struct reduced_march {
     const film_splines *splines;
     ehd_contact reference;
     trained_range *range;
+    hull_space *range_space;
     reduced_solver *solver;
     double start_tolerance;                 // of its iterations
     double tolerance;                       // of the steps; NaN: none is known
@@ -99,6 +100,7 @@ reduced_march *reduced_march_free(reduced_march *self) {
     if (!self) return NULL;
     reduced_solver_free(self->solver);
     trained_range_free(self->range);
+    hull_space_free(self->range_space);
     for (size_t i = 0; i <= BDF_PREVIOUS; i++)
         previous_film_free(&self->states[i]);
     previous_film_free(&self->base);
@@ -229,8 +231,9 @@ ehd_status reduced_march_create(reduced_march **created, const reduced_model *mo
     self->start_tolerance = settings->tolerance;
     self->tolerance = NAN;
     self->range = trained_range_create(model);
+    self->range_space = self->range ? trained_range_space(self->range) : NULL;
     allocate_arrays(self);
-    bool whole = self->range && !self->memory.failed;
+    bool whole = self->range_space && !self->memory.failed;
     if (whole) sort_rows(self);
     status = whole ? reduced_solver_create(&self->solver, model, &in_time, error)
                    : ehd_fail(error, EHD_MEMORY, "online solver: found no memory");
@@ -322,7 +325,8 @@ static void judge(march_step *outcome, reduced_march *self, const reduced_state 
     // what is indicated tells more than how fast the contacts of the training changed
     const bool fast_matters = isnan(self->of_films.central) && self->ring.num_previous > 0;
     const double rate = fast_matters ? frame_rate(&self->load_frame, &self->last_load_frame) : 0;
-    outcome->reason = trained_range_check(self->range, contact_place_of(&contact), rate);
+    outcome->reason =
+        trained_range_check(self->range, self->range_space, contact_place_of(&contact), rate);
     outcome->status = outcome->reason ? EHD_UNTRUSTED : EHD_OK;
     if (!outcome->reason) outcome->reason = "";
     if (is_at_edge(model, state)) {
@@ -1086,7 +1090,8 @@ const char *reduced_march_check_range(const reduced_march *self, const contact_f
     ehd_contact contact;
 
     frame_contact(&contact, now, &self->reference);
-    return trained_range_check(self->range, contact_place_of(&contact), frame_rate(now, before));
+    return trained_range_check(self->range, self->range_space, contact_place_of(&contact),
+                               frame_rate(now, before));
 }
 
 /* The coordinates of its pressure and, independent, of its deflection in the orthonormal modes,

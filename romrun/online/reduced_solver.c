@@ -87,6 +87,7 @@ struct reduced_solver {
     void *observer_context;
     double *observed;       // [2, rows of the model]
     double *band_influence; // [nodes of the band] of reduced_friction_error
+    double *exit_risk;      // [num_lines] of that
     arena memory;           // of all arrays
 };
 
@@ -115,6 +116,7 @@ ehd_status reduced_solver_create(reduced_solver **solver, const reduced_model *m
     self->settings = *settings;
     nodes_init(&self->nodes, model, &self->memory);
     self->band_influence = arena_array(&self->memory, model->band.num_nodes + 1, sizeof(double));
+    self->exit_risk = arena_array(&self->memory, model->band.num_lines, sizeof(double));
     system_init(&self->system, model, &self->memory);
     exits_init(&self->exits, model, settings->exit_spacing, &self->memory);
     kept_factors_init(&self->kept, model, &self->memory);
@@ -785,6 +787,39 @@ contact_traction reduced_traction(reduced_solver *self, const reduced_state *sta
     return nodes_traction(&self->nodes, state->coordinates, contact, scalars);
 }
 
+/* self->exit_risk: of a point contact by what the pressure at each line's last node may be off, over by
+ * how little the exit is where it is, at most 1. The exit of a line is found by its flux: 1. */
+static void find_exit_risks(reduced_solver *self, const reduced_state *state,
+                            const ehd_contact *contact, const double *added) {
+    const reduced_model *model = self->model;
+    const size_t n = model->num_unknowns, bytes = model->num_pressure * sizeof(double);
+    const size_t num_lines = model->band.num_lines;
+    double *risk = self->exit_risk, errors[ERROR_BLOCK];
+    size_t line[ERROR_BLOCK], count = 0;
+
+    risk[0] = 1;
+    if (num_lines == 1) return;
+    exits_margins(risk, &self->exits, &self->nodes, state->coordinates, contact);
+    for (size_t l = 0; l < num_lines; l++) {
+        if (isfinite(risk[l])) {
+            const size_t last = self->nodes.exit[l] - 1 - model->band.lines[l].begin;
+            double *gradient = self->system.functionals + count * n;
+            memset(gradient, 0, n * sizeof(double));
+            memcpy(gradient,
+                   model->band.pressure +
+                       (model->band.lines[l].offset + last) * model->num_pressure,
+                   bytes);
+            line[count++] = l;
+        }
+        if (count == 0 || (count < ERROR_BLOCK && l + 1 < num_lines)) continue;
+        system_errors(errors, &self->system, count, added);
+        for (size_t k = 0; k < count; k++)
+            // NaN where residuals are, which then are in the bound too
+            risk[line[k]] = errors[k] < risk[line[k]] ? errors[k] / risk[line[k]] : 1;
+        count = 0;
+    }
+}
+
 double reduced_friction_error(reduced_solver *self, const reduced_state *state,
                               const ehd_contact *contact, const double *added) {
     row_system *system = &self->system;
@@ -795,8 +830,11 @@ double reduced_friction_error(reduced_solver *self, const reduced_state *state,
     nodes_add_friction(system->functionals, self->band_influence, &self->nodes, state->coordinates,
                        contact);
     system_errors(&error, system, 1, added);
-    if (system->num_cells == 0)
-        error += nodes_friction_of_exits(&self->nodes, state->coordinates, contact);
+    if (system->num_cells == 0) {
+        find_exit_risks(self, state, contact, added);
+        error +=
+            nodes_friction_of_exits(&self->nodes, state->coordinates, contact, self->exit_risk);
+    }
     return error / contact->kind->load;
 }
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "romrun/online/trained_range.h"
 
-#include "common/algebra/hull.h"
+#include "common/program/arena.h"
 
 #include <math.h>
 #include <stdbool.h>
@@ -190,7 +190,7 @@ static bool list_thinned(trained_range *self, const reduced_states *states) {
     }
     if (!(self->most_thinning > thinning_coordinate(0))) return true;
     self->num_points = num;
-    self->points = malloc(RANGE_AXES * num * sizeof *self->points);
+    self->points = array_new(RANGE_AXES, num, sizeof *self->points);
     for (size_t s = 0; s < num && self->points; s++) {
         trained_place(place, place_of_state(states, s));
         put_column(self->points + s, num, place, self);
@@ -251,7 +251,20 @@ static double outside_plane(const trained_range *self, const double place[RANGE_
     return outside;
 }
 
-const char *trained_range_check(const trained_range *self, contact_place of, double rate) {
+hull_space *trained_range_space(const trained_range *self) {
+    const size_t num_points = self->points ? self->num_points : 1;
+
+    return hull_space_create(num_points > self->num_outer ? num_points : self->num_outer);
+}
+
+static double distance(hull_space *space, const double *points, size_t num_points,
+                       const double place[RANGE_AXES]) {
+    return space ? hull_distance_in(space, points, num_points, RANGE_AXES, place)
+                 : hull_distance(points, num_points, RANGE_AXES, place);
+}
+
+const char *trained_range_check(const trained_range *self, hull_space *space, contact_place of,
+                                double rate) {
     const double rate_slack = 1.05, min_rate = 1e-3;
     double place[RANGE_AXES], here[RANGE_AXES];
 
@@ -266,8 +279,8 @@ const char *trained_range_check(const trained_range *self, contact_place of, dou
         put_column(here, 1, place, self);
         // what adaptive training leaves outside of its corners counts as inside
         const double slack = fmax(self->slack, 1e-8);
-        if (!(hull_distance(self->outer, self->num_outer, RANGE_AXES, here) <= slack) &&
-            !(hull_distance(self->points, self->num_points, RANGE_AXES, here) <= slack))
+        if (!(distance(space, self->outer, self->num_outer, here) <= slack) &&
+            !(distance(space, self->points, self->num_points, here) <= slack))
             return "outside of the trained range of M, alpha p_H and thinning";
     }
     if (rate > fmax(rate_slack * self->max_rate, min_rate))

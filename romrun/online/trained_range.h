@@ -3,6 +3,7 @@
 #ifndef EHD_TRAINED_RANGE_H
 #define EHD_TRAINED_RANGE_H
 
+#include "common/algebra/hull.h"
 #include "common/physics/contact_place.h"
 #include "romrun/model/reduced_model.h"
 
@@ -17,7 +18,13 @@ typedef struct trained_range trained_range;
 trained_range *trained_range_create(const reduced_model *model); // NULL: no memory
 trained_range *trained_range_free(trained_range *range);         // accepts and returns NULL
 
-/* Why a contact lies outside, or NULL. `rate`: frame_rate, 0 when stationary. */
-const char *trained_range_check(const trained_range *range, contact_place place, double rate);
+/* Memory that checks of a range take, kept from one to the next; NULL: there is none. Free with
+ * hull_space_free. */
+hull_space *trained_range_space(const trained_range *range);
+
+/* Why a contact lies outside, or NULL. `rate`: frame_rate, 0 when stationary. `space`: of this thread
+ * alone; NULL: a check takes memory of its own where flow is thinned. */
+const char *trained_range_check(const trained_range *range, hull_space *space, contact_place place,
+                                double rate);
 
 #endif

@@ -7,7 +7,7 @@
 #   MODELS    names of the models to make: model. What each is made of, where not by ENERGY alone (podbuild --help,
 #             deimselect --help): NAME.PRESSURE_MODES, NAME.DEFORMATION, NAME.DEFORMATION_MODES, NAME.WEIGHT; NAME.ROWS,
 #             NAME.METHOD, NAME.WEIGHTS, NAME.STABILITY; NAME.CHECK = no: without a check
-#   MEMORY    memory that podbuild's arrays may take (podbuild --memory): half of the machine's
+#   MEMORY    memory that arrays of podbuild and deimselect may take (--memory of either): half of the machine's
 #   PARTS     not empty: each piece of the training is compressed where it was solved, and the modes are those of these parts
 #   SLURM     not empty: train on Slurm, with an array of SHARDS tasks (4), in a region one a round, and sbatch's
 #             SBATCH_OPTIONS (slurm.sh)
@@ -149,7 +149,7 @@ $(MODELS:%=$(OUT)/%-residuals.h5): $(OUT)/%-residuals.h5: $(OUT)/%-basis.h5 $(SN
 $(MODELS:%=$(OUT)/%.h5): $(OUT)/%.h5: $(OUT)/%-residuals.h5 $(OUT)/%-basis.h5 $(BIN)/deimselect \
                          $$(call options,$$*,$$(call deimselect_options,$$*))
 	$(call quiet,$(call stage_of,$*-rows) deimselect,$@)$(call at_stage,$*-rows) $(BIN)/deimselect $< --basis $(OUT)/$*-basis.h5 -o $@ --force \
-	    $(strip $(call deimselect_options,$*)) || [ $$? -eq 4 ]
+	    $(memory_option) $(strip $(call deimselect_options,$*)) || [ $$? -eq 4 ]
 
 endif
 

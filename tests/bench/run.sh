@@ -53,6 +53,9 @@ section "full solve: against the dense Newton (goal: 10 times), growth with n (g
 section "full solve of a point contact: in products of 2000 rows (goal: 46 converged, 14.1 to truncation)"
 "$BENCH/bench_point" || failed=1
 
+section "full solve of a large point contact (goal: 1025 nodes a side in 60 s and 8 GB)"
+"$BENCH/bench_large" 256 1024 || failed=1
+
 section "training: 120 points of the lower loaded region, $(nproc) processors (goal: 20 s)"
 chain "$low/plan.yml" 110 176 low
 export OPENBLAS_NUM_THREADS=1

@@ -293,3 +293,13 @@ sliding_scene() {
         -e 's/^  density.*/&\n  shear: {law: eyring, tau0: 5e6}/' scene.yml
     echo 'slide_roll: 0.05'
 }
+
+# copy_whole_study NAME: as it is, with what it compares with and what studies share; goes there.
+copy_whole_study() {
+    local root=$BATS_TEST_DIRNAME/../..
+    mkdir -p "$BATS_TEST_TMPDIR/scenes/studies"
+    cp -r "$root/scenes/lib" "$BATS_TEST_TMPDIR/scenes"
+    cp -r "$root/scenes/studies/$1" "$BATS_TEST_TMPDIR/scenes/studies"
+    cd "$BATS_TEST_TMPDIR/scenes/studies/$1" || return
+    rm -rf out
+}

@@ -174,7 +174,12 @@ PYTHON
         ulimit -v 300000
         refuse 71 "scene.yml: grid: found [0-9]* nodes, which take about [0-9]* MB, expected" \
             fullrun scene.yml --set grid.step=0.005 -o x.h5
+        # however many there are, up to a hundred million
+        refuse 71 "scene.yml: grid: found 5765201 nodes, which take about [0-9]* MB, expected" \
+            fullrun scene.yml --set grid.step=0.00125 -o x.h5
     )
+    refuse 65 "--set: grid.step: found 0.000125, which makes 576052001 nodes, expected at most 100000000" \
+        fullrun scene.yml --set grid.step=0.000125 -o x.h5
 }
 
 # megabytes PROGRAM...: what it says that its nodes take

@@ -377,6 +377,45 @@ of_formula() { sed -n "s/^formula $1 //p" <<<"$output" | tr -d '+%,-' | awk -v f
         "$(printf '%s\n' "$light_minimum" "$heavy_minimum" | sort -g | tail -n 1)" 2e-2
 }
 
+# of_traction FIELD: that word of the line of the friction formula in $output.
+of_traction() { sed -n 's/^traction evans-johnson //p' <<<"$output" | tr -d '+%,-' | awk -v field="$1" '{ print $field }'; }
+
+@test "--formulas in time: the friction of the contact at each time, as if it were stationary" {
+    cat >rest.yml <<'YAML'
+contact: line
+physical: {load: 3.0e5, radius: 0.01, speed: 1, modulus: 2.3e11, viscosity: 0.05}
+slide_roll: 0.1
+discretization: published
+grid: {x_min: -4, x_max: 2, step: 0.02}
+lubricant: {viscosity: {law: barus, alpha: 2.0e-8}, shear: {law: eyring, tau0: 1.0e6}}
+YAML
+    (cat rest.yml && echo 'regime: stationary') >still.yml
+    (cat rest.yml && printf 'regime: transient\ntransient: {load: {law: sine, amplitude: 0, period: 1e4}, end_time: 1, fixed_step: 0.5}\n') >moving.yml
+    run fullrun still.yml --formulas
+    local still=$(of_traction 3) curve=$(sed -n 's/^traction slide-roll: //p' <<<"$output") light heavy
+    # under a constant load nothing moves
+    run -0 fullrun moving.yml -o constant.h5 --formulas --quiet
+    for field in 3 5 7; do close_to "$(of_traction $field)" "$still" 2e-3; done
+    [ -n "$curve" ]
+    grep -qx "traction at T = 0, slide-roll: $curve" <<<"$output"
+    # slowly, it goes between the stationary contacts of the smallest and largest load
+    run fullrun still.yml --formulas --set physical.load=2.0e5 && light=$(of_traction 3)
+    run fullrun still.yml --formulas --set physical.load=4.0e5 && heavy=$(of_traction 3)
+    echo "light $light, heavy $heavy"
+    run -0 fullrun moving.yml -o slow.h5 --formulas --quiet --set transient.load.amplitude=0.33333 \
+        --set transient.end_time=1e4 --set transient.fixed_step=250
+    echo "$output"
+    close_to "$(of_traction 3)" "$(printf '%s\n' "$light" "$heavy" | sort -g | tail -n 1)" 1e-2
+    far_from "$(of_traction 3)" "$still" 0.1
+    # beyond the range of the formula it says for how long; in pure rolling there is no friction
+    run -0 fullrun moving.yml -o slow.h5 --formulas --quiet --force --set lubricant.viscosity.alpha=1.0e-8
+    grep -q '^traction evans-johnson .*, outside for 100 % of the time$' <<<"$output"
+    run -0 fullrun moving.yml -o rolling.h5 --formulas --quiet --set slide_roll=0
+    grep -q '^traction evans-johnson  *friction  0 at all times ' <<<"$output"
+    run -0 fullrun moving.yml -o newton.h5 --formulas --quiet --set lubricant.shear.law=newtonian --set lubricant.shear.tau0=
+    [[ "$output" != *evans-johnson* ]]
+}
+
 @test "misuse is one line and exit 64" {
     fullrun scene.yml -o full.h5 --quiet
     refused 64 "--start: found with a transient scene" \

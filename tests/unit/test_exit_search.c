@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Where the online solver puts the exits, and what it makes of those that it cannot put where they
  * belong. */
+#include "romrun/online/exit_search.h"
 #include "romrun/online/least_squares.h"
 #include "tests/unit/check.h"
 #include "tests/unit/reduced_problem.h"
@@ -323,12 +324,71 @@ static void exits_end_where_the_band_does(void **state) {
         }
 }
 
+// ---- by how little an exit is where it is
+
+/* Of a solution the margins are the lesser of two: a node less, and one more without pressure, have none
+ * left on that line. */
+static void margins_are_those_of_the_exits(void **state) {
+    const size_t num_lines = half_point.set.grid.num_nodes / grid_width(&half_point.set.grid);
+    size_t *exits = calloc(num_lines, sizeof *exits), num_small = 0, num_shifted = 0;
+    double *margin = calloc(num_lines, sizeof *margin), *moved = calloc(num_lines, sizeof *moved);
+    reduced_problem reduced;
+    arena memory = {0};
+    exit_search search;
+    node_state nodes;
+    (void)state;
+
+    assert_true(exits && margin && moved);
+    reduced_problem_init(&reduced, &point_basis, NULL, 0, &strict_settings);
+    const reduced_model *model = &reduced.model;
+    assert_int_equal(model->band.num_lines, num_lines);
+    nodes_init(&nodes, model, &memory);
+    exits_init(&search, model, 0, &memory);
+    for (size_t s = 0; s < TRAINED_STATES; s += 4) {
+        const ehd_contact *contact = &half_point.contacts[s];
+        const double *z = point_basis.states.coordinates + s * model->num_unknowns;
+        memcpy(exits, point_basis.states.exit + s * num_lines, num_lines * sizeof *exits);
+        nodes_move_exit(&nodes, exits);
+        nodes_expand_state(&nodes, NULL, z);
+        exits_margins(margin, &search, &nodes, z, contact);
+        for (size_t l = 0; l < num_lines; l++) {
+            const band_line *band = &model->band.lines[l];
+            if (isinf(margin[l])) continue;
+            const double last = nodes.band_pressure[band->offset + exits[l] - 1 - band->begin];
+            assert_true(margin[l] > 0 && margin[l] <= last);
+            num_small += margin[l] < last; // by the multiplier
+            for (int way = -1; way <= 1; way += 2) {
+                const size_t exit = exits[l];
+                if (exit + 2 >= band->max_exit || exit <= band->begin + 2) continue;
+                exits[l] = way < 0 ? exit - 1 : exit + 1;
+                nodes_move_exit(&nodes, exits);
+                nodes_expand_state(&nodes, NULL, z);
+                exits_margins(moved, &search, &nodes, z, contact);
+                assert_true(moved[l] == 0);
+                num_shifted++;
+                exits[l] = exit;
+            }
+            nodes_move_exit(&nodes, exits);
+            nodes_expand_state(&nodes, NULL, z);
+            exits_margins(margin, &search, &nodes, z, contact);
+        }
+    }
+    assert_in_range(num_small, 5, 1000);
+    assert_in_range(num_shifted, 5, 1000);
+    arena_free(&memory);
+    reduced_problem_free(&reduced);
+    free(exits);
+    free(margin);
+    free(moved);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(an_exit_held_elsewhere_is_not_trusted),
         cmocka_unit_test(an_exit_that_turns_by_more_goes_on),
         cmocka_unit_test(the_exit_stays_far_from_the_solution),
         cmocka_unit_test(exits_end_where_the_band_does),
+        cmocka_unit_test(margins_are_those_of_the_exits),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);
 }

@@ -331,6 +331,37 @@ static void fits_agree(void **unused) {
         }
 }
 
+/* As others print them: Zhou and Hoeprich (J. Tribology 113, 1991, eq. 31) the central film of
+ * Chittenden et al. with 4.30 and 1.28 b/a, Aihara (J. Tribology 109, 1987, eq. 17) the minimum film of
+ * Hamrock and Dowson with their approximation of b/a. */
+static void films_as_they_are_quoted(void **unused) {
+    (void)unused;
+
+    for (double k = 1; k < 8.1; k *= 1.2) {
+        const film_numbers n = ellipse(k, 200, 10);
+        const double scale = n.half_width * n.half_width;
+        const double powers = pow(n.speed, 0.68) * pow(n.material, 0.49) * pow(n.load, -0.073);
+        check_close(scale * film_of_numbers("chittenden-central", &n),
+                    4.30 * powers * (1 - exp(-1.28 * k)), k < 3 ? 0.018 : 0.003, 0);
+        check_close(scale * film_of_numbers("hamrock-dowson-minimum", &n),
+                    3.63 * powers * (1 - exp(-0.68 * 1.03 * pow(n.radius_ratio, 0.64))),
+                    k < 2 ? 0.021 : 0.003, 0);
+    }
+}
+
+/* Far from a circle nothing leaks: the powers of U, G and W are left, of the minimum film of both
+ * the same. */
+static void nothing_leaks_from_slender_ellipses(void **unused) {
+    const film_numbers n = ellipse(60, 200, 10);
+    const double scale = n.half_width * n.half_width;
+    const double powers = pow(n.speed, 0.68) * pow(n.material, 0.49) * pow(n.load, -0.073);
+    (void)unused;
+
+    check_close(scale * film_of_numbers("chittenden-central", &n) / powers, 4.31, 1e-6, 0);
+    check_close(scale * film_of_numbers("chittenden-minimum", &n) / powers, 3.68, 1e-6, 0);
+    check_close(scale * film_of_numbers("hamrock-dowson-minimum", &n) / powers, 3.63, 1e-6, 0);
+}
+
 // ---- theory
 
 /* int (H - H0)/H^3 dX over the inlet of a dry contact, X = -cosh s from -1 outwards, by the
@@ -389,6 +420,8 @@ int main(void) {
         cmocka_unit_test(slender_ellipses_are_lines),
         cmocka_unit_test(an_elliptical_contact),
         cmocka_unit_test(fits_agree),
+        cmocka_unit_test(films_as_they_are_quoted),
+        cmocka_unit_test(nothing_leaks_from_slender_ellipses),
         cmocka_unit_test(grubin_fits_the_inlet),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

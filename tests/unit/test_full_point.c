@@ -278,41 +278,58 @@ static void half_equals_whole(void **state) {
 }
 
 /* Pressurised: f = 0, P >= 0; else P = 0, Lambda = -f >= 0; everywhere a film, and the load. */
+static void check_solution(const ehd_contact *contact) {
+    const full_settings settings = full_default_settings();
+    const ehd_grid *grid = &contact->grid;
+    reynolds_row *rows = allocate(grid->num_inner, sizeof *rows);
+    size_t count = 0;
+    double sum = 0;
+    problem solved;
+
+    problem_solve_cold(&solved, contact, &settings);
+    problem_rows(rows, &solved);
+    for (size_t r = 0; r < grid->num_inner; r++) {
+        size_t k = grid_node_of_row(grid, r);
+        double pressure = solved.state.pressure[k];
+        assert_true(solved.state.film[k] > 0);
+        sum += pressure * (grid->half && r >= grid->inner_x ? 2 : 1);
+        if (full_has_pressure(&solved.state, k)) {
+            assert_true(pressure >= -1e-9);
+            check_close(rows[r].residual, 0, 0, 1e-9 * row_size(&rows[r]));
+            count++;
+        } else {
+            check_close(pressure, 0, 0, 0);
+            assert_true(rows[r].residual <= 1e-8 * row_size(&rows[r]));
+        }
+    }
+    assert_true(count > grid->num_inner / 2 && count < grid->num_inner);
+    const double beyond = far_field_load(contact, solved.state.rigid_approach).value;
+    assert_true(beyond > 0 && beyond < 0.3);
+    check_close(sum * grid->step * grid->step + beyond, 2 * M_PI / 3, 1e-9, 0);
+    assert_true(solved.info.complementarity <= 1e-9);
+    assert_false(full_is_cut(&solved.state, grid, false));
+    // of a large grid 7 to 12
+    assert_true(solved.info.gmres_iterations <= 15 * solved.info.newton_iterations);
+    problem_free(&solved);
+    free(rows);
+}
+
 static void solution_satisfies_the_problem(void **state) {
     (void)state;
-    full_settings settings = full_default_settings();
     for (int i = 0; i < 2 * NUM_CASES; i++) {
         const ehd_contact contact = contact_of_case(i / 2, 48, i % 2 == 0);
-        const ehd_grid *grid = &contact.grid;
-        reynolds_row *rows = allocate(grid->num_inner, sizeof *rows);
-        size_t count = 0;
-        double sum = 0;
-        problem solved;
+        check_solution(&contact);
+    }
+}
 
-        problem_solve_cold(&solved, &contact, &settings);
-        problem_rows(rows, &solved);
-        for (size_t r = 0; r < grid->num_inner; r++) {
-            size_t k = grid_node_of_row(grid, r);
-            double pressure = solved.state.pressure[k];
-            assert_true(solved.state.film[k] > 0);
-            sum += pressure * (grid->half && r >= grid->inner_x ? 2 : 1);
-            if (full_has_pressure(&solved.state, k)) {
-                assert_true(pressure >= -1e-9);
-                check_close(rows[r].residual, 0, 0, 1e-9 * row_size(&rows[r]));
-                count++;
-            } else {
-                check_close(pressure, 0, 0, 0);
-                assert_true(rows[r].residual <= 1e-8 * row_size(&rows[r]));
-            }
-        }
-        assert_true(count > grid->num_inner / 2 && count < grid->num_inner);
-        const double beyond = far_field_load(&contact, solved.state.rigid_approach).value;
-        assert_true(beyond > 0 && beyond < 0.3);
-        check_close(sum * grid->step * grid->step + beyond, 2 * M_PI / 3, 1e-9, 0);
-        assert_true(solved.info.complementarity <= 1e-9);
-        assert_false(full_is_cut(&solved.state, grid, false));
-        problem_free(&solved);
-        free(rows);
+/* Large grids, whose systems are preconditioned by multigrid. */
+static void large_grids_satisfy_the_problem(void **state) {
+    (void)state;
+    for (int i = 0; i < 2; i++) {
+        const ehd_contact contact =
+            sample_point("barus", "dowson-higginson", 100, 10, i ? 144 : 112, i != 0);
+        assert_true(full_is_large(&contact.grid));
+        check_solution(&contact);
     }
 }
 
@@ -393,6 +410,7 @@ int main(void) {
         cmocka_unit_test(inexact_newton_ends_where_dense_does),
         cmocka_unit_test(half_equals_whole),
         cmocka_unit_test(solution_satisfies_the_problem),
+        cmocka_unit_test(large_grids_satisfy_the_problem),
         cmocka_unit_test(digits_of_the_multigrid_program),
         cmocka_unit_test(fine_grids_take_few_iterations),
         cmocka_unit_test(thin_films_approach_hertz),

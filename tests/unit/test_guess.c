@@ -4,6 +4,7 @@
 #include "common/settings/scene.h"
 #include "romrun/online/reduced_solver.h"
 #include "romrun/online/trained_range.h"
+#include "tests/unit/allocation.h"
 #include "tests/unit/check.h"
 #include "tests/unit/reduced_problem.h"
 
@@ -335,8 +336,8 @@ static void goes_on_to_other_starts(void **state) {
 static bool is_trained(const reduced_model *model, double M, double alpha_p_H, double rate) {
     trained_range *range = trained_range_create(model);
     assert_non_null(range);
-    const char *reason =
-        trained_range_check(range, (contact_place){.moes_M = M, .alpha_p_H = alpha_p_H}, rate);
+    const char *reason = trained_range_check(
+        range, NULL, (contact_place){.moes_M = M, .alpha_p_H = alpha_p_H}, rate);
     trained_range_free(range);
     return reason == NULL;
 }
@@ -407,9 +408,15 @@ static void trained_range_is_the_hull(void **state) {
 
 static const char *judge(const reduced_model *model, double M, double alpha_p_H, double thinning) {
     trained_range *range = trained_range_create(model);
+    const contact_place place = {.moes_M = M, .alpha_p_H = alpha_p_H, .thinning = thinning};
     assert_non_null(range);
-    const char *reason = trained_range_check(
-        range, (contact_place){.moes_M = M, .alpha_p_H = alpha_p_H, .thinning = thinning}, 0);
+    hull_space *space = trained_range_space(range);
+    assert_non_null(space);
+    const char *reason = trained_range_check(range, NULL, place, 0);
+    allocation_fail_at(0);
+    assert_ptr_equal(trained_range_check(range, space, place, 0), reason);
+    assert_false(allocation_failed()); // it takes none
+    hull_space_free(space);
     trained_range_free(range);
     return reason ? reason : "";
 }

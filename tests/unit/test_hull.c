@@ -35,10 +35,33 @@ static void distances_from_what_is_flat(void **state) {
     assert_true(hull_distance(lone, 1, 2, (double[]){0.3, 0.5}) > 1e-2);
 }
 
+/* What an earlier one has left in the memory that is kept does not count. */
+static void kept_memory_changes_nothing(void **state) {
+    const double segment[] = {0, 1, 0, 2}, places[][2] = {{0.25, 0.5}, {0.25, 0.6}, {1.1, 2.2}};
+    double square[2 * 5];
+    (void)state;
+
+    for (size_t i = 0; i < 5; i++) {
+        square[i] = (double)(i & 1);
+        square[5 + i] = (double)(i >> 1 & 1);
+    }
+    hull_space *space = hull_space_create(5);
+    assert_non_null(space);
+    for (size_t i = 0; i < 3; i++) {
+        assert_true(hull_distance_in(space, square, 5, 2, places[i]) ==
+                    hull_distance(square, 5, 2, places[i]));
+        assert_true(hull_distance_in(space, segment, 2, 2, places[i]) ==
+                    hull_distance(segment, 2, 2, places[i]));
+    }
+    assert_true(isinf(hull_distance_in(space, square, 6, 1, places[0]))); // too many
+    hull_space_free(space);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(distances_from_a_cube),
         cmocka_unit_test(distances_from_what_is_flat),
+        cmocka_unit_test(kept_memory_changes_nothing),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);

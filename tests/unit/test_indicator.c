@@ -63,7 +63,7 @@ static void make_snapshots(double residuals[6][NODES], double modes[MODES][NODES
 static void control_rows_are_where_selected_ones_predict_least(void **state) {
     double residuals[6][NODES], modes[MODES][NODES];
     int64_t states[6] = {0, 0, 1, 1, 2, 2};
-    const residual_snapshots snapshots = {6, residuals[0], NULL, states};
+    const residual_snapshots snapshots = {6, residuals[0], NULL, states, NULL};
     size_t control[4], count = 3;
     (void)state;
 
@@ -92,7 +92,7 @@ static void control_rows_are_where_selected_ones_predict_least(void **state) {
 static void choice_survives_failing_allocations(void **state) {
     double residuals[6][NODES], modes[MODES][NODES];
     int64_t states[6] = {0, 0, 1, 1, 2, 2};
-    const residual_snapshots snapshots = {6, residuals[0], NULL, states};
+    const residual_snapshots snapshots = {6, residuals[0], NULL, states, NULL};
     size_t control[4], call = 0;
     (void)state;
 

@@ -139,6 +139,19 @@ static void equals_singular_values_from_scratch(void **state) {
         }
 }
 
+/* All rows before the second exit: only what lies behind it is badly determined. */
+static void looks_at_later_exits_too(void **state) {
+    (void)state;
+    const selection_bases bases = make_bases();
+    size_t rows[NUM_NODES], ignored;
+    double inverse;
+    for (size_t i = 0; i < exits[1]; i++)
+        rows[i] = i;
+    assert_int_equal(row_stability_of(&inverse, &bases, rows, exits[1], NULL), EHD_OK);
+    assert_true(inverse > 1.5);
+    check_close(inverse, 1 / naive_worst(&ignored, &bases, rows, exits[1]), 1e-8, 0.0);
+}
+
 static void too_few_rows_before_an_exit_are_not_stable(void **state) {
     (void)state;
     const selection_bases bases = make_bases();
@@ -288,6 +301,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(all_rows_have_one),
         cmocka_unit_test(equals_singular_values_from_scratch),
+        cmocka_unit_test(looks_at_later_exits_too),
         cmocka_unit_test(too_few_rows_before_an_exit_are_not_stable),
         cmocka_unit_test(leaves_out_what_vanishes_before_an_exit),
         cmocka_unit_test(leaves_out_rounding_errors_before_an_exit),

@@ -169,9 +169,9 @@ static void pressures_may_be_off_three_times_as_much(void **state) {
     const trade_table table = {100, 0, 3, positions};
     (void)state;
 
-    positions[0].deviation[TRADE_PRESSURE][TRADE_95] = 4e-2;
-    positions[1].deviation[TRADE_PRESSURE][TRADE_95] = 2e-2;
-    positions[2].deviation[TRADE_PRESSURE][TRADE_95] = 1e-2;
+    positions[0].deviation[TRADE_PRESSURE][TRADE_WORST] = 4e-2;
+    positions[1].deviation[TRADE_PRESSURE][TRADE_WORST] = 2e-2;
+    positions[2].deviation[TRADE_PRESSURE][TRADE_WORST] = 1e-2;
     assert_int_equal(trade_cheapest(&table, 2e-2, false), 0);
     assert_int_equal(trade_cheapest(&table, 1e-2, false), 1);
     assert_int_equal(trade_cheapest(&table, 5e-3, false), 2);

@@ -2,6 +2,7 @@
 """Film on the centre line of a ball on a disc as a dimple passes, beside published films (README.md):
 
     study.py table ROLLING.h5 SLIDING.h5             differences, moment by moment
+    study.py undisturbed FOLDER OPTIONS...           moment 1 of pure rolling on other grids and with other numbers
     study.py draw PICTURE.png ROLLING.h5 SLIDING.h5
 """
 import os
@@ -51,6 +52,40 @@ def table(rolling, sliding):
                   f"{np.sqrt(np.mean(off[0]**2)):5.2f} %  {off[0].mean():+5.2f} %  {np.sqrt(np.mean(off[1]**2)):6.1f} %")
 
 
+# What the undisturbed film could depend on.
+UNDISTURBED = {
+    "65 by 65 nodes": {"grid.step": 0.0703125},
+    "129 by 129 nodes, as here": {},
+    "257 by 257 nodes": {"grid.step": 0.017578125},
+    "from X = -5.625 to 2.25, Y to 4.5": {"grid.x_min": -5.625, "grid.x_max": 2.25, "grid.y_max": 4.5},
+    "modulus 110.55 GPa, Hertz radius 136.5 um": {"physical.modulus": 110.55e9},
+    "incompressible": {"lubricant.density.law": "incompressible"},
+    "zero pressure around": {"boundary": "zero"},
+    "zero pressure around, 257 by 257 nodes": {"boundary": "zero", "grid.step": 0.017578125},
+    "published rows, 65 by 65 nodes": {"discretization": "published", "grid.step": 0.0703125},
+    "published rows, 129 by 129 nodes": {"discretization": "published"},
+    "published rows, 257 by 257 nodes": {"discretization": "published", "grid.step": 0.017578125},
+    "published rows, from -3 to 3, 257 by 257 nodes": {
+        "discretization": "published", "grid.step": 0.0234375, "grid.x_min": -2.9765625, "grid.x_max": 2.9765625,
+        "grid.y_max": 2.9765625},
+}
+
+
+def undisturbed(folder, *options):
+    """Film at the start, when the dimple is outside, against the simulation of then."""
+    at, given = published("ssr0", "sim", 1)
+    inside = np.abs(at) <= WITHIN
+    file = f"{folder}/undisturbed.h5"
+    print(f"{'':50}{'film at x = 0':>14}   against simulated, |x| <= {WITHIN} um: worst, mean")
+    for name, settings in UNDISTURBED.items():
+        results.run("fullrun", "scene.yml", "-o", file, "--force", "--quiet", *options, *results.sets(
+            {**settings, "transient.end_time": 1e-3, "transient.fixed_step": 1e-3}))
+        x, moments = films(file, "ssr0")
+        film = moments[0][1]
+        off = 100 * (np.interp(at[inside], x, film) / given[inside] - 1)
+        print(f"{name:50}{np.interp(0, x, film):11.2f} nm   {np.abs(off).max():5.2f} %  {off.mean():+5.2f} %", flush=True)
+
+
 def draw(picture, rolling, sliding):
     import pictures
 
@@ -74,4 +109,4 @@ def draw(picture, rolling, sliding):
 
 
 if __name__ == "__main__":
-    results.commands(table, draw)
+    results.commands(table, undisturbed, draw)

@@ -1,0 +1,15 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The option --memory SIZE of programs whose arrays keep to a limit. */
+#ifndef EHD_MEMORY_OPTION_H
+#define EHD_MEMORY_OPTION_H
+
+#include "common/program/status.h"
+
+/* Bytes without the option: half of what the machine has, the same on each run, and room for the files
+ * that are read. */
+double memory_option_default(void);
+
+/* "2G", "500M", "1.5G" into bytes, a double, as program_option reads. EHD_USAGE: anything else. */
+ehd_status memory_option_read(void *member, const char *argument, ehd_error *error);
+
+#endif

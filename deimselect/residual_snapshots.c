@@ -1,0 +1,193 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "deimselect/residual_snapshots.h"
+
+#include "common/program/arena.h"
+
+#include <cblas.h>
+#include <stdbool.h>
+#include <stdlib.h>
+#include <string.h>
+
+const char *const residual_names[] = {"residuals", "Jacobian products"};
+
+static const char *const field_names[] = {"weighted_residual", "weighted_jacobian_step"};
+
+/* Parts of the energy that streams may leave out: as of trajectories (compress.h), and where there is no
+ * room. Of modes that are weaker than that rows would be of rounding. */
+static const stream_settings of_sets = {.local_energy = 1e-22, .root_energy = 1e-16};
+
+/* The same of residuals of unit norm, of which control rows are the few largest entries. */
+static const stream_settings of_units = {.local_energy = 1e-12, .root_energy = 1e-8};
+
+static ehd_status no_memory(const residual_snapshots *snapshots, ehd_error *error) {
+    return ehd_fail(error, EHD_MEMORY, "residuals: found no memory for %zu iterations",
+                    snapshots->count);
+}
+
+ehd_status residual_snapshots_init(residual_snapshots *snapshots, size_t count,
+                                   const residual_reader *reader, ehd_error *error) {
+    *snapshots = (residual_snapshots){.count = count, .reader = reader};
+    snapshots->state = array_new(count, 1, sizeof *snapshots->state);
+    return snapshots->state ? EHD_OK : no_memory(snapshots, error);
+}
+
+/* Room for so many rows in front of which the old ones stay. */
+static bool make_longer(double **rows, size_t count, size_t num_inner) {
+    double *longer = array_resize(*rows, count, num_inner, sizeof **rows);
+
+    if (longer) *rows = longer;
+    return longer;
+}
+
+ehd_status residual_snapshots_append(residual_snapshots *snapshots, const double *residuals,
+                                     const double *steps, size_t count, int64_t state,
+                                     size_t num_inner, ehd_error *error) {
+    const size_t before = snapshots->count, after = before + count;
+    int64_t *states = array_resize(snapshots->state, after, 1, sizeof *states);
+
+    if (states) snapshots->state = states;
+    if (!states || !make_longer(&snapshots->residuals, after, num_inner) ||
+        !make_longer(&snapshots->steps, after, num_inner))
+        return no_memory(snapshots, error);
+    if (count == 0) return EHD_OK;
+    memcpy(snapshots->residuals + before * num_inner, residuals,
+           count * num_inner * sizeof *residuals);
+    memcpy(snapshots->steps + before * num_inner, steps, count * num_inner * sizeof *steps);
+    for (size_t i = before; i < after; i++)
+        snapshots->state[i] = state;
+    snapshots->count = after;
+    return EHD_OK;
+}
+
+ehd_status residual_snapshots_hold(residual_snapshots *snapshots, size_t num_inner,
+                                   ehd_error *error) {
+    snapshots->reader = NULL;
+    snapshots->residuals = array_new(snapshots->count, num_inner, sizeof(double));
+    snapshots->steps = array_new(snapshots->count, num_inner, sizeof(double));
+    if (snapshots->residuals && snapshots->steps) return EHD_OK;
+    const ehd_status status = no_memory(snapshots, error);
+    residual_snapshots_free(snapshots);
+    return status;
+}
+
+void residual_snapshots_free(residual_snapshots *snapshots) {
+    free(snapshots->residuals);
+    free(snapshots->steps);
+    free(snapshots->state);
+    *snapshots = (residual_snapshots){0};
+}
+
+/* The last iteration of a state, where its residual is that of the converged reduced solution. */
+static bool is_last(const residual_snapshots *snapshots, size_t i) {
+    return snapshots->state[i] >= 0 &&
+           (i + 1 == snapshots->count || snapshots->state[i + 1] != snapshots->state[i]);
+}
+
+size_t residual_snapshots_converged(const residual_snapshots *snapshots) {
+    size_t count = 0;
+
+    for (size_t i = 0; i < snapshots->count; i++)
+        count += is_last(snapshots, i);
+    return count;
+}
+
+static void make_unit(double *residual, size_t num_inner) {
+    const double norm = cblas_dnrm2((int)num_inner, residual, 1);
+
+    if (norm > 0) cblas_dscal((int)num_inner, 1 / norm, residual, 1);
+}
+
+// ---- one after the other
+
+/* One reading of a set, or of what has converged of the residuals, of unit norm. */
+static ehd_status stream_all(stream_pod *stream, const residual_snapshots *snapshots,
+                             residual_kind kind, bool units, size_t num_inner, double *field,
+                             ehd_error *error) {
+    const residual_reader *reader = snapshots->reader;
+    ehd_status status = EHD_OK;
+    progress shown;
+
+    if (reader->caller) progress_start(&shown, reader->caller, snapshots->count);
+    for (size_t i = 0; i < snapshots->count && !status; i++) {
+        if (!units || is_last(snapshots, i)) {
+            status = artefact_get_part(reader->file, field_names[kind], i, 1, field, error);
+            if (!status && units) make_unit(field, num_inner);
+            if (!status) status = stream_pod_add(stream, field, error);
+        }
+        if (!status && program_interrupted())
+            status = ehd_fail(error, EHD_INTERRUPTED, "%s: interrupted", residual_names[kind]);
+        if (reader->caller) progress_show(&shown, i + 1, residual_names[kind]);
+    }
+    if (reader->caller) progress_finish(&shown);
+    return status;
+}
+
+static ehd_status stream_pod_of(pod_basis *pod, const residual_snapshots *snapshots,
+                                residual_kind kind, bool units, size_t num_inner, size_t num_modes,
+                                ehd_error *error) {
+    const pod_settings wanted = {.num_modes = num_modes, .at_most = true};
+    stream_settings settings = units ? of_units : of_sets;
+    double *field = array_new(num_inner, 1, sizeof *field);
+    stream_pod *stream = NULL;
+    stream_error bound;
+
+    settings.block = snapshots->reader->block;
+    settings.max_rank = snapshots->reader->max_rank;
+    ehd_status status = field ? stream_pod_create(&stream, num_inner, &settings, error)
+                              : no_memory(snapshots, error);
+    if (!status) status = stream_all(stream, snapshots, kind, units, num_inner, field, error);
+    if (!status) status = stream_pod_finish(pod, &bound, stream, &wanted, error);
+    stream_pod_free(stream);
+    free(field);
+    return status;
+}
+
+ehd_status residual_snapshots_pod(pod_basis *pod, const residual_snapshots *snapshots,
+                                  residual_kind kind, size_t num_inner, size_t num_modes,
+                                  ehd_error *error) {
+    const pod_settings settings = {.num_modes = num_modes, .at_most = true};
+
+    if (snapshots->reader)
+        return stream_pod_of(pod, snapshots, kind, false, num_inner, num_modes, error);
+    return pod_build(pod, kind == RESIDUALS ? snapshots->residuals : snapshots->steps,
+                     snapshots->count, num_inner, &settings, error);
+}
+
+// ---- converged residuals
+
+/* Of X = U S V' the rows of S V' have the Gram matrix of X. */
+static ehd_status stream_units(double **rows, size_t *num_rows, const residual_snapshots *snapshots,
+                               size_t num_inner, ehd_error *error) {
+    pod_basis pod = {0};
+    const ehd_status status =
+        stream_pod_of(&pod, snapshots, RESIDUALS, true, num_inner, num_inner, error);
+
+    if (status) return status;
+    for (size_t k = 0; k < pod.num_modes; k++)
+        cblas_dscal((int)num_inner, pod.singular_values[k], pod.modes + k * num_inner, 1);
+    *rows = pod.modes;
+    *num_rows = pod.num_modes;
+    pod.modes = NULL;
+    pod_free(&pod);
+    return EHD_OK;
+}
+
+ehd_status residual_snapshots_unit(double **rows, size_t *num_rows,
+                                   const residual_snapshots *snapshots, size_t num_inner,
+                                   ehd_error *error) {
+    const size_t num_converged = residual_snapshots_converged(snapshots);
+    *rows = NULL;
+    *num_rows = 0;
+    if (snapshots->reader) return stream_units(rows, num_rows, snapshots, num_inner, error);
+
+    double *next = *rows = array_new(num_converged, num_inner, sizeof **rows);
+    if (!*rows) return no_memory(snapshots, error);
+    *num_rows = num_converged;
+    for (size_t i = 0; i < snapshots->count; i++) {
+        if (!is_last(snapshots, i)) continue;
+        memcpy(next, snapshots->residuals + i * num_inner, num_inner * sizeof(double));
+        make_unit(next, num_inner);
+        next += num_inner;
+    }
+    return EHD_OK;
+}

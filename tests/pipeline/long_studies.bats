@@ -1,0 +1,34 @@
+#!/usr/bin/env bats
+# SPDX-License-Identifier: GPL-3.0-or-later
+# The studies of surfaces that are not smooth on their own grids: what they print is what their READMEs say.
+
+load common
+
+@test "the film over a dimple, moment by moment" {
+    copy_whole_study dimple
+    make >table
+    cat table
+    # of README.md: the worst differences from the published film, and how large the undisturbed one is
+    awk 'NR == FNR && /^\| (pure rolling|sliding): worst/ {
+             gsub(/[^0-9.|]/, "")
+             split($0, cell, "|")
+             for (i = 1; i <= 5; i++) said[++count] = cell[i + 2]
+         }
+         NR > FNR && ($1 == "ssr0" || $1 == "ssr-05") {
+             found++
+             if (!($5 > 0.96 * said[found] - 0.05 && $5 < 1.04 * said[found] + 0.05)) { print "said " said[found] ", found " $5; bad = 1 }
+         }
+         END { exit bad || count != 10 || found != 10 }' README.md table
+}
+
+@test "what is left of waves" {
+    copy_whole_study waviness
+    make out/curve.txt >/dev/null
+    cat out/curve.txt
+    awk 'NR == FNR && /^\| (line|point) \|/ { split($0, cell, "|"); said[++count] = cell[6] }
+         NR > FNR && ($1 == "line" || $1 == "point") {
+             found++
+             if (!($6 > 0.995 * said[found] && $6 < 1.005 * said[found])) { print "said " said[found] ", found " $6; bad = 1 }
+         }
+         END { exit bad || count != 17 || found != 17 }' README.md out/curve.txt
+}

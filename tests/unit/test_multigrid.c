@@ -1,0 +1,140 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Cycles of multigrid on a matrix as it is of a contact: pressure flow both ways in front, what the
+ * entrainment carries along the lines behind, and nodes without pressure. */
+#include "fullrun/multigrid.h"
+#include "tests/unit/check.h"
+#include "tests/unit/sample.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+static ehd_grid grid_with(size_t cells, bool half) {
+    return sample_point("barus", "incompressible", 20, 10, cells, half).grid;
+}
+
+static void add(double *row, int line, int column, double value, bool at_mirror) {
+    if (at_mirror && line < 0) line = -line;
+    if (column < -CYCLE_BACK) column = -CYCLE_BACK;
+    row[(line + 1) * CYCLE_COLUMNS + column + CYCLE_BACK] += value;
+}
+
+/* Flow by pressure, along and across. */
+static void add_flow(double *row, bool at_mirror) {
+    add(row, 0, 0, -4, at_mirror);
+    for (int side = -1; side <= 1; side += 2) {
+        add(row, 0, side, 1, at_mirror);
+        add(row, side, 0, 1, at_mirror);
+    }
+}
+
+/* The upwind difference of a deflection by the nodes around. */
+static void add_entrainment(double *row, bool at_mirror) {
+    const double kernel[2][2] = {{3, 0.54}, {0.54, 0.21}}, upwind[3] = {1.5, -2, 0.5};
+
+    for (int line = -1; line <= 1; line++)
+        for (int column = -1; column <= 1; column++)
+            for (int back = 0; back < 3; back++)
+                add(row, line, column - back, -upwind[back] * kernel[abs(line)][abs(column)],
+                    at_mirror);
+}
+
+static void fill(multigrid *cycle, const ehd_grid *grid) {
+    for (size_t r = 0; r < grid->num_inner; r++) {
+        const size_t line = r / grid->inner_x, column = r % grid->inner_x;
+        double *row = multigrid_rows(cycle) + r * CYCLE_ENTRIES;
+        const double x = (double)column / (double)grid->inner_x;
+        const double y = (double)line / (double)grid->inner_lines;
+
+        for (size_t a = 0; a < CYCLE_ENTRIES; a++)
+            row[a] = 0;
+        if (x < 0.6 || x > 0.75) add_flow(row, grid->half && line == 0);
+        if (x > 0.5) add_entrainment(row, grid->half && line == 0);
+        multigrid_unknowns(cycle)[r] = !grid->half || x < 0.8 + 0.1 * y;
+    }
+}
+
+/* y = b - A x with the rows that count. */
+static void residual(double *y, multigrid *cycle, const double *b, const double *x,
+                     const ehd_grid *grid) {
+    for (size_t r = 0; r < grid->num_inner; r++) {
+        const double *row = multigrid_rows(cycle) + r * CYCLE_ENTRIES;
+        y[r] = b[r];
+        for (size_t a = 0; a < CYCLE_ENTRIES; a++)
+            if (row[a] != 0)
+                y[r] -= row[a] * x[(r / grid->inner_x + a / CYCLE_COLUMNS - 1) * grid->inner_x +
+                                   r % grid->inner_x + a % CYCLE_COLUMNS - CYCLE_BACK];
+    }
+}
+
+/* Largest error after so many cycles, each for the residual that is left, of a solution between -1
+ * and 1. */
+static double error_after(size_t cycles, size_t cells, bool half) {
+    const ehd_grid grid = grid_with(cells, half);
+    multigrid *cycle = multigrid_create(&grid);
+    const size_t bytes = grid.num_inner * sizeof(double);
+    double *wanted = malloc(bytes), *found = calloc(grid.num_inner, sizeof(double));
+    double *given = calloc(grid.num_inner, sizeof(double)), error = 0;
+
+    assert_true(cycle && wanted && found && given);
+    fill(cycle, &grid);
+    assert_true(multigrid_prepare(cycle));
+    for (size_t r = 0; r < grid.num_inner; r++)
+        wanted[r] = multigrid_unknowns(cycle)[r] ? sin(0.1 * (double)(r % 997)) : 0;
+    residual(given, cycle, found, wanted, &grid);
+    for (size_t r = 0; r < grid.num_inner; r++)
+        given[r] = -given[r];
+    for (size_t i = 0; i < cycles; i++) {
+        residual(multigrid_right(cycle), cycle, given, found, &grid);
+        multigrid_cycle(cycle);
+        for (size_t r = 0; r < grid.num_inner; r++)
+            found[r] += multigrid_solution(cycle)[r];
+    }
+    for (size_t r = 0; r < grid.num_inner; r++)
+        error = fmax(error, fabs(found[r] - wanted[r]));
+    assert_true(isfinite(error));
+    multigrid_free(cycle);
+    free(wanted);
+    free(found);
+    free(given);
+    return error;
+}
+
+/* A grid as small as the coarsest is solved by its factors. */
+static void small_grids_take_one_cycle(void **state) {
+    (void)state;
+    for (int half = 0; half < 2; half++)
+        check_close(error_after(1, 32, half), 0, 0, 1e-12);
+}
+
+/* On half grids an error falls to 0.28 by each cycle, whether on two or three of them, and on
+ * whole ones, where the entrainment goes on to the end, to 0.3. */
+static void cycles_converge_on_any_grid(void **state) {
+    (void)state;
+    for (size_t cells = 128; cells <= 256; cells *= 2)
+        assert_true(error_after(8, cells, true) < 1e-4);
+    assert_true(error_after(8, 64, false) < 1e-4);
+    assert_true(error_after(8, 128, false) < 1e-4);
+}
+
+/* A line's matrix that no solution has is found. */
+static void singular_lines_are_found(void **state) {
+    (void)state;
+    const ehd_grid grid = grid_with(128, true);
+    multigrid *cycle = multigrid_create(&grid);
+
+    assert_non_null(cycle);
+    fill(cycle, &grid);
+    for (size_t a = 0; a < CYCLE_ENTRIES; a++)
+        multigrid_rows(cycle)[a] = 0;
+    assert_false(multigrid_prepare(cycle));
+    multigrid_free(cycle);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(small_grids_take_one_cycle),
+        cmocka_unit_test(cycles_converge_on_any_grid),
+        cmocka_unit_test(singular_lines_are_found),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
