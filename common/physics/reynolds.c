@@ -533,7 +533,7 @@ static net_flow net_pressure_flow(int left, int here, int right, double scale,
 }
 
 /* Pressure up to which a node is at the exit. With a jump in its place Newton's iteration cycles (k =
- * 0.5, M = 15 of the point contact, L = 10); of 24 cold starts (k = 0.5, 0.7 and 1) two take 71
+ * 0.5, M = 4.83, L = 10, tests/pipeline/discretization.bats); of 24 cold starts (k = 0.5, 0.7 and 1) two take 71
  * iterations with 1e-3, and the slowest 13 with 1e-2. */
 static const double EXIT_PRESSURE = 1e-2;
 

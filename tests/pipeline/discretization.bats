@@ -151,3 +151,17 @@ PYTHON
     refuse 65 "discretization: found cross-flux of a line contact, expected accurate.published" \
         fullrun line.yml -o x.h5 --set discretization=cross-flux
 }
+
+@test "cross fluxes fade in at the exit, so that Newton's iteration ends" {
+    cat >narrow.yml <<'YAML'
+contact: ellipse
+ellipticity: 0.5
+regime: stationary
+discretization: cross-flux
+moes: {M: 4.83, L: 10}
+lubricant: {viscosity: {law: barus, alpha: 20e-9}, density: {law: dowson-higginson}}
+grid: {x_min: -4, x_max: 2, step: 0.06, y_max: 3.553}
+YAML
+    fullrun narrow.yml -o narrow.h5 --quiet >/dev/null
+    number narrow.h5 newton_iterations | awk '{ exit !($1 < 20) }'
+}
