@@ -99,6 +99,9 @@ with h5py.File('other.h5', 'w') as f: f['time'], f['g'] = numpy.array([0, 0.5, 1
             if axis not in axes: continue
             shape = [length if a == axis else l for a, l in zip(axes, f[n].shape)]
             t = f[n].dtype; del f[n]; f.create_dataset(n, shape, t, **how)
+        # that lists where datasets lay that are gone, where others may lie now
+        for n in f:
+            if 'REFERENCE_LIST' in f[n].attrs: del f[n].attrs['REFERENCE_LIST']
     "
     for axis in row needed_node pressure_mode state band_node position x; do
         stranger m "$axis.*: found length 2305843009213693952 along $axis, expected at most [0-9]*$" "$huge
