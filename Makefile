@@ -113,7 +113,7 @@ LONG_PIPELINES := $(sort $(wildcard tests/pipeline/long_*.bats tests/fault/long_
 # of threads in programs and in the library.
 # Those of OpenBLAS are its own affair (test_threads), and the programs have it work in one.
 ifeq ($(VARIANT),tsan)
-  TESTS     := $(patsubst tests/unit/%.c,$(BUILD)/unit/%,$(shell grep -lE 'pthread_create|pool_run' tests/unit/test_*.c))
+  TESTS     := $(patsubst tests/unit/%.c,$(BUILD)/unit/%,$(shell grep -lE 'pthread_create|pool_run|team_create' tests/unit/test_*.c))
   FILTER    := [-]-jobs|order.of.threads|threads.share
   PIPELINES := $(shell grep -lE '@test.*($(FILTER))' $(PIPELINES))
 endif

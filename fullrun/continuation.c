@@ -198,6 +198,7 @@ static ehd_status start_coarse(bool *started, full_state *state, full_solver *so
     coarse.grid = full_coarser_grid(&contact->grid);
     // no better than the discretisation error, which a tighter tolerance would not reduce
     settings.tolerance = contact->kind->dimensions > 1 ? 1e-3 : 1e-6;
+    settings.as_large |= full_is_large(&contact->grid);
     ehd_status status =
         full_solver_create(&coarse_solver, contact->kind, &coarse.grid, &settings, error);
     if (!status) status = full_state_init(&from, &coarse.grid, error);

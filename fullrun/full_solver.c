@@ -23,12 +23,16 @@ struct full_solver {
     ehd_grid grid;
     const contact_kind *kind;
     full_settings settings;
+    bool large;            // full_as_large
+    size_t part;           // full_part
+    team *threads;         // NULL: none, or not large
     const double *surface; // [num_nodes] heights that add to the gap; NULL: smooth surfaces
     ehd_deflection *deflection;
     gmres_workspace *workspace;
     reynolds_stencil *stencils; // [num_inner]
     reynolds_row *rows;         // [num_inner]
     double *row_scale;          // [num_inner]
+    double *of_part;            // [parts of num_nodes] what each of them tells
     double *step;               // [num_nodes] change of P in a Newton step
     double step_approach;       // and of H0
     double *step_film;          // [num_nodes] and of the deflection, of an exit within a node
@@ -39,6 +43,7 @@ struct full_solver {
     double *pressure;        // [num_nodes] of the state, with that of the far field
     bool keeps_factors;      // of the linear system before
     double largest_merit;    // before a step of this solution
+    double largest_row;      // scaled residual, without the closure's
     double *fluid_memory;    // [NUM_FLUID_ARRAYS, num_nodes]
     double seconds_rows;     // that evaluating rows has taken
     size_t num_unknowns;     // as in full_system
@@ -79,10 +84,21 @@ bool full_is_large(const ehd_grid *grid) {
     return grid->inner_lines > 1 && grid->num_inner > LARGE;
 }
 
+bool full_as_large(const ehd_grid *grid, const full_settings *settings) {
+    return full_is_large(grid) || (settings->as_large && grid->inner_lines > 1);
+}
+
+size_t full_part(const ehd_grid *grid, bool large) {
+    const size_t nodes = 2048;
+
+    return large ? nodes : grid->num_nodes + 1;
+}
+
 double full_solver_bytes(const ehd_grid *grid) {
     const double of_solver = sizeof(reynolds_row) + sizeof(reynolds_stencil) + 27 * sizeof(double);
-    const double of_deflection =
-        15 * sizeof(double);       // kernel, transfer, and three fields of four times the nodes
+    // kernel, transfer of twice the nodes, of a half grid as many in between, else fields of four times
+    // the nodes
+    const double of_deflection = (grid->half ? 5 : 11) * sizeof(double);
     const double of_factors = 100; // fill by node and log2 of their number, measured with UMFPACK
     const double coarser = 4. / 3; // the grid and all coarser ones of a cold start
     double nodes = (double)grid->num_inner;
@@ -91,6 +107,13 @@ double full_solver_bytes(const ehd_grid *grid) {
         return nodes * (gmres_workspace_bytes(grid) + of_solver + of_deflection);
     return coarser * nodes * (gmres_workspace_bytes(grid) + of_solver + of_deflection) +
            of_factors * nodes * log2(nodes);
+}
+
+static void set_stencils(void *context, const team_part *part) {
+    const full_solver *self = context;
+
+    for (size_t r = part->first; r < part->end; r++)
+        self->stencils[r] = reynolds_stencil_at(&self->grid, grid_node_of_row(&self->grid, r));
 }
 
 ehd_status full_solver_create(full_solver **solver, const contact_kind *kind, const ehd_grid *grid,
@@ -107,11 +130,15 @@ ehd_status full_solver_create(full_solver **solver, const contact_kind *kind, co
     self->settings = *settings;
     const size_t widest = kind->dimensions > 1 ? 1 : num_inner - 1;
     if (self->settings.near_field > widest) self->settings.near_field = widest;
-    self->deflection = deflection_create(kind, grid);
-    self->workspace = gmres_workspace_create(grid, self->settings.near_field);
+    self->large = full_as_large(grid, settings);
+    self->part = full_part(grid, self->large);
+    self->threads = self->large ? settings->threads : NULL;
+    self->deflection = deflection_create_shared(kind, grid, self->threads);
+    self->workspace = gmres_workspace_create(grid, &self->settings);
     self->stencils = arena_array(memory, num_inner, sizeof *self->stencils);
     self->rows = arena_array(memory, num_inner, sizeof *self->rows);
     self->row_scale = arena_array(memory, num_inner, sizeof(double));
+    self->of_part = arena_array(memory, team_num_parts(num_nodes, self->part), sizeof(double));
     self->step = arena_array(memory, num_nodes, sizeof(double));
     self->step_film = arena_array(memory, num_nodes, sizeof(double));
     self->base.pressure = arena_array(memory, num_nodes, sizeof(double));
@@ -124,8 +151,7 @@ ehd_status full_solver_create(full_solver **solver, const contact_kind *kind, co
         full_solver_free(self);
         return ehd_fail(error, EHD_MEMORY, "full model: found no memory for %zu nodes", num_nodes);
     }
-    for (size_t r = 0; r < num_inner; r++)
-        self->stencils[r] = reynolds_stencil_at(grid, grid_node_of_row(grid, r));
+    team_share(self->threads, num_inner, self->part, set_stencils, self);
     *solver = self;
     return EHD_OK;
 }
@@ -199,12 +225,31 @@ bool full_is_cut(const full_state *state, const ehd_grid *grid, bool backwards) 
     return false;
 }
 
-void full_film(full_state *state, full_solver *self) {
-    deflection_apply(state->film, self->deflection, state->pressure);
-    for (size_t k = 0; k < self->grid.num_nodes; k++)
+/* What is evaluated at all nodes, or of all rows, part by part. */
+typedef struct evaluation {
+    full_solver *solver;
+    const ehd_contact *contact;
+    const reynolds_squeeze *squeeze;
+    full_state *state;
+} evaluation;
+
+static void add_gap(void *context, const team_part *part) {
+    const evaluation *task = context;
+    const full_solver *self = task->solver;
+    full_state *state = task->state;
+
+    for (size_t k = part->first; k < part->end; k++)
         state->film[k] += state->rigid_approach + grid_gap(&self->grid, k);
-    for (size_t k = 0; self->surface && k < self->grid.num_nodes; k++)
+    for (size_t k = part->first; self->surface && k < part->end; k++)
         state->film[k] += self->surface[k];
+}
+
+void full_film(full_state *state, full_solver *self) {
+    const ehd_grid *grid = &self->grid;
+    evaluation task = {.solver = self, .state = state};
+
+    deflection_apply(state->film, self->deflection, state->pressure);
+    team_share(self->threads, grid->num_nodes, self->part, add_gap, &task);
 }
 
 void full_solver_set_surface(full_solver *self, const double *heights) {
@@ -231,7 +276,7 @@ static double compensated_sum(const full_state *state, const ehd_grid *grid) {
 static double closure_residual(const full_solver *self, const full_state *state) {
     const contact_closure *closure = &self->closure;
     const ehd_grid *grid = &self->grid;
-    const bool large = full_is_large(grid);
+    const bool large = self->large;
     double sum = large ? compensated_sum(state, grid) : 0;
 
     for (size_t k = 1; k < state->exit && !large; k++)
@@ -254,21 +299,42 @@ static void evaluate_cell(full_solver *self, double entrainment, const full_stat
     exit_cell_add_flux(&self->cell, &flux);
 }
 
+static void evaluate_fluid(void *context, const team_part *part) {
+    const evaluation *task = context;
+    full_solver *self = task->solver;
+    reynolds_fluid fluid = reynolds_fluid_from(&self->fluid, part->first);
+
+    reynolds_fluid_evaluate(&fluid, task->contact, self->pressure + part->first,
+                            part->end - part->first);
+}
+
+static void evaluate_some_rows(void *context, const team_part *part) {
+    const evaluation *task = context;
+    full_solver *self = task->solver;
+    const reynolds_squeeze *all = task->squeeze;
+    const reynolds_squeeze squeeze =
+        all ? (reynolds_squeeze){all->rate, all->previous + part->first} : (reynolds_squeeze){0};
+
+    reynolds_rows(self->rows + part->first, &self->grid, task->contact->entrainment,
+                  all ? &squeeze : NULL, self->stencils + part->first, part->end - part->first,
+                  &self->fluid, self->pressure, task->state->film);
+}
+
 /* Film, fluid and all Reynolds rows at the state; of an exit within a node, its cell and row. */
 static void evaluate_rows(full_solver *self, const ehd_contact *contact,
                           const reynolds_squeeze *squeeze, full_state *state) {
-    const size_t num_nodes = self->grid.num_nodes;
+    const size_t num_nodes = self->grid.num_nodes, part = self->part;
     const double before = program_seconds();
+    evaluation task = {self, contact, squeeze, state};
 
     self->fluid = reynolds_fluid_in(self->fluid_memory, num_nodes, contact);
     full_film(state, self);
     self->closure = far_field_closure(&self->outer, contact, state->rigid_approach);
     memcpy(self->pressure, state->pressure, num_nodes * sizeof(double));
     far_field_add(self->pressure, &self->outer, contact, state->rigid_approach);
-    reynolds_fluid_evaluate(&self->fluid, contact, self->pressure, num_nodes);
+    team_share(self->threads, num_nodes, part, evaluate_fluid, &task);
     far_field_set_density(&self->fluid, &self->outer);
-    reynolds_rows(self->rows, &self->grid, contact->entrainment, squeeze, self->stencils,
-                  self->grid.num_inner, &self->fluid, self->pressure, state->film);
+    team_share(self->threads, self->grid.num_inner, part, evaluate_some_rows, &task);
     if (!isnan(state->exit_offset)) {
         evaluate_cell(self, contact->entrainment, state);
         if (self->cell.curvature > 0)
@@ -298,20 +364,34 @@ static double larger(double magnitude, double other) {
     return isnan(other) || fabs(other) > magnitude ? fabs(other) : magnitude;
 }
 
-/* Scales the rows and returns the largest scaled residual of passive rows and closure. */
-static double scale_rows(full_solver *self, const full_state *state) {
-    double largest = fabs(closure_residual(self, state));
+static void scale_some_rows(void *context, const team_part *part) {
+    const evaluation *task = context;
+    full_solver *self = task->solver;
+    double largest = 0;
 
-    for (size_t r = 0; r < self->grid.num_inner; r++) {
+    for (size_t r = part->first; r < part->end; r++) {
         self->row_scale[r] = 1 / row_magnitude(self, r);
-        if (full_has_pressure(state, grid_node_of_row(&self->grid, r)))
+        if (full_has_pressure(task->state, grid_node_of_row(&self->grid, r)))
             largest = larger(largest, self->rows[r].residual * self->row_scale[r]);
     }
+    self->of_part[part->number] = largest;
+}
+
+/* Scales the rows and returns the largest scaled residual of passive rows and closure. */
+static double scale_rows(full_solver *self, full_state *state) {
+    const size_t num_rows = self->grid.num_inner, part = self->part;
+    evaluation task = {.solver = self, .state = state};
+    double largest = 0;
+
+    team_share(self->threads, num_rows, part, scale_some_rows, &task);
+    for (size_t i = 0; i < team_num_parts(num_rows, part); i++)
+        largest = larger(largest, self->of_part[i]);
     if (!isnan(state->exit_offset)) {
         double scale = self->row_scale[row_of_exit(state, &self->grid)];
         largest = larger(largest, self->cell.flux_residual * scale);
     }
-    return largest;
+    self->largest_row = largest;
+    return larger(largest, closure_residual(self, state));
 }
 
 // ---- exit boundary
@@ -482,6 +562,7 @@ static ehd_status find_step(full_info *info, const full_state *state, full_solve
                           .near_field = self->settings.near_field,
                           .keeps_factors = self->keeps_factors,
                           .step = self->step,
+                          .threads = self->threads,
                           .workspace = self->workspace};
     const double tolerance = linear_tolerance(self, info->residual);
     const double before = program_seconds();
@@ -512,16 +593,31 @@ static void move(full_solver *self, const ehd_contact *contact, const reynolds_s
     evaluate_rows(self, contact, squeeze, state);
 }
 
-/* Square sum of the scaled residuals of passive rows and closure, which a short enough part of a
- * Newton step makes smaller. */
-static double merit(const full_solver *self, const full_state *state) {
-    const double of_closure = closure_residual(self, state);
+/* The closure's is in the first part. */
+static void square_some_rows(void *context, const team_part *part) {
+    const evaluation *task = context;
+    const full_solver *self = task->solver;
+    const double of_closure = part->number > 0 ? 0 : closure_residual(self, task->state);
     double sum = of_closure * of_closure;
 
-    for (size_t r = 0; r < self->grid.num_inner; r++) {
+    for (size_t r = part->first; r < part->end; r++) {
         const double scaled = self->rows[r].residual * self->row_scale[r];
-        if (full_has_pressure(state, grid_node_of_row(&self->grid, r))) sum += scaled * scaled;
+        if (full_has_pressure(task->state, grid_node_of_row(&self->grid, r)))
+            sum += scaled * scaled;
     }
+    self->of_part[part->number] = sum;
+}
+
+/* Square sum of the scaled residuals of passive rows and closure, which a short enough part of a
+ * Newton step makes smaller. */
+static double merit(full_solver *self, full_state *state) {
+    const size_t num_rows = self->grid.num_inner, part = self->part;
+    evaluation task = {.solver = self, .state = state};
+    double sum = 0;
+
+    team_share(self->threads, num_rows, part, square_some_rows, &task);
+    for (size_t i = 0; i < team_num_parts(num_rows, part); i++)
+        sum += self->of_part[i];
     if (!isnan(state->exit_offset)) {
         const double scaled =
             self->cell.flux_residual * self->row_scale[row_of_exit(state, &self->grid)];
@@ -661,7 +757,8 @@ static double rounding_left(const full_solver *self) {
 /* Whether the residual is below the tolerance or, on a grid too fine for that, has stalled. */
 static bool is_solved(const full_solver *self, double residual, double last_residual) {
     if (residual < self->settings.tolerance) return true;
-    return residual < rounding_left(self) && residual > 0.5 * last_residual;
+    return self->largest_row < MAX_ROUNDING && residual < rounding_left(self) &&
+           residual > 0.5 * last_residual;
 }
 
 /* By how many steps behind its last node with pressure, downstream, an interval of a solution with

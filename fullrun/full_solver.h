@@ -10,6 +10,7 @@
 #include "common/physics/reynolds.h"
 #include "common/physics/traction.h"
 #include "common/program/status.h"
+#include "common/program/team.h"
 #include <stdbool.h>
 #include <stddef.h>
 
@@ -71,6 +72,10 @@ typedef struct full_settings {
     double linear_tolerance;          // GMRES, relative; 1e-8
     full_linear_solver *solve_linear; // full_solve_gmres
     bool exit_at_node;                // always, as in time; false: where exit_is_within_node is not
+    bool as_large;                    // grids of point contacts of any size are solved as large
+                                      // ones: on the way to one; false
+    team *threads;                    // that share the work on large grids, one solution at a time;
+                                      // they change no bit; NULL: none
     full_watcher *watcher;            // NULL: none
     void *watcher_context;
 } full_settings;
@@ -94,6 +99,7 @@ struct full_system {
     bool keeps_factors;   // those of an earlier system may precondition this one
     double *step;         // [num_nodes], out: change of P, zero where it is not unknown
     double step_approach; // out: change of H0
+    team *threads;        // that share the work; NULL: none
     void *workspace;      // of the linear solver
 };
 
@@ -104,6 +110,13 @@ typedef struct full_solver full_solver;
 /* Whether a grid is of a point contact and so large that its linear systems are preconditioned by
  * multigrid, which takes less time and memory than factors. */
 bool full_is_large(const ehd_grid *grid);
+
+/* Whether with these settings a grid is solved as a large one. */
+bool full_as_large(const ehd_grid *grid, const full_settings *settings);
+
+/* Nodes of one part of what threads share (team_share): all of a grid that is not solved as a large one,
+ * whose sums are not cut into parts. */
+size_t full_part(const ehd_grid *grid, bool large);
 
 /* Peak memory of a point contact's solution in bytes, about: counted, but for the factors of a grid
  * that is not large, whose fill was measured to grow as N log N. */

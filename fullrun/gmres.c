@@ -31,8 +31,8 @@ enum { MAX_ITERATIONS = 80 };
 
 /* Columns that a cycle's rows are wider at either end, before what is there is added to the entries at
  * their ends: without these a difference along the line that leaves out some of its nodes makes the
- * line's solutions grow or fade downstream. M = 200, L = 20, 256 cells a side: 251 GMRES iterations
- * without, 144 with, published rows 172 and 161; M = 1000, L = 5: 141 and 81, 105 and 72. */
+ * line's solutions grow or fade downstream. M = 200, L = 20, 256 cells a side: 197 GMRES iterations
+ * without, 109 with; M = 1000, L = 5: 121 and 82. */
 enum { CYCLE_WIDER = 2 };
 
 /* Factors of the band of one system, which serve the next ones of a Newton iteration. */
@@ -57,12 +57,14 @@ struct gmres_workspace {
     double *approach; // [size] c, the column of H0
     near_factors factors;
     multigrid *cycle;         // in place of the factors of the band; NULL: not
+    size_t part;              // nodes of one part of what threads share
+    double *of_part;          // [parts of num_nodes] a sum of each
     double *right, *solution; // [size] of a system with the factors
     // B by rows, to UMFPACK the columns of the transpose
     int *row_start; // [size + 1]
     int *column;    // [capacity]
     double *value;  // [capacity]
-    double *window; // [lines, columns of a reach] a row's values by node around it
+    double *window; // [entries of a row] by node around it
     size_t capacity;
     double *solve_work; // [5 size]
     int *solve_index;   // [size]
@@ -88,18 +90,19 @@ double gmres_workspace_bytes(const ehd_grid *grid) {
     const bool large = full_is_large(grid);
     const double vectors = MAX_ITERATIONS + 1 + (large ? 9 : 15);
 
-    if (large) return vectors * sizeof(double) + multigrid_bytes();
+    if (large) return vectors * sizeof(double) + multigrid_bytes(grid);
     return vectors * sizeof(double) +
            (double)entries_of_row(grid, 1) * (sizeof(double) + sizeof(int));
 }
 
-gmres_workspace *gmres_workspace_create(const ehd_grid *grid, size_t near_field) {
+gmres_workspace *gmres_workspace_create(const ehd_grid *grid, const full_settings *settings) {
+    const bool large = full_as_large(grid, settings);
     gmres_workspace *self = calloc(1, sizeof *self);
     if (!self) return NULL;
     arena *memory = &self->memory;
     size_t size = self->size = grid->num_inner + 1;
-    const size_t window = entries_of_row(grid, near_field) + CYCLE_LINES * 2 * CYCLE_WIDER;
-    self->capacity = size * entries_of_row(grid, near_field);
+    const size_t window = entries_of_row(grid, settings->near_field);
+    self->capacity = size * window;
     self->krylov = arena_array(memory, (MAX_ITERATIONS + 1) * size, sizeof(double));
     self->vector = arena_array(memory, size, sizeof(double));
     self->spread = arena_array(memory, grid->num_nodes, sizeof(double));
@@ -110,11 +113,14 @@ gmres_workspace *gmres_workspace_create(const ehd_grid *grid, size_t near_field)
     self->factors.index = arena_array(memory, grid->num_nodes, sizeof *self->factors.index);
     self->right = arena_array(memory, size, sizeof(double));
     self->solution = arena_array(memory, size, sizeof(double));
-    self->window = arena_array(memory, window, sizeof(double));
-    if (full_is_large(grid)) {
-        self->cycle = multigrid_create(grid);
+    self->part = full_part(grid, large);
+    self->of_part =
+        arena_array(memory, team_num_parts(grid->num_nodes, self->part), sizeof(double));
+    if (large) {
+        self->cycle = multigrid_create(grid, settings->threads);
         return memory->failed || !self->cycle ? gmres_workspace_free(self) : self;
     }
+    self->window = arena_array(memory, window, sizeof(double));
     self->row_start = arena_array(memory, (size + 1), sizeof(int));
     self->column = arena_array(memory, self->capacity, sizeof(int));
     self->value = arena_array(memory, self->capacity, sizeof(double));
@@ -123,22 +129,60 @@ gmres_workspace *gmres_workspace_create(const ehd_grid *grid, size_t near_field)
     return memory->failed ? gmres_workspace_free(self) : self;
 }
 
-/* y = J x on the passive unknowns, exact: rows and one FFT convolution. */
-static void apply_jacobian(double *y, const double *x, full_system *system) {
-    gmres_workspace *work = system->workspace;
-    size_t num_passive = system->num_unknowns;
+// ---- what threads share: the unknowns, or the nodes, part by part
+
+/* Vectors [size], to and from. */
+typedef struct vectors {
+    full_system *system;
+    double *to;
+    const double *from;
+    double factor;
+} vectors;
+
+static void share_unknowns(full_system *system, team_task *task, vectors *context) {
+    const gmres_workspace *work = system->workspace;
+
+    context->system = system;
+    team_share(system->threads, system->num_unknowns, work->part, task, context);
+}
+
+static void share_nodes(full_system *system, team_task *task, vectors *context) {
+    const gmres_workspace *work = system->workspace;
+
+    context->system = system;
+    team_share(system->threads, system->grid->num_nodes, work->part, task, context);
+}
+
+/* Of the parts of the unknowns, in their order. */
+static double sum_of_parts(const full_system *system) {
+    const gmres_workspace *work = system->workspace;
+    const size_t num_parts = team_num_parts(system->num_unknowns, work->part);
+    double sum = 0;
+
+    for (size_t i = 0; i < num_parts; i++)
+        sum += work->of_part[i];
+    return sum;
+}
+
+/* Unknowns' values at all nodes. */
+static void spread_nodes(void *context, const team_part *part) {
+    const vectors *task = context;
+    const size_t *index = task->system->index;
+
+    for (size_t k = part->first; k < part->end; k++)
+        task->to[k] = index[k] == NO_NODE ? 0 : task->from[index[k]];
+}
+
+/* y = J x at the unknowns, and the sum of the load balance of each part. */
+static void apply_rows(void *context, const team_part *part) {
+    const vectors *task = context;
+    const full_system *system = task->system;
+    const gmres_workspace *work = system->workspace;
+    const double *x = task->from, approach = x[system->num_unknowns];
     const int size = reynolds_stencil_size(system->grid);
     double sum = 0;
 
-    memset(work->spread, 0, system->grid->num_nodes * sizeof(double));
-    for (size_t i = 0; i < num_passive; i++)
-        work->spread[system->unknown[i]] = x[i];
-    deflection_apply(work->response, system->deflection, work->spread);
-    for (size_t i = 0; system->outer && i < system->outer->num; i++) { // without deflection
-        const size_t node = system->outer->index[i];
-        work->spread[node] = system->outer->by_approach[node] * x[num_passive];
-    }
-    for (size_t i = 0; i < num_passive; i++) {
+    for (size_t i = part->first; i < part->end; i++) {
         size_t r = grid_row_of_node(system->grid, system->unknown[i]);
         const reynolds_row *row = &system->rows[r];
         const reynolds_stencil *stencil = &system->stencils[r];
@@ -147,12 +191,28 @@ static void apply_jacobian(double *y, const double *x, full_system *system) {
             size_t node = stencil->node[a];
             if (node == NO_NODE) continue;
             product += row->by_pressure[a] * work->spread[node] +
-                       row->by_film[a] * (work->response[node] + x[num_passive]);
+                       row->by_film[a] * (work->response[node] + approach);
         }
-        y[i] = product * system->row_scale[r];
+        task->to[i] = product * system->row_scale[r];
         sum += grid_weight(system->grid, system->unknown[i]) * x[i];
     }
-    y[num_passive] = system->closure_approach * x[num_passive] + system->closure_load * sum;
+    work->of_part[part->number] = sum;
+}
+
+/* y = J x on the passive unknowns, exact: rows and one FFT convolution. */
+static void apply_jacobian(double *y, const double *x, full_system *system) {
+    gmres_workspace *work = system->workspace;
+    size_t num_passive = system->num_unknowns;
+
+    share_nodes(system, spread_nodes, &(vectors){.to = work->spread, .from = x});
+    deflection_apply(work->response, system->deflection, work->spread);
+    for (size_t i = 0; system->outer && i < system->outer->num; i++) { // without deflection
+        const size_t node = system->outer->index[i];
+        work->spread[node] = system->outer->by_approach[node] * x[num_passive];
+    }
+    share_unknowns(system, apply_rows, &(vectors){.to = y, .from = x});
+    y[num_passive] =
+        system->closure_approach * x[num_passive] + system->closure_load * sum_of_parts(system);
 }
 
 /* Columns and lines around a row's node that have entries in the band: those of its stencil, of a
@@ -195,8 +255,8 @@ static void add_near_line(double *window, const reach *at, double by_film, ptrdi
         window[c - at->first_column] += by_film * (of_line[labs(c - column)] - far);
 }
 
-/* The band's row of a node, in the workspace's window, and its entry of the column of H0. */
-static reach near_row(double *approach, const full_system *system, size_t row_node,
+/* The band's row of a node, by line and column in `window`, and its entry of the column of H0. */
+static reach near_row(double *window, double *approach, const full_system *system, size_t row_node,
                       ptrdiff_t wider) {
     const ehd_grid *grid = system->grid;
     const size_t r = grid_row_of_node(grid, row_node);
@@ -206,7 +266,6 @@ static reach near_row(double *approach, const full_system *system, size_t row_no
     const reach at = reach_of(grid, row_node, (ptrdiff_t)system->near_field, wider);
     const ptrdiff_t columns = at.last_column - at.first_column + 1;
     const ptrdiff_t lines = at.last_line - at.first_line + 1;
-    double *window = ((gmres_workspace *)system->workspace)->window; // by line and column
     const int size = reynolds_stencil_size(grid);
     double scale = system->row_scale[r];
 
@@ -236,9 +295,9 @@ static reach near_row(double *approach, const full_system *system, size_t row_no
 /* The entries of unknowns in the band's row of a node. Returns their number. */
 static int fill_near_row(int *column, double *value, double *approach, const full_system *system,
                          size_t row_node) {
-    const reach at = near_row(approach, system, row_node, 0);
+    double *window = ((gmres_workspace *)system->workspace)->window;
+    const reach at = near_row(window, approach, system, row_node, 0);
     const ptrdiff_t width = (ptrdiff_t)grid_width(system->grid);
-    const double *window = ((gmres_workspace *)system->workspace)->window;
     int count = 0;
 
     for (ptrdiff_t l = at.first_line; l <= at.last_line; l++)
@@ -264,31 +323,45 @@ static void assemble_near_field(full_system *system) {
     work->row_start[num_passive] = count;
 }
 
+/* One row of a cycle's matrix. */
+static void fill_cycle_row(double *values, double *approach, const full_system *system,
+                           size_t node) {
+    const ehd_grid *grid = system->grid;
+    const ptrdiff_t width = (ptrdiff_t)grid_width(grid);
+    const ptrdiff_t line = (ptrdiff_t)node / width, column = (ptrdiff_t)node % width;
+    const double scale = system->row_scale[grid_row_of_node(grid, node)];
+    double window[CYCLE_LINES * (CYCLE_COLUMNS + 2 * CYCLE_WIDER)];
+    const reach at = near_row(window, approach, system, node, CYCLE_WIDER);
+    const double *next = window;
+
+    for (ptrdiff_t l = at.first_line; l <= at.last_line; l++) {
+        double *here = values + (l - line + 1) * CYCLE_COLUMNS + CYCLE_BACK;
+        for (ptrdiff_t c = at.first_column - column; c <= at.last_column - column; c++)
+            here[c < -CYCLE_BACK ? -CYCLE_BACK : (c > 1 ? 1 : c)] += *next++ / scale;
+    }
+}
+
+static void fill_cycle_rows(void *context, const team_part *part) {
+    const full_system *system = context;
+    gmres_workspace *work = system->workspace;
+    bool *unknown = multigrid_unknowns(work->cycle);
+
+    for (size_t r = part->first; r < part->end; r++) {
+        const size_t node = grid_node_of_row(system->grid, r), i = system->index[node];
+        double *values = multigrid_rows(work->cycle) + r * CYCLE_ENTRIES;
+
+        unknown[r] = i != NO_NODE;
+        memset(values, 0, CYCLE_ENTRIES * sizeof *values);
+        if (unknown[r]) fill_cycle_row(values, work->approach + i, system, node);
+    }
+}
+
 /* The band as a cycle's matrix, whose rows are not scaled, since their residuals are added up. False
  * when it is singular. */
 static bool prepare_cycle(full_system *system) {
     gmres_workspace *work = system->workspace;
-    const ehd_grid *grid = system->grid;
-    const ptrdiff_t width = (ptrdiff_t)grid_width(grid);
-    bool *unknown = multigrid_unknowns(work->cycle);
 
-    memset(unknown, 0, grid->num_inner * sizeof *unknown);
-    memset(multigrid_rows(work->cycle), 0, grid->num_inner * CYCLE_ENTRIES * sizeof(double));
-    for (size_t i = 0; i < system->num_unknowns; i++) {
-        const size_t node = system->unknown[i], r = grid_row_of_node(grid, node);
-        const ptrdiff_t line = (ptrdiff_t)node / width, column = (ptrdiff_t)node % width;
-        const reach at = near_row(work->approach + i, system, node, CYCLE_WIDER);
-        const double *window = work->window;
-
-        unknown[r] = true;
-        for (ptrdiff_t l = at.first_line; l <= at.last_line; l++) {
-            double *here = multigrid_rows(work->cycle) + r * CYCLE_ENTRIES +
-                           (l - line + 1) * CYCLE_COLUMNS + CYCLE_BACK;
-            for (ptrdiff_t c = at.first_column - column; c <= at.last_column - column; c++)
-                here[c < -CYCLE_BACK ? -CYCLE_BACK : (c > 1 ? 1 : c)] +=
-                    *window++ / system->row_scale[r];
-        }
-    }
+    team_share(system->threads, system->grid->num_inner, work->part, fill_cycle_rows, system);
     return multigrid_prepare(work->cycle);
 }
 
@@ -318,24 +391,39 @@ static bool factorise(const full_system *system) {
     return factors->numeric != NULL;
 }
 
-/* y = B^-1 x, about, by a cycle. */
-static void apply_cycle(double *y, const double *x, const full_system *system) {
+static void fill_cycle_right(void *context, const team_part *part) {
+    const vectors *task = context;
+    const full_system *system = task->system;
     const gmres_workspace *work = system->workspace;
     double *right = multigrid_right(work->cycle);
+
+    for (size_t r = part->first; r < part->end; r++) {
+        const size_t i = work->factors.index[grid_node_of_row(system->grid, r)];
+        right[r] = i == NO_NODE ? 0 : task->from[i] / system->row_scale[r];
+    }
+}
+
+static void take_cycle_solution(void *context, const team_part *part) {
+    const vectors *task = context;
+    const gmres_workspace *work = task->system->workspace;
     const double *solution = multigrid_solution(work->cycle);
 
-    memset(right, 0, system->grid->num_inner * sizeof *right);
-    for (size_t i = 0; i < work->factors.num_unknowns; i++) {
-        const size_t r = grid_row_of_node(system->grid, work->factors.unknown[i]);
-        right[r] = x[i] / system->row_scale[r];
-    }
+    for (size_t i = part->first; i < part->end; i++)
+        task->to[i] = solution[grid_row_of_node(task->system->grid, work->factors.unknown[i])];
+}
+
+/* y = B^-1 x, about, by a cycle. */
+static void apply_cycle(double *y, const double *x, full_system *system) {
+    const gmres_workspace *work = system->workspace;
+    vectors task = {.system = system, .to = y, .from = x};
+
+    team_share(system->threads, system->grid->num_inner, work->part, fill_cycle_right, &task);
     multigrid_cycle(work->cycle);
-    for (size_t i = 0; i < work->factors.num_unknowns; i++)
-        y[i] = solution[grid_row_of_node(system->grid, work->factors.unknown[i])];
+    team_share(system->threads, work->factors.num_unknowns, work->part, take_cycle_solution, &task);
 }
 
 /* y = B^-1 x on the unknowns of the factors; false when UMFPACK cannot. */
-static bool solve_band(double *y, const double *x, const full_system *system) {
+static bool solve_band(double *y, const double *x, full_system *system) {
     gmres_workspace *work = system->workspace;
 
     if (work->cycle) {
@@ -348,23 +436,36 @@ static bool solve_band(double *y, const double *x, const full_system *system) {
                              work->solve_work) == UMFPACK_OK;
 }
 
-/* Sum of pressures at the factors' unknowns with the weights of the load balance. */
-static double weighted_sum(const double *vector, const near_factors *factors,
-                           const ehd_grid *grid) {
+static void sum_weighted(void *context, const team_part *part) {
+    const vectors *task = context;
+    const gmres_workspace *work = task->system->workspace;
     double sum = 0;
 
-    for (size_t i = 0; i < factors->num_unknowns; i++)
-        sum += grid_weight(grid, factors->unknown[i]) * vector[i];
+    for (size_t i = part->first; i < part->end; i++)
+        sum += grid_weight(task->system->grid, work->factors.unknown[i]) * task->from[i];
+    work->of_part[part->number] = sum;
+}
+
+/* Sum of pressures at the factors' unknowns with the weights of the load balance. */
+static double weighted_sum(const double *vector, full_system *system) {
+    const gmres_workspace *work = system->workspace;
+    const size_t count = work->factors.num_unknowns;
+    vectors task = {.system = system, .from = vector};
+    double sum = 0;
+
+    team_share(system->threads, count, work->part, sum_weighted, &task);
+    for (size_t i = 0; i < team_num_parts(count, work->part); i++)
+        sum += work->of_part[i];
     return sum;
 }
 
 /* w = B^-1 c and the closure's pivot; false when singular. */
-static bool solve_border(const full_system *system) {
+static bool solve_border(full_system *system) {
     gmres_workspace *work = system->workspace;
     near_factors *factors = &work->factors;
 
     if (!solve_band(factors->border, work->approach, system)) return false;
-    double sum = weighted_sum(factors->border, factors, system->grid);
+    double sum = weighted_sum(factors->border, system);
     factors->border_pivot = system->closure_load * sum - system->closure_approach;
     return isfinite(factors->border_pivot) && factors->border_pivot != 0;
 }
@@ -406,26 +507,47 @@ static double own_entry(const full_system *system, size_t node) {
     return (row->by_pressure[NODE_HERE] + row->by_film[NODE_HERE] * kernel) * system->row_scale[r];
 }
 
+/* Of x what the factors have as unknowns. */
+static void take_known(void *context, const team_part *part) {
+    const vectors *task = context;
+    const full_system *system = task->system;
+    const gmres_workspace *work = system->workspace;
+
+    for (size_t i = part->first; i < part->end; i++) {
+        const size_t index = system->index[work->factors.unknown[i]];
+        task->to[i] = index == NO_NODE ? 0 : task->from[index];
+    }
+}
+
+/* Adds `factor`, the approach, to the factors' solution. */
+static void add_border(void *context, const team_part *part) {
+    const vectors *task = context;
+    const full_system *system = task->system;
+    const gmres_workspace *work = system->workspace;
+    const near_factors *factors = &work->factors;
+
+    for (size_t i = part->first; i < part->end; i++) {
+        const size_t node = system->unknown[i], index = factors->index[node];
+        task->to[i] = index == NO_NODE
+                          ? task->from[i] / own_entry(system, node)
+                          : work->solution[index] - task->factor * factors->border[index];
+    }
+}
+
 /* y = [B c; closure]^-1 x, with the factors of an earlier system: unknowns that it had alone are
  * zero, and new ones have their own entry alone. That the rows were scaled otherwise does not
  * matter: with a load of +-10 and +-50 % the iterations are the same when that is undone. */
-static void precondition(double *y, const double *x, const full_system *system) {
+static void precondition(double *y, const double *x, full_system *system) {
     gmres_workspace *work = system->workspace;
     const near_factors *factors = &work->factors;
     const size_t num_passive = system->num_unknowns;
+    vectors known = {.system = system, .to = work->right, .from = x};
 
-    for (size_t i = 0; i < factors->num_unknowns; i++) {
-        const size_t index = system->index[factors->unknown[i]];
-        work->right[i] = index == NO_NODE ? 0 : x[index];
-    }
+    team_share(system->threads, factors->num_unknowns, work->part, take_known, &known);
     solve_band(work->solution, work->right, system);
-    double sum = weighted_sum(work->solution, factors, system->grid);
+    double sum = weighted_sum(work->solution, system);
     double approach = (system->closure_load * sum - x[num_passive]) / factors->border_pivot;
-    for (size_t i = 0; i < num_passive; i++) {
-        const size_t node = system->unknown[i], index = factors->index[node];
-        y[i] = index == NO_NODE ? x[i] / own_entry(system, node)
-                                : work->solution[index] - approach * factors->border[index];
-    }
+    share_unknowns(system, add_border, &(vectors){.to = y, .from = x, .factor = approach});
     y[num_passive] = approach;
 }
 
@@ -452,17 +574,96 @@ static void hessenberg_rotate(hessenberg *h, size_t k) {
     h->right[k] *= h->cosine[k];
 }
 
+/* A step of Gram-Schmidt on vectors [size], part by part. */
+typedef struct projection {
+    gmres_workspace *work;
+    double *fresh;
+    const double *before; // of which `factor` is taken away first; NULL: nothing
+    double factor;
+    const double *with; // whose product with what is then left is found; NULL: the norm
+} projection;
+
+static void project_part(void *context, const team_part *part) {
+    const projection *task = context;
+    const int count = (int)(part->end - part->first);
+    double *fresh = task->fresh + part->first;
+
+    if (task->before) cblas_daxpy(count, -task->factor, task->before + part->first, 1, fresh, 1);
+    task->work->of_part[part->number] =
+        task->with ? cblas_ddot(count, fresh, 1, task->with + part->first, 1)
+                   : cblas_dnrm2(count, fresh, 1);
+}
+
+/* What project_part finds, of all parts. */
+static double project(const projection *task, size_t size, team *threads) {
+    const gmres_workspace *work = task->work;
+    const size_t num_parts = team_num_parts(size, work->part);
+    const double *of_part = work->of_part;
+    double sum = 0;
+
+    team_share(threads, size, work->part, project_part, (void *)task);
+    if (num_parts == 1) return of_part[0];
+    for (size_t i = 0; i < num_parts; i++)
+        sum += task->with ? of_part[i] : of_part[i] * of_part[i];
+    return task->with ? sum : sqrt(sum);
+}
+
+static void scale_part(void *context, const team_part *part) {
+    const projection *task = context;
+
+    cblas_dscal((int)(part->end - part->first), task->factor, task->fresh + part->first, 1);
+}
+
+/* Makes a vector one of the basis; returns its length. */
+static double normalise(projection *task, size_t size, team *threads) {
+    task->with = NULL;
+    const double length = project(task, size, threads);
+
+    task->factor = 1 / length;
+    if (length > 0) team_share(threads, size, task->work->part, scale_part, task);
+    return length;
+}
+
 /* Orthogonalises against the basis built so far (modified Gram-Schmidt) and appends. */
-static void extend_krylov(gmres_workspace *work, hessenberg *h, size_t k, size_t size) {
-    double *fresh = work->krylov + (k + 1) * work->size;
+static void extend_krylov(gmres_workspace *work, hessenberg *h, size_t k, size_t size,
+                          team *threads) {
+    projection task = {.work = work, .fresh = work->krylov + (k + 1) * work->size};
 
     for (size_t i = 0; i <= k; i++) {
-        const double *old = work->krylov + i * work->size;
-        h->column[k][i] = cblas_ddot((int)size, fresh, 1, old, 1);
-        cblas_daxpy((int)size, -h->column[k][i], old, 1, fresh, 1);
+        task.with = work->krylov + i * work->size;
+        task.factor = h->column[k][i] = project(&task, size, threads);
+        task.before = task.with;
     }
-    h->column[k][k + 1] = cblas_dnrm2((int)size, fresh, 1);
-    if (h->column[k][k + 1] > 0) cblas_dscal((int)size, 1 / h->column[k][k + 1], fresh, 1);
+    h->column[k][k + 1] = normalise(&task, size, threads);
+}
+
+/* What GMRES ends with, part by part: the sum of the basis. */
+typedef struct krylov_sum {
+    const gmres_workspace *work;
+    const hessenberg *h;
+    size_t num;
+    double *sum; // [size]
+} krylov_sum;
+
+static void sum_krylov(void *context, const team_part *part) {
+    const krylov_sum *task = context;
+    const gmres_workspace *work = task->work;
+
+    memset(task->sum + part->first, 0, (part->end - part->first) * sizeof(double));
+    for (size_t i = 0; i < task->num; i++)
+        cblas_daxpy((int)(part->end - part->first), task->h->right[i],
+                    work->krylov + i * work->size + part->first, 1, task->sum + part->first, 1);
+}
+
+/* The scaled residual, with its sign. */
+static void take_residual(void *context, const team_part *part) {
+    const vectors *task = context;
+    const full_system *system = task->system;
+
+    for (size_t i = part->first; i < part->end; i++) {
+        const size_t r = grid_row_of_node(system->grid, system->unknown[i]);
+        task->to[i] = -system->rows[r].residual * system->row_scale[r];
+    }
 }
 
 ehd_status full_solve_gmres(full_system *system, double tolerance, size_t *iterations,
@@ -483,19 +684,14 @@ ehd_status full_solve_gmres(full_system *system, double tolerance, size_t *itera
     }
 
     // right preconditioning, so that the monitored residual is the true one
-    double *first = work->krylov;
-    for (size_t i = 0; i < num_passive; i++) {
-        size_t r = grid_row_of_node(system->grid, system->unknown[i]);
-        first[i] = -system->rows[r].residual * system->row_scale[r];
-    }
-    first[num_passive] = -system->closure_residual;
-    double start = cblas_dnrm2((int)size, first, 1);
-    if (start > 0) cblas_dscal((int)size, 1 / start, first, 1);
-    h.right[0] = start;
+    projection first = {.work = work, .fresh = work->krylov};
+    share_unknowns(system, take_residual, &(vectors){.to = first.fresh});
+    first.fresh[num_passive] = -system->closure_residual;
+    const double start = h.right[0] = normalise(&first, size, system->threads);
     while (k < MAX_ITERATIONS && fabs(h.right[k]) > tolerance * start && !program_interrupted()) {
         precondition(work->vector, work->krylov + k * work->size, system);
         apply_jacobian(work->krylov + (k + 1) * work->size, work->vector, system);
-        extend_krylov(work, &h, k, size);
+        extend_krylov(work, &h, k, size, system->threads);
         hessenberg_rotate(&h, k);
         k++;
     }
@@ -511,14 +707,10 @@ ehd_status full_solve_gmres(full_system *system, double tolerance, size_t *itera
             h.right[i] -= h.column[j][i] * h.right[j];
         h.right[i] = h.column[i][i] != 0 ? h.right[i] / h.column[i][i] : 0;
     }
-    memset(work->spread, 0, size * sizeof(double));
-    for (size_t i = 0; i < k; i++)
-        cblas_daxpy((int)size, h.right[i], work->krylov + i * work->size, 1, work->spread, 1);
+    krylov_sum ending = {work, &h, k, work->spread};
+    team_share(system->threads, size, work->part, sum_krylov, &ending);
     precondition(work->vector, work->spread, system);
-
-    memset(system->step, 0, system->grid->num_nodes * sizeof(double));
-    for (size_t i = 0; i < num_passive; i++)
-        system->step[system->unknown[i]] = work->vector[i];
+    share_nodes(system, spread_nodes, &(vectors){.to = system->step, .from = work->vector});
     system->step_approach = work->vector[num_passive];
     return EHD_OK;
 }

@@ -8,7 +8,7 @@
 typedef struct gmres_workspace gmres_workspace;
 
 /* Memory for any exit on the grid; NULL: no memory. */
-gmres_workspace *gmres_workspace_create(const ehd_grid *grid, size_t near_field);
+gmres_workspace *gmres_workspace_create(const ehd_grid *grid, const full_settings *settings);
 /* Bytes of the workspace for a node of a point contact, without factors. */
 double gmres_workspace_bytes(const ehd_grid *grid);
 gmres_workspace *gmres_workspace_free(gmres_workspace *workspace); // accepts and returns NULL

@@ -9,10 +9,12 @@
 #include "common/output/vtk.h"
 #include "common/physics/grid_choice.h"
 #include "common/program/program.h"
+#include "common/program/team.h"
 #include "common/settings/scene.h"
 #include "common/settings/scene_contact.h"
 #include "common/time/history.h"
 #include "common/time/surface.h"
+#include "common/training/pool.h"
 #include "fullrun/continuation.h"
 #include "fullrun/formulas.h"
 #include "fullrun/full_march.h"
@@ -33,6 +35,8 @@ typedef struct fullrun_options {
     bool formulas;
     size_t repeats; // of the solution; its median time is reported
     bool resume;
+    size_t num_jobs;
+    team *threads; // so many, for the work on a large grid; NULL: none
 } fullrun_options;
 
 // clang-format off
@@ -52,6 +56,8 @@ static const program_option own_options[] = {
      OPTION_COUNT(repeats, 1, 1000000)},
     {"resume", 0, NULL, "Continue an interrupted run of the same scene, where there is one (transient)",
      OPTION_FLAG(resume)},
+    {"jobs", 'j', "N", "Threads that share the work of a large point contact, of more than 10,000 nodes that are solved "
+     "for; as many as there are processors by default. Changes no result", OPTION_COUNT(num_jobs, 1, 4096)},
     {0}};
 // clang-format on
 
@@ -128,6 +134,7 @@ static full_settings make_settings(const fullrun_options *options) {
     full_settings settings = full_default_settings();
 
     settings.tolerance = options->tolerance;
+    settings.threads = options->threads;
     return settings;
 }
 
@@ -267,10 +274,10 @@ static void note_resolution(const program *self, const full_resolution *resoluti
  * a note if they are large. */
 static ehd_status report_resolution(film_effects *effects, artefact *file, const program *self,
                                     const full_state *state, const ehd_contact *contact,
-                                    ehd_error *error) {
+                                    team *threads, ehd_error *error) {
     const double before = program_seconds();
     full_resolution resolution;
-    ehd_status status = full_resolution_estimate(&resolution, state, contact, error);
+    ehd_status status = full_resolution_estimate(&resolution, state, contact, threads, error);
 
     if (!status && file) status = put_resolution(file, &resolution, error);
     if (status) return status;
@@ -349,7 +356,8 @@ static ehd_status report_stationary(artefact **file, const stationary_run *self,
     }
     result.effects = &effects;
     if (!result.status && self->given->output.resolution != 0)
-        status = report_resolution(&effects, *file, self->caller, &self->state, contact, error);
+        status = report_resolution(&effects, *file, self->caller, &self->state, contact,
+                                   self->options->threads, error);
     if (!status && *file) status = result_write(file, &result, contact, error);
     if (!status && result.status)
         status = ehd_fail(error, result.status, "%s: not converged: %s", path, result.reason);
@@ -497,7 +505,7 @@ static ehd_status widen_for_reversal(ehd_contact *contact, const scene *given, e
 }
 
 /* Everything between the command line and the exit code. */
-static ehd_status run(const program *self, const fullrun_options *options, ehd_error *error) {
+static ehd_status run(const program *self, fullrun_options *options, ehd_error *error) {
     ehd_contact contact;
     scene given;
     char *text = NULL;
@@ -508,15 +516,19 @@ static ehd_status run(const program *self, const fullrun_options *options, ehd_e
     if (transient) status = widen_for_reversal(&contact, &given, error);
     if (!status) status = take_grid(&contact, &given, options->grid_of, error);
     if (!status) status = check_usage(self, options, transient, error);
+    if (!status && full_is_large(&contact.grid)) options->threads = team_create(options->num_jobs);
     if (!status)
         status = (transient ? run_transient : run_stationary)(self, options, &contact, &given, text,
                                                               error);
+    options->threads = team_free(options->threads);
     free(text);
     return status;
 }
 
 int main(int argc, char **argv) {
-    fullrun_options own = {.tolerance = full_default_settings().tolerance, .repeats = 1};
+    fullrun_options own = {.tolerance = full_default_settings().tolerance,
+                           .repeats = 1,
+                           .num_jobs = pool_default_workers()};
     const program_options options = {.options = own_options,
                                      .own = &own,
                                      .arguments_doc = "SCENE.yml [-o RESULT.h5]",

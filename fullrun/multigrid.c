@@ -1,16 +1,20 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A cycle goes over the lines upwards, each solved with what stands on the one below; carries the
- * residual to a grid of every other node and line, whose matrix is the Galerkin product, and the
- * correction back; and goes over the lines downwards (A. Brandt, Math. Comp. 31, 1977; W. Hackbusch,
- * Multi-Grid Methods and Applications, Springer 1985). Where fluid is carried along the lines by the
- * entrainment these alone are nearly a solution, and where the pressure flow is large both ways the
- * coarser grids are needed. The stencil is as large on all of them. */
+/* A cycle solves every other line, which do not touch one another, and then those between them;
+ * carries the residual to a grid of every other node and line, whose matrix is the Galerkin product,
+ * and the correction back; and solves the lines again in the same order (A. Brandt, Math. Comp. 31,
+ * 1977; W. Hackbusch, Multi-Grid Methods and Applications, Springer 1985). Where fluid is carried along
+ * the lines by the entrainment these alone are nearly a solution, and where the pressure flow is large
+ * both ways the coarser grids are needed. The stencil is as large on all of them.
+ *
+ * Those that the coarser grid has, the even ones, come last: then the residual is zero on them, and the
+ * odd ones need no correction, since they are solved first. */
 #include "fullrun/multigrid.h"
 
 #include "common/program/arena.h"
 
 #include <lapacke.h>
 #include <math.h>
+#include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -21,8 +25,12 @@ enum { COARSEST = 40, MAX_LEVELS = 20 };
  * and the entry ahead. */
 enum { BY_BACK2, BY_BACK, BY_HERE, BY_AHEAD, NUM_LINE_FACTORS };
 
+/* Nodes in the lines that are one part of what threads share, about. */
+enum { PART = 2048 };
+
 typedef struct level {
     size_t columns, lines, num;
+    size_t lines_of_part;
     bool mirrored;    // at the first line
     bool *unknown;    // [num]
     double *row;      // [num, CYCLE_ENTRIES]
@@ -31,15 +39,22 @@ typedef struct level {
     double *solution; // [num]
 } level;
 
+/* A band matrix as LAPACK has it: diagonals below and above, and rows in memory. */
+typedef struct band_shape {
+    int below, above, rows;
+} band_shape;
+
 struct multigrid {
     level levels[MAX_LEVELS]; // the finest first
     size_t num;
-    double *rest; // [num of the finest]
-    // the coarsest level's band, LU by LAPACK, of nodes numbered by columns
-    double *band;       // [num, band_rows]
-    int *pivots;        // [num]
-    double *by_columns; // [num]
-    int below, above, band_rows;
+    double *rest;         // [num of the finest]
+    team *threads;        // NULL: none
+    atomic_bool singular; // a line's matrix
+    // the coarsest level's band, LU by LAPACK, of nodes in the order of band_place
+    band_shape shape;
+    double *band;     // [num, shape.rows]
+    int *pivots;      // [num]
+    double *in_order; // [num]
     arena memory;
 };
 
@@ -63,13 +78,40 @@ static level finest(const ehd_grid *grid) {
                    .mirrored = grid->half};
 }
 
-double multigrid_bytes(void) {
-    const double levels = 4. / 3, numbers = CYCLE_ENTRIES + NUM_LINE_FACTORS + 2;
+/* Place of a node of the coarsest grid in the band, along the shorter side first, so that the band is
+ * narrow however long the other one is. */
+static size_t band_place(const level *self, size_t column, size_t line) {
+    return self->lines <= self->columns ? column * self->lines + line
+                                        : line * self->columns + column;
+}
 
-    return levels * (numbers * sizeof(double) + sizeof(bool)) + sizeof(double);
+static band_shape band_of(const level *self) {
+    band_shape shape;
+
+    if (self->lines <= self->columns) {
+        shape.below = (int)(CYCLE_BACK * self->lines + 1);
+        shape.above = (int)self->lines + 1;
+    } else {
+        shape.below = (int)self->columns + CYCLE_BACK;
+        shape.above = (int)self->columns + 1;
+    }
+    shape.rows = 2 * shape.below + shape.above + 1;
+    return shape;
+}
+
+double multigrid_bytes(const ehd_grid *grid) {
+    const double levels = 4. / 3, numbers = CYCLE_ENTRIES + NUM_LINE_FACTORS + 2;
+    level last = finest(grid);
+
+    while (!is_coarsest(&last))
+        last = coarser(&last);
+    const double of_band = (double)last.num * band_of(&last).rows * sizeof(double);
+    return levels * (numbers * sizeof(double) + sizeof(bool)) + sizeof(double) +
+           of_band / (double)grid->num_inner;
 }
 
 static void allocate_level(level *self, arena *memory) {
+    self->lines_of_part = self->columns < PART ? PART / self->columns : 1;
     self->unknown = arena_array(memory, self->num, sizeof *self->unknown);
     self->row = arena_table(memory, self->num, CYCLE_ENTRIES, sizeof(double));
     self->factors = arena_table(memory, self->num, NUM_LINE_FACTORS, sizeof(double));
@@ -77,11 +119,12 @@ static void allocate_level(level *self, arena *memory) {
     self->solution = arena_array(memory, self->num, sizeof(double));
 }
 
-multigrid *multigrid_create(const ehd_grid *grid) {
+multigrid *multigrid_create(const ehd_grid *grid, team *threads) {
     multigrid *self = calloc(1, sizeof *self);
     if (!self) return NULL;
     arena *memory = &self->memory;
     level next = finest(grid);
+    self->threads = threads;
 
     for (;; next = coarser(&next)) {
         level *here = &self->levels[self->num++];
@@ -90,13 +133,11 @@ multigrid *multigrid_create(const ehd_grid *grid) {
         if (is_coarsest(here) || self->num == MAX_LEVELS) break;
     }
     const level *last = &self->levels[self->num - 1];
-    self->below = (int)(CYCLE_BACK * last->lines + 1);
-    self->above = (int)last->lines + 1;
-    self->band_rows = 2 * self->below + self->above + 1;
+    self->shape = band_of(last);
     self->rest = arena_array(memory, grid->num_inner, sizeof(double));
-    self->band = arena_table(memory, last->num, (size_t)self->band_rows, sizeof(double));
+    self->band = arena_table(memory, last->num, (size_t)self->shape.rows, sizeof(double));
     self->pivots = arena_array(memory, last->num, sizeof(int));
-    self->by_columns = arena_array(memory, last->num, sizeof(double));
+    self->in_order = arena_array(memory, last->num, sizeof(double));
     return memory->failed ? multigrid_free(self) : self;
 }
 
@@ -124,9 +165,24 @@ const double *multigrid_solution(const multigrid *self) {
 
 // ---- matrices
 
+/* What is done on all lines of a level, or on some. */
+typedef struct lines_task {
+    multigrid *of;
+    level *here, *coarse; // the next one
+    size_t first_line;    // 0 or 1: of every other line
+} lines_task;
+
+static void share_lines(multigrid *self, size_t lines, const level *size_of, team_task *task,
+                        lines_task *context) {
+    context->of = self;
+    team_share(self->threads, lines, size_of->lines_of_part, task, context);
+}
+
 /* Leaves in the rows what is between unknowns; all others are those of the identity. */
-static void clear_others(level *self) {
-    for (size_t l = 0; l < self->lines; l++)
+static void clear_others(void *context, const team_part *part) {
+    const level *self = ((lines_task *)context)->here;
+
+    for (size_t l = part->first; l < part->end; l++)
         for (size_t c = 0; c < self->columns; c++) {
             const size_t node = l * self->columns + c;
             double *row = self->row + node * CYCLE_ENTRIES;
@@ -186,32 +242,35 @@ static void fill_coarse_row(level *coarse, const level *fine, size_t l, size_t c
         }
 }
 
-static void fill_coarse(level *coarse, const level *fine) {
-    for (size_t l = 0; l < coarse->lines; l++)
+static void fill_coarse(void *context, const team_part *part) {
+    const lines_task *task = context;
+    const level *fine = task->here;
+    level *coarse = task->coarse;
+
+    for (size_t l = part->first; l < part->end; l++)
         for (size_t c = 0; c < coarse->columns; c++) {
             coarse->unknown[l * coarse->columns + c] = fine->unknown[2 * l * fine->columns + 2 * c];
             fill_coarse_row(coarse, fine, l, c);
         }
-    clear_others(coarse);
 }
 
-/* L U of the lines' own matrices, without pivoting; false: singular. */
-static bool factorise_lines(level *self) {
+/* L U of a line's own matrix, without pivoting; false: singular. */
+static bool factorise_line(level *self, size_t line) {
+    const double *row = self->row + line * self->columns * CYCLE_ENTRIES + CYCLE_COLUMNS;
+    double *here = self->factors + line * self->columns * NUM_LINE_FACTORS;
     bool regular = true;
 
-    for (size_t k = 0; k < self->num; k++) {
-        const double *row = self->row + k * CYCLE_ENTRIES + CYCLE_COLUMNS;
-        double *here = self->factors + k * NUM_LINE_FACTORS;
-        const double *back = here - NUM_LINE_FACTORS, *back2 = back - NUM_LINE_FACTORS;
-        const size_t column = k % self->columns;
+    for (size_t c = 0; c < self->columns; c++, row += CYCLE_ENTRIES, here += NUM_LINE_FACTORS) {
         double diagonal = row[CYCLE_BACK], next = row[CYCLE_BACK - 1];
 
         here[BY_BACK2] = here[BY_BACK] = 0;
-        if (column > 1) {
+        if (c > 1) {
+            const double *back2 = here - 2 * NUM_LINE_FACTORS;
             here[BY_BACK2] = row[0] * back2[BY_HERE];
             next -= here[BY_BACK2] * back2[BY_AHEAD];
         }
-        if (column > 0) {
+        if (c > 0) {
+            const double *back = here - NUM_LINE_FACTORS;
             here[BY_BACK] = next * back[BY_HERE];
             diagonal -= here[BY_BACK] * back[BY_AHEAD];
         }
@@ -222,33 +281,45 @@ static bool factorise_lines(level *self) {
     return regular;
 }
 
+static void factorise_lines(void *context, const team_part *part) {
+    const lines_task *task = context;
+
+    for (size_t l = part->first; l < part->end; l++)
+        if (!factorise_line(task->here, l)) atomic_store(&task->of->singular, true);
+}
+
 static bool factorise_coarsest(multigrid *self) {
     const level *last = &self->levels[self->num - 1];
     const int num = (int)last->num;
+    const band_shape shape = self->shape;
 
-    memset(self->band, 0, last->num * (size_t)self->band_rows * sizeof(double));
+    memset(self->band, 0, last->num * (size_t)shape.rows * sizeof(double));
     for (size_t l = 0; l < last->lines; l++)
         for (size_t c = 0; c < last->columns; c++) {
             const double *row = last->row + (l * last->columns + c) * CYCLE_ENTRIES;
             for (size_t a = 0; a < CYCLE_ENTRIES; a++) {
                 if (row[a] == 0) continue;
-                const ptrdiff_t i = (ptrdiff_t)(c * last->lines + l);
-                const ptrdiff_t j = (ptrdiff_t)((c + a % CYCLE_COLUMNS - CYCLE_BACK) * last->lines +
-                                                l + a / CYCLE_COLUMNS - 1);
-                self->band[j * self->band_rows + self->below + self->above + i - j] = row[a];
+                const ptrdiff_t i = (ptrdiff_t)band_place(last, c, l);
+                const ptrdiff_t j = (ptrdiff_t)band_place(last, c + a % CYCLE_COLUMNS - CYCLE_BACK,
+                                                          l + a / CYCLE_COLUMNS - 1);
+                self->band[j * shape.rows + shape.below + shape.above + i - j] = row[a];
             }
         }
-    return LAPACKE_dgbtrf_work(LAPACK_COL_MAJOR, num, num, self->below, self->above, self->band,
-                               self->band_rows, self->pivots) == 0;
+    return LAPACKE_dgbtrf_work(LAPACK_COL_MAJOR, num, num, shape.below, shape.above, self->band,
+                               shape.rows, self->pivots) == 0;
 }
 
 bool multigrid_prepare(multigrid *self) {
-    clear_others(&self->levels[0]);
-    for (size_t g = 1; g < self->num; g++)
-        fill_coarse(&self->levels[g], &self->levels[g - 1]);
-    for (size_t g = 0; g + 1 < self->num; g++)
-        if (!factorise_lines(&self->levels[g])) return false;
-    return factorise_coarsest(self);
+    atomic_store(&self->singular, false);
+    for (size_t g = 0; g < self->num; g++) {
+        level *here = &self->levels[g];
+        lines_task task = {.here = here, .coarse = here + 1};
+        share_lines(self, here->lines, here, clear_others, &task);
+        if (g + 1 == self->num) break;
+        share_lines(self, here->lines, here, factorise_lines, &task);
+        share_lines(self, task.coarse->lines, task.coarse, fill_coarse, &task);
+    }
+    return !atomic_load(&self->singular) && factorise_coarsest(self);
 }
 
 // ---- a cycle
@@ -289,38 +360,61 @@ static void solve_line(level *self, const double *value, size_t line) {
     }
 }
 
-/* From zero upwards; `rest` is then the residual, which is what the next lines add. */
-static void go_up(level *self, double *rest) {
-    const size_t width = self->columns;
+/* Every other line from a start of zero, in which its neighbours have nothing. */
+static void begin_lines(void *context, const team_part *part) {
+    const lines_task *task = context;
+    level *self = task->here;
 
-    for (size_t l = 0; l < self->lines; l++) {
-        double *value = rest + l * width;
-        memcpy(value, self->right + l * width, width * sizeof *value);
-        if (l > 0) subtract_line(value, self, l, false);
-        solve_line(self, value, l);
-    }
-    memset(rest, 0, self->num * sizeof *rest);
-    for (size_t l = 0; l + 1 < self->lines; l++)
-        subtract_line(rest + l * width, self, l, true);
-}
-
-static void go_down(level *self, double *value) {
-    const size_t width = self->columns;
-
-    for (size_t l = self->lines; l-- > 0;) {
-        memcpy(value, self->right + l * width, width * sizeof *value);
-        if (l > 0) subtract_line(value, self, l, false);
-        if (l + 1 < self->lines) subtract_line(value, self, l, true);
-        solve_line(self, value, l);
+    for (size_t i = part->first; i < part->end; i++) {
+        const size_t l = 2 * i + task->first_line;
+        solve_line(self, self->right + l * self->columns, l);
     }
 }
 
-static void restrict_rest(level *coarse, const level *fine, const double *rest) {
-    for (size_t l = 0; l < coarse->lines; l++)
+static void subtract_neighbours(double *value, const level *self, size_t line) {
+    if (line > 0) subtract_line(value, self, line, false);
+    if (line + 1 < self->lines) subtract_line(value, self, line, true);
+}
+
+/* Every other line with what stands on its neighbours. */
+static void solve_lines(void *context, const team_part *part) {
+    const lines_task *task = context;
+    level *self = task->here;
+    const size_t width = self->columns;
+
+    for (size_t i = part->first; i < part->end; i++) {
+        const size_t l = 2 * i + task->first_line;
+        double *value = task->of->rest + l * width;
+        memcpy(value, self->right + l * width, width * sizeof *value);
+        subtract_neighbours(value, self, l);
+        solve_line(self, value, l);
+    }
+}
+
+/* The residual of the odd lines, which is what their neighbours add. */
+static void find_rest(void *context, const team_part *part) {
+    const lines_task *task = context;
+    const level *self = task->here;
+
+    for (size_t i = part->first; i < part->end; i++) {
+        const size_t l = 2 * i + 1;
+        double *rest = task->of->rest + l * self->columns;
+        memset(rest, 0, self->columns * sizeof *rest);
+        subtract_neighbours(rest, self, l);
+    }
+}
+
+/* The residual on the coarser grid: that of the odd lines, since it is zero on the others. */
+static void restrict_rest(void *context, const team_part *part) {
+    const lines_task *task = context;
+    const level *fine = task->here, *coarse = task->coarse;
+
+    for (size_t l = part->first; l < part->end; l++)
         for (size_t c = 0; c < coarse->columns; c++) {
             double sum = 0;
             for (size_t line = first_around(l); line < end_around(l, fine->lines); line++) {
-                const double *of_line = rest + line * fine->columns;
+                const double *of_line = task->of->rest + line * fine->columns;
+                if (line % 2 == 0) continue;
                 double across = of_line[2 * c];
                 if (c > 0) across += 0.5 * of_line[2 * c - 1];
                 if (2 * c + 1 < fine->columns) across += 0.5 * of_line[2 * c + 1];
@@ -338,38 +432,60 @@ static double along(const double *of_line, size_t column, const level *coarse) {
            (of_line[column / 2] + (column / 2 + 1 < coarse->columns ? of_line[column / 2 + 1] : 0));
 }
 
-static void add_correction(level *fine, const level *coarse) {
-    for (size_t l = 0; l < fine->lines; l++) {
-        const double *low = coarse->solution + l / 2 * coarse->columns;
-        const double *high = l % 2 && l / 2 + 1 < coarse->lines ? low + coarse->columns : NULL;
-        for (size_t c = 0; c < fine->columns; c++) {
-            double sum = along(low, c, coarse);
-            if (l % 2) sum = 0.5 * (sum + (high ? along(high, c, coarse) : 0));
-            if (fine->unknown[l * fine->columns + c]) fine->solution[l * fine->columns + c] += sum;
-        }
+/* To the lines that the coarser grid has; those between them are solved next. */
+static void add_correction(void *context, const team_part *part) {
+    const lines_task *task = context;
+    const level *fine = task->here, *coarse = task->coarse;
+
+    for (size_t l = part->first; l < part->end; l++) {
+        const double *correction = coarse->solution + l * coarse->columns;
+        const size_t first = 2 * l * fine->columns;
+        for (size_t c = 0; c < fine->columns; c++)
+            if (fine->unknown[first + c]) fine->solution[first + c] += along(correction, c, coarse);
     }
+}
+
+/* Lines 1, 3, 5 … or 0, 2, 4 … */
+static void share_every_other(multigrid *self, level *here, size_t first_line, team_task *work) {
+    lines_task task = {.here = here, .first_line = first_line};
+
+    share_lines(self, (here->lines + 1 - first_line) / 2, here, work, &task);
+}
+
+static void go_down(multigrid *self, level *here) {
+    lines_task task = {.here = here, .coarse = here + 1};
+
+    share_every_other(self, here, 1, begin_lines);
+    share_every_other(self, here, 0, solve_lines);
+    share_every_other(self, here, 1, find_rest);
+    share_lines(self, task.coarse->lines, task.coarse, restrict_rest, &task);
+}
+
+static void go_up(multigrid *self, level *here) {
+    lines_task task = {.here = here, .coarse = here + 1};
+
+    share_lines(self, task.coarse->lines, task.coarse, add_correction, &task);
+    share_every_other(self, here, 1, solve_lines);
+    share_every_other(self, here, 0, solve_lines);
 }
 
 static void solve_coarsest(multigrid *self) {
     level *last = &self->levels[self->num - 1];
     const int num = (int)last->num;
+    const band_shape shape = self->shape;
 
     for (size_t k = 0; k < last->num; k++)
-        self->by_columns[k % last->columns * last->lines + k / last->columns] = last->right[k];
-    LAPACKE_dgbtrs_work(LAPACK_COL_MAJOR, 'N', num, self->below, self->above, 1, self->band,
-                        self->band_rows, self->pivots, self->by_columns, num);
+        self->in_order[band_place(last, k % last->columns, k / last->columns)] = last->right[k];
+    LAPACKE_dgbtrs_work(LAPACK_COL_MAJOR, 'N', num, shape.below, shape.above, 1, self->band,
+                        shape.rows, self->pivots, self->in_order, num);
     for (size_t k = 0; k < last->num; k++)
-        last->solution[k] = self->by_columns[k % last->columns * last->lines + k / last->columns];
+        last->solution[k] = self->in_order[band_place(last, k % last->columns, k / last->columns)];
 }
 
 void multigrid_cycle(multigrid *self) {
-    for (size_t g = 0; g + 1 < self->num; g++) {
-        go_up(&self->levels[g], self->rest);
-        restrict_rest(&self->levels[g + 1], &self->levels[g], self->rest);
-    }
+    for (size_t g = 0; g + 1 < self->num; g++)
+        go_down(self, &self->levels[g]);
     solve_coarsest(self);
-    for (size_t g = self->num - 1; g-- > 0;) {
-        add_correction(&self->levels[g], &self->levels[g + 1]);
-        go_down(&self->levels[g], self->rest);
-    }
+    for (size_t g = self->num - 1; g-- > 0;)
+        go_up(self, &self->levels[g]);
 }

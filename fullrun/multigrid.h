@@ -5,6 +5,7 @@
 #define EHD_MULTIGRID_H
 
 #include "common/physics/contact.h"
+#include "common/program/team.h"
 #include <stdbool.h>
 #include <stddef.h>
 
@@ -15,12 +16,13 @@ enum { CYCLE_ENTRIES = CYCLE_LINES * CYCLE_COLUMNS };
 
 typedef struct multigrid multigrid;
 
-/* For the inner nodes of a grid; NULL: no memory. */
-multigrid *multigrid_create(const ehd_grid *grid);
+/* For the inner nodes of a grid; NULL: no memory. The threads share the lines, and their caller frees
+ * them afterwards; NULL: none. */
+multigrid *multigrid_create(const ehd_grid *grid, team *threads);
 multigrid *multigrid_free(multigrid *self); // accepts and returns NULL
 
-/* Bytes that it takes for a node. */
-double multigrid_bytes(void);
+/* Bytes that it takes for an inner node of a grid. */
+double multigrid_bytes(const ehd_grid *grid);
 
 /* Takes a matrix, of which the caller fills the rows before; false: a line's or the coarsest matrix
  * is singular. */

@@ -169,6 +169,8 @@ static void restrict_state(full_state *coarse, const ehd_grid *grid, const full_
 /* A grid with a multiple of the step. */
 typedef struct coarse_grid {
     ehd_contact contact;
+    bool as_large;
+    team *threads; // NULL: none
     full_solver *solver;
     full_state state;
 } coarse_grid;
@@ -205,6 +207,8 @@ static double change_of_minimum(const double *film, const double *before, const 
 static ehd_status create_coarse(coarse_grid *self, ehd_error *error) {
     full_settings settings = full_default_settings();
 
+    settings.threads = self->threads;
+    settings.as_large = self->as_large;
     settings.tolerance = 1e-8;
     settings.max_iterations = 20; // more are needed only where the grid is too coarse
     ehd_status status = full_solver_create(&self->solver, self->contact.kind, &self->contact.grid,
@@ -241,7 +245,8 @@ static ehd_status solve_shorter(film_effects *effects, coarse_grid *longer, cons
     const grid_extent extent = grid_extent_of(of);
     const size_t columns = (size_t)lround((1 - shorter) * -extent.x_min / extent.step);
     const size_t lines = (size_t)lround((1 - shorter) * extent.y_max / grid_step_across(of));
-    coarse_grid self = {.contact = longer->contact};
+    coarse_grid self = {
+        .contact = longer->contact, .as_large = longer->as_large, .threads = longer->threads};
     film_pair found = {NAN, NAN};
 
     self.contact.grid =
@@ -292,8 +297,8 @@ static ehd_status solve_unbounded(film_effects *effects, coarse_grid *self, cons
  * effects of the inlet of a point contact, unless NULL. */
 static ehd_status solve_coarse(film_pair *films, film_effects *of_inlet, const ehd_contact *contact,
                                const full_state *solution, const ehd_grid *fine, size_t stride,
-                               ehd_error *error) {
-    coarse_grid coarse = {.contact = *contact};
+                               team *threads, ehd_error *error) {
+    coarse_grid coarse = {.contact = *contact, .as_large = full_is_large(fine), .threads = threads};
     const ehd_grid *grid = &coarse.contact.grid;
     const bool open = far_field_is_there(grid);
 
@@ -367,7 +372,7 @@ static void extrapolate(full_resolution *self, const film_pair films[3], const d
 }
 
 ehd_status full_resolution_estimate(full_resolution *self, const full_state *state,
-                                    const ehd_contact *contact, ehd_error *error) {
+                                    const ehd_contact *contact, team *threads, ehd_error *error) {
     film_pair films[3] = {films_of(state, contact), {NAN, NAN}, {NAN, NAN}};
     ehd_contact coarse = *contact;
     double beginnings[4];
@@ -381,7 +386,7 @@ ehd_status full_resolution_estimate(full_resolution *self, const full_state *sta
     for (size_t g = 1; g < 3 && !status; g++) {
         coarse.grid = full_coarser_grid(&coarse.grid);
         status = solve_coarse(&films[g], g == 1 && is_point ? &self->effects : NULL, &coarse, state,
-                              &contact->grid, (size_t)1 << g, error);
+                              &contact->grid, (size_t)1 << g, threads, error);
         if (isnan(films[g].central)) break;
     }
     if (!status) extrapolate(self, films, beginnings, contact->grid.discretization);

@@ -25,7 +25,9 @@ ehd_status full_resolution_estimate(
     full_resolution *resolution,
     // input:
     const full_state *state, // converged, stationary
-    const ehd_contact *contact, ehd_error *error);
+    const ehd_contact *contact,
+    team *threads, // that share the work on large grids; NULL: none
+    ehd_error *error);
 
 // ---- of which this is made, of films on grids of steps h, 2h and 4h; NaN: no solution there
 

@@ -136,7 +136,7 @@ static ehd_status solve_point(void *shared, void *given, size_t point, size_t pa
     solution->effects = film_effects_unknown();
     if (solution->status || !owner->with_effects || !owner->set->estimated[point]) return EHD_OK;
     full_resolution resolution;
-    status = full_resolution_estimate(&resolution, state, contact, error);
+    status = full_resolution_estimate(&resolution, state, contact, NULL, error);
     if (!status) solution->effects = resolution.effects;
     return status;
 }

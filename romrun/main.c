@@ -2,6 +2,7 @@
 /* romrun: solves one scene with the reduced model, or measures what the model can do. */
 #include "common/output/check.h"
 #include "common/output/grid_file.h"
+#include "common/output/inputs.h"
 #include "common/output/print.h"
 #include "common/output/result.h"
 #include "common/output/time_result.h"
@@ -9,6 +10,7 @@
 #include "common/output/vtk.h"
 #include "common/program/output_file.h"
 #include "common/program/program.h"
+#include "common/settings/part_list.h"
 #include "common/training/pool.h"
 #include "fullrun/resolution.h"
 #include "romrun/calibrate/accuracy.h"
@@ -32,11 +34,12 @@
 
 typedef struct romrun_options {
     const char *model;
-    const char *against; // NULL: no comparison
-    model_sizes sizes;
+    const char *against;    // NULL: no comparison
+    part_list models;       // that it is, or names
+    part_sizes sizes;       // of each file of the list, or of the one model
     double accuracy;        // of the films, to choose the sizes by; 0: not given
     accuracy_limits limits; // of other quantities
-    model_sizes fallback;   // where the result of `sizes` is not accurate enough
+    part_sizes fallback;    // where the result of `sizes` is not accurate enough
     const char *distrust;   // why no reduced step is to be trusted; NULL: single ones are not
     const char *fall_back;  // what solves a scene where no size is: "full"; NULL, "none": nothing
     bool allow_untrusted, resume, verify;
@@ -55,17 +58,18 @@ typedef struct romrun_options {
 
 // columns: name, letter, argument, help, how it is read
 static const program_option own_options[] = {
-    {"model", 'm', "MODEL.h5", "The reduced model", OPTION_TEXT(model)},
-    {"pressure-modes", 0, "N", "Use only the first N pressure modes", OPTION_COUNT(sizes.pressure_modes, 1, 100000)},
+    {"model", 'm', "MODEL.h5", "The reduced model, or a list of models for parts of a region, a file whose name ends "
+     "with .yml, of which each scene is solved by that in whose trained range it lies", OPTION_TEXT(model)},
+    {"pressure-modes", 0, "N", "Use only the first N pressure modes", OPTION_COUNT(sizes.of[0].pressure_modes, 1, 100000)},
     {"deformation-modes", 0, "N", "Use only the first N deformation modes",
-     OPTION_COUNT(sizes.deformation_modes, 1, 100000)},
-    {"rows", 0, "N", "Use only the first N rows", OPTION_COUNT(sizes.rows, 1, 10000000)},
+     OPTION_COUNT(sizes.of[0].deformation_modes, 1, 100000)},
+    {"rows", 0, "N", "Use only the first N rows", OPTION_COUNT(sizes.of[0].rows, 1, 10000000)},
     {"accuracy", 0, "X", "Use as much of a calibrated model as its central and minimum film need to deviate by at "
      "most X, such as 1e-3, on most scenes (in time the central film), converged to a fiftieth of it; exit with 4 "
      "where they are indicated to deviate by more; without it more than 0.01", OPTION_REAL(accuracy, 1e-15, 1)},
     {"accuracy-of", 0, "NAME=X", "Exit with 4 where another quantity is indicated to deviate by more than X: "
-     "central_pressure, exit_position (half widths), load, pressure (largest of all nodes, Hertz pressures) or "
-     "film_thickness (largest, of the central film); may be repeated (stationary)", OPTION_READ(limits, accuracy_read_limit)},
+     "central_pressure, exit_position (half widths), load, pressure (largest of all nodes, Hertz pressures), "
+     "film_thickness (largest, of the central film) or, where the scene slides, friction; may be repeated (stationary)", OPTION_READ(limits, accuracy_read_limit)},
     {"against", 0, "RESULT.h5", "Print the deviations from another result of the scene", OPTION_TEXT(against)},
     {"verify", 0, NULL, "Print the residual of the full model at the solution, and what one Newton step of it "
      "would change of the central film (stationary)", OPTION_FLAG(verify)},
@@ -125,20 +129,46 @@ static ehd_status solve(online_result *result, online_solver *solver, const ehd_
     return status;
 }
 
+static bool falls_back(const romrun_options *options) {
+    return options->fall_back && strcmp(options->fall_back, "full") == 0;
+}
+
+/* What would help where a result is not to be trusted. */
+static const char *advice(const romrun_options *options) {
+    return falls_back(options) ? ""
+                               : " (--fallback full has the full model solve it, --allow-untrusted "
+                                 "takes it all the same)";
+}
+
 /* Exit code and message of the outcome. */
 static ehd_status judge(const run_result *result, const romrun_options *options, const char *path,
                         ehd_error *error) {
     if (result->status == EHD_UNTRUSTED && options->allow_untrusted) return EHD_OK;
     if (result->status)
-        return ehd_fail(error, result->status, "%s: found %s, expected %s", path, result->reason,
-                        result->status == EHD_UNTRUSTED
-                            ? "a result to be trusted (--allow-untrusted takes it all the same)"
-                            : "convergence");
+        return ehd_fail(error, result->status, "%s: found %s, expected %s%s", path, result->reason,
+                        result->status == EHD_UNTRUSTED ? "a result to be trusted" : "convergence",
+                        result->status == EHD_UNTRUSTED ? advice(options) : "");
     return EHD_OK;
 }
 
-static bool falls_back(const romrun_options *options) {
-    return options->fall_back && strcmp(options->fall_back, "full") == 0;
+enum { MAX_INPUTS = MAX_PARTS + 4 };
+
+/* The model, and where it is a list of models these. */
+static size_t add_models(const char *inputs[MAX_INPUTS], size_t count,
+                         const romrun_options *options) {
+    count = inputs_add(inputs, count, options->model);
+    for (size_t i = 0; i < options->models.num; i++)
+        count = inputs_add(inputs, count, options->models.paths[i]);
+    return count;
+}
+
+/* What no output may overwrite, ended by NULL: the scene, the models and, where there is one, another file. */
+static void list_inputs(const char *inputs[MAX_INPUTS], const program *self,
+                        const romrun_options *options, const char *other) {
+    size_t count = self->num_arguments > 0 ? inputs_add(inputs, 0, self->arguments[0]) : 0;
+
+    count = add_models(inputs, count, options);
+    inputs[inputs_add(inputs, count, other)] = NULL;
 }
 
 /* Of the reduced solution. */
@@ -159,17 +189,24 @@ static ehd_status print_verification(online_solver *solver, const online_result 
 /* The settings of the scene and the command line's options on which the solution depends. */
 static ehd_status text_with_sizes(char **whole, const char *text, const romrun_options *options,
                                   ehd_error *error) {
-    const model_sizes *sizes = &options->sizes;
     char accuracy[NUMBER_TEXT + 16] = "", number[NUMBER_TEXT];
+    size_t size;
+    FILE *stream = open_memstream(whole, &size);
 
     if (options->accuracy > 0) {
         number_show(number, options->accuracy);
         snprintf(accuracy, sizeof accuracy, ", accuracy %s", number);
     }
-    if (asprintf(whole, "%s# %zu pressure modes, %zu deformation modes, %zu rows (0: all)%s%s\n",
-                 text, sizes->pressure_modes, sizes->deformation_modes, sizes->rows, accuracy,
-                 falls_back(options) ? ", fallback full" : "") >= 0)
-        return EHD_OK;
+    if (!stream) *whole = NULL;
+    if (stream) fputs(text, stream);
+    for (size_t i = 0; i < options->models.num && stream; i++) {
+        const model_sizes *sizes = &options->sizes.of[i];
+        fprintf(stream, "# %zu pressure modes, %zu deformation modes, %zu rows (0: all)%s%s\n",
+                sizes->pressure_modes, sizes->deformation_modes, sizes->rows, accuracy,
+                falls_back(options) ? ", fallback full" : "");
+    }
+    if (stream && !fclose(stream)) return EHD_OK;
+    free(*whole);
     *whole = NULL;
     return ehd_fail(error, EHD_MEMORY, "settings: found no memory");
 }
@@ -204,7 +241,9 @@ static ehd_status attempt_solve(attempt *self, const romrun_options *options,
 static ehd_status solve_scene(attempt *self, romrun_options *options, const program *caller,
                               const ehd_contact *contact, ehd_error *error) {
     ehd_status status = attempt_solve(self, options, contact, error);
-    if (status || options->fallback.pressure_modes == 0) return status;
+    const model_sizes *first_sizes = &options->sizes.of[self->solution.part];
+    const model_sizes *best_sizes = &options->fallback.of[self->solution.part];
+    if (status || best_sizes->pressure_modes == 0) return status;
     run_result result = reduced_result(&self->solution);
     accuracy_judge(&result, options->accuracy);
     if (!result.status && accuracy_limits_any(&options->limits)) {
@@ -212,13 +251,14 @@ static ehd_status solve_scene(attempt *self, romrun_options *options, const prog
         result.indicated = self->others.deviation;
         accuracy_judge_others(&result, &options->limits);
     }
-    if (!result.status ||
-        memcmp(&options->sizes, &options->fallback, sizeof options->fallback) == 0)
-        return EHD_OK;
+    if (memcmp(first_sizes, best_sizes, sizeof *best_sizes) == 0) return EHD_OK;
+    if (!result.status)
+        accuracy_judge_peak(&result, options->accuracy, online_indicate_peak(self->solver));
+    if (!result.status) return EHD_OK;
 
     const double first = self->solution.seconds;
     char name[TRADE_NAME];
-    trade_name(name, &options->fallback);
+    trade_name(name, best_sizes);
     program_note(caller, "--accuracy %g: found %s, again with %s", options->accuracy, result.reason,
                  name);
     options->sizes = options->fallback;
@@ -354,7 +394,7 @@ static ehd_status fall_back(stationary_run *self, bool with_fields, bool with_ef
         self->result.traction = &self->traction;
     }
     if (!with_effects || self->result.status) return EHD_OK;
-    status = full_resolution_estimate(&resolution, &full->state, contact, error);
+    status = full_resolution_estimate(&resolution, &full->state, contact, NULL, error);
     if (status) return status;
     self->effects = resolution.effects;
     self->result.effects = &self->effects;
@@ -369,6 +409,8 @@ static ehd_status show(const stationary_run *self, ehd_error *error) {
 
     if (self->result.status == EHD_NOT_CONVERGED) return EHD_OK;
     result_print(&self->result, self->contact);
+    if (options->models.num > 1 && !self->by_full_model)
+        printf("%-24s%s\n", "solved by", online_part_path(done->model, done->solution.part));
     if (self->by_full_model)
         printf("%-24sthe full model, %s, in %.3g ms of these\n", "solved by",
                self->full.from_reduced ? "from the reduced solution" : "cold",
@@ -387,11 +429,12 @@ static ehd_status solve_and_show(stationary_run *self, const char *scene_lines, 
     const bool with_effects = given->output.resolution != 0;
     const program *caller = self->caller;
     romrun_options *options = self->options;
-    const char *const inputs[] = {caller->arguments[0], options->model, options->against, NULL};
+    const char *inputs[MAX_INPUTS];
     attempt *done = &self->attempt;
     artefact *file = NULL;
     ehd_status status = read_against(self, with_fields, error);
 
+    list_inputs(inputs, caller, options, options->against);
     if (!status) status = solve_scene(done, options, caller, self->contact, error);
     if (!status) status = text_with_sizes(&self->text, scene_lines, options, error);
     if (!status && caller->output)
@@ -448,8 +491,11 @@ static ehd_status run_transient(const program *self, const romrun_options *optio
     time_series full = {0};
     time_trace trace = {0};
     const char *unchecked = NULL;
+    const char *models[MAX_INPUTS];
     char *text = NULL;
     ehd_status status = text_with_sizes(&text, scene_lines, options, error);
+
+    models[add_models(models, 0, options)] = NULL;
 
     if (!status) status = online_prepare_transient(model, error);
     if (!status) status = online_transient_create(&in_time, model, contact, error);
@@ -472,7 +518,7 @@ static ehd_status run_transient(const program *self, const romrun_options *optio
                                     .given = given,
                                     .reference = contact,
                                     .settings_text = text,
-                                    .model = options->model,
+                                    .models = models,
                                     .input = options->against,
                                     .solver = mixed ? fallback_march_solver(mixed)
                                                     : online_march(in_time),
@@ -480,6 +526,7 @@ static ehd_status run_transient(const program *self, const romrun_options *optio
                                     .with_fields = given->output.fields == 1,
                                     .resume = options->resume,
                                     .allow_untrusted = options->allow_untrusted,
+                                    .advice = advice(options),
                                     .untrusted = mixed ? NULL : unchecked,
                                     .effort = mixed ? fallback_march_effort : online_march_effort,
                                     .share = mixed ? fallback_march_share : NULL};
@@ -499,30 +546,41 @@ static ehd_status run_transient(const program *self, const romrun_options *optio
     return status;
 }
 
-/* Chooses the sizes for --accuracy from the table of the calibrated model. */
-static ehd_status choose_sizes(romrun_options *options, const program *self, bool in_time,
-                               ehd_error *error) {
+/* Chooses the sizes of one of the models for --accuracy from its table. */
+static ehd_status choose_sizes_of(romrun_options *options, size_t index, const program *self,
+                                  bool in_time, ehd_error *error) {
+    const char *path = options->models.paths[index];
+    const bool one = options->models.num == 1;
     trade_table table;
     accuracy_choice choice = {0};
-    ehd_status status = trade_read(&table, options->model, error);
+    ehd_status status = trade_read(&table, path, error);
 
-    if (!status)
-        status =
-            accuracy_choose(&choice, &table, options->accuracy, in_time, options->model, error);
+    if (!status) status = accuracy_choose(&choice, &table, options->accuracy, in_time, path, error);
     if (!status) {
-        options->sizes = choice.fastest;
-        options->fallback = choice.most_accurate;
-        program_note(self, "--accuracy %g: %s", options->accuracy, choice.note);
+        options->sizes.of[index] = choice.fastest;
+        options->fallback.of[index] = choice.most_accurate;
+        program_note(self, "--accuracy %g: %s%s%s", options->accuracy, one ? "" : path,
+                     one ? "" : ": ", choice.note);
     }
     // what no size promises single scenes may have all the same, and the full model has
     if (status == EHD_DATA && falls_back(options)) {
         if (in_time) options->distrust = "an --accuracy that the model was not measured to have";
         const size_t best = trade_most_accurate(&table, in_time);
-        if (best < table.num_positions) options->sizes = table.positions[best].sizes;
+        if (best < table.num_positions)
+            options->sizes.of[index] = options->fallback.of[index] = table.positions[best].sizes;
         program_note(self, "%s; --fallback full goes on", error->text);
         status = EHD_OK;
     }
     trade_free(&table);
+    return status;
+}
+
+static ehd_status choose_sizes(romrun_options *options, const program *self, bool in_time,
+                               ehd_error *error) {
+    ehd_status status = EHD_OK;
+
+    for (size_t i = 0; i < options->models.num && !status; i++)
+        status = choose_sizes_of(options, i, self, in_time, error);
     return status;
 }
 
@@ -533,7 +591,7 @@ static ehd_status check_usage(const program *self, const romrun_options *options
     const char *mode = options->calibrate  ? "--calibrate"
                        : options->exported ? "--export"
                                            : "--trade";
-    const model_sizes *sizes = &options->sizes;
+    const model_sizes *sizes = &options->sizes.of[0];
     const bool sized = sizes->pressure_modes || sizes->deformation_modes || sizes->rows;
 
     if (self->num_arguments != (solves ? 1 : 0))
@@ -548,6 +606,11 @@ static ehd_status check_usage(const program *self, const romrun_options *options
         return ehd_fail(error, EHD_USAGE, "--output: found nothing, expected -o FILE");
     if (!options->model && !options->exported)
         return ehd_fail(error, EHD_USAGE, "--model: found none, expected a model.h5");
+    const char *model = options->exported ? options->exported : options->model;
+    if (part_list_is(model) && (sized || options->calibrate))
+        return ehd_fail(error, EHD_USAGE, "%s: found a list of models with %s, expected one model",
+                        model,
+                        sized ? "--pressure-modes, --deformation-modes or --rows" : "--calibrate");
     if (options->calibrate && options->trade)
         return ehd_fail(error, EHD_USAGE, "--trade: found with --calibrate, expected one of them");
     if (options->accuracy > 0 && sized)
@@ -595,19 +658,25 @@ static ehd_status check_usage(const program *self, const romrun_options *options
 }
 
 static ehd_status print_trade(const romrun_options *options, ehd_error *error) {
+    const part_list *models = &options->models;
     trade_table table;
-    ehd_status status = trade_read(&table, options->model, error);
-    if (status) return status;
+    ehd_status status = EHD_OK;
 
-    trade_print(&table, stdout);
-    trade_free(&table);
-    return EHD_OK;
+    for (size_t i = 0; i < models->num && !status; i++) {
+        status = trade_read(&table, models->paths[i], error);
+        if (status) break;
+        if (models->num > 1) printf("%s%s\n", i > 0 ? "\n" : "", models->paths[i]);
+        trade_print(&table, stdout);
+        trade_free(&table);
+    }
+    return status;
 }
 
 static ehd_status export_model(const program *self, const romrun_options *options,
                                ehd_error *error) {
-    const char *const inputs[] = {options->exported, NULL};
+    const char *inputs[MAX_INPUTS];
     online_model *model = NULL;
+    list_inputs(inputs, self, options, options->exported);
     ehd_status status = output_file_check_inputs(self->output, inputs, error);
 
     if (!status) status = online_open(&model, options->exported, &options->sizes, error);
@@ -657,13 +726,17 @@ static ehd_status load_scene(scene *given, char **text, const program *self, ehd
 /* An FMU of one scene. */
 static ehd_status export_fmu(const program *self, const romrun_options *options, ehd_error *error) {
     online_model *model = NULL;
+    ehd_error cause = {""};
     ehd_contact contact;
     scene given;
     char *scene_lines = NULL;
-    const char *const inputs[] = {self->arguments[0], options->model, NULL};
+    const char *inputs[MAX_INPUTS];
+    list_inputs(inputs, self, options, NULL);
     ehd_status status = output_file_check_inputs(self->output, inputs, error);
     if (!status) status = load_scene(&given, &scene_lines, self, error);
     if (!status) status = online_open(&model, options->model, &options->sizes, error);
+    if (!status && discretization_check_in_time(online_grid(model)->discretization, &cause))
+        status = ehd_fail(error, EHD_DATA, "%s: %s", options->model, cause.text);
     if (!status)
         status = contact_load(&contact, &given, self, online_kind(model), options->model, error);
     online_close(model);
@@ -679,16 +752,32 @@ static ehd_status export_fmu(const program *self, const romrun_options *options,
     return status;
 }
 
-/* A flat model is opened for --check; of all other files output_check does it. */
+/* Each model of a list as a file of its own, and that they go together. A flat one is only opened, which
+ * reads and checks all of it. */
+static ehd_status check_models(const char *path, ehd_error *error) {
+    online_model *model = NULL;
+    part_list list;
+    ehd_status status = part_list_read(&list, path, error);
+
+    for (size_t i = 0; i < list.num && !status; i++) {
+        bool is_flat = false;
+        status = online_is_flat(&is_flat, list.paths[i], error);
+        if (!status && !is_flat) status = output_check_file(list.paths[i], model_readers, error);
+    }
+    if (!status) status = online_open(&model, path, NULL, error);
+    online_close(model);
+    part_list_free(&list);
+    return status;
+}
+
+/* Models are opened for --check; of all other files output_check does it. */
 static int check(program *self) {
     bool is_flat = false;
-    online_model *model = NULL;
     ehd_error error = {""};
     ehd_status status = online_is_flat(&is_flat, self->check, &error);
 
-    if (!status && !is_flat) return output_check(self, model_readers);
-    if (!status) status = online_open(&model, self->check, NULL, &error);
-    online_close(model);
+    if (!status && !is_flat && !part_list_is(self->check)) return output_check(self, model_readers);
+    if (!status) status = check_models(self->check, &error);
     return program_finish(self, status, &error);
 }
 
@@ -722,7 +811,7 @@ static void show_cases(const cases_summary *found, const program *self, const ca
 
 static ehd_status solve_cases(const case_list *list, const program *self,
                               const romrun_options *options, ehd_error *error) {
-    const char *const inputs[] = {self->arguments[0], options->cases, options->model, NULL};
+    const char *inputs[MAX_INPUTS];
     const cases_task task = {.caller = self,
                              .model = options->model,
                              .sizes = options->sizes,
@@ -741,6 +830,7 @@ static ehd_status solve_cases(const case_list *list, const program *self,
                             : ehd_fail(error, EHD_MEMORY, "%s: found no memory for %zu scenes",
                                        options->cases, case_list_count(list));
 
+    list_inputs(inputs, self, options, options->cases);
     if (!status) status = cases_solve(rows, &kind, &grid, &found, list, &task, error);
     if (!status) status = case_table_write(rows, list, kind, &grid, self, text, inputs, error);
     if (!status) show_cases(&found, self, list);
@@ -755,9 +845,10 @@ static ehd_status run_cases(const program *self, const romrun_options *given_opt
                             ehd_error *error) {
     romrun_options options = *given_options;
     case_list *list = NULL;
-    const char *const inputs[] = {self->arguments[0], options.cases, options.model, NULL};
+    const char *inputs[MAX_INPUTS];
     ehd_status status = case_table_check(self, error);
 
+    list_inputs(inputs, self, &options, options.cases);
     if (!status && self->output) status = output_file_check_inputs(self->output, inputs, error);
     if (!status)
         status = case_list_read(&list, self->arguments[0], options.cases, self->overrides,
@@ -793,16 +884,15 @@ static ehd_status run_scene(const program *self, const romrun_options *given_opt
                      : run_stationary(self, &options, model, &contact, &given, scene_lines, error);
     }
     if (!status || status == EHD_NOT_CONVERGED || status == EHD_UNTRUSTED)
-        note_content(self, options.model);
+        for (size_t i = 0; i < options.models.num; i++)
+            note_content(self, options.models.paths[i]);
     free(scene_lines);
     return status;
 }
 
-/* Everything between the command line and the exit code. */
-static ehd_status run(const program *self, const romrun_options *options, ehd_error *error) {
-    ehd_status status = check_usage(self, options, error);
-
-    if (status) return status;
+/* With the models that the command line names. */
+static ehd_status run_with_models(const program *self, const romrun_options *options,
+                                  ehd_error *error) {
     if (options->trade) return print_trade(options, error);
     if (options->exported) return export_model(self, options, error);
     if (options->calibrate)
@@ -810,6 +900,17 @@ static ehd_status run(const program *self, const romrun_options *options, ehd_er
                          options->num_jobs ? options->num_jobs : pool_default_workers(), error);
     if (options->fmu) return export_fmu(self, options, error);
     return options->cases ? run_cases(self, options, error) : run_scene(self, options, error);
+}
+
+/* Everything between the command line and the exit code. */
+static ehd_status run(const program *self, romrun_options *options, ehd_error *error) {
+    const char *model = options->exported ? options->exported : options->model;
+    ehd_status status = check_usage(self, options, error);
+
+    if (!status) status = part_list_read(&options->models, model, error);
+    if (!status) status = run_with_models(self, options, error);
+    part_list_free(&options->models);
+    return status;
 }
 
 int main(int argc, char **argv) {

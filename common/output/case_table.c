@@ -47,6 +47,12 @@ static const struct {
     {"point_friction_force", offsetof(case_row, friction_force)},
     {"line_power_loss", offsetof(case_row, power_loss)},
     {"point_power_loss", offsetof(case_row, power_loss)},
+    {"line_rolling_resistance", offsetof(case_row, rolling_resistance)},
+    {"point_rolling_resistance", offsetof(case_row, rolling_resistance)},
+    {"line_rolling_moment", offsetof(case_row, rolling_moment)},
+    {"point_rolling_moment", offsetof(case_row, rolling_moment)},
+    COLUMN(mean_shear_stress),
+    COLUMN(largest_shear_stress),
     COLUMN(indicated_deviation_friction),
     COLUMN(newton_iterations),
     COLUMN(residual_norm),
@@ -80,6 +86,10 @@ case_row case_row_of(const ehd_contact *contact) {
                       .indicated_deviation_friction = NAN,
                       .friction_force = NAN,
                       .power_loss = NAN,
+                      .rolling_resistance = NAN,
+                      .rolling_moment = NAN,
+                      .mean_shear_stress = NAN,
+                      .largest_shear_stress = NAN,
                       .residual_norm = NAN,
                       .solve_seconds = NAN};
 }

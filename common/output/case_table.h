@@ -26,6 +26,8 @@ typedef struct case_row {
     // of a scene that slides:
     double friction_coefficient, indicated_deviation_friction;
     double friction_force, power_loss; // N/m and W/m of a line contact, N and W of a point contact
+    double rolling_resistance, rolling_moment;      // N/m and N, N and N m
+    double mean_shear_stress, largest_shear_stress; // Pa
     double residual_norm;
     double solve_seconds; // s
     char reason[RESULT_REASON];

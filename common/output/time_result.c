@@ -272,14 +272,15 @@ static ehd_status get_restart(double *restart, size_t *num_entries, artefact *fi
 
 ehd_status time_result_resume(artefact **file, double *restart, size_t *num_entries,
                               const program *caller, const ehd_contact *reference,
-                              const char *settings_text, const char *model, const scene *given,
-                              size_t restart_size, ehd_error *error) {
+                              const char *settings_text, const char *const *models,
+                              const scene *given, size_t restart_size, ehd_error *error) {
     *num_entries = 0;
     ehd_status status =
         artefact_resume(file, caller->output, &schema_result, caller, settings_text, error);
 
     // before sizes, which differ too with another model
-    if (!status && model) status = artefact_check_input(*file, "model", model, error);
+    for (size_t i = 0; models && models[i] && !status; i++)
+        status = artefact_check_input(*file, "model", models[i], error);
     if (!status) status = inputs_check_tables(*file, given, error);
     if (!status) status = check_same_run(*file, reference, restart_size, error);
     if (!status && restart_size > 0)

@@ -89,8 +89,8 @@ ehd_status time_result_resume(
     size_t *num_entries, // 0: there was no checkpoint yet
     // input:
     const program *caller, const ehd_contact *reference, const char *settings_text,
-    const char *model,  // path, NULL: none
-    const scene *given, // says which tables are read
+    const char *const *models, // paths, ended by NULL; NULL: none
+    const scene *given,        // says which tables are read
     size_t restart_size, ehd_error *error);
 
 /* Ends streaming, writes the summary and gives the file its name. The file is closed in any case;

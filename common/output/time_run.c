@@ -4,6 +4,7 @@
 #include "common/output/grid_file.h"
 #include "common/output/inputs.h"
 #include "common/output/time_result.h"
+#include "common/settings/part_list.h"
 #include "common/time/surface.h"
 
 #include <limits.h>
@@ -265,7 +266,7 @@ static ehd_status resume(bool *resumed, runner *self, ehd_error *error) {
     size_t size = AT_SOLVER + solver->saved_size(solver->self), num_entries = 0;
     ehd_status status =
         time_result_resume(&self->file, self->restart, &num_entries, task->caller, task->reference,
-                           task->settings_text, task->model, task->given, size, error);
+                           task->settings_text, task->models, task->given, size, error);
 
     *resumed = false;
     if (status == EHD_NOINPUT) return EHD_OK;
@@ -291,10 +292,11 @@ static ehd_status resume(bool *resumed, runner *self, ehd_error *error) {
 static ehd_status create(runner *self, ehd_error *error) {
     const time_run_task *task = self->task;
     const march_solver *solver = &self->march.solver;
-    const char *inputs[MAX_TABLES + 4]; // scene, model, tables, another file, NULL
+    const char *inputs[MAX_TABLES + MAX_PARTS + 4]; // scene, models, tables, another file, NULL
     size_t num_inputs = inputs_add(inputs, 0, task->caller->arguments[0]);
 
-    num_inputs = inputs_add(inputs, num_inputs, task->model);
+    for (size_t i = 0; task->models && task->models[i]; i++)
+        num_inputs = inputs_add(inputs, num_inputs, task->models[i]);
     num_inputs = inputs_add_tables(inputs, num_inputs, task->given);
     num_inputs = inputs_add(inputs, num_inputs, task->input);
     inputs[num_inputs] = NULL;
@@ -450,7 +452,7 @@ static ehd_status judge(const runner *self, ehd_status outcome, ehd_error *error
         return ehd_fail(error, EHD_UNTRUSTED,
                         "%s: found %s, first at T = %g, expected a result to be trusted%s", path,
                         self->march.untrusted, self->march.state.untrusted_since,
-                        task->model ? " (--allow-untrusted takes it all the same)" : "");
+                        task->advice ? task->advice : "");
     return EHD_OK;
 }
 
@@ -475,7 +477,7 @@ static ehd_status prepare(runner *self, ehd_histories **histories, ehd_error *er
     size_t num_nodes = grid->num_nodes;
     bool whole;
     ehd_status status =
-        (task->model ? histories_init_forward : histories_init)(histories, task->given, error);
+        (task->models ? histories_init_forward : histories_init)(histories, task->given, error);
 
     if (status) return status;
     self->march =

@@ -23,11 +23,13 @@ typedef struct time_run_task {
     const scene *given;
     const ehd_contact *reference;
     const char *settings_text;
-    const char *model; // path of what the solver was made of beside the scene, NULL: nothing
+    // paths of what the solver was made of beside the scene, ended by NULL; NULL: nothing
+    const char *const *models;
     const char *input; // path of another file that was read, NULL: none
     march_solver solver;
     double accuracy; // indicated to deviate by more, a step is not to be trusted; 0: it is
     bool with_fields, resume, allow_untrusted;
+    const char *advice;    // behind the line that says so, what would help; NULL: nothing
     const char *untrusted; // why no entry is to be trusted; NULL: that is so of single ones only
     /* Seconds that this solver spent on parts of the work so far; NaN: not measured apart. */
     void (*effort)(double *rows, double *linear, double *exit, const void *solver);

@@ -75,7 +75,7 @@ void traction_print(const contact_traction *traction, const ehd_contact *contact
     for (size_t i = 0; i < NUM_TRACTION; i++) {
         const char *unit = units[contact->kind->dimensions > 1][i];
         const double value = value_of(traction, i);
-        printf("%-24s%-14.8g", traction_entries[i].text, value);
+        printf("%-24s%-*.8g", traction_entries[i].text, *unit ? 14 : 0, value);
         if (*unit) printf("%.6g %s", value * scales[i], unit);
         putchar('\n');
     }

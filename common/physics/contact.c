@@ -115,7 +115,8 @@ static double far_rectangle(double x, double y, double along, double across) {
 /* (2/pi^2) iint 1/r over the cell (README.md, deflection), which of an ellipse is a rectangle. */
 static double point_kernel(const contact_shape *shape, double x, double lines, double step) {
     const double k = shape->ellipticity, y = k * lines, width = k * (shape->cell * step);
-    const double scale = 2 / (M_PI * M_PI) / (shape->compliance * k), side = fmax(step, width);
+    const double of_circle = 2 / (M_PI * M_PI), side = width > step ? width : step;
+    const double scale = k == 1 ? of_circle : of_circle / (shape->compliance * k);
 
     if (x * x + y * y > FAR_CELL * FAR_CELL * side * side)
         return scale * (k == 1 ? far_cell(x, y, step) : far_rectangle(x, y, step, width));

@@ -6,23 +6,32 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* Columns that are transformed one after the other: those that a line of the processor's cache holds. */
+enum { COLUMNS = 8 };
+/* Numbers after a column or a line, so that those of a power of two do not share places in the cache. */
+enum { APART = 8 };
+/* Lines that are one part of what a team shares. */
+enum { LINES = 2 };
+
 /* Kernel and pressure are real, and the kernel is even in x and y, so that its Fourier transform is
  * real too. All transforms are FFTW's of real numbers to complex ones, which take a third of the
  * time of its real-to-real ones. On a half grid, which is even across, those across come first: of
- * the mirrored columns, whose transforms are real again and their own inverse. */
+ * the mirrored columns, whose transforms are real again and their own inverse. Its columns and lines
+ * are transformed one by one, in a work space that stays in the cache. */
 struct ehd_deflection {
     ehd_grid grid;
     size_t length, period; // of the transforms along and across
     size_t lines;          // of the transform across that differ: of a half grid half of the period
     double *kernel;        // [grid lines, grid width]
     double *transfer;      // [lines, length / 2 + 1], of the kernel
-    double *signal;        // [lines, length]
-    fftw_complex *spectrum; // [lines, length / 2 + 1], of the signal
-    fftw_plan forward, backward;
+    double *signal;        // [lines, length], of a half grid [lines, grid width]
+    fftw_complex *spectrum;      // [lines, length / 2 + 1], of the signal; of a half grid NULL
+    fftw_plan forward, backward; // of a half grid of one line
     // of a half grid:
-    double *column;     // [grid width, period] mirrored columns, in the spectrum's memory
-    fftw_complex *wave; // [grid width, period / 2 + 1] their transforms
-    fftw_plan across;
+    fftw_plan across;   // of a column
+    team *threads;      // that transform them; NULL: none
+    size_t work_size;   // numbers
+    double *work_space; // [team_size, work_size]
 };
 
 // FFTW's planner is not thread-safe
@@ -54,23 +63,42 @@ static size_t spectrum_width(const ehd_deflection *self) {
     return self->length / 2 + 1;
 }
 
+/* Mirrored columns, apart from one another, and behind them the transform of one; or a line and its
+ * transform. */
+static size_t column_size(const ehd_deflection *self) {
+    return self->period + APART;
+}
+
+static size_t work_size(const ehd_deflection *self) {
+    const size_t columns = COLUMNS * column_size(self) + self->period + 2;
+    const size_t line = self->length + APART + 2 * spectrum_width(self);
+
+    return ((columns > line ? columns : line) / APART + 2) * APART;
+}
+
+static double *work_of(const ehd_deflection *self, const team_part *part) {
+    return self->work_space + part->member * self->work_size;
+}
+
 static void make_plans(ehd_deflection *self) {
     const int sizes[2] = {(int)self->period, (int)self->length};
-    const int width = (int)grid_width(&self->grid), half_period = sizes[0] / 2 + 1;
-    const bool half = self->column != NULL;
-    // a half grid's lines one by one
-    const int rank = half || self->period == 1 ? 1 : 2, count = half ? (int)self->lines : 1;
-    const int wide = (int)spectrum_width(self);
+    double *work = self->work_space;
 
     // estimated plans: measured ones would differ, and with them the rounding, from run to run
     pthread_mutex_lock(&planner_lock);
-    self->forward = fftw_plan_many_dft_r2c(rank, sizes + 2 - rank, count, self->signal, NULL, 1,
-                                           sizes[1], self->spectrum, NULL, 1, wide, FFTW_ESTIMATE);
-    self->backward = fftw_plan_many_dft_c2r(rank, sizes + 2 - rank, count, self->spectrum, NULL, 1,
-                                            wide, self->signal, NULL, 1, sizes[1], FFTW_ESTIMATE);
-    if (half)
-        self->across = fftw_plan_many_dft_r2c(1, sizes, width, self->column, NULL, 1, sizes[0],
-                                              self->wave, NULL, 1, half_period, FFTW_ESTIMATE);
+    if (work) { // of one line, one column
+        fftw_complex *line = (fftw_complex *)(work + self->length + APART);
+        fftw_complex *column = (fftw_complex *)(work + COLUMNS * column_size(self));
+        self->forward = fftw_plan_dft_r2c_1d(sizes[1], work, line, FFTW_ESTIMATE);
+        self->backward = fftw_plan_dft_c2r_1d(sizes[1], line, work, FFTW_ESTIMATE);
+        self->across = fftw_plan_dft_r2c_1d(sizes[0], work, column, FFTW_ESTIMATE);
+    } else {
+        const int rank = self->period == 1 ? 1 : 2;
+        self->forward =
+            fftw_plan_dft_r2c(rank, sizes + 2 - rank, self->signal, self->spectrum, FFTW_ESTIMATE);
+        self->backward =
+            fftw_plan_dft_c2r(rank, sizes + 2 - rank, self->spectrum, self->signal, FFTW_ESTIMATE);
+    }
     pthread_mutex_unlock(&planner_lock);
 }
 
@@ -93,11 +121,34 @@ double deflection_influence(const contact_kind *kind, const ehd_grid *grid, doub
     return here - curvature / 24;
 }
 
+typedef struct kernel_task {
+    const contact_kind *kind;
+    ehd_deflection *of;
+    double *signal; // [period, length] periodic and mirrored
+} kernel_task;
+
+/* Lines of the kernel, up to half of the period. */
+static void evaluate_kernel(void *context, const team_part *part) {
+    const kernel_task *task = context;
+    const ehd_deflection *self = task->of;
+    const ehd_grid *grid = &self->grid;
+    const size_t width = grid_width(grid);
+
+    for (size_t l = part->first; l < part->end; l++) {
+        double *line = task->signal + l * self->length;
+        for (size_t d = 0; d < self->length; d++) {
+            const size_t along = wrapped(d, self->length);
+            line[d] = along < d ? line[along]
+                                : deflection_influence(task->kind, grid, (double)d * grid->step,
+                                                       (double)l * grid_step_across(grid));
+        }
+        if (l < grid_lines(grid)) memcpy(self->kernel + l * width, line, width * sizeof *line);
+    }
+}
+
 /* The kernel's transform; false: no memory. */
 static bool make_transfer(ehd_deflection *self, const contact_kind *kind) {
-    const ehd_grid *grid = &self->grid;
-    const size_t width = grid_width(grid), wide = spectrum_width(self);
-    const double step = grid->step, step_across = grid_step_across(grid);
+    const size_t wide = spectrum_width(self);
     const double scale = 1 / ((double)self->length * (double)self->period);
     double *signal = fftw_alloc_real(self->period * self->length);
     fftw_complex *spectrum = fftw_alloc_complex(self->period * wide);
@@ -109,19 +160,14 @@ static bool make_transfer(ehd_deflection *self, const contact_kind *kind) {
                                     FFTW_ESTIMATE);
         pthread_mutex_unlock(&planner_lock);
     }
-    for (size_t l = 0; l < grid_lines(grid); l++)
-        for (size_t d = 0; d < width; d++)
-            self->kernel[l * width + d] =
-                deflection_influence(kind, grid, (double)d * step, (double)l * step_across);
-    for (size_t l = 0; l < self->period && plan; l++)
-        for (size_t d = 0; d < self->length; d++) {
-            const size_t across = wrapped(l, self->period), along = wrapped(d, self->length);
-            signal[l * self->length + d] =
-                along < d || across < l // a mirrored one, that stands there already
-                    ? signal[across * self->length + along]
-                    : deflection_influence(kind, grid, (double)d * step, (double)l * step_across);
-        }
-    if (plan) fftw_execute(plan);
+    kernel_task task = {kind, self, signal};
+    if (plan) {
+        team_share(self->threads, self->period / 2 + 1, LINES, evaluate_kernel, &task);
+        for (size_t l = self->period / 2 + 1; l < self->period; l++)
+            memcpy(signal + l * self->length, signal + (self->period - l) * self->length,
+                   self->length * sizeof *signal);
+        fftw_execute(plan);
+    }
     for (size_t k = 0; k < self->lines * wide && plan; k++)
         self->transfer[k] = scale * spectrum[k][0];
     pthread_mutex_lock(&planner_lock);
@@ -132,32 +178,39 @@ static bool make_transfer(ehd_deflection *self, const contact_kind *kind) {
     return plan != NULL;
 }
 
-ehd_deflection *deflection_create(const contact_kind *kind, const ehd_grid *grid) {
+ehd_deflection *deflection_create_shared(const contact_kind *kind, const ehd_grid *grid,
+                                         team *threads) {
     ehd_deflection *self = calloc(1, sizeof *self);
     if (!self) return NULL;
     const size_t width = grid_width(grid);
     const bool half = kind->dimensions > 1 && grid->half;
 
     self->grid = *grid;
+    self->threads = threads;
     self->length = smooth_length(2 * width);
     self->period = kind->dimensions > 1 ? period_across(grid) : 1;
     self->lines = half ? self->period / 2 + 1 : self->period;
 
     const size_t in_spectrum = self->lines * spectrum_width(self);
-    const size_t in_columns = half ? width * (self->period / 2 + 1) : 0;
     self->kernel = malloc(grid->num_nodes * sizeof(double));
     self->transfer = malloc(in_spectrum * sizeof(double));
-    self->signal = fftw_alloc_real(self->lines * self->length);
-    self->spectrum = fftw_alloc_complex(in_spectrum > in_columns ? in_spectrum : in_columns);
-    if (half) self->wave = fftw_alloc_complex(in_columns);
-    if (!self->kernel || !self->transfer || !self->signal || !self->spectrum ||
-        (half && !self->wave))
+    self->signal = fftw_alloc_real(self->lines * (half ? width : self->length));
+    if (half) {
+        self->work_size = work_size(self);
+        self->work_space = fftw_alloc_real(team_size(threads) * self->work_size);
+    } else
+        self->spectrum = fftw_alloc_complex(in_spectrum);
+    if (!self->kernel || !self->transfer || !self->signal ||
+        !(half ? (void *)self->work_space : (void *)self->spectrum))
         return deflection_free(self);
-    if (half) self->column = &self->spectrum[0][0];
     make_plans(self);
     if (!self->forward || !self->backward || (half && !self->across) || !make_transfer(self, kind))
         return deflection_free(self);
     return self;
+}
+
+ehd_deflection *deflection_create(const contact_kind *kind, const ehd_grid *grid) {
+    return deflection_create_shared(kind, grid, NULL);
 }
 
 ehd_deflection *deflection_free(ehd_deflection *self) {
@@ -169,7 +222,7 @@ ehd_deflection *deflection_free(ehd_deflection *self) {
         pthread_mutex_unlock(&planner_lock);
         fftw_free(self->signal);
         fftw_free(self->spectrum);
-        fftw_free(self->wave);
+        fftw_free(self->work_space);
         free(self->transfer);
         free(self->kernel);
         free(self);
@@ -181,59 +234,95 @@ const double *deflection_kernel(const ehd_deflection *self) {
     return self->kernel;
 }
 
-/* Transforms the columns of `count` lines, `stride` apart, mirrored at the first one and at half of
- * the period: to self->wave. */
-static void transform_across(ehd_deflection *self, const double *lines, size_t count,
-                             size_t stride) {
-    const size_t width = grid_width(&self->grid), period = self->period;
+/* Lines of a half grid, or of its transform across, and where to: two of the same form. */
+typedef struct across_task {
+    ehd_deflection *of;
+    const double *from; // [num_from, grid width]
+    double *to;         // [num_to, grid width]
+    size_t num_from, num_to;
+} across_task;
 
-    memset(self->column, 0, width * period * sizeof(double));
-    for (size_t c = 0; c < width; c++) {
-        double *column = self->column + c * period;
-        for (size_t l = 0; l < count; l++) {
-            column[l] = lines[l * stride + c];
+/* Some columns, mirrored at the first line and at half of the period. */
+static void transform_columns(void *context, const team_part *part) {
+    const across_task *task = context;
+    const ehd_deflection *self = task->of;
+    const size_t width = grid_width(&self->grid), period = self->period, apart = column_size(self);
+    const size_t count = part->end - part->first;
+    double *columns = work_of(self, part);
+    fftw_complex *wave = (fftw_complex *)(columns + COLUMNS * apart);
+
+    for (size_t l = 0; l < task->num_from; l++)
+        for (size_t c = 0; c < count; c++) {
+            double *column = columns + c * apart;
+            column[l] = task->from[l * width + part->first + c];
             if (l > 0) column[period - l] = column[l];
         }
+    for (size_t c = 0; c < count; c++) {
+        double *column = columns + c * apart;
+        for (size_t l = task->num_from; l + task->num_from <= period; l++)
+            column[l] = 0;
+        fftw_execute_dft_r2c(self->across, column, wave);
+        for (size_t l = 0; l < task->num_to; l++) // real, but for rounding
+            column[l] = wave[l][0];
     }
-    fftw_execute(self->across);
+    for (size_t l = 0; l < task->num_to; l++)
+        for (size_t c = 0; c < count; c++)
+            task->to[l * width + part->first + c] = columns[c * apart + l];
 }
 
-/* The real part of self->wave, on lines again. */
-static void take_lines(double *lines, const ehd_deflection *self, size_t count, size_t stride) {
-    const size_t width = grid_width(&self->grid), half_period = self->period / 2 + 1;
+static void transform_across(ehd_deflection *self, double *to, size_t num_to, const double *from,
+                             size_t num_from) {
+    across_task task = {self, from, to, num_from, num_to};
 
-    for (size_t l = 0; l < count; l++)
-        for (size_t c = 0; c < width; c++)
-            lines[l * stride + c] = self->wave[c * half_period + l][0];
+    team_share(self->threads, grid_width(&self->grid), COLUMNS, transform_columns, &task);
 }
 
-/* The transform along, times the kernel's, and back. */
-static void convolve(ehd_deflection *self) {
-    const size_t count = self->lines * spectrum_width(self);
-
-    fftw_execute(self->forward);
+/* Transforms, times the kernel's. */
+static void filter(fftw_complex *spectrum, const double *transfer, size_t count) {
     for (size_t k = 0; k < count; k++) {
-        self->spectrum[k][0] *= self->transfer[k];
-        self->spectrum[k][1] *= self->transfer[k];
+        spectrum[k][0] *= transfer[k];
+        spectrum[k][1] *= transfer[k];
     }
-    fftw_execute(self->backward);
+}
+
+/* The transform along, times the kernel's, and back, of some lines. */
+static void convolve_lines(void *context, const team_part *part) {
+    const ehd_deflection *self = context;
+    const size_t width = grid_width(&self->grid), wide = spectrum_width(self);
+    double *line = work_of(self, part);
+    fftw_complex *spectrum = (fftw_complex *)(line + self->length + APART);
+
+    for (size_t l = part->first; l < part->end; l++) {
+        memcpy(line, self->signal + l * width, width * sizeof *line);
+        memset(line + width, 0, (self->length - width) * sizeof *line);
+        fftw_execute_dft_r2c(self->forward, line, spectrum);
+        filter(spectrum, self->transfer + l * wide, wide);
+        fftw_execute_dft_c2r(self->backward, spectrum, line);
+        memcpy(self->signal + l * width, line, width * sizeof *line);
+    }
+}
+
+static void apply_to_half(double *delta, ehd_deflection *self, const double *pressure) {
+    const size_t num_lines = grid_lines(&self->grid);
+
+    transform_across(self, self->signal, self->lines, pressure, num_lines);
+    team_share(self->threads, self->lines, LINES, convolve_lines, self);
+    transform_across(self, delta, num_lines, self->signal, self->lines);
 }
 
 void deflection_apply(double *delta, ehd_deflection *self, const double *pressure) {
     const size_t width = grid_width(&self->grid), num_lines = grid_lines(&self->grid);
 
-    memset(self->signal, 0, self->lines * self->length * sizeof(double));
     if (self->across) {
-        transform_across(self, pressure, num_lines, width);
-        take_lines(self->signal, self, self->lines, self->length);
-        convolve(self);
-        transform_across(self, self->signal, self->lines, self->length);
-        take_lines(delta, self, num_lines, width);
+        apply_to_half(delta, self, pressure);
         return;
     }
+    memset(self->signal, 0, self->lines * self->length * sizeof(double));
     for (size_t l = 0; l < num_lines; l++)
         memcpy(self->signal + l * self->length, pressure + l * width, width * sizeof(double));
-    convolve(self);
+    fftw_execute(self->forward);
+    filter(self->spectrum, self->transfer, self->lines * spectrum_width(self));
+    fftw_execute(self->backward);
     for (size_t l = 0; l < num_lines; l++)
         memcpy(delta + l * width, self->signal + l * self->length, width * sizeof(double));
 }

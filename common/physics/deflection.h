@@ -5,6 +5,7 @@
 
 #include "common/physics/contact.h"
 #include "common/program/status.h"
+#include "common/program/team.h"
 #include <stddef.h>
 
 typedef struct ehd_deflection ehd_deflection;
@@ -12,6 +13,10 @@ typedef struct ehd_deflection ehd_deflection;
 /* May be called from several threads; each thread applies an object of its own. Returns NULL when
  * out of memory. */
 ehd_deflection *deflection_create(const contact_kind *kind, const ehd_grid *grid);
+/* The same, of a half grid with lines and columns that those threads transform, which its caller frees after
+ * it; the bits are those of one thread. NULL: none. */
+ehd_deflection *deflection_create_shared(const contact_kind *kind, const ehd_grid *grid,
+                                         team *threads);
 ehd_deflection *deflection_free(ehd_deflection *deflection); // accepts and returns NULL
 
 /* Deflection at a distance (along, across) from a node of unit pressure: that of its cell (eq. 10

@@ -70,6 +70,11 @@ reynolds_stencil reynolds_stencil_reversed(const ehd_grid *grid, size_t node) {
     stencil.node[NODE_BACK] = node + 1;
     stencil.node[NODE_AHEAD] = node - 1;
     stencil.node[NODE_AHEAD2] = wide && column > 1 ? node - 2 : NO_NODE;
+    if (grid->discretization != DISCRETIZATION_CROSS_FLUX) return stencil;
+    stencil.node[NODE_BACK_LEFT] = node_across(grid, node + 1, -1);
+    stencil.node[NODE_BACK_RIGHT] = node_across(grid, node + 1, 1);
+    stencil.node[NODE_AHEAD_LEFT] = node_across(grid, node - 1, -1);
+    stencil.node[NODE_AHEAD_RIGHT] = node_across(grid, node - 1, 1);
     return stencil;
 }
 
@@ -88,6 +93,16 @@ reynolds_fluid reynolds_fluid_in(double *memory, size_t num_nodes, const ehd_con
         .between = accurate && !contact->lubricant.viscosity->exponential ? contact : NULL,
         .thinned = traction_thins_flow(contact) ? contact : NULL,
         .thinning = traction_thinning_rate(contact) / contact->lambda};
+}
+
+reynolds_fluid reynolds_fluid_from(const reynolds_fluid *fluid, size_t first_node) {
+    reynolds_fluid from = *fluid;
+    double **arrays[] = {&from.mobility, &from.mobility_slope, &from.log_mobility, &from.density,
+                         &from.density_slope};
+
+    for (size_t i = 0; i < NUM_FLUID_ARRAYS; i++)
+        if (*arrays[i]) *arrays[i] += first_node;
+    return from;
 }
 
 void reynolds_fluid_evaluate(reynolds_fluid *fluid, const ehd_contact *contact,

@@ -64,6 +64,9 @@ enum { NUM_FLUID_ARRAYS = 5 };
  * the contact. */
 reynolds_fluid reynolds_fluid_in(double *memory, size_t num_nodes, const ehd_contact *contact);
 
+/* The same fluid from one of its nodes on. */
+reynolds_fluid reynolds_fluid_from(const reynolds_fluid *fluid, size_t first_node);
+
 /* The BDF time derivative of rho H at the nodes of the rows: rate * rho H + previous. */
 typedef struct reynolds_squeeze {
     double rate; // 1 / dimensionless time

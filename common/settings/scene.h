@@ -107,8 +107,9 @@ typedef struct scene {
     surface_settings surface;     // only when transient
 } scene;
 
-// of a grid, of which those of a point contact are checked against memory first; of a line contact
-enum { MAX_NODES = 100000000, MAX_LINE_NODES = 2000000 };
+// of a grid, of which those of a point contact are checked against memory first: results have twice as many, in both
+// halves, which files may have; of a line contact
+enum { MAX_NODES = 50000000, MAX_LINE_NODES = 2000000 };
 
 typedef enum setting_type {
     SETTING_CHOICE,

@@ -50,26 +50,27 @@ static ehd_status check_whole(const scene_source *source, const char *name, cons
                       count->all, count->missing);
 }
 
-/* Whether it has all keys of physical but the viscosity, which the law has. A lubricant that is wrong
- * is told elsewhere. */
-static bool has_viscosity_of_law(const key_count *physical, const scene *of) {
+/* Whether the law has the viscosity that `physical` lacks. A lubricant that is wrong is told elsewhere. */
+static bool has_viscosity_of_law(const scene *of) {
     ehd_lubricant lubricant;
-    return physical->given + 1 == physical->all && isnan(of->physical.viscosity) &&
+    return isnan(of->physical.viscosity) &&
            (lubricant_init(&lubricant, &of->lubricant, NULL) || !isnan(lubricant.eta0));
 }
 
 /* The five of `physical` that every contact needs: either the mean speed counts, or both surfaces'
- * where one of them is given. */
-static key_count count_physical(bool *both_speeds, const scene *of) {
+ * where one of them is given, and the viscosity only where the law has none. */
+static key_count count_physical(bool *both_speeds, bool viscosity_of_law, const scene *of) {
     static const char *const own[] = {"physical.speed_1", "physical.speed_2"};
     const setting *mean = setting_find("physical.speed");
     const setting *surfaces[] = {setting_find(own[0]), setting_find(own[1])};
+    const setting *known = viscosity_of_law ? setting_find("physical.viscosity") : NULL;
     key_count count = {0};
 
     *both_speeds = setting_is_given(surfaces[0], of) || setting_is_given(surfaces[1], of);
     for (const setting *row = scene_settings(); row->key; row++) {
         const bool of_surface = row == surfaces[0] || row == surfaces[1];
         if (strncmp(row->key, "physical.", strlen("physical.")) != 0 || row->when[0].key) continue;
+        if (row == known) continue;
         if (row == mean ? !*both_speeds : of_surface ? *both_speeds : true)
             count_key(&count, row, of);
     }
@@ -99,7 +100,8 @@ static ehd_status check_speeds(const scene_source *source, bool both_speeds, ehd
 static ehd_status check_operating_point(const scene_source *source, ehd_error *error) {
     const key_count moes = count_below("moes.", &source->values);
     bool both_speeds;
-    const key_count physical = count_physical(&both_speeds, &source->values);
+    const bool viscosity_of_law = moes.given == 0 && has_viscosity_of_law(&source->values);
+    const key_count physical = count_physical(&both_speeds, viscosity_of_law, &source->values);
     const place where = place_of_file(source);
     if (moes.given == 0 && physical.given == 0)
         return place_fail(error, where, "moes: found neither moes nor physical, expected one");
@@ -107,8 +109,8 @@ static ehd_status check_operating_point(const scene_source *source, ehd_error *e
         return place_fail(error, where, "moes: found moes and physical, expected only one");
     ehd_status status = check_whole(source, "moes", &moes, error);
     if (!status) status = check_speeds(source, both_speeds, error);
-    if (status || has_viscosity_of_law(&physical, &source->values)) return status;
-    return check_whole(source, "physical", &physical, error);
+    if (!status) status = check_whole(source, "physical", &physical, error);
+    return status;
 }
 
 /* The traction's stresses are in pascals, and a law of shear is for the traction. */

@@ -299,13 +299,20 @@ static void add_history(int quantity) {
     }
 }
 
+/* The row of a key among those before a row; most conditions are on the first rows. NULL: none. */
+static const setting *row_before(const setting *row, const char *key) {
+    for (const setting *other = table.rows; other < row; other++)
+        if (*other->key == *key && strcmp(other->key, key) == 0) return other;
+    return NULL;
+}
+
 /* Looked up once: each case of a table of cases asks for all of them. */
 static void find_conditions(void) {
-    for (size_t r = 0; r < table.num_rows; r++)
-        for (size_t i = 0; i < MAX_CONDITIONS && table.rows[r].when[i].key; i++)
-            for (size_t other = 0; other < r; other++)
-                if (strcmp(table.rows[other].key, table.rows[r].when[i].key) == 0)
-                    table.of_condition[r][i] = &table.rows[other];
+    for (size_t r = 0; r < table.num_rows; r++) {
+        const setting *row = &table.rows[r];
+        for (size_t i = 0; i < MAX_CONDITIONS && row->when[i].key; i++)
+            table.of_condition[r][i] = row_before(row, row->when[i].key);
+    }
 }
 
 static void make_table(void) {
@@ -332,7 +339,7 @@ const setting *scene_settings(void) {
 
 const setting *setting_find(const char *key) {
     for (const setting *row = scene_settings(); row->key; row++)
-        if (strcmp(row->key, key) == 0) return row;
+        if (*row->key == *key && strcmp(row->key, key) == 0) return row;
     return NULL;
 }
 

@@ -84,6 +84,14 @@ void accuracy_judge(run_result *result, double accuracy) {
              given ? "the --accuracy of " : "holds without --accuracy, ", limit);
 }
 
+void accuracy_judge_peak(run_result *result, double accuracy, double peak) {
+    if (result->status || !(peak > trade_pressures_allowed * accuracy)) return;
+    result->status = EHD_UNTRUSTED;
+    snprintf(result->reason, sizeof result->reason,
+             "an indicated deviation of %.2g p_H of the largest pressure, more than %g times that",
+             peak, trade_pressures_allowed);
+}
+
 ehd_status accuracy_read_limit(void *limits, const char *argument, ehd_error *error) {
     accuracy_limits *self = limits;
     const char *equals = strchr(argument, '=');

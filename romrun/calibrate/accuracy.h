@@ -32,6 +32,11 @@ double accuracy_limit(double accuracy);
  * accuracy, 1 % where that is 0: not given. */
 void accuracy_judge(run_result *result, double accuracy);
 
+/* Sets EHD_UNTRUSTED where the largest pressure is indicated to deviate by more than goes with the
+ * accuracy: where there is a more accurate size, that is to solve it. */
+void accuracy_judge_peak(run_result *result, double accuracy,
+                         double peak); // of online_indicate_peak; NaN: not known, and so let pass
+
 /* Limits of --accuracy-of, by indicated_quantity; 0: none. */
 typedef struct accuracy_limits {
     double of[NUM_INDICATED];

@@ -6,7 +6,7 @@
 #include "common/physics/laws.h"
 #include "common/program/program.h"
 #include "common/time/march.h"
-#include "romrun/online/reduced_march.h"
+#include "romrun/online/parts_march.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -416,14 +416,15 @@ static ehd_status repeat(bool *lost, repetition *sum, step_samples *steps,
     if (status) return status;
 
     const march_solver solver = online_march(in_time);
-    reduced_march_indicate(solver.self, (film_factors){1, 1, 0}); // it is asked for its bounds
+    reduced_march *const reduced = parts_march_part(solver.self, 0);
+    reduced_march_indicate(reduced, (film_factors){1, 1, 0}); // it is asked for its bounds
     for (size_t i = 0; i < wanted->num_steps && !status && !outcome.status; i++) {
         double before = program_seconds();
         status = repeat_step(&outcome, &solver, &wanted->steps[i], i == 0, error);
         double seconds = program_seconds() - before;
         if (program_interrupted()) status = ehd_fail(error, EHD_INTERRUPTED, "%s", "");
         if (status || outcome.status) break;
-        const film_bounds bounds = reduced_march_bounds(solver.self);
+        const film_bounds bounds = reduced_march_bounds(reduced);
         add_step(&here, steps, &outcome, &bounds, &wanted->steps[i], wanted->reference);
         if (i == 0) continue; // the start
         here.seconds += seconds;

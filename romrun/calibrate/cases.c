@@ -39,12 +39,12 @@ typedef struct worker {
 
 static ehd_status open_models(batch *self, ehd_error *error) {
     const cases_task *task = self->task;
-    const model_sizes *const sizes[NUM_SIZES] = {&task->sizes, &task->most_accurate};
+    const part_sizes *const sizes[NUM_SIZES] = {&task->sizes, &task->most_accurate};
     ehd_status status = EHD_OK;
 
     for (int m = 0; m < NUM_SIZES && !status; m++) {
         const bool same = m > 0 && memcmp(sizes[m], sizes[0], sizeof *sizes[0]) == 0;
-        if (m > 0 && (same || sizes[m]->pressure_modes == 0)) continue;
+        if (m > 0 && (same || sizes[m]->of[0].pressure_modes == 0)) continue;
         status = online_open(&self->models[m].model, task->model, sizes[m], error);
         if (status) break;
         const online_properties properties = online_describe(self->models[m].model);
@@ -87,6 +87,10 @@ static void add_traction(case_row *row, online_solver *solver, const ehd_contact
     row->friction_coefficient = found.coefficient;
     row->friction_force = found.friction * contact->load;
     row->power_loss = found.power * contact->load * contact->speed;
+    row->rolling_resistance = found.rolling_resistance * contact->load;
+    row->rolling_moment = found.rolling_moment * contact->load * contact->half_width;
+    row->mean_shear_stress = found.mean_stress * contact->hertz_pressure;
+    row->largest_shear_stress = found.largest_stress * contact->hertz_pressure;
     row->indicated_deviation_friction = online_indicate_friction(solver, contact, found.friction);
 }
 
@@ -106,6 +110,11 @@ static ehd_status solve_with(case_row *row, bool *trusted, const batch *self, co
     }
     reduced_result_judge(&result, self->models[m].unchecked, task->accuracy, task->limits);
     *trusted = !result.status;
+    if (*trusted && m == 0 && own->solvers[1]) {
+        run_result peak = result;
+        accuracy_judge_peak(&peak, task->accuracy, online_indicate_peak(own->solvers[m]));
+        *trusted = !peak.status;
+    }
     const double before = isnan(row->solve_seconds) ? 0 : row->solve_seconds;
     *row = case_row_of(contact);
     row->status = result_stored_status(result.status);

@@ -5,15 +5,14 @@
 
 #include "common/output/case_table.h"
 #include "romrun/calibrate/accuracy.h"
-#include "romrun/model/sizes.h"
+#include "romrun/online/online.h"
 
 typedef struct cases_task {
     const program *caller; // arguments[0] is the scene
     const char *model;     // path
-    model_sizes sizes;
-    model_sizes
-        most_accurate; // where a result of `sizes` is not to be trusted; without modes: none
-    double accuracy;   // 0: not given
+    part_sizes sizes;
+    part_sizes most_accurate; // where a result of `sizes` is not to be trusted; without modes: none
+    double accuracy;          // 0: not given
     const accuracy_limits *limits;
     size_t num_jobs; // threads
 } cases_task;

@@ -27,7 +27,7 @@ struct fallback_march {
     double accuracy;      // of the films that a reduced step indicates
     double limit;         // of a reduced film's deviation from the full one, over the central film
     const char *distrust; // why all steps are the full model's; NULL: they are not
-    reduced_march *reduced;
+    parts_march *reduced;
     full_march *full;
     march_solver of_reduced, of_full;
     standing now;
@@ -51,16 +51,15 @@ fallback_march *fallback_march_free(fallback_march *self) {
     return NULL;
 }
 
-ehd_status fallback_march_create(fallback_march **created, reduced_march *reduced,
-                                 double start_film, double accuracy, const char *distrust,
-                                 ehd_error *error) {
+ehd_status fallback_march_create(fallback_march **created, parts_march *reduced, double start_film,
+                                 double accuracy, const char *distrust, ehd_error *error) {
     // a load of +-30 % where 20 % were trained, an accuracy of 1 %: within 1, 1/2, 1/4, 1/10 and 1/20
     // of it the central film is 0.24, 0.07, 0.06, 0.06 and 0.02 % off at worst, the minimum film 25,
     // 10, 1.7, 0.57 and 0.06 %, with 330, 330, 343, 348 and 369 of 640 steps by the full model; after
     // a load step by 20 % the central film 0.19, 0.19, 0.15, 0.07 and 0.07 % off, with 32 … 52 of 619
     const double part = 0.1;
     const full_settings settings = full_default_settings();
-    const ehd_contact *reference = reduced_march_reference(reduced);
+    const ehd_contact *reference = reduced_march_reference(parts_march_part(reduced, 0));
     const ehd_grid *grid = &reference->grid;
     fallback_march *self = calloc(1, sizeof *self);
 
@@ -72,7 +71,7 @@ ehd_status fallback_march_create(fallback_march **created, reduced_march *reduce
     self->distrust = distrust;
     self->now.since = NAN;
     self->reduced = reduced;
-    self->of_reduced = reduced_march_solver(reduced);
+    self->of_reduced = parts_march_solver(reduced);
     self->errors = malloc(grid->num_nodes * sizeof *self->errors);
     self->exits = malloc(grid_lines(grid) * sizeof *self->exits);
     ehd_status status = self->errors && self->exits
@@ -95,12 +94,16 @@ static bool is_along_path(const fallback_march *self) {
 
 // ---- from the reduced model to the full one
 
-/* A reduced state on the grid, in self->work. */
-static void load(fallback_march *self, const reduced_state *state) {
+/* The reduced model of the last accepted state. */
+static reduced_march *last_part(const fallback_march *self) {
+    return parts_march_part(self->reduced, parts_march_accepted(self->reduced));
+}
+
+/* A state of a reduced model on the grid, in self->work. */
+static void load(fallback_march *self, const reduced_march *part, const reduced_state *state) {
     full_state *work = &self->work;
 
-    reduced_march_fields_of(work->pressure, work->film, &work->rigid_approach, self->reduced,
-                            state);
+    reduced_march_fields_of(work->pressure, work->film, &work->rigid_approach, part, state);
     full_state_set_zone(work, &self->reference.grid, state->exit);
 }
 
@@ -109,25 +112,26 @@ static void spread_errors(fallback_march *self) {
     const ehd_grid *grid = &self->reference.grid;
     film_errors errors = {.kept = {0}};
 
-    memcpy(errors.next, reduced_march_errors(self->reduced), sizeof errors.next);
+    memcpy(errors.next, reduced_march_errors(last_part(self)), sizeof errors.next);
     for (size_t k = 0; k < grid->num_nodes; k++)
         self->errors[k] = grid_is_dry(grid, k) ? film_errors_at(&errors, grid_x(grid, k)) : 0;
 }
 
 static ehd_status to_full(fallback_march *self, ehd_error *error) {
+    const reduced_march *part = last_part(self);
     ehd_status status = EHD_OK;
     contact_frame frame;
 
     if (is_along_path(self)) {
-        const reduced_state base = reduced_march_base(self->reduced, &frame);
-        load(self, &base);
+        const reduced_state base = reduced_march_base(part, &frame);
+        load(self, part, &base);
         status = full_march_take_base(self->full, &self->work, &frame, error);
     }
     spread_errors(self); // none where films are carried by the rows
     full_march_take_errors(self->full, self->errors);
-    for (size_t i = 1; i <= reduced_march_num_states(self->reduced) && !status; i++) {
-        const reduced_state state = reduced_march_state_before(self->reduced, i, &frame);
-        load(self, &state);
+    for (size_t i = 1; i <= reduced_march_num_states(part) && !status; i++) {
+        const reduced_state state = reduced_march_state_before(part, i, &frame);
+        load(self, part, &state);
         full_march_take(self->full, i, &self->work, &frame);
     }
     self->now.full_states = 1;
@@ -177,7 +181,8 @@ static void collect_errors(fallback_march *self, double errors[NUM_ERROR_PLACES]
     }
 }
 
-static ehd_status to_reduced(fallback_march *self, const contact_frame *before, ehd_error *error) {
+static ehd_status to_reduced(fallback_march *self, reduced_march *part, const contact_frame *before,
+                             ehd_error *error) {
     const contact_frame *frame;
     double errors[NUM_ERROR_PLACES];
 
@@ -185,17 +190,18 @@ static ehd_status to_reduced(fallback_march *self, const contact_frame *before, 
         if (!self->base_taken) {
             const full_state *base = full_march_base(self->full, &frame);
             const handed_state handed = hand(self, base, frame);
-            ehd_status status = reduced_march_take_base(self->reduced, &handed, error);
+            ehd_status status = reduced_march_take_base(part, &handed, error);
             if (status) return status;
             self->base_taken = true;
         }
         collect_errors(self, errors);
-        reduced_march_take_errors(self->reduced, errors);
+        reduced_march_take_errors(part, errors);
     }
     for (size_t i = 1; i <= full_march_num_states(self->full); i++) {
         const full_state *state = full_march_state_before(self->full, i, &frame);
         const handed_state handed = hand(self, state, frame);
-        reduced_march_take(self->reduced, i, &handed, before);
+        const ehd_status status = reduced_march_take(part, i, &handed, before, error);
+        if (status) return status;
     }
     return EHD_OK;
 }
@@ -204,10 +210,12 @@ static ehd_status to_reduced(fallback_march *self, const contact_frame *before, 
  * central film. */
 static double deviation(fallback_march *self, double central_film) {
     const full_state *full = full_march_state_before(self->full, 0, NULL);
-    const reduced_state reduced = reduced_march_state_before(self->reduced, 0, NULL);
+    const reduced_march *part =
+        parts_march_part(self->reduced, parts_march_attempted(self->reduced));
+    const reduced_state reduced = reduced_march_state_before(part, 0, NULL);
     double largest = 0;
 
-    load(self, &reduced);
+    load(self, part, &reduced);
     for (size_t k = 0; k < self->reference.grid.num_nodes; k++)
         if (full_has_pressure(full, k))
             largest = fmax(largest, fabs(self->work.film[k] - full->film[k]) / central_film);
@@ -230,8 +238,12 @@ static ehd_status try_to_return(fallback_march *self, const march_step *solved,
     const contact_frame now = load_frame(self, 0), before = load_frame(self, 1);
     march_step outcome = {.status = EHD_OK};
 
-    if (self->distrust || reduced_march_check_range(self->reduced, &now, &before)) return EHD_OK;
-    ehd_status status = to_reduced(self, &before, error);
+    if (self->distrust) return EHD_OK;
+    const size_t part_before = parts_march_accepted(self->reduced);
+    reduced_march *part = parts_march_choose(self->reduced, &now);
+    if (parts_march_accepted(self->reduced) != part_before) self->base_taken = false;
+    if (reduced_march_check_range(part, &now, &before)) return EHD_OK;
+    ehd_status status = to_reduced(self, part, &before, error);
     if (!status)
         status = self->of_reduced.attempt(&outcome, self->of_reduced.self, frame, step, error);
     if (!status) judge_indicated(&outcome, self);
@@ -418,7 +430,7 @@ time_run_share fallback_march_share(const void *solver) {
 
 void fallback_march_effort(double *rows, double *linear, double *exit, const void *solver) {
     const fallback_march *self = solver;
-    const reduced_march_effort reduced = reduced_march_effort_of(self->reduced);
+    const reduced_march_effort reduced = parts_march_effort_of(self->reduced);
     const full_march_effort full = full_march_effort_of(self->full);
 
     *rows = reduced.seconds_rows + reduced.seconds_previous + full.seconds_rows;

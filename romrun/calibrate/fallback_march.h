@@ -6,7 +6,7 @@
 
 #include "common/output/time_run.h"
 #include "fullrun/full_march.h"
-#include "romrun/online/reduced_march.h"
+#include "romrun/online/parts_march.h"
 
 typedef struct fallback_march fallback_march;
 
@@ -18,7 +18,7 @@ ehd_status fallback_march_create(
     // output:
     fallback_march **self, // free with fallback_march_free
     // input:
-    reduced_march *reduced, double start_film, double accuracy, const char *distrust,
+    parts_march *reduced, double start_film, double accuracy, const char *distrust,
     ehd_error *error);
 fallback_march *fallback_march_free(fallback_march *self); // accepts and returns NULL
 

@@ -144,7 +144,9 @@ const char *recording_check(const recording *self, const trained_range *range) {
         const contact_frame *now = &self->steps[i].load_frame;
         ehd_contact contact;
         frame_contact(&contact, now, self->reference);
-        const char *reason = trained_range_check(range, NULL, contact_place_of(&contact), 0);
+        const bool jumped = i == 0 || self->steps[i - 1].jump;
+        const double rate = jumped ? 0 : frame_rate(now, &self->steps[i - 1].load_frame);
+        const char *reason = trained_range_check(range, NULL, contact_place_of(&contact), rate);
         if (reason) return reason;
     }
     return NULL;

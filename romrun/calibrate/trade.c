@@ -66,6 +66,8 @@ double trade_quantile_of(double *values, size_t count, double quantile) {
 
 const double trade_margin = 2;
 
+const double trade_pressures_allowed = 3;
+
 double trade_indicator_factor(const double *deviations, const double *bounds, size_t count) {
     double largest = 0;
 
@@ -227,7 +229,7 @@ static double field_deviation(const trade_table *table, size_t position) {
 }
 
 size_t trade_cheapest(const trade_table *table, double deviation, bool in_time) {
-    const double fields = 3 * deviation; // what pressures may be off
+    const double fields = trade_pressures_allowed * deviation;
     size_t best = table->num_positions, smoothest = best;
     double seconds = INFINITY, most = 0;
 

@@ -59,6 +59,9 @@ void trade_name(char name[TRADE_NAME], const model_sizes *sizes);
 /* What a factor has beyond the scenes that were measured, for kinds that were not: 2. */
 extern const double trade_margin;
 
+/* What pressures may be off, in Hertz pressures, over what films may. */
+extern const double trade_pressures_allowed;
+
 /* Factor of a film's indicator (indicator.h) with which each scene is indicated to deviate at
  * least twice as much as it does. 0: no scenes. */
 double trade_indicator_factor(const double *deviations, const double *bounds, size_t count);

@@ -124,7 +124,7 @@ ehd_status validation_measure(trade_table *table, const validation *scenes, cons
         char name[TRADE_NAME];
         trade_name(name, &position->sizes);
         progress_show(&shown, i, name);
-        status = online_open(&model, model_path, &position->sizes, error);
+        status = online_open(&model, model_path, &(part_sizes){{position->sizes}}, error);
         if (!status) status = online_prepare_fields(model, error);
         if (!status)
             status =

@@ -58,7 +58,7 @@ static const unit_powers units[] = {{"1", 0, 0, 0},      {"s", 0, 0, 1},      {"
                                     {"m/s", 0, 1, -1},   {"N", 1, 1, -2},     {"N/m", 1, 0, -2},
                                     {"Pa", 1, -1, -2},   {"Pa.s", 1, -1, -1}, {"1/Pa", -1, 1, 2},
                                     {"N/m2", 1, -1, -2}, {"N.s/m", 1, 0, -1}, {"N.s/m2", 1, -1, -1},
-                                    {"W", 1, 2, -3},     {"W/m", 1, 1, -3}};
+                                    {"W", 1, 2, -3},     {"W/m", 1, 1, -3},   {"N.m", 1, 2, -2}};
 
 static bool is_used(const unit_powers *unit, const fmu_contents *contents) {
     for (size_t i = 0; i < FMU_NUM_VARIABLES; i++) {

@@ -238,15 +238,12 @@ static ehd_status fill_contents(export_job *job, ehd_error *error) {
         return ehd_fail(error, EHD_DATA,
                         "%s: found moes.M and moes.L, expected physical.load and the others",
                         job->caller->arguments[0]);
-    if (!isnan(given->lubricant.thermal_conductivity))
-        return ehd_fail(error, EHD_DATA,
-                        "%s: lubricant.thermal_conductivity: found a value, expected none in an "
-                        "FMU, which is of a contact in time",
-                        job->caller->arguments[0]);
     contents->ellipse = strcmp(given->contact, "ellipse") == 0;
     contents->point = contents->ellipse || strcmp(given->contact, "point") == 0;
     contents->approach_given = strcmp(given->closure, "approach") == 0;
     contents->slides = !isnan(given->slide_roll);
+    contents->ratio = scene_thins_flow(given) ? given->slide_roll : NAN;
+    contents->heated = !isnan(given->lubricant.thermal_conductivity);
     for (size_t i = 0; i < FMU_NUM_VARIABLES; i++) {
         const fmu_variable *variable = &fmu_variables[i];
         const setting *row = variable->key ? setting_find(variable->key) : NULL;

@@ -5,11 +5,11 @@
 
 #include "common/program/program.h"
 #include "common/settings/scene.h"
-#include "romrun/model/sizes.h"
+#include "romrun/online/online.h"
 
 typedef struct fmu_request {
-    const char *model;        // file
-    const model_sizes *sizes; // of it; 0: all
+    const char *model;       // file
+    const part_sizes *sizes; // of it; 0: all
     const scene *given;
     double accuracy; // above which an indicated deviation is not trusted
     int fmi;         // 2 or 3

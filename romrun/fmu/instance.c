@@ -184,11 +184,12 @@ static bool respond_now(fmu_instance *self);
 static bool slide_now(fmu_instance *self);
 
 static bool is_stationary(unsigned reference) {
-    return reference >= FMU_STIFFNESS && reference <= FMU_DAMPING_BOUND;
+    return (reference >= FMU_STIFFNESS && reference <= FMU_DAMPING_BOUND) ||
+           reference == FMU_INLET_HEATING;
 }
 
 static bool is_friction(unsigned reference) {
-    return reference >= FMU_FRICTION && reference <= FMU_POWER;
+    return reference >= FMU_FRICTION && reference <= FMU_LARGEST_STRESS;
 }
 
 bool fmu_get(fmu_instance *self, unsigned reference, fmu_type type, double *value) {
@@ -279,6 +280,18 @@ static bool took(const fmu_instance *self, ehdrom_status status) {
     return fail(self, "%s", ehdrom_contact_error(self->contact));
 }
 
+/* A film that the sliding thins is of the scene's slide-roll ratio at any speed. `at`: conditions, or how
+ * fast they change. */
+static bool keeps_ratio(const fmu_instance *self, const conditions *at, const char *what) {
+    const double expected = self->contents.ratio * at->speed;
+
+    return isnan(expected) || fabs(at->sliding - expected) <= 1e-9 * fabs(expected) ||
+           fail(self,
+                "%s: found %g as the difference of the surfaces' speeds, expected %g: the film is "
+                "thinned by the sliding (lubricant.shear.in_film) of the scene's slide_roll",
+                what, at->sliding, expected);
+}
+
 /* The scene's settings with the parameters. */
 static bool take_parameters(const fmu_instance *self, ehdrom_contact *contact) {
     ehdrom_status status = EHDROM_OK;
@@ -305,7 +318,8 @@ static bool start(fmu_instance *self) {
     if (now->solved) return true;
     now->pending = now->last = 0;
     now->held = now->aimed = conditions_of(now->values, self->contents.approach_given);
-    if (!take_parameters(self, self->contact) || !took(self, repeat(self, &now->aimed, &result)))
+    if (!keeps_ratio(self, &now->aimed, "start") || !take_parameters(self, self->contact) ||
+        !took(self, repeat(self, &now->aimed, &result)))
         return false;
     now->values[FMU_TRUSTED] = 1;
     tell_trust(self, &result);
@@ -342,6 +356,7 @@ static bool respond(fmu_instance *self, const conditions *at, double force,
 
     if (!self->stationary && !read_contact(self, &self->stationary)) return false;
     response.stiffness = response.damping = response.damping_bound = NAN;
+    result.inlet_heating_factor = NAN;
     if (moves) {
         if (!set_stationary(self, at, force)) return false;
         ehdrom_status status = ehdrom_solve(self->stationary, &result);
@@ -352,6 +367,7 @@ static bool respond(fmu_instance *self, const conditions *at, double force,
     values[FMU_STIFFNESS] = response.stiffness;
     values[FMU_DAMPING] = response.damping;
     values[FMU_DAMPING_BOUND] = response.damping_bound;
+    values[FMU_INLET_HEATING] = result.inlet_heating_factor;
     return true;
 }
 
@@ -364,7 +380,7 @@ static bool respond_now(fmu_instance *self) {
     return self->responded;
 }
 
-// ---- the friction
+// ---- the traction
 
 /* That of the last step, or of the start, with the sliding of its end. */
 static bool slide(fmu_instance *self, const conditions *at, double values[FMU_NUM_VARIABLES]) {
@@ -377,6 +393,10 @@ static bool slide(fmu_instance *self, const conditions *at, double values[FMU_NU
     values[FMU_FRICTION] = traction.friction_force;
     values[FMU_FRICTION_COEFFICIENT] = traction.friction_coefficient;
     values[FMU_POWER] = traction.power_loss;
+    values[FMU_ROLLING] = traction.rolling_resistance;
+    values[FMU_ROLLING_MOMENT] = traction.rolling_moment;
+    values[FMU_MEAN_STRESS] = traction.mean_shear_stress;
+    values[FMU_LARGEST_STRESS] = traction.largest_shear_stress;
     return true;
 }
 
@@ -518,6 +538,7 @@ bool fmu_step(fmu_instance *self, double time, double step) {
                   .from = now->pending > 0 ? now->aimed : now->held,
                   .to = conditions_of(now->values, self->contents.approach_given),
                   .part = 1};
+    if (!keeps_ratio(self, &of.to, "step")) return false;
     if (!cross(self, &of, &result)) {
         now->lost = true;
         return false;
@@ -567,22 +588,28 @@ static double reach(const fmu_instance *self, const unsigned knowns[], size_t nu
     return most > 0 ? relative_change / most : 0;
 }
 
+/* How fast conditions change along a direction. */
+static conditions rate_of(const fmu_instance *self, const unsigned knowns[], size_t num_knowns,
+                          const double direction[]) {
+    double rates[FMU_NUM_VARIABLES] = {0};
+
+    for (size_t i = 0; i < num_knowns; i++)
+        rates[knowns[i]] += direction[i];
+    return conditions_of(rates, self->contents.approach_given);
+}
+
 /* Real outputs where the inputs are moved by `length` of the direction. */
 static bool outputs_at(fmu_instance *self, double outputs[FMU_NUM_VARIABLES],
                        const unsigned knowns[], size_t num_knowns, const double direction[],
                        double length, bool stationary, bool friction) {
-    const bool by_approach = self->contents.approach_given;
-    double values[FMU_NUM_VARIABLES] = {0};
     ehdrom_result result = EHDROM_RESULT_INIT;
-
-    for (size_t i = 0; i < num_knowns; i++)
-        values[knowns[i]] += direction[i] * length;
-    const conditions moved = conditions_of(values, by_approach);
+    const conditions rate = rate_of(self, knowns, num_knowns, direction);
     conditions at = self->now.aimed;
-    at.given += moved.given;
-    at.speed += moved.speed;
-    at.radius += moved.radius;
-    at.sliding += moved.sliding;
+
+    at.given += rate.given * length;
+    at.speed += rate.speed * length;
+    at.radius += rate.radius * length;
+    at.sliding += rate.sliding * length;
     if (!took(self, repeat(self, &at, &result))) return false;
     take_outputs(outputs, &result);
     return (!friction || slide(self, &at, outputs)) &&
@@ -619,12 +646,8 @@ static bool by_differences(fmu_instance *self, const unsigned unknowns[], size_t
 static void by_tangent(fmu_instance *self, const unsigned unknowns[], size_t num_unknowns,
                        const unsigned knowns[], size_t num_knowns, const double direction[],
                        double derivative[]) {
-    double rates[FMU_NUM_VARIABLES] = {0};
     ehdrom_derivatives found = EHDROM_DERIVATIVES_INIT;
-
-    for (size_t i = 0; i < num_knowns; i++)
-        rates[knowns[i]] += direction[i];
-    const conditions rate = conditions_of(rates, self->contents.approach_given);
+    const conditions rate = rate_of(self, knowns, num_knowns, direction);
     const ehdrom_conditions whole = for_library(self, &rate);
     const bool there = ehdrom_differentiate(self->contact, &whole, &found) == EHDROM_OK;
     for (size_t k = 0; k < num_unknowns; k++) {
@@ -662,6 +685,8 @@ bool fmu_derivative(fmu_instance *self, const unsigned unknowns[], size_t num_un
                     const unsigned knowns[], size_t num_knowns, const double direction[],
                     double derivative[]) {
     if (!can_derive(self, unknowns, num_unknowns, knowns, num_knowns, direction)) return false;
+    const conditions rate = rate_of(self, knowns, num_knowns, direction);
+    if (!keeps_ratio(self, &rate, "derivative")) return false;
     by_tangent(self, unknowns, num_unknowns, knowns, num_knowns, direction, derivative);
     bool whole = true;
     for (size_t k = 0; k < num_unknowns; k++)

@@ -77,18 +77,30 @@ const fmu_variable fmu_variables[FMU_NUM_VARIABLES] = {
         "Friction over the force"},
     [FMU_POWER] = {"power_loss", FMU_OUTPUT, FMU_REAL, "W/m", "W", FMU_SLIDING, NULL, NONE,
         "Power that both surfaces put into the film, by sliding and rolling resistance"},
+    [FMU_ROLLING] = {"rolling_resistance", FMU_OUTPUT, FMU_REAL, "N/m", "N", FMU_SLIDING, NULL, NONE,
+        "What brakes both surfaces, each by this much, also without sliding"},
+    [FMU_ROLLING_MOMENT] = {"rolling_moment", FMU_OUTPUT, FMU_REAL, "N", "N.m", FMU_SLIDING, NULL, NONE,
+        "Moment of the pressures about the centre, against the rolling"},
+    [FMU_MEAN_STRESS] = {"mean_shear_stress", FMU_OUTPUT, FMU_REAL, "Pa", "Pa", FMU_SLIDING, NULL, NONE,
+        "Magnitude of the shear stress of the sliding, mean over the dry contact"},
+    [FMU_LARGEST_STRESS] = {"largest_shear_stress", FMU_OUTPUT, FMU_REAL, "Pa", "Pa", FMU_SLIDING, NULL, NONE,
+        "The largest of it, at the nodes that the reduced solution looks at"},
+    [FMU_INLET_HEATING] = {"stationary_inlet_heating_factor", FMU_OUTPUT, FMU_REAL, "1", "1", FMU_HEATED, NULL, NONE,
+        "By which shear heating of the inlet thins the films of a stationary contact of these inputs, which are "
+        "isothermal here; not a number where that is not known"},
 };
 // clang-format on
 
 bool fmu_variable_fits(const fmu_variable *variable, const fmu_contents *contents) {
     if (variable->when == FMU_SLIDING) return contents->slides;
+    if (variable->when == FMU_HEATED) return contents->heated;
     return variable->when == FMU_ALWAYS ||
            (variable->when == FMU_APPROACH_GIVEN) == contents->approach_given;
 }
 
 // ---- resources/contact.txt: a line each, name and value
 
-static const char heading[] = "ehdrom-fmu 2";
+static const char heading[] = "ehdrom-fmu 3";
 
 const char *fmu_contact(const fmu_contents *contents) {
     return contents->ellipse ? "ellipse" : contents->point ? "point" : "line";
@@ -99,29 +111,32 @@ static bool has_start(const fmu_variable *variable) {
 }
 
 void fmu_contents_write(FILE *file, const fmu_contents *contents) {
-    fprintf(file, "%s\ntoken %s\ncontact %s\ngiven %s\nslides %s\n", heading, contents->token,
-            fmu_contact(contents), contents->approach_given ? "approach" : "load",
-            contents->slides ? "yes" : "no");
+    fprintf(file, "%s\ntoken %s\ncontact %s\ngiven %s\nslides %s\nthinned %.17g\nheated %s\n",
+            heading, contents->token, fmu_contact(contents),
+            contents->approach_given ? "approach" : "load", contents->slides ? "yes" : "no",
+            contents->ratio, contents->heated ? "yes" : "no");
     for (size_t i = 0; i < FMU_NUM_VARIABLES; i++)
         if (contents->has[i] && has_start(&fmu_variables[i]))
             fprintf(file, "%s %.17g\n", fmu_variables[i].name, contents->start[i]);
 }
 
 static bool read_heading(fmu_contents *contents, FILE *file) {
-    char line[sizeof heading + 1], contact[8], given[16], slides[4];
+    char line[sizeof heading + 1], contact[8], given[16], slides[4], heated[4];
 
     if (!fgets(line, sizeof line, file) || strncmp(line, heading, sizeof heading - 1) != 0)
         return false;
-    if (fscanf(file, " token %39s contact %7s given %15s slides %3s", contents->token, contact,
-               given, slides) != 4)
+    if (fscanf(file, " token %39s contact %7s given %15s slides %3s thinned %lf heated %3s",
+               contents->token, contact, given, slides, &contents->ratio, heated) != 6)
         return false;
     contents->ellipse = strcmp(contact, "ellipse") == 0;
     contents->point = contents->ellipse || strcmp(contact, "point") == 0;
     contents->approach_given = strcmp(given, "approach") == 0;
     contents->slides = strcmp(slides, "yes") == 0;
+    contents->heated = strcmp(heated, "yes") == 0;
     return (contents->point || strcmp(contact, "line") == 0) &&
            (contents->approach_given || strcmp(given, "load") == 0) &&
-           (contents->slides || strcmp(slides, "no") == 0);
+           (contents->slides || strcmp(slides, "no") == 0) &&
+           (contents->heated || strcmp(heated, "no") == 0);
 }
 
 static bool take_start(fmu_contents *contents, const char *name, double value) {

@@ -45,12 +45,24 @@ enum {
     FMU_FRICTION,
     FMU_FRICTION_COEFFICIENT,
     FMU_POWER,
+    FMU_ROLLING,
+    FMU_ROLLING_MOMENT,
+    FMU_MEAN_STRESS,
+    FMU_LARGEST_STRESS,
+    // beside FMU_STIFFNESS
+    FMU_INLET_HEATING,
     FMU_NUM_VARIABLES
 };
 
 typedef enum fmu_type { FMU_REAL, FMU_INTEGER, FMU_BOOLEAN } fmu_type;
 typedef enum fmu_role { FMU_INDEPENDENT, FMU_INPUT, FMU_OUTPUT, FMU_PARAMETER } fmu_role;
-typedef enum fmu_when { FMU_ALWAYS, FMU_LOAD_GIVEN, FMU_APPROACH_GIVEN, FMU_SLIDING } fmu_when;
+typedef enum fmu_when {
+    FMU_ALWAYS,
+    FMU_LOAD_GIVEN,
+    FMU_APPROACH_GIVEN,
+    FMU_SLIDING,
+    FMU_HEATED
+} fmu_when;
 
 typedef struct fmu_variable {
     const char *name;
@@ -74,6 +86,8 @@ typedef struct fmu_contents {
     bool ellipse;
     bool approach_given; // else the load
     bool slides;         // the scene names slide_roll or both speeds
+    double ratio;        // slide_roll of a film that it thins; NaN: films do not go by it
+    bool heated;         // the scene names the lubricant's thermal_conductivity
     bool has[FMU_NUM_VARIABLES];
     double start[FMU_NUM_VARIABLES]; // of inputs and parameters
 } fmu_contents;

@@ -308,7 +308,10 @@ ehdrom_status ehdrom_contact_scales(ehdrom_contact *self, ehdrom_scales *scales)
     const locale_t before = library_enter();
     const bool dimensionless = self->dimensionless;
     self->dimensionless = true; // that a scene of M and L has no others is no error
-    status = library_contact(&contact, &units, self, true, &self->error);
+    // the same in time and not, but cross fluxes are not of scenes in time
+    const bool in_time =
+        online_grid(self->model->online)->discretization != DISCRETIZATION_CROSS_FLUX;
+    status = library_contact(&contact, &units, self, in_time, &self->error);
     self->dimensionless = dimensionless;
     if (!status) {
         units = units_of(&contact, &self->settings, false);

@@ -86,7 +86,8 @@ typedef struct ehdrom_model_options {
     { sizeof(ehdrom_model_options), 0, 0, 0, 0 }
 
 /* Opens a model of HDF5, or a flat one (romrun --export), which is there in milliseconds, has the sizes
- * that it was exported with, and must not be written into while it is open; `options` NULL: all of it. *model is to be
+ * that it was exported with, and must not be written into while it is open; or a list of models for parts of a region, a
+ * file whose name ends with .yml (schemas/models.md), whole. `options` NULL: all of it. *model is to be
  * closed in any case, and tells the error; it is NULL where there was no memory even for that. EHDROM_DATA: no model, or
  * one of HDF5 where libehdrom-hdf5.so.0 or HDF5 is missing. Checksums are looked at,
  * which is half of what opening a flat model takes, unless the environment has EHDROM_DIGEST=no. */
@@ -108,9 +109,11 @@ typedef struct ehdrom_model_info {
     int checked_in_time; /* 1: on trajectories too */
     int in_time;         /* 1: loaded for steps in time */
     double ellipticity;  /* b/a, half width across over that along; 1 of a line or point contact */
+    size_t parts; /* models of a list, for parts of a region; 1 of a model. Sizes are those of
+                            the largest, states of all */
 } ehdrom_model_info;
 #define EHDROM_MODEL_INFO_INIT                                                                     \
-    { sizeof(ehdrom_model_info), 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0 }
+    { sizeof(ehdrom_model_info), 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0 }
 
 /* EHDROM_DATA: a struct of no size; EHDROM_INTERNAL: the model was not opened. */
 EHDROM_API ehdrom_status ehdrom_model_describe(const ehdrom_model *model, ehdrom_model_info *info);
@@ -155,8 +158,7 @@ EHDROM_API ehdrom_status ehdrom_contact_set_units(ehdrom_contact *contact, int u
 
 /* A result that is indicated to be further off is EHDROM_UNTRUSTED; 0.01 unless set. INFINITY: whatever is
  * indicated, and also by a model that was never checked. What lies outside of the training is untrusted all the
- * same, and so are steps of a contact that changes faster than any in training, by a model without a check in
- * time, which could not tell what that does. */
+ * same, and so are steps of a contact that changes faster than any in training. */
 EHDROM_API ehdrom_status ehdrom_contact_set_accuracy(ehdrom_contact *contact, double accuracy);
 
 /* ehdrom_solve iterates until another iteration is expected to change the central film by a smaller
@@ -375,9 +377,13 @@ EHDROM_API ehdrom_status ehdrom_slide_step(ehdrom_contact *contact, double slidi
 
 /* Where the nodes are: [num_x], [num_y] of ehdrom_model_info. Either may be NULL. */
 EHDROM_API ehdrom_status ehdrom_axes(ehdrom_contact *contact, double *x, double *y);
-/* Pressure and film at all of them, [num_y, num_x]. Either may be NULL. The only call whose cost
- * grows with the grid. */
+/* Pressure and film at all of them, [num_y, num_x]. Either may be NULL. Its cost grows with the grid, as that of
+ * ehdrom_shear_stresses. */
 EHDROM_API ehdrom_status ehdrom_fields(ehdrom_contact *contact, double *pressure, double *film);
+/* What the fluid does to surface 1 and to surface 2 along x, Pa, there: -tau - h/2 dp/dx and tau - h/2 dp/dx, 0 where
+ * there is no pressure. `sliding`, settings and errors as of ehdrom_slide. Either may be NULL. */
+EHDROM_API ehdrom_status ehdrom_shear_stresses(ehdrom_contact *contact, double sliding,
+                                               double *stress_1, double *stress_2);
 
 #ifdef __cplusplus
 }

@@ -75,6 +75,10 @@ ehd_status library_contact(ehd_contact *contact, unit_factors *units, ehdrom_con
 /* Pressure and film of what came last at the model's nodes, in self->pressure and self->film. */
 ehd_status library_fields(ehdrom_contact *self);
 
+/* A field of the model's grid, [num_nodes], times its unit, at the nodes of the whole contact that the
+ * caller has it at, [num_y, num_x] of ehdrom_model_info. NULL: not wanted. */
+void library_give_field(double *target, const double *nodes, double unit, const ehd_grid *grid);
+
 /* What the caller gives of conditions, relative to the reference; what is not given stays as it is in *own.
  * EHD_DATA. */
 ehd_status library_conditions(online_conditions *own, const ehdrom_conditions *given,

@@ -81,13 +81,20 @@ static ehd_status open_model(ehdrom_model *self, const char *path,
     if (!status && !path)
         status = ehd_fail(error, EHD_NOINPUT, "path: found NULL, expected a file");
     if (status) return status;
-    const model_sizes sizes = {options.pressure_modes, options.deformation_modes, options.rows};
+    const part_sizes sizes = {{{options.pressure_modes, options.deformation_modes, options.rows}}};
+    if (part_list_is(path) && (options.pressure_modes || options.deformation_modes || options.rows))
+        return ehd_fail(error, EHD_DATA,
+                        "%s: found a list of models with sizes in the options, expected one model",
+                        path);
     bool flat = false; // of which neither HDF5 nor FFTW is asked
     status = online_is_flat(&flat, path, error);
     if (status) return status;
     if (!flat) library_lock();
     status = online_open(&self->online, path, &sizes, error);
-    if (!status && options.stationary) {
+    const bool stationary =
+        !status && (options.stationary ||
+                    online_grid(self->online)->discretization == DISCRETIZATION_CROSS_FLUX);
+    if (stationary) {
         status = online_prepare_fields(self->online, error);
     } else if (!status) {
         status = online_prepare_transient(self->online, error);
@@ -138,7 +145,8 @@ ehdrom_status ehdrom_model_describe(const ehdrom_model *self, ehdrom_model_info 
                                    .checked = properties.checked,
                                    .checked_in_time = properties.checked_in_time,
                                    .in_time = self->in_time,
-                                   .ellipticity = online_grid(self->online)->shape.ellipticity};
+                                   .ellipticity = online_grid(self->online)->shape.ellipticity,
+                                   .parts = properties.parts};
 
     return (ehdrom_status)library_give(info, &own, sizeof own, "info", NULL);
 }

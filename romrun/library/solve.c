@@ -446,7 +446,7 @@ ehd_status library_fields(ehdrom_contact *self) {
     return status;
 }
 
-static void give_field(double *target, const double *nodes, double unit, const ehd_grid *grid) {
+void library_give_field(double *target, const double *nodes, double unit, const ehd_grid *grid) {
     if (!target) return;
     grid_take_inner(target, nodes, grid, true);
     for (size_t k = 0; k < grid_whole(grid).num_inner; k++)
@@ -463,8 +463,8 @@ ehdrom_status ehdrom_fields(ehdrom_contact *self, double *pressure, double *film
     const ehd_grid *grid = online_grid(self->model->online);
     status = library_fields(self);
     if (!status) {
-        give_field(pressure, self->pressure, scales.pressure, grid);
-        give_field(film, self->film, scales.film, grid);
+        library_give_field(pressure, self->pressure, scales.pressure, grid);
+        library_give_field(film, self->film, scales.film, grid);
     }
     library_leave(before);
     return (ehdrom_status)status;

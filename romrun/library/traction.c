@@ -2,10 +2,12 @@
 /* Traction of solutions and of accepted states. */
 #include "common/physics/traction.h"
 
+#include "common/program/arena.h"
 #include "common/time/frame.h"
 #include "romrun/library/internal.h"
 
 #include <math.h>
+#include <stdlib.h>
 
 /* What a traction is of. */
 typedef struct slid_state {
@@ -82,32 +84,44 @@ static double indicated_friction(ehdrom_contact *self, const slid_state *of,
     return wanted && of->solved ? online_indicate_friction(self->solver, contact, friction) : NAN;
 }
 
-static ehd_status slide(ehdrom_contact *self, const slid_state *of, double sliding,
-                        ehdrom_traction *traction) {
-    const contact_frame frame = of->frame;
+static const unit_factors *units_of(const ehdrom_contact *self, const slid_state *of) {
+    return of->solved ? &self->solved_units : &self->reference_units;
+}
+
+/* u1 - u2 of a caller, in its units; NaN becomes that of the settings. EHD_DATA. */
+static ehd_status find_sliding(double *sliding, ehdrom_contact *self, const slid_state *of) {
     const ehd_contact *reference = of->solved ? &self->solved : &self->reference;
-    const unit_factors *units = of->solved ? &self->solved_units : &self->reference_units;
-    ehd_contact contact;
-    contact_scalars scalars;
-    contact_traction found;
 
     if (isnan(reference->half_width))
         return ehd_fail(&self->error, EHD_DATA,
                         "traction: found moes.M and moes.L, expected physical.load and the others");
-    const double own_sliding = reference->slide_roll * frame.speed * units->speed;
-    if (isnan(sliding)) sliding = own_sliding;
+    const double own_sliding = reference->slide_roll * of->frame.speed * units_of(self, of)->speed;
+    if (isnan(*sliding)) *sliding = own_sliding;
     if (traction_thins_flow(reference) &&
-        !(fabs(sliding - own_sliding) <= 1e-9 * fabs(own_sliding)))
+        !(fabs(*sliding - own_sliding) <= 1e-9 * fabs(own_sliding)))
         return ehd_fail(&self->error, EHD_DATA,
                         "sliding: found %g, expected %g: with lubricant.shear.in_film a film is of "
                         "one sliding",
-                        sliding, own_sliding);
-    if (!isfinite(sliding))
+                        *sliding, own_sliding);
+    if (!isfinite(*sliding))
         return ehd_fail(&self->error, EHD_DATA,
                         "sliding: found %g and no slide_roll, expected a speed, or slide_roll set",
-                        sliding);
+                        *sliding);
+    return EHD_OK;
+}
+
+static ehd_status slide(ehdrom_contact *self, const slid_state *of, double sliding,
+                        ehdrom_traction *traction) {
+    const contact_frame frame = of->frame;
+    const unit_factors *units = units_of(self, of);
+    ehd_contact contact;
+    contact_scalars scalars;
+    contact_traction found;
+    ehd_status status = find_sliding(&sliding, self, of);
+
+    if (status) return status;
     take_state(&contact, &scalars, self, of, sliding / units->speed);
-    ehd_status status = find_traction(&found, self, of, &contact, &scalars);
+    status = find_traction(&found, self, of, &contact, &scalars);
     if (status) return status;
     const double indicated = indicated_friction(self, of, &contact, found.friction, traction);
     found = frame_traction_to_reference(found, &frame);
@@ -150,6 +164,52 @@ ehdrom_status ehdrom_slide_step(ehdrom_contact *self, double sliding, ehdrom_tra
     const locale_t before = library_enter();
     const slid_state of = attempted_state(self);
     status = slide(self, &of, sliding, traction);
+    library_leave(before);
+    return (ehdrom_status)status;
+}
+
+// ---- stresses at all nodes
+
+/* Both stresses, in units of the Hertz pressure, at the nodes of the model's grid. */
+static ehd_status surface_stresses(double *on_1, double *on_2, ehdrom_contact *self,
+                                   const slid_state *of, double sliding) {
+    ehd_contact contact;
+    contact_scalars scalars;
+    ehd_status status = find_sliding(&sliding, self, of);
+
+    if (!status) status = library_fields(self);
+    if (status) return status;
+    take_state(&contact, &scalars, self, of, sliding / units_of(self, of)->speed);
+    contact_surface_stresses(on_1, on_2, &contact, self->pressure, self->film);
+    return EHD_OK;
+}
+
+static ehd_status give_stresses(ehdrom_contact *self, double sliding, double *on_1, double *on_2) {
+    const ehd_grid *grid = online_grid(self->model->online);
+    const slid_state of = last_state(self);
+    const double unit = units_of(self, &of)->pressure * of.frame.hertz_pressure;
+    double *nodes = array_new(grid->num_nodes, 2, sizeof *nodes);
+
+    if (!nodes) return ehd_fail(&self->error, EHD_MEMORY, "shear stresses: found no memory");
+    const ehd_status status = surface_stresses(nodes, nodes + grid->num_nodes, self, &of, sliding);
+    if (!status) {
+        library_give_field(on_1, nodes, unit, grid);
+        library_give_field(on_2, nodes + grid->num_nodes, unit, grid);
+    }
+    free(nodes);
+    return status;
+}
+
+ehdrom_status ehdrom_shear_stresses(ehdrom_contact *self, double sliding, double *stress_1,
+                                    double *stress_2) {
+    ehd_status status = library_begin(self);
+
+    if (!status && self->last == LAST_NONE)
+        status = ehd_fail(&self->error, EHD_INTERNAL,
+                          "shear stresses: found no solution, expected one before");
+    if (status) return (ehdrom_status)status;
+    const locale_t before = library_enter();
+    status = give_stresses(self, sliding, stress_1, stress_2);
     library_leave(before);
     return (ehdrom_status)status;
 }

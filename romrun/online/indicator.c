@@ -191,6 +191,12 @@ void indicator_bound_others(double bounds[NUM_INDICATED], indicator *self, reduc
             bounds[q] = INFINITY;
 }
 
+double indicator_bound_peak(indicator *self, reduced_solver *solver) {
+    add_control_rows(self);
+    const double error = reduced_peak_error(solver, self->added);
+    return isnan(error) ? INFINITY : error; // as in `bound`
+}
+
 double indicator_bound_friction(indicator *self, reduced_solver *solver, const reduced_state *state,
                                 const ehd_contact *contact, double friction) {
     add_control_rows(self);

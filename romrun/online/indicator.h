@@ -39,6 +39,11 @@ void indicator_bound_others(double bounds[NUM_INDICATED], indicator *self, reduc
                             const reduced_state *state, const ehd_contact *contact,
                             const contact_scalars *scalars);
 
+/* Bound of the largest pressure's deviation, in Hertz pressures, of the solution that indicator_bound was
+ * just called for: as INDICATED_PRESSURE of the others, at that node alone, for a hundredth of what
+ * these take. */
+double indicator_bound_peak(indicator *self, reduced_solver *solver);
+
 /* Bound of the relative deviation of the friction force, of the solution that indicator_bound was
  * just called for and of a model with a cubature: as of the others, by the derivatives of its sum
  * of shear stresses, and what that sum is off in training. The law and the ratio are those of

@@ -1,14 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "romrun/online/online.h"
 
-#include "romrun/model/flat_model.h"
+#include "common/settings/part_list.h"
 #include "romrun/model/model_file.h"
-#include "romrun/model/trade_file.h"
-#include "romrun/online/fields.h"
-#include "romrun/online/indicator.h"
-#include "romrun/online/reduced_march.h"
-#include "romrun/online/reduced_tangent.h"
-#include "romrun/online/trained_range.h"
+#include "romrun/online/part.h"
+#include "romrun/online/parts_march.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -16,150 +12,103 @@
 #include <string.h>
 
 struct online_model {
-    reduced_model reduced;
     char *path;
-    artefact *source; // what else may be read of the model; NULL: flat, or released
-    trained_range *range;
-    double indicator_factor; // 0: not calibrated at these sizes
-    double indicator_factor_minimum;
-    double largest_residual; // of the scenes of the calibration; infinite: not known
-    bool checked_in_time;
-    double most_iterations;             // of these; infinite: not known
-    double other_factor[NUM_INDICATED]; // 0: not calibrated
-    indicator_shape shape[NUM_BOUNDED]; // of these factors
-    film_factors in_time;               // NaN: not calibrated at these sizes
-    double *pressure_basis;             // read once fields or transient scenes are prepared
-    const field_modes *fields;          // NULL: not prepared
-    field_modes own_fields;             // which these may be
-    // for transient scenes, once prepared
-    bool transient;
-    film_splines splines;
-    double *deformation_basis;
-    flat file; // that holds the tables of a model that was read from one
+    part_list list; // of the files that it is made of
+    flat *files;    // [list.num] that hold the tables of models that were read from flat ones
+    size_t num_parts;
+    model_part parts[MAX_PARTS]; // of one kind, grid and carriage
 };
 
 struct online_solver {
     const online_model *model;
-    reduced_solver *reduced;
-    indicator *indicator;
-    reduced_state state;
-    bool solved;              // the last solution converged
-    contact_scalars scalars;  // of it
-    reduced_tangent *tangent; // NULL: not needed yet
-    bool linearised;          // at the last solution
-    hull_space *range_space;  // of checks of the trained range
-    char reason[192];         // of the last result, where it is put together
+    part_solver *parts; // [model->num_parts]
+    part_solver *used;  // that of the last solution
 };
 
-/* Indicator factors of the model's sizes from its calibration, 0 where there is none. */
-static ehd_status read_factors(online_model *self, ehd_error *error) {
-    const reduced_model *model = &self->reduced;
-    const model_sizes own = {model->num_pressure, model->num_deformation, model->rows.num_rows};
-    trade_table table;
-    bool calibrated;
-    ehd_status status = trade_get(&table, &calibrated, self->source, error);
-
-    self->largest_residual = self->most_iterations = INFINITY;
-    self->in_time = (film_factors){NAN, NAN, NAN};
-    if (status || !calibrated) return status;
-    for (size_t i = 0; i < table.num_positions; i++) {
-        const trade_position *position = &table.positions[i];
-        if (memcmp(&position->sizes, &own, sizeof own) != 0) continue;
-        self->indicator_factor = position->indicator_factor;
-        self->indicator_factor_minimum = position->indicator_factor_minimum;
-        memcpy(self->other_factor, position->other_factor, sizeof self->other_factor);
-        memcpy(self->shape, position->shape, sizeof self->shape);
-        if (position->indicator_factor > 0) self->largest_residual = position->largest_residual;
-        self->checked_in_time = table.num_trajectories > position->num_lost;
-        if (position->max_iterations > 0) self->most_iterations = position->max_iterations;
-        if (!(position->factor_in_time > 0)) continue;
-        self->in_time = (film_factors){position->factor_in_time, position->factor_in_time_minimum,
-                                       position->floor_in_time_minimum};
-    }
-    trade_free(&table);
-    return EHD_OK;
-}
-
-// ---- flat files
-
-/* What a calibration found. */
-static void walk_factors(flat *file, online_model *self) {
-    self->indicator_factor = flat_real(file, "factor", self->indicator_factor);
-    self->indicator_factor_minimum =
-        flat_real(file, "factor_minimum", self->indicator_factor_minimum);
-    self->largest_residual = flat_real(file, "largest_residual", self->largest_residual);
-    self->most_iterations = flat_real(file, "most_iterations", self->most_iterations);
-    self->checked_in_time = flat_whole(file, "checked_in_time", self->checked_in_time, 0, 1) != 0;
-    self->in_time.central = flat_real(file, "factor_in_time", self->in_time.central);
-    self->in_time.minimum = flat_real(file, "factor_in_time_minimum", self->in_time.minimum);
-    self->in_time.floor = flat_real(file, "floor_in_time_minimum", self->in_time.floor);
-    const double *others =
-        flat_array(file, "other_factors", self->other_factor, NUM_INDICATED, sizeof *others);
-    const indicator_shape *shapes =
-        flat_array(file, "shapes", self->shape, NUM_BOUNDED, sizeof *shapes);
-    if (!flat_good(file) || !file->reading) return;
-    memcpy(self->other_factor, others, sizeof self->other_factor);
-    memcpy(self->shape, shapes, sizeof self->shape);
-}
-
-static void walk(flat *file, online_model *self) {
-    const reduced_model *model = &self->reduced;
-
-    flat_model(file, &self->reduced);
-    walk_factors(file, self);
-    self->transient = flat_whole(file, "in_time", self->transient, 0, 1) != 0;
-    if (!flat_good(file)) return;
-    self->pressure_basis = flat_table(file, "pressure_basis", self->pressure_basis,
-                                      model->grid.num_nodes, model->num_pressure);
-    if (self->transient)
-        film_splines_flat(file, &self->splines, model, self->pressure_basis);
-    else
-        field_modes_flat(file, &self->own_fields, model, self->pressure_basis, true);
-    self->fields = self->transient ? &self->splines.fields : &self->own_fields;
-    if (flat_good(file) && file->reading && file->at != file->size)
-        flat_refuse(file, "found %zu bytes behind the model, expected none", file->size - file->at);
-}
+// ---- models
 
 static bool same_size(size_t wanted, size_t own) {
     return wanted == 0 || wanted == own;
 }
 
-static ehd_status open_flat(online_model *self, const model_sizes *sizes, ehd_error *error) {
-    const reduced_model *model = &self->reduced;
+/* The parts of a flat file, one behind the other. */
+static ehd_status open_flat(online_model *self, size_t index, const model_sizes *sizes,
+                            ehd_error *error) {
+    const char *path = self->list.paths[index];
+    const size_t first = self->num_parts;
+    flat *file = &self->files[index];
+    ehd_status status = flat_read(file, path, error);
 
-    if (!flat_read(&self->file, self->path, error)) walk(&self->file, self);
-    if (flat_good(&self->file) && sizes &&
-        !(same_size(sizes->pressure_modes, model->num_pressure) &&
-          same_size(sizes->deformation_modes, model->num_deformation) &&
-          same_size(sizes->rows, model->rows.num_rows)))
-        flat_refuse(&self->file,
-                    "found a flat model of %zu pressure modes, %zu deformation modes and %zu rows, "
-                    "expected no others to be asked for",
-                    model->num_pressure, model->num_deformation, model->rows.num_rows);
-    return self->file.status;
+    do {
+        model_part *part = &self->parts[self->num_parts];
+        if (status) return status;
+        if (self->num_parts == MAX_PARTS)
+            return ehd_fail(error, EHD_DATA, "%s: found more than %d models, expected fewer", path,
+                            MAX_PARTS);
+        self->num_parts++;
+        part->path = path;
+        part->flat = true;
+        part_walk(file, part);
+        status = flat_good(file) ? part_finish(part, error) : file->status;
+    } while (file->at < file->size);
+    if (status || !sizes) return status;
+    const reduced_model *model = &self->parts[first].reduced;
+    if (self->num_parts == first + 1 && same_size(sizes->pressure_modes, model->num_pressure) &&
+        same_size(sizes->deformation_modes, model->num_deformation) &&
+        same_size(sizes->rows, model->rows.num_rows))
+        return EHD_OK;
+    if (self->num_parts > first + 1 &&
+        !(sizes->pressure_modes || sizes->deformation_modes || sizes->rows))
+        return EHD_OK;
+    flat_refuse(file,
+                "found a flat model of %zu pressure modes, %zu deformation modes and %zu rows, "
+                "expected no others to be asked for",
+                model->num_pressure, model->num_deformation, model->rows.num_rows);
+    return file->status;
 }
 
-ehd_status online_export(online_model *self, const char *path, bool force, ehd_error *error) {
-    flat file;
-    const bool in_time =
-        self->transient || (self->source && model_has_modes(self->source, &self->reduced));
-    ehd_status status =
-        in_time ? online_prepare_transient(self, error) : online_prepare_fields(self, error);
+static ehd_status open_file(online_model *self, size_t index, const model_sizes *sizes,
+                            ehd_error *error) {
+    const char *path = self->list.paths[index];
+    bool is_flat = false;
+    ehd_status status = flat_is(&is_flat, path, error);
+
     if (status) return status;
-    flat_begin(&file, path, error);
-    walk(&file, self);
-    status = flat_write(&file, force);
-    flat_free(&file);
-    return status;
+    if (is_flat) return open_flat(self, index, sizes, error);
+    if (self->num_parts == MAX_PARTS)
+        return ehd_fail(error, EHD_DATA, "%s: found more than %d models, expected fewer",
+                        self->path, MAX_PARTS);
+    return part_open(&self->parts[self->num_parts++], path, sizes, error);
 }
 
-ehd_status online_is_flat(bool *is, const char *path, ehd_error *error) {
-    return flat_is(is, path, error);
+/* Parts hand contacts to each other node by node, and carry films alike. */
+static ehd_status check_alike(const online_model *self, ehd_error *error) {
+    const reduced_model *first = &self->parts[0].reduced;
+
+    for (size_t p = 1; p < self->num_parts; p++) {
+        const reduced_model *other = &self->parts[p].reduced;
+        if (other->kind != first->kind || !grid_same(&other->grid, &first->grid) ||
+            other->grid.discretization != first->grid.discretization ||
+            other->grid.boundary != first->grid.boundary)
+            return ehd_fail(
+                error, EHD_DATA,
+                "%s: found a %s contact with %zu nodes from %g in steps of %g (%s, %s), "
+                "expected the grid of %s: a %s contact with %zu from %g in steps of %g "
+                "(%s, %s)",
+                self->parts[p].path, other->kind->name, other->grid.num_inner, other->grid.x_min,
+                other->grid.step, discretization_name(other->grid.discretization),
+                boundary_name(other->grid.boundary), self->parts[0].path, first->kind->name,
+                first->grid.num_inner, first->grid.x_min, first->grid.step,
+                discretization_name(first->grid.discretization),
+                boundary_name(first->grid.boundary));
+        const ehd_status status = carriage_check(&other->carriage, self->parts[p].path,
+                                                 &first->carriage, self->parts[0].path, error);
+        if (status) return status;
+    }
+    return EHD_OK;
 }
 
-// ---- models
-
-ehd_status online_open(online_model **model, const char *path, const model_sizes *sizes,
+ehd_status online_open(online_model **model, const char *path, const part_sizes *sizes,
                        ehd_error *error) {
     online_model *self = calloc(1, sizeof *self);
 
@@ -169,19 +118,14 @@ ehd_status online_open(online_model **model, const char *path, const model_sizes
         free(self);
         return ehd_fail(error, EHD_MEMORY, "%s: found no memory", path);
     }
-    bool is_flat = false;
-    ehd_status status = flat_is(&is_flat, path, error);
-    if (!status && is_flat) {
-        status = open_flat(self, sizes, error);
-    } else if (!status) {
-        status = model_open(&self->source, path, error);
-        if (!status) status = model_get(&self->reduced, self->source, sizes, error);
-        if (!status) status = read_factors(self, error);
-    }
+    ehd_status status = part_list_read(&self->list, path, error);
     if (!status) {
-        self->range = trained_range_create(&self->reduced);
-        if (!self->range) status = ehd_fail(error, EHD_MEMORY, "%s: found no memory", path);
+        self->files = calloc(self->list.num, sizeof *self->files);
+        if (!self->files) status = ehd_fail(error, EHD_MEMORY, "%s: found no memory", path);
     }
+    for (size_t i = 0; i < self->list.num && !status; i++)
+        status = open_file(self, i, sizes ? &sizes->of[i] : NULL, error);
+    if (!status) status = check_alike(self, error);
     if (status)
         online_close(self);
     else
@@ -190,50 +134,79 @@ ehd_status online_open(online_model **model, const char *path, const model_sizes
 }
 
 void online_release_file(online_model *self) {
-    artefact_close(&self->source);
+    for (size_t p = 0; p < self->num_parts; p++)
+        part_release_file(&self->parts[p]);
 }
 
 online_model *online_close(online_model *self) {
     if (!self) return NULL;
-    online_release_file(self);
-    if (self->file.reading) {
-        flat_model_free(&self->reduced);
-        film_splines_flat_free(&self->splines);
-        flat_free(&self->file);
-    } else {
-        reduced_model_free(&self->reduced);
-        film_splines_free(&self->splines);
-        free(self->pressure_basis);
-        free(self->deformation_basis);
-    }
-    trained_range_free(self->range);
-    field_modes_free(&self->own_fields);
+    for (size_t p = 0; p < self->num_parts; p++)
+        part_close(&self->parts[p]);
+    for (size_t i = 0; i < self->list.num && self->files; i++)
+        if (self->files[i].reading) flat_free(&self->files[i]);
+    part_list_free(&self->list);
+    free(self->files);
     free(self->path);
     free(self);
     return NULL;
 }
 
+ehd_status online_is_flat(bool *is, const char *path, ehd_error *error) {
+    *is = false;
+    return part_list_is(path) ? EHD_OK : flat_is(is, path, error);
+}
+
+ehd_status online_export(online_model *self, const char *path, bool force, ehd_error *error) {
+    flat file;
+    bool in_time = true;
+    ehd_status status = EHD_OK;
+
+    for (size_t p = 0; p < self->num_parts; p++) {
+        const model_part *part = &self->parts[p];
+        in_time = in_time && (part->transient ||
+                              (part->source && model_has_modes(part->source, &part->reduced)));
+    }
+    status = in_time ? online_prepare_transient(self, error) : online_prepare_fields(self, error);
+    if (status) return status;
+    flat_begin(&file, path, error);
+    for (size_t p = 0; p < self->num_parts; p++)
+        part_walk(&file, &self->parts[p]);
+    status = flat_write(&file, force);
+    flat_free(&file);
+    return status;
+}
+
+/* Sizes of the largest part. */
 online_properties online_describe(const online_model *self) {
-    const reduced_model *model = &self->reduced;
-    online_properties properties = {.num_inner = model->grid.num_inner,
-                                    .num_nodes = model->grid.num_nodes,
-                                    .num_lines = grid_whole(&model->grid).inner_lines,
-                                    .x_min = model->grid.x_min,
-                                    .step = model->grid.step,
-                                    .discretization =
-                                        discretization_name(model->grid.discretization),
-                                    .boundary = boundary_name(model->grid.boundary),
-                                    .deformation = deformation_names[model->deformation],
-                                    .transport = transport_name(model->carriage.transport),
-                                    .pressure_modes = model->num_pressure,
-                                    .deformation_modes = model->num_deformation,
-                                    .unknowns = model->num_unknowns,
-                                    .rows = model->rows.num_rows,
-                                    .needed_nodes = model->rows.num_needed,
-                                    .states = model->states.num_states,
-                                    .checked = self->indicator_factor > 0,
-                                    .checked_in_time = self->checked_in_time};
-    return properties;
+    const reduced_model *largest = &self->parts[0].reduced;
+    bool checked = true, checked_in_time = true;
+    size_t num_states = 0;
+
+    for (size_t p = 0; p < self->num_parts; p++) {
+        const model_part *part = &self->parts[p];
+        checked = checked && part->indicator_factor > 0;
+        checked_in_time = checked_in_time && part->checked_in_time;
+        num_states += part->reduced.states.num_states;
+        if (part->reduced.num_unknowns > largest->num_unknowns) largest = &part->reduced;
+    }
+    return (online_properties){.num_inner = largest->grid.num_inner,
+                               .num_nodes = largest->grid.num_nodes,
+                               .num_lines = grid_whole(&largest->grid).inner_lines,
+                               .x_min = largest->grid.x_min,
+                               .step = largest->grid.step,
+                               .discretization = discretization_name(largest->grid.discretization),
+                               .boundary = boundary_name(largest->grid.boundary),
+                               .deformation = deformation_names[largest->deformation],
+                               .transport = transport_name(largest->carriage.transport),
+                               .pressure_modes = largest->num_pressure,
+                               .deformation_modes = largest->num_deformation,
+                               .unknowns = largest->num_unknowns,
+                               .rows = largest->rows.num_rows,
+                               .needed_nodes = largest->rows.num_needed,
+                               .states = num_states,
+                               .parts = self->num_parts,
+                               .checked = checked,
+                               .checked_in_time = checked_in_time};
 }
 
 const char *online_unchecked(const online_properties *model, bool in_time) {
@@ -251,32 +224,85 @@ const char *online_unchecked(const online_properties *model, bool in_time) {
 const double online_accuracy = 0.01;
 
 const contact_kind *online_kind(const online_model *model) {
-    return model->reduced.kind;
+    return model->parts[0].reduced.kind;
 }
 
 const char *online_path(const online_model *model) {
     return model->path;
 }
 
-const ehd_grid *online_grid(const online_model *model) {
-    return &model->reduced.grid;
+const char *online_part_path(const online_model *model, size_t part) {
+    return model->parts[part].path;
 }
+
+const ehd_grid *online_grid(const online_model *model) {
+    return &model->parts[0].reduced.grid;
+}
+
+ehd_status online_prepare_fields(online_model *self, ehd_error *error) {
+    ehd_status status = EHD_OK;
+
+    for (size_t p = 0; p < self->num_parts && !status; p++)
+        status = part_prepare_fields(&self->parts[p], error);
+    return status;
+}
+
+ehd_status online_prepare_transient(online_model *self, ehd_error *error) {
+    ehd_status status = EHD_OK;
+
+    for (size_t p = 0; p < self->num_parts && !status; p++)
+        status = part_prepare_transient(&self->parts[p], error);
+    return status;
+}
+
+/* The part in whose trained range a contact lies deepest, or that is the nearest. */
+static size_t part_for(const online_model *self, const part_solver *solvers,
+                       const ehd_contact *contact) {
+    const contact_place place = contact_place_of(contact);
+    double least = INFINITY;
+    size_t found = 0;
+
+    for (size_t p = 0; p < self->num_parts && self->num_parts > 1; p++) {
+        hull_space *space = solvers ? solvers[p].range_space : NULL;
+        const double here = trained_range_outside(self->parts[p].range, space, place);
+        if (!(here < least)) continue;
+        least = here;
+        found = p;
+    }
+    return found;
+}
+
+film_effects online_effects(const online_model *model, const ehd_contact *contact) {
+    const model_part *part = &model->parts[part_for(model, NULL, contact)];
+
+    return reduced_effects(&part->reduced, contact_place_of(contact));
+}
+
+bool online_has_traction(const online_model *model) {
+    bool all = true;
+
+    for (size_t p = 0; p < model->num_parts; p++)
+        all = all && part_has_traction(&model->parts[p]);
+    return all;
+}
+
+// ---- stationary
 
 ehd_status online_solver_create(online_solver **solver, const online_model *model,
                                 ehd_error *error) {
-    const reduced_settings settings = reduced_default_settings();
     online_solver *self = calloc(1, sizeof *self);
     ehd_status status = EHD_OK;
 
     *solver = NULL;
-    if (!self) return ehd_fail(error, EHD_MEMORY, "online solver: found no memory");
+    if (self) self->parts = calloc(model->num_parts, sizeof *self->parts);
+    if (!self || !self->parts) {
+        free(self);
+        return ehd_fail(error, EHD_MEMORY, "online solver: found no memory");
+    }
     self->model = model;
-    status = reduced_state_init(&self->state, &model->reduced, error);
-    self->indicator = indicator_create(&model->reduced);
-    self->range_space = trained_range_space(model->range);
-    if (!status && (!self->indicator || !self->range_space))
-        status = ehd_fail(error, EHD_MEMORY, "online solver: found no memory");
-    if (!status) status = reduced_solver_create(&self->reduced, &model->reduced, &settings, error);
+    self->used = self->parts;
+    for (size_t p = 0; p < model->num_parts && !status; p++)
+        status = part_solver_init(&self->parts[p], &model->parts[p], error);
     if (status)
         online_solver_free(self);
     else
@@ -286,245 +312,51 @@ ehd_status online_solver_create(online_solver **solver, const online_model *mode
 
 online_solver *online_solver_free(online_solver *self) {
     if (self) {
-        reduced_solver_free(self->reduced);
-        indicator_free(self->indicator);
-        reduced_tangent_free(self->tangent);
-        hull_space_free(self->range_space);
-        reduced_state_free(&self->state);
+        for (size_t p = 0; p < self->model->num_parts; p++)
+            part_solver_free(&self->parts[p]);
+        free(self->parts);
         free(self);
     }
     return NULL;
 }
 
 void online_solver_set_tolerance(online_solver *self, double tolerance) {
-    reduced_solver_set_tolerance(self->reduced, tolerance);
-}
-
-static ehd_status check_contact(const online_model *model, const ehd_contact *contact,
-                                ehd_error *error) {
-    const ehd_grid *own = &model->reduced.grid, *grid = &contact->grid;
-    ehd_contact on_model = *contact;
-
-    contact_take_grid(&on_model, own);
-    if (contact->kind == model->reduced.kind && grid_same(&on_model.grid, own)) return EHD_OK;
-    if (grid->discretization != own->discretization)
-        return ehd_fail(error, EHD_DATA, "discretization: found %s, expected %s as in %s",
-                        discretization_name(grid->discretization),
-                        discretization_name(own->discretization), model->path);
-    if (contact->kind == model->reduced.kind && grid->boundary != own->boundary)
-        return ehd_fail(error, EHD_DATA, "boundary: found %s, expected %s as in %s",
-                        boundary_name(grid->boundary), boundary_name(own->boundary), model->path);
-    if (contact->kind == model->reduced.kind && !shape_same(&grid->shape, &own->shape))
-        return ehd_fail(error, EHD_DATA, "ellipticity: found %.9g, expected %.9g as in %s",
-                        grid->shape.ellipticity, own->shape.ellipticity, model->path);
-    return ehd_fail(error, EHD_DATA,
-                    "grid: found a %s contact with %zu nodes from %g in steps of %g, expected a %s "
-                    "contact with %zu from %g in steps of %g as in %s",
-                    contact->kind->name, grid->num_inner, grid->x_min, grid->step,
-                    model->reduced.kind->name, own->num_inner, own->x_min, own->step, model->path);
-}
-
-/* Estimates the deviation from the residuals of the rows. */
-static void indicate(online_result *result, online_solver *solver, const ehd_contact *contact,
-                     const reduced_info *info) {
-    const online_model *model = solver->model;
-    const double start = program_seconds();
-
-    result->bound = result->bound_minimum = result->indicated = result->indicated_minimum = NAN;
-    if (info->status == EHD_NOT_CONVERGED) return;
-    result->bound = indicator_bound(solver->indicator, solver->reduced, &solver->state, contact,
-                                    &info->scalars);
-    result->bound_minimum =
-        indicator_bound_minimum(solver->indicator, solver->reduced, &info->scalars);
-    if (model->indicator_factor > 0) {
-        result->indicated =
-            trade_indicated(model->indicator_factor, model->shape[OF_CENTRAL_FILM], result->bound);
-        // no less than the central film: of 452 scenes inside, with 78 of 110 modes, its own alone is
-        // below the deviation in 16, 0.68 of it at least; so in 1, 0.96
-        result->indicated_minimum =
-            fmax(trade_indicated(model->indicator_factor_minimum, model->shape[OF_MINIMUM_FILM],
-                                 result->bound_minimum),
-                 result->indicated);
-    }
-    result->seconds += program_seconds() - start;
-}
-
-/* A false solution, with a spike where none is, leaves 0.95 in its rows where the calibration's
- * scenes leave 3e-3 at most; of good results with lubricants that were in no training no more than
- * before are flagged (scenes/studies/silent-failures, seed 22). */
-static const double MAX_RESIDUAL_OVER_CALIBRATION = 100;
-
-/* Of 1700 random scenes with two trainings of lines, those inside and of the trained density take
- * at most 1.9 times as many as any of 60 scenes of the calibration. Incompressible scenes of these
- * compressible trainings take up to 8 times as many, a twentieth of them, good ones, more than 5.
- * */
-static const double MAX_ITERATIONS_OVER_CALIBRATION = 5;
-
-/* Hertz pressures. Of 1000 solutions of the trained lubricants in 18 sizes of three trainings,
- * from 14 modes on, none goes below -3e-4, and no line of any lubricant that is good to 1 % with
- * all of its model below -4e-4; of those below -1e-3 the fields are off by 0.01 to 4 Hertz
- * pressures (scenes/studies/silent-failures). */
-static const double MOST_NEGATIVE = 1e-3;
-
-/* Marks a result whose pressures cannot be a solution's as not converged. */
-static void judge_pressure(online_result *result, const ehd_contact *contact,
-                           const reduced_pressures *range) {
-    if (result->status == EHD_NOT_CONVERGED) return;
-    if (range->least >= -MOST_NEGATIVE &&
-        range->largest * contact->hertz_pressure <= contact->lubricant.pressure_limit)
-        return;
-    result->status = EHD_NOT_CONVERGED;
-    result->reason = range->least >= -MOST_NEGATIVE
-                         ? "a pressure beyond the limit of the viscosity law"
-                         : "a pressure below zero by more than a thousandth of the Hertz pressure";
-}
-
-void online_judge_pressure(online_result *result, const ehd_contact *contact,
-                           const double *pressure, size_t num_nodes) {
-    reduced_pressures range = {0, 0};
-
-    for (size_t k = 0; k < num_nodes; k++)
-        reduced_pressures_include(&range, pressure[k]);
-    judge_pressure(result, contact, &range);
-}
-
-/* Marks a converged result outside of the trained range, or far from solving its rows, as
- * untrusted; of one that has not converged there the range is told first. */
-static void judge(online_result *result, online_solver *solver, const ehd_contact *contact) {
-    const online_model *model = solver->model;
-    const char *reason =
-        trained_range_check(model->range, solver->range_space, contact_place_of(contact), 0);
-
-    if (result->status && reason) {
-        snprintf(solver->reason, sizeof solver->reason, "%s%s%s", reason,
-                 *result->reason ? ": " : "", result->reason);
-        result->reason = solver->reason;
-    }
-    if (result->status) return;
-    if (!reason && result->residual > MAX_RESIDUAL_OVER_CALIBRATION * model->largest_residual)
-        reason = "a residual far above those of the calibration, that of a false solution";
-    if (!reason &&
-        (double)result->iterations > MAX_ITERATIONS_OVER_CALIBRATION * model->most_iterations)
-        reason = "far more iterations than any scene of the calibration took";
-    if (!reason) return;
-    result->status = EHD_UNTRUSTED;
-    result->reason = reason;
+    for (size_t p = 0; p < self->model->num_parts; p++)
+        reduced_solver_set_tolerance(self->parts[p].reduced, tolerance);
 }
 
 ehd_status online_solve(online_result *result, online_solver *solver, const ehd_contact *contact,
                         ehd_error *error) {
-    const reduced_model *model = &solver->model->reduced;
-    reduced_info info;
-    ehd_status status = check_contact(solver->model, contact, error);
-    if (status) return status;
+    const size_t part = part_for(solver->model, solver->parts, contact);
+    const ehd_status status = part_solve(result, &solver->parts[part], contact, error);
 
-    status =
-        reduced_solve_from_training(&info, &solver->state, solver->reduced, model, contact, error);
-    solver->solved = !status && info.status != EHD_NOT_CONVERGED;
-    solver->linearised = false;
-    if (status) return status;
-    solver->scalars = info.scalars;
-    *result = (online_result){.status = info.status,
-                              .reason = info.reason,
-                              .scalars = info.scalars,
-                              .iterations = info.iterations,
-                              .residual = info.residual,
-                              .seconds = info.seconds,
-                              .seconds_rows = info.seconds_rows,
-                              .seconds_linear = info.seconds_linear,
-                              .seconds_exit = info.seconds_exit};
-    if (info.status != EHD_NOT_CONVERGED) {
-        const reduced_pressures range = reduced_pressure_range(solver->reduced, &solver->state);
-        result->peak_pressure = range.largest;
-        judge_pressure(result, contact, &range);
-    }
-    indicate(result, solver, contact, &info);
-    judge(result, solver, contact);
-    return EHD_OK;
+    solver->used = &solver->parts[part];
+    if (!status) result->part = part;
+    return status;
 }
 
 online_indications online_indicate(online_solver *solver, const ehd_contact *contact) {
-    const online_model *model = solver->model;
-    const contact_scalars *scalars = &solver->scalars;
-    online_indications found;
-
-    for (int q = 0; q < NUM_INDICATED; q++)
-        found.bound[q] = found.deviation[q] = NAN;
-    if (!solver->solved) return found;
-    indicator_bound_others(found.bound, solver->indicator, solver->reduced, &solver->state, contact,
-                           scalars);
-    if (contact_has_traction(contact))
-        found.bound[INDICATED_FRICTION] =
-            online_friction_bound(solver, contact, online_traction(solver, contact).friction);
-    for (int q = 0; q < NUM_INDICATED; q++)
-        if (model->other_factor[q] > 0)
-            found.deviation[q] = trade_indicated(model->other_factor[q],
-                                                 model->shape[OF_OTHERS + q], found.bound[q]);
-    if (contact->closure.by_load != 0 && model->indicator_factor > 0)
-        found.deviation[INDICATED_LOAD] =
-            fabs(scalars->load - contact->closure.value / contact->kind->load);
-    return found;
+    return part_indicate(solver->used, contact);
 }
 
-film_effects online_effects(const online_model *model, const ehd_contact *contact) {
-    return reduced_effects(&model->reduced, contact_place_of(contact));
-}
-
-bool online_has_traction(const online_model *model) {
-    return model->reduced.cubature.nodes.num_needed > 0;
+double online_indicate_peak(online_solver *solver) {
+    return part_indicate_peak(solver->used);
 }
 
 contact_traction online_traction(online_solver *solver, const ehd_contact *contact) {
-    if (!solver->solved || !online_has_traction(solver->model)) return contact_traction_unknown();
-    return reduced_traction(solver->reduced, &solver->state, contact, &solver->scalars);
+    return part_traction(solver->used, contact);
 }
 
 double online_friction_bound(online_solver *solver, const ehd_contact *contact, double friction) {
-    if (friction == 0) return 0; // nothing slides, in any model
-    if (!solver->solved || !online_has_traction(solver->model)) return NAN;
-    return indicator_bound_friction(solver->indicator, solver->reduced, &solver->state, contact,
-                                    friction);
+    return part_friction_bound(solver->used, contact, friction);
 }
 
 double online_indicate_friction(online_solver *solver, const ehd_contact *contact,
                                 double friction) {
-    const online_model *model = solver->model;
-
-    if (!(model->other_factor[INDICATED_FRICTION] > 0)) return NAN;
-    return trade_indicated(model->other_factor[INDICATED_FRICTION],
-                           model->shape[OF_OTHERS + INDICATED_FRICTION],
-                           online_friction_bound(solver, contact, friction));
+    return part_indicate_friction(solver->used, contact, friction);
 }
 
-/* The modes on the whole grid, those that are not there yet. `deformation`: of an independent basis
- * too. */
-static ehd_status read_bases(online_model *self, bool deformation, ehd_error *error) {
-    double **const pressure_basis = self->pressure_basis ? NULL : &self->pressure_basis;
-    double **const deformation_basis =
-        deformation && !self->deformation_basis ? &self->deformation_basis : NULL;
-
-    if (!pressure_basis && !deformation_basis) return EHD_OK;
-    if (!self->source)
-        return ehd_fail(error, EHD_INTERNAL,
-                        "%s: found a model whose file was released, expected it open", self->path);
-    return model_get_modes(pressure_basis, deformation_basis, self->source, &self->reduced, error);
-}
-
-ehd_status online_prepare_fields(online_model *self, ehd_error *error) {
-    if (self->fields) return EHD_OK;
-    ehd_status status = read_bases(self, false, error);
-
-    if (!status)
-        status = field_modes_init(&self->own_fields, &self->reduced, self->pressure_basis, error);
-    if (!status) status = field_modes_deflect(&self->own_fields, &self->reduced, error);
-    if (status)
-        field_modes_free(&self->own_fields);
-    else
-        self->fields = &self->own_fields;
-    return status;
-}
-
-static ehd_status not_prepared(const online_model *model, const char *call, ehd_error *error) {
+static ehd_status not_prepared(const model_part *model, const char *call, ehd_error *error) {
     return ehd_fail(error, EHD_INTERNAL,
                     "%s: found a model that is not prepared, expected %s before", model->path,
                     call);
@@ -532,20 +364,22 @@ static ehd_status not_prepared(const online_model *model, const char *call, ehd_
 
 ehd_status online_fields(double *pressure, double *film, const online_solver *solver,
                          ehd_error *error) {
-    const online_model *model = solver->model;
+    const part_solver *used = solver->used;
+    const model_part *model = used->model;
 
     if (!model->fields) return not_prepared(model, "online_prepare_fields", error);
-    reduced_fields(pressure, film, &solver->state, &model->reduced, model->fields);
+    reduced_fields(pressure, film, &used->state, &model->reduced, model->fields);
     return EHD_OK;
 }
 
 void online_exits(double *positions, const online_solver *solver) {
-    const reduced_model *model = &solver->model->reduced;
+    const part_solver *used = solver->used;
+    const reduced_model *model = &used->model->reduced;
 
     if (model->band.num_lines == 1)
-        positions[0] = reduced_exit_position(&solver->state, model);
+        positions[0] = reduced_exit_position(&used->state, model);
     else
-        grid_exits(positions, reduced_state_exits(&solver->state), &model->grid);
+        grid_exits(positions, reduced_state_exits(&used->state), &model->grid);
 }
 
 // ---- in time
@@ -553,7 +387,7 @@ void online_exits(double *positions, const online_solver *solver) {
 struct online_transient {
     const online_model *model;
     ehd_contact reference;
-    reduced_march *march;
+    parts_march *march;
     bool started;           // there is an accepted state
     bool solved;            // there is a step that can be accepted
     march_step last;        // solved
@@ -563,43 +397,45 @@ struct online_transient {
     // of the last step, which begins behind them, or of the start
     online_conditions conditions;
     bool at_start;            // no step was taken since
+    size_t of;                // part that the tangent is of
     reduced_tangent *tangent; // NULL: not needed yet
     bool linearised;          // at what it is of
 };
 
-ehd_status online_prepare_transient(online_model *self, ehd_error *error) {
-    if (self->transient) return EHD_OK;
-    if (self->file.reading)
-        return ehd_fail(error, EHD_DATA,
-                        "%s: found a flat model without what steps in time need, expected it",
-                        self->path);
-    ehd_status status = read_bases(self, true, error);
-    if (!status)
-        status = film_splines_build(&self->splines, &self->reduced, self->pressure_basis,
-                                    self->deformation_basis, error);
-    self->transient = !status;
-    if (self->transient && !self->fields) self->fields = &self->splines.fields;
+/* A march of each part. */
+static ehd_status create_marches(online_transient *self, ehd_error *error) {
+    const reduced_settings settings = reduced_default_settings();
+    const size_t num_parts = self->model->num_parts;
+    reduced_march *marches[MAX_PARTS] = {NULL};
+    ehd_status status = EHD_OK;
+
+    for (size_t p = 0; p < num_parts && !status; p++) {
+        const model_part *part = &self->model->parts[p];
+        status = reduced_march_create(&marches[p], &part->reduced, &part->splines, &self->reference,
+                                      &settings, error);
+        if (!status) reduced_march_indicate(marches[p], part->in_time);
+    }
+    if (!status) return parts_march_create(&self->march, marches, num_parts, error);
+    for (size_t p = 0; p < num_parts; p++)
+        reduced_march_free(marches[p]);
     return status;
 }
 
 ehd_status online_transient_create(online_transient **transient, const online_model *model,
                                    const ehd_contact *reference, ehd_error *error) {
-    const reduced_settings settings = reduced_default_settings();
-    online_transient *self = NULL;
-    ehd_status status = check_contact(model, reference, error);
+    ehd_status status = part_check_contact(&model->parts[0], reference, error);
 
     *transient = NULL;
-    if (!status && !model->transient)
-        status = not_prepared(model, "online_prepare_transient", error);
+    for (size_t p = 0; p < model->num_parts && !status; p++)
+        if (!model->parts[p].transient)
+            status = not_prepared(&model->parts[p], "online_prepare_transient", error);
     if (status) return status;
-    self = calloc(1, sizeof *self);
+    online_transient *self = calloc(1, sizeof *self);
     if (!self) return ehd_fail(error, EHD_MEMORY, "online solver: found no memory");
     self->model = model;
     self->reference = *reference;
-    contact_take_grid(&self->reference, &model->reduced.grid);
-    status = reduced_march_create(&self->march, &model->reduced, &model->splines, &self->reference,
-                                  &settings, error);
-    if (!status) reduced_march_indicate(self->march, model->in_time);
+    contact_take_grid(&self->reference, online_grid(model));
+    status = create_marches(self, error);
     if (status)
         online_transient_free(self);
     else
@@ -609,7 +445,7 @@ ehd_status online_transient_create(online_transient **transient, const online_mo
 
 online_transient *online_transient_free(online_transient *self) {
     if (self) {
-        reduced_march_free(self->march);
+        parts_march_free(self->march);
         reduced_tangent_free(self->tangent);
         free(self);
     }
@@ -617,19 +453,31 @@ online_transient *online_transient_free(online_transient *self) {
 }
 
 void online_transient_set_tolerance(online_transient *self, double tolerance) {
-    reduced_march_set_tolerance(self->march, tolerance);
+    for (size_t p = 0; p < self->model->num_parts; p++)
+        reduced_march_set_tolerance(parts_march_part(self->march, p), tolerance);
 }
 
 march_solver online_march(online_transient *self) {
-    return reduced_march_solver(self->march);
+    return parts_march_solver(self->march);
 }
 
 void online_march_effort(double *rows, double *linear, double *exit, const void *solver) {
-    reduced_march_effort effort = reduced_march_effort_of(solver);
+    reduced_march_effort effort = parts_march_effort_of(solver);
 
     *rows = effort.seconds_rows + effort.seconds_previous;
     *linear = effort.seconds_linear;
     *exit = effort.seconds_exit;
+}
+
+/* The march that has solved the step that was not accepted yet, or the last accepted state. */
+static reduced_march *march_of_attempt(const online_transient *self) {
+    return parts_march_part(self->march, self->solved ? parts_march_attempted(self->march)
+                                                      : parts_march_accepted(self->march));
+}
+
+/* That of the last accepted state. */
+static reduced_march *march_of_accepted(const online_transient *self) {
+    return parts_march_part(self->march, parts_march_accepted(self->march));
 }
 
 static void fill_state(online_state *state, const online_transient *self) {
@@ -691,7 +539,7 @@ static ehd_status check_conditions(const online_conditions *conditions,
 
 ehd_status online_transient_start(online_state *state, online_transient *self,
                                   const online_conditions *conditions, ehd_error *error) {
-    march_solver solver = reduced_march_solver(self->march);
+    march_solver solver = parts_march_solver(self->march);
     ehd_status status = check_conditions(conditions, &self->reference, error);
 
     if (!status) status = march_check_start(conditions->speed, !isnan(conditions->approach), error);
@@ -714,7 +562,7 @@ ehd_status online_transient_start(online_state *state, online_transient *self,
 
 ehd_status online_step(online_state *state, online_transient *self,
                        const online_conditions *conditions, double step, ehd_error *error) {
-    march_solver solver = reduced_march_solver(self->march);
+    march_solver solver = parts_march_solver(self->march);
     ehd_status status = check_conditions(conditions, &self->reference, error);
 
     if (!status && !(step > 0 && isfinite(step)))
@@ -737,7 +585,7 @@ ehd_status online_step(online_state *state, online_transient *self,
 }
 
 void online_accept(online_transient *self) {
-    march_solver solver = reduced_march_solver(self->march);
+    march_solver solver = parts_march_solver(self->march);
     double load = self->last.scalars.load * self->last.frame.load;
 
     if (!self->solved) return;
@@ -751,7 +599,7 @@ void online_accept(online_transient *self) {
 }
 
 void online_restart(online_transient *self) {
-    march_solver solver = reduced_march_solver(self->march);
+    march_solver solver = parts_march_solver(self->march);
 
     solver.restart(solver.self);
 }
@@ -759,13 +607,13 @@ void online_restart(online_transient *self) {
 enum { NUM_OWN = 3 };
 
 size_t online_saved_size(const online_transient *self) {
-    march_solver solver = reduced_march_solver(self->march);
+    march_solver solver = parts_march_solver(self->march);
 
     return NUM_OWN + solver.saved_size(solver.self);
 }
 
 void online_save(double *saved, const online_transient *self) {
-    march_solver solver = reduced_march_solver(self->march);
+    march_solver solver = parts_march_solver(self->march);
 
     saved[0] = self->time;
     saved[1] = self->load;
@@ -774,7 +622,7 @@ void online_save(double *saved, const online_transient *self) {
 }
 
 ehd_status online_restore(online_transient *self, const double *saved, ehd_error *error) {
-    march_solver solver = reduced_march_solver(self->march);
+    march_solver solver = parts_march_solver(self->march);
     ehd_status status = EHD_OK;
 
     self->started = self->solved = self->at_start = false;
@@ -786,7 +634,7 @@ ehd_status online_restore(online_transient *self, const double *saved, ehd_error
     if (!status) status = solver.restore(solver.self, saved + NUM_OWN, error);
     if (status) return status;
     contact_frame frame;
-    reduced_march_state(self->march, &frame);
+    reduced_march_state(march_of_accepted(self), &frame);
     self->path = frame.path;
     self->speed = frame.speed;
     self->started = true;
@@ -798,24 +646,26 @@ ehd_status online_restore(online_transient *self, const double *saved, ehd_error
 
 ehd_status online_transient_fields(double *pressure, double *film, online_transient *self,
                                    ehd_error *error) {
-    march_solver solver = reduced_march_solver(self->march);
+    march_solver solver = parts_march_solver(self->march);
 
     return solver.fields(pressure, film, solver.self, error);
 }
 
 double online_transient_peak(const online_transient *self) {
-    const reduced_state state = reduced_march_state_before(self->march, self->solved ? 0 : 1, NULL);
+    reduced_march *of = march_of_attempt(self);
+    const reduced_state state = reduced_march_state_before(of, self->solved ? 0 : 1, NULL);
 
-    return reduced_pressure_range(reduced_march_inner(self->march), &state).largest *
+    return reduced_pressure_range(reduced_march_inner(of), &state).largest *
            self->last.frame.hertz_pressure;
 }
 
 contact_traction online_attempt_traction(online_transient *self, const ehd_contact *contact,
                                          const contact_scalars *scalars) {
-    const reduced_state state = reduced_march_state_before(self->march, self->solved ? 0 : 1, NULL);
+    reduced_march *of = march_of_attempt(self);
+    const reduced_state state = reduced_march_state_before(of, self->solved ? 0 : 1, NULL);
 
     if (!online_has_traction(self->model)) return contact_traction_unknown();
-    return reduced_traction(reduced_march_inner(self->march), &state, contact, scalars);
+    return reduced_traction(reduced_march_inner(of), &state, contact, scalars);
 }
 
 contact_frame online_attempt_frame(const online_transient *self) {
@@ -825,8 +675,12 @@ contact_frame online_attempt_frame(const online_transient *self) {
 contact_frame online_transient_frame(const online_transient *self) {
     contact_frame frame;
 
-    reduced_march_state(self->march, &frame);
+    reduced_march_state(march_of_accepted(self), &frame);
     return frame;
+}
+
+size_t online_transient_part(const online_transient *self) {
+    return self->solved ? parts_march_attempted(self->march) : parts_march_accepted(self->march);
 }
 
 // ---- derivatives
@@ -1035,19 +889,21 @@ static ehd_status find_solved(solved_frame *solved, online_solver *solver, ehd_c
     const online_conditions own = {
         .load = 1, .approach = NAN, .speed = 1, .radius = 1, .modulus = 1};
 
-    if (!solver->solved)
+    part_solver *used = solver->used;
+
+    if (!used->solved)
         return ehd_fail(error, EHD_INTERNAL, "derivatives: found no solution, expected one before");
     *solved = (solved_frame){.reference = reference,
-                             .state = solver->state,
+                             .state = used->state,
                              .at = own,
                              .set_frame = set_stationary_frame,
                              .context = reference,
                              .equations = {reference, stationary_equations}};
     const ehd_status status =
-        solver->tangent ? EHD_OK
-                        : reduced_tangent_create(&solver->tangent, &solver->model->reduced, error);
-    solved->tangent = solver->tangent;
-    solved->linearised = &solver->linearised;
+        used->tangent ? EHD_OK
+                      : reduced_tangent_create(&used->tangent, &used->model->reduced, error);
+    solved->tangent = used->tangent;
+    solved->linearised = &used->linearised;
     return status;
 }
 
@@ -1058,7 +914,7 @@ ehd_status online_differentiate(online_derivatives *derivatives, online_solver *
     solved_frame solved;
     const ehd_status status = find_solved(&solved, solver, &reference, error);
 
-    contact_take_grid(&reference, &solver->model->reduced.grid);
+    contact_take_grid(&reference, online_grid(solver->model));
     return status ? status : differentiate(derivatives, &solved, direction, error);
 }
 
@@ -1068,7 +924,7 @@ ehd_status online_respond(online_response *response, online_solver *solver,
     solved_frame solved;
     const ehd_status status = find_solved(&solved, solver, &reference, error);
 
-    contact_take_grid(&reference, &solver->model->reduced.grid);
+    contact_take_grid(&reference, online_grid(solver->model));
     return status ? status : respond(response, &solved, error);
 }
 
@@ -1082,26 +938,30 @@ static void set_transient_frame(contact_frame *frame, const void *context,
 /* Of the step that was not accepted yet, or of the start. */
 static ehd_status find_attempt(solved_frame *solved, online_transient *self, ehd_error *error) {
     const march_step *last = &self->last;
+    const size_t part = online_transient_part(self);
+    reduced_march *of = march_of_attempt(self);
 
     if (!self->solved && !(self->at_start && self->conditions.speed > 0))
         return ehd_fail(error, EHD_INTERNAL,
                         "derivatives: found no solution, expected a step that is not accepted yet, "
                         "or a start that is not at rest");
-    *solved =
-        (solved_frame){.reference = &self->reference,
-                       .state = reduced_march_state_before(self->march, self->solved ? 0 : 1, NULL),
-                       .at = self->conditions,
-                       .by_approach = self->solved && !isnan(self->conditions.approach),
-                       .exit_at_node = true,
-                       .set_frame = set_transient_frame,
-                       .context = self,
-                       .equations = reduced_march_equations(self->march)};
+    *solved = (solved_frame){.reference = &self->reference,
+                             .state = reduced_march_state_before(of, self->solved ? 0 : 1, NULL),
+                             .at = self->conditions,
+                             .by_approach = self->solved && !isnan(self->conditions.approach),
+                             .exit_at_node = true,
+                             .set_frame = set_transient_frame,
+                             .context = self,
+                             .equations = reduced_march_equations(of)};
     solved->at.load = last->frame.load;
     // the frame of a start follows its load, whichever was given
     if (!self->solved) solved->at.approach = NAN;
+    if (part != self->of) self->tangent = reduced_tangent_free(self->tangent);
+    self->of = part;
     const ehd_status status =
-        self->tangent ? EHD_OK
-                      : reduced_tangent_create(&self->tangent, &self->model->reduced, error);
+        self->tangent
+            ? EHD_OK
+            : reduced_tangent_create(&self->tangent, &self->model->parts[part].reduced, error);
     solved->tangent = self->tangent;
     solved->linearised = &self->linearised;
     return status;

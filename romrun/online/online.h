@@ -31,6 +31,7 @@
 #include "common/physics/contact.h"
 #include "common/physics/traction.h"
 #include "common/program/status.h"
+#include "common/settings/part_list.h"
 #include "common/settings/scene_contact.h"
 #include "common/time/march.h"
 #include "romrun/model/sizes.h"
@@ -55,6 +56,7 @@ typedef struct online_properties {
     size_t rows;                              // selected Reynolds rows in use
     size_t needed_nodes;                      // nodes of their stencils
     size_t states;                            // training solutions
+    size_t parts; // models for parts of a region; sizes are those of the largest
     // whether the sizes in use were measured (deimselect, romrun --calibrate) on stationary scenes, and
     // on trajectories; where not, no deviation is indicated, and a result that is OK may be off by any
     bool checked, checked_in_time;
@@ -68,6 +70,7 @@ typedef struct online_result {
     const char *reason;      // why it is not EHD_OK, or "", until the solver's next one
     contact_scalars scalars; // in the contact's frame; load relative to the wanted one
     double peak_pressure;    // the largest at the nodes that the solution looks at
+    size_t part;             // of a model of parts, that has solved it
     size_t iterations;
     double residual;          // norm of the weighted least-squares residual
     double bound;             // of the relative deviation of the central film, up to a factor
@@ -80,9 +83,15 @@ typedef struct online_result {
     double seconds_exit;      // exit boundary and its updates
 } online_result;
 
-/* Loads a model, of HDF5 or flat. `sizes` NULL: all of it; a flat one has no others than its own. Errors:
- * EHD_NOINPUT, EHD_DATA, EHD_MEMORY. */
-ehd_status online_open(online_model **model, const char *path, const model_sizes *sizes,
+/* Sizes of each file of a list, or of the one model. */
+typedef struct part_sizes {
+    model_sizes of[MAX_PARTS];
+} part_sizes;
+
+/* Loads a model, of HDF5 or flat, or a list of models for parts of a region (schemas/models.md), of which a
+ * contact is solved by that in whose trained range it lies deepest. `sizes` NULL: all of it; a flat one
+ * has no others than its own. Errors: EHD_NOINPUT, EHD_DATA, EHD_MEMORY. */
+ehd_status online_open(online_model **model, const char *path, const part_sizes *sizes,
                        ehd_error *error);
 online_model *online_close(online_model *model); // accepts and returns NULL
 
@@ -111,6 +120,8 @@ const contact_kind *online_kind(const online_model *model);
 const ehd_grid *online_grid(const online_model *model);
 /* The file that it was opened from. */
 const char *online_path(const online_model *model);
+/* That of a part, by the index that results have. */
+const char *online_part_path(const online_model *model, size_t part);
 
 /* Memory of one solver; the model must outlive it. */
 ehd_status online_solver_create(online_solver **solver, const online_model *model,
@@ -144,6 +155,10 @@ typedef struct online_indications {
 /* Takes twice as long as a solution, so that it is made only when asked for. `contact`: that of the last
  * online_solve. A given load is known: what the result has less is its deviation. */
 online_indications online_indicate(online_solver *solver, const ehd_contact *contact);
+
+/* How far the largest pressure of the last solution is indicated to be off, in Hertz pressures, about what
+ * the pressure of online_indicate is where a spike is; cheap as a film's. NaN: not calibrated. */
+double online_indicate_peak(online_solver *solver);
 
 /* What the grid of the model's training does to the films of a contact, which no solution of the
  * model tells: relative changes of central and minimum film by smaller steps and a longer inlet,
@@ -241,8 +256,9 @@ void online_transient_set_tolerance(online_transient *transient, double toleranc
 ehd_status online_transient_start(online_state *state, online_transient *transient,
                                   const online_conditions *conditions, ehd_error *error);
 
-/* Solves the state a step (in T) after the last accepted one. Allocates nothing. EHD_DATA as
- * before; EHD_INTERNAL: neither started nor restored. */
+/* Solves the state a step (in T) after the last accepted one. Allocates nothing, but where the contact
+ * is handed from one part to another, whose cost grows with the grid (EHD_MEMORY). EHD_DATA as before;
+ * EHD_INTERNAL: neither started nor restored. */
 ehd_status online_step(online_state *state, online_transient *transient,
                        const online_conditions *conditions, double step, ehd_error *error);
 
@@ -276,6 +292,10 @@ double online_transient_peak(const online_transient *transient);
 
 /* The frame of the accepted state. */
 contact_frame online_transient_frame(const online_transient *transient);
+
+/* The part that has solved the last step, or the start. A contact stays with one while it lies in its
+ * trained range, and is then handed to another, with the error that this makes indicated. */
+size_t online_transient_part(const online_transient *transient);
 
 /* A solver for march_run, which chooses the steps itself, and its effort so far in seconds. Use
  * either that or the calls above, not both in turn. */

@@ -322,9 +322,9 @@ static void judge(march_step *outcome, reduced_march *self, const reduced_state 
     if (outcome->status == EHD_UNTRUSTED) judge_films(outcome, self, frame);
     if (outcome->status) return;
     frame_contact(&contact, &self->load_frame, &self->reference);
-    // what is indicated tells more than how fast the contacts of the training changed
-    const bool fast_matters = isnan(self->of_films.central) && self->ring.num_previous > 0;
-    const double rate = fast_matters ? frame_rate(&self->load_frame, &self->last_load_frame) : 0;
+    // a jump is over in one step, however long that is
+    const double rate =
+        self->ring.num_previous > 1 ? frame_rate(&self->load_frame, &self->last_load_frame) : 0;
     outcome->reason =
         trained_range_check(self->range, self->range_space, contact_place_of(&contact), rate);
     outcome->status = outcome->reason ? EHD_UNTRUSTED : EHD_OK;
@@ -1094,9 +1094,42 @@ const char *reduced_march_check_range(const reduced_march *self, const contact_f
                                frame_rate(now, before));
 }
 
+double reduced_march_outside(const reduced_march *self, const contact_frame *frame) {
+    ehd_contact contact;
+
+    frame_contact(&contact, frame, &self->reference);
+    return trained_range_outside(self->range, self->range_space, contact_place_of(&contact));
+}
+
+contact_frame reduced_march_load_frame(const reduced_march *self) {
+    return self->last_load_frame;
+}
+
+/* By how much the film of a handed state lies above that of its projection, weighted by the pressure. */
+static ehd_status mean_lift(double *lift, const reduced_march *self, const handed_state *state,
+                            const reduced_state *projected, ehd_error *error) {
+    const size_t num_nodes = self->model->grid.num_nodes;
+    double *pressure = malloc(2 * num_nodes * sizeof *pressure);
+    double weight = 0, sum = 0;
+
+    if (!pressure) return ehd_fail(error, EHD_MEMORY, "reduced march: found no memory");
+    double *film = pressure + num_nodes;
+    reduced_fields(pressure, film, projected, self->model, &self->splines->fields);
+    for (size_t k = 0; k < num_nodes; k++) {
+        if (!(state->pressure[k] > 0)) continue;
+        weight += state->pressure[k];
+        sum += state->pressure[k] * (state->film[k] - film[k]);
+    }
+    free(pressure);
+    *lift = weight > 0 ? sum / weight : 0;
+    return EHD_OK;
+}
+
 /* The coordinates of its pressure and, independent, of its deflection in the orthonormal modes,
- * and the nearest exits that the model has. */
-static void project(reduced_state *target, const reduced_march *self, const handed_state *state) {
+ * the nearest exits that the model has, and the approach with which the film is as thick in the
+ * mean: pressures that the modes do not have would lift or lower all of it. EHD_MEMORY. */
+static ehd_status project(reduced_state *target, const reduced_march *self,
+                          const handed_state *state, ehd_error *error) {
     const reduced_model *model = self->model;
     const film_splines *splines = self->splines;
     const ehd_grid *grid = &model->grid;
@@ -1122,15 +1155,20 @@ static void project(reduced_state *target, const reduced_march *self, const hand
                   model->num_deformation);
     }
     z[model->num_unknowns - 1] = state->rigid_approach;
+    double lift = 0;
+    const ehd_status status = mean_lift(&lift, self, state, target, error);
+    z[model->num_unknowns - 1] += lift;
+    return status;
 }
 
-void reduced_march_take(reduced_march *self, size_t steps, const handed_state *state,
-                        const contact_frame *load_frame) {
+ehd_status reduced_march_take(reduced_march *self, size_t steps, const handed_state *state,
+                              const contact_frame *load_frame, ehd_error *error) {
     const size_t place = self->ring.place[steps];
     previous_film *taken = &self->states[place];
 
     taken->frame = state->frame;
-    project(&taken->state, self, state);
+    const ehd_status status = project(&taken->state, self, state, error);
+    if (status) return status;
     reduced_values_of(&taken->values, self->model, taken->state.coordinates,
                       reduced_state_exits(&taken->state));
     prepare_film(taken, self);
@@ -1143,13 +1181,14 @@ void reduced_march_take(reduced_march *self, size_t steps, const handed_state *s
         time_indicator_clear(&self->indicator);
     }
     drop_factors(self);
+    return EHD_OK;
 }
 
 ehd_status reduced_march_take_base(reduced_march *self, const handed_state *state,
                                    ehd_error *error) {
     self->base.frame = state->frame;
-    project(&self->base.state, self, state);
-    return use_base(self, error);
+    const ehd_status status = project(&self->base.state, self, state, error);
+    return status ? status : use_base(self, error);
 }
 
 const double *reduced_march_errors(const reduced_march *self) {
@@ -1158,6 +1197,32 @@ const double *reduced_march_errors(const reduced_march *self) {
 
 void reduced_march_take_errors(reduced_march *self, const double *errors) {
     film_errors_set(&self->taken_up, errors);
+}
+
+/* Errors are told but for a factor of the model's. One of two that is not known indicates nothing,
+ * and no result of such a model is trusted. */
+void reduced_march_take_indicated(reduced_march *self, const reduced_march *from,
+                                  const double *change) {
+    const film_factors *own = &self->of_films, *other = &from->of_films;
+    const double factors[NUM_REDUCED_FILMS] = {
+        [REDUCED_CENTRAL_FILM] = other->central / own->central,
+        [REDUCED_MINIMUM_FILM] = other->minimum / own->minimum};
+    double errors[NUM_ERROR_PLACES];
+    ehd_contact contact;
+
+    self->last_doubtful = from->last_doubtful;
+    if (isnan(own->central) || isnan(other->central)) return;
+    frame_contact(&contact, &self->states[self->ring.place[1]].frame, &self->reference);
+    for (size_t i = 0; i < NUM_ERROR_PLACES; i++) {
+        const double x = (double)i * 2 / (NUM_ERROR_PLACES - 1) - 1;
+        errors[i] = factors[REDUCED_CENTRAL_FILM] * from->indicator.errors.kept[i] +
+                    hertz_density(&contact, x) * change[i] / own->central;
+    }
+    film_errors_set(&self->indicator.errors, errors);
+    self->indicator.kept_local = from->indicator.kept_local;
+    for (int q = 0; q < NUM_REDUCED_FILMS; q++)
+        for (size_t l = 0; l < NUM_LENGTHS; l++)
+            self->indicator.kept_local.of_film[q][l] *= factors[q];
 }
 
 // ---- saving

@@ -77,7 +77,14 @@ void reduced_march_fields_of(double *pressure, double *film, double *rigid_appro
 const char *reduced_march_check_range(const reduced_march *self, const contact_frame *now,
                                       const contact_frame *before);
 
-/* A state on the grid that this solver takes over, the nearest one that its modes have. */
+/* trained_range_outside of a frame. */
+double reduced_march_outside(const reduced_march *self, const contact_frame *frame);
+
+/* The frame of the last accepted state, scaled by the load of its solution. */
+contact_frame reduced_march_load_frame(const reduced_march *self);
+
+/* A state on the grid that this solver takes over: the nearest pressure that its modes have, with a
+ * film as thick in the mean. */
 typedef struct handed_state {
     const double *pressure, *film; // [num_nodes]
     double rigid_approach;
@@ -87,9 +94,9 @@ typedef struct handed_state {
 
 /* Takes an accepted state, at `steps` from 1 to BDF_PREVIOUS in ascending order; those taken so
  * far count. Along the path the base has to be taken before. `load_frame`: the last one's, scaled
- * by the load of its solution. */
-void reduced_march_take(reduced_march *self, size_t steps, const handed_state *state,
-                        const contact_frame *load_frame);
+ * by the load of its solution. EHD_MEMORY. */
+ehd_status reduced_march_take(reduced_march *self, size_t steps, const handed_state *state,
+                              const contact_frame *load_frame, ehd_error *error);
 
 /* Along the path: the state that others are told from. EHD_MEMORY. */
 ehd_status reduced_march_take_base(reduced_march *self, const handed_state *state,
@@ -99,6 +106,11 @@ ehd_status reduced_march_take_base(reduced_march *self, const handed_state *stat
  * [NUM_ERROR_PLACES] (film_errors.h). */
 const double *reduced_march_errors(const reduced_march *self);
 void reduced_march_take_errors(reduced_march *self, const double *errors);
+
+/* From the march whose states were taken: what is indicated of their films, by this model's factors, and
+ * in addition `change`, [NUM_ERROR_PLACES], the error of H that taking has made of the last one. */
+void reduced_march_take_indicated(reduced_march *self, const reduced_march *from,
+                                  const double *change);
 
 /* The equations that conditions beside those of the last attempt would have had, or of the start where
  * that came last; the state is that of reduced_march_state_before at 0, of the start at 1. */

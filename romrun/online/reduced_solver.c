@@ -772,6 +772,25 @@ reduced_errors reduced_other_errors(reduced_solver *self, const reduced_state *s
                             .film = largest_field_error(self, true, added)};
 }
 
+double reduced_peak_error(reduced_solver *self, const double *added) {
+    const reduced_model *model = self->model;
+    const double *pressure = self->nodes.now.values.pressure;
+    double *gradient = self->system.functionals, error = NAN;
+    size_t peak = SIZE_MAX;
+
+    for (size_t r = 0; r < model->rows.num_rows; r++) {
+        const size_t q = model->rows.stencils[r].node[NODE_HERE];
+        if (!self->nodes.pressurised[q]) continue;
+        if (peak == SIZE_MAX || pressure[q] > pressure[peak]) peak = q;
+    }
+    if (peak == SIZE_MAX) return NAN;
+    memset(gradient, 0, model->num_unknowns * sizeof(double));
+    memcpy(gradient, model->rows.pressure + peak * model->num_pressure,
+           model->num_pressure * sizeof(double));
+    system_errors(&error, &self->system, 1, added);
+    return error;
+}
+
 void reduced_last_values(reduced_values *values, const reduced_solver *self) {
     const reduced_model *model = self->model;
     const reduced_values *last = &self->nodes.now.values;

@@ -184,6 +184,13 @@ reduced_errors reduced_other_errors(
     const reduced_state *state, const ehd_contact *contact,
     const double *added); // [rows of the model] squares of the residuals that count as one there
 
+/* The same of P where it is largest at the node of a row; one quantity in place of all nodes'. */
+double reduced_peak_error(
+    // in and out:
+    reduced_solver *solver,
+    // input:
+    const double *added); // as of reduced_other_errors
+
 /* Values of a state and, identical to the last bit, of the last solution with `exit_at_node`. */
 void reduced_values_of(reduced_values *values, const reduced_model *model,
                        const double *coordinates, const size_t *exit);

@@ -287,3 +287,11 @@ const char *trained_range_check(const trained_range *self, hull_space *space, co
         return "a contact that changes faster than any in training";
     return NULL;
 }
+
+double trained_range_outside(const trained_range *self, hull_space *space, contact_place of) {
+    double place[RANGE_AXES];
+
+    trained_place(place, of);
+    const double outside = outside_plane(self, place);
+    return outside <= self->slack && trained_range_check(self, space, of, 0) ? INFINITY : outside;
+}

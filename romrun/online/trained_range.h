@@ -27,4 +27,9 @@ hull_space *trained_range_space(const trained_range *range);
 const char *trained_range_check(const trained_range *range, hull_space *space, contact_place place,
                                 double rate);
 
+/* How far outside a contact lies in parts of the range's extent, the less the deeper inside; infinite
+ * where it is of M and alpha p_H that were trained, but not of the thinning. To choose among the
+ * ranges of models of parts. */
+double trained_range_outside(const trained_range *range, hull_space *space, contact_place place);
+
 #endif

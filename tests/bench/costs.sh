@@ -40,6 +40,32 @@ stationary='base compressible roelands wlf'
 in_time='time time-compressible time-approach'
 for name in $stationary $in_time; do scene "$name"; done
 
+# The contact of `base` in SI units, by which alone surfaces slide, and a ball; what else they may have are options.
+cat >si.yml <<'YML'
+contact: line
+regime: stationary
+physical: {load: 1.1266e6, radius: 0.01, speed: 0.501, modulus: 220e9, viscosity: 0.04}
+lubricant: {viscosity: {law: barus, alpha: 22e-9}}
+YML
+cat >ball.yml <<'YML'
+contact: point
+regime: stationary
+physical: {load: 40, radius: 0.0127, speed: 0.8, modulus: 230e9, viscosity: 0.05}
+lubricant: {viscosity: {law: barus, alpha: 18e-9}}
+grid: {x_min: -3, x_max: 1.5, step: 0.125, y_max: 2}
+YML
+slides='--set slide_roll=0.1 --set lubricant.shear.law=eyring --set lubricant.shear.tau0=5e6'
+thinned="$slides --set lubricant.shear.in_film=true"
+heated='--set lubricant.thermal_conductivity=0.14 --set lubricant.viscosity.temperature_coefficient=0.03'
+elliptical='--set contact=ellipse --set ellipticity=2'
+dented='--set surface.kind=dent --set surface.depth=0.01 --set surface.radius=0.2'
+# the functions of each, and of the far field of points; inlet heating is a formula
+of_sliding='contact_(shear_stress|traction_of|surface_stresses)|eyring|nodes_traction'
+of_thinning='traction_thinning|thinned_link|thin'
+of_ellipses='shape_of|integral_(along|across)|ellipse_[a-z_]*'
+of_surfaces='surface_(heights?|position)|dent_height'
+of_points='far_angle_[a-z]*'
+
 # ---- measurements
 
 # calls NAME TOGGLE COMMAND...: NAME.calls, of functions while TOGGLE runs (- : of the whole program)
@@ -113,7 +139,12 @@ check_terms() {
     some "$kind-time" '^(histories_at|previous_(mass|film_masses))$'
     none "$kind-base" '^(histories_(at|next)|frame_|march_|bdf_|previous_|film_splines_build|time_run|gsl_spline|full_march|reduced_march)'
     none "$kind-time" '^dowson_higginson'
+    none "$kind-base" "^($of_sliding|$of_thinning|$of_ellipses|$of_surfaces|$of_points)\$"
+    none "$kind-time" "^($of_sliding|$of_thinning|$of_ellipses|$of_surfaces|$of_points)\$"
 }
+
+# more WHAT WITH WITHOUT: what one whole program takes more than another
+more() { awk -v what="$1" '$1 == "total" { cost[FILENAME] = $3 } END { printf "%-34s %+9.0f of %.0f\n", what, (cost[ARGV[1]] - cost[ARGV[2]]) / 1000, cost[ARGV[2]] / 1000 }' "$2.calls" "$3.calls"; }
 
 # ---- the full model
 
@@ -142,6 +173,44 @@ awk 'FNR == 1 { total[FILENAME] = $3 }
      END { printf "program %.0f, of it solution %.0f, estimates of the resolution %.0f (without them %+.0f); fields %+.0f\n",
            total["full-base.calls"] / 1000, solve / 1000, estimate / 1000, (total["full-short.calls"] - total["full-base.calls"]) / 1000, (total["full-fields.calls"] - total["full-base.calls"]) / 1000 }' full-base.calls full-fields.calls full-short.calls
 check_terms full
+
+section "sliding and heating, by the full model: thousand instructions more of whole programs"
+full() {
+    local name=$1 unwanted='--set output.resolution=false'
+    shift
+    [ "$1" = time.yml ] && unwanted= # it has none
+    # shellcheck disable=SC2086
+    calls "full-$name" - "$BIN/fullrun" -q "$@" --set output.fields=false $unwanted -f -o "$name.h5"
+}
+# shellcheck disable=SC2086
+{
+    full si si.yml
+    full slides si.yml $slides
+    full thinned si.yml $thinned
+    full heated si.yml $heated
+    full ball ball.yml
+    full ball-slides ball.yml $slides
+    full ellipse ball.yml $elliptical
+    full dented time.yml $dented
+}
+more 'line that slides' full-slides full-si
+more 'line whose flow is thinned' full-thinned full-si
+more 'line with inlet heating' full-heated full-si
+more 'ball that slides' full-ball-slides full-ball
+more 'ellipse in place of the ball' full-ellipse full-ball
+more 'dent in time' full-dented full-time
+others="$of_thinning|$of_ellipses|$of_surfaces"
+none full-si "^($of_sliding|$others|$of_points)\$"
+none full-slides "^($others|$of_points)\$"
+none full-heated "^($of_sliding|$others|$of_points)\$"
+none full-ball "^($of_sliding|$others)\$"
+none full-ellipse "^($of_sliding|$of_thinning|$of_surfaces)\$"
+none full-dented "^($of_sliding|$of_thinning|$of_ellipses|$of_points)\$"
+some full-slides '^contact_traction_of$'
+some full-thinned '^(thinned_link|thin)$'
+some full-ball '^far_angle_rise$'
+some full-ellipse '^shape_of$'
+some full-dented '^surface_heights$'
 
 # ---- the reduced model
 
@@ -193,6 +262,21 @@ awk 'FNR == 1 { total[FILENAME] = $3 }
 printf 'heap: %d kB, with fields %d kB, without control rows %d kB\n' "$(heap "$BIN/romrun" -q --allow-untrusted base.yml --model model.h5)" \
     "$(heap "$BIN/romrun" -q --allow-untrusted base.yml --model model.h5 --set output.fields=true -f -o fields.h5)" \
     "$(heap "$BIN/romrun" -q --allow-untrusted base.yml --model without-control.h5)"
+section "friction by the reduced model (goal: at most 10 % of a solution): thousand instructions"
+# shellcheck disable=SC2086
+for name in si slides; do
+    [ $name = slides ] && options=$slides || options=
+    calls "reduced-$name" - "$BIN/romrun" -q --allow-untrusted si.yml --model model.h5 $options
+done
+awk '{ cost[FILENAME, $1] = $3 }
+     END { still = cost["reduced-si.calls", "online_solve"]; with = "reduced-slides.calls"
+           printf "solution %.0f, of a scene that slides %.0f, its friction %.0f: %.2f %%\n", still / 1000,
+               cost[with, "online_solve"] / 1000, cost[with, "online_traction"] / 1000, 100 * cost[with, "online_traction"] / still
+           exit !(cost[with, "online_traction"] > 0 && cost[with, "online_solve"] + cost[with, "online_traction"] <= 1.1 * still) }' \
+    reduced-si.calls reduced-slides.calls || failed=1
+none reduced-si "^($of_sliding|$others|$of_points)\$"
+some reduced-slides '^nodes_traction$'
+
 # ---- the library and FMUs
 
 section "a step through the library against one inside of romrun (goal: at most 3 % more): thousand instructions"

@@ -116,13 +116,15 @@ with h5py.File("t.h5") as table:
     for i, name in enumerate(("0.05", "0", "-0.1")):
         with h5py.File(name + ".h5") as one:
             units = {"friction_coefficient": 1, "line_friction_force": one.attrs["line_load"], "line_power_loss": one.attrs["line_power"],
-                     "indicated_deviation_friction": 1}
+                     "indicated_deviation_friction": 1, "line_rolling_resistance": one.attrs["line_load"],
+                     "line_rolling_moment": one.attrs["line_moment"], "mean_shear_stress": one.attrs["hertz_pressure"],
+                     "largest_shear_stress": one.attrs["hertz_pressure"]}
             for column, unit in units.items():
                 found = table[column][i]
                 expected = one[column.removeprefix("line_")][0] * unit
                 assert abs(found - expected) <= 1e-12 * abs(expected), (name, column)
-                named = {"line_friction_force": " [N m-1]", "line_power_loss": " [W m-1]"}.get(column, "")
-                assert float(rows[i][column + named]) == found
+                [named] = [name for name in rows[0] if name.split(" ")[0] == column]
+                assert float(rows[i][named]) == found
 assert not any(name.startswith("point_") for name in rows[0])
 PYTHON
     # scenes that name none have no columns of it; a model without nodes for it says so

@@ -333,7 +333,7 @@ PYTHON
     [ "$status" -eq 0 ]
     [ -z "$stderr" ]
     [[ ${lines[0]} == "missing.h5: "* ]]
-    [[ ${lines[1]} == "scene.yml: found "* ]]
+    [[ ${lines[1]} == "scene.yml:1: contact: found an unknown key, expected models" ]]
     [[ ${lines[2]} == "physical.lod: found"*"physical.load"* ]]
     [[ ${lines[3]} == "physical.load: found nan, expected a number from "* ]]
     [[ ${lines[4]} == "units: found moes.M and moes.L"* ]]
@@ -357,7 +357,7 @@ PYTHON
     si_scene
     romrun si.yml --model m.h5 --allow-untrusted -o r.h5 --quiet --set output.fields=true
     romrun si.yml --model m.h5 --allow-untrusted -o slid.h5 --quiet --set slide_roll=0.1 \
-        --set lubricant.shear.law=eyring --set lubricant.shear.tau0=5e6
+        --set lubricant.shear.law=eyring --set lubricant.shear.tau0=5e6 --set output.fields=true
     romrun si.yml --model m.h5 --allow-untrusted -o hot.h5 --quiet --set lubricant.thermal_conductivity=0.14 \
         --set lubricant.viscosity.temperature_coefficient=0.03
     romrun --export m.h5 -o m.ehdrom
@@ -432,6 +432,7 @@ else:
     raise AssertionError("nothing raised")
 assert contact.solve().central_film_thickness == ehdrom.Contact(model, "si.yml", accuracy=math.inf).solve().central_film_thickness
 slid, speed = contact.slide(), contact.scales()["speed"]
+stresses = contact.shear_stresses()
 with h5py.File("slid.h5") as file:
     units = {"friction_coefficient": 1, "friction_force": file.attrs["line_load"], "rolling_resistance": file.attrs["line_load"],
              "rolling_moment": file.attrs["line_moment"], "power_loss": file.attrs["line_power"],
@@ -440,6 +441,12 @@ with h5py.File("slid.h5") as file:
     assert math.isnan(slid.pop("indicated_deviation_friction"))  # never checked
     for name, unit in units.items():
         assert abs(slid[name] / (file[name][0] * unit) - 1) < 1e-12, name
+    for surface in 1, 2:
+        expected = file[f"shear_stress_{surface}"][0] * file.attrs["hertz_pressure"]
+        assert numpy.allclose(stresses[surface - 1][0], expected, rtol=1e-9, atol=1e-9 * abs(expected).max()) and abs(expected).max() > 1e5
+# to the right where surface 1 is the faster one, and at u1 = u2 what the pressure does alone
+assert (contact.shear_stresses(-0.1 * speed)[0] - contact.shear_stresses(-0.1 * speed)[1] == stresses[1] - stresses[0]).all()
+assert (contact.shear_stresses(0)[0] == contact.shear_stresses(0)[1]).all()
 assert slid.items() <= contact.slide(0.1 * speed).items()
 back = contact.slide(-0.1 * speed)
 assert back["friction_force"] == -slid["friction_force"] and back["power_loss"] == slid["power_loss"]
@@ -449,6 +456,7 @@ in_time = contact.slide()
 assert math.isnan(in_time.pop("indicated_deviation_friction"))
 for name in slid:
     assert abs(in_time[name] / slid[name] - 1) < 1e-3, (name, in_time, slid)
+assert numpy.allclose(contact.shear_stresses(), stresses, rtol=0, atol=1e-3 * abs(stresses[0]).max())
 contact.step(0.01 * contact.scales()["time"], load=20.2e3, speed=0.9 * speed)
 assert in_time.items() <= contact.slide().items()  # of the accepted state
 attempted = contact.slide_step()

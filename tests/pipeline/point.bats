@@ -174,11 +174,11 @@ PYTHON
         ulimit -v 300000
         refuse 71 "scene.yml: grid: found [0-9]* nodes, which take about [0-9]* MB, expected" \
             fullrun scene.yml --set grid.step=0.005 -o x.h5
-        # however many there are, up to a hundred million
+        # however many there are, up to fifty million
         refuse 71 "scene.yml: grid: found 5765201 nodes, which take about [0-9]* MB, expected" \
             fullrun scene.yml --set grid.step=0.00125 -o x.h5
     )
-    refuse 65 "--set: grid.step: found 0.000125, which makes 576052001 nodes, expected at most 100000000" \
+    refuse 65 "--set: grid.step: found 0.000125, which makes 576052001 nodes, expected at most 50000000" \
         fullrun scene.yml --set grid.step=0.000125 -o x.h5
 }
 
@@ -205,6 +205,45 @@ YAML
         refuse 71 "plan.yml: grid: found [0-9]* nodes, which take about [0-9]* MB with --jobs 6, expected" \
             snapgen plan.yml --set grid.step=0.0125 --jobs 6 -o x.h5
     )
+}
+
+# threads_of OPTION...: how many threads fullrun has when it has worked for 0.3 s of the processor.
+threads_of() {
+    fullrun scene.yml --repeat 1000 "$@" --quiet >/dev/null 2>&1 &
+    pid=$!
+    until awk '{ exit !($14 + $15 >= 30) }' /proc/$pid/stat; do
+        sleep 0.1
+    done
+    awk '/^Threads:/ { print $2 }' /proc/$pid/status
+    kill $pid
+    wait $pid || true
+}
+
+@test "--jobs changes no result of a large grid, and shares it in time too" {
+    large="--set grid.step=0.025" # 181 by 81 nodes
+    fullrun scene.yml $large -o one.h5 --jobs 1
+    for jobs in 2 5; do
+        fullrun scene.yml $large -o many.h5 --jobs $jobs --force
+        same_data one.h5 many.h5
+    done
+    fullrun scene.yml $large -o many.h5 --force
+    same_data one.h5 many.h5
+    in_time=(scene.yml $large --set regime=transient --set transient.end_time=0.005 --set transient.fixed_step=0.0025
+        --set transient.load.law=sine --set transient.load.amplitude=0.1 --set transient.load.period=0.5)
+    fullrun "${in_time[@]}" -o one.h5 --jobs 1 --force
+    fullrun "${in_time[@]}" -o many.h5 --jobs 3 --force
+    same_data one.h5 many.h5
+}
+
+@test "--jobs are threads from 10,000 nodes on, and as many as there are processors by default" {
+    [[ $VARIANT != tsan ]] || skip "the sanitizer has a thread of its own"
+    [ "$(threads_of --set grid.step=0.025 --jobs 3)" -eq 3 ]
+    [ "$(threads_of --set grid.step=0.025 --jobs 1)" -eq 1 ]
+    [ "$(threads_of --set grid.step=0.025)" -eq "$(getconf _NPROCESSORS_ONLN)" ]
+    [ "$(threads_of --jobs 3)" -eq 1 ]
+    for jobs in 0 -1 two 2x 1e9 ""; do
+        refused 64 "--jobs: found $jobs.*, expected" fullrun scene.yml --jobs="$jobs" -o x.h5
+    done
 }
 
 @test "shows how far it is, and stops soon when interrupted" {

@@ -7,7 +7,7 @@
  *     use_fmu 2|3 FOLDER calls NAME…            all calls that are offered, in and out of order; the others by name
  *     use_fmu 2|3 FOLDER derivatives            against differences of its own
  *     use_fmu 2|3 FOLDER far                    a step that cannot be done
- *     use_fmu library FOLDER STEPS [LOAD SPEED RADIUS [slide]]  run, by ehdrom.h; these are the scene's; with friction
+ *     use_fmu library FOLDER STEPS [LOAD SPEED RADIUS [slide]]  run, by ehdrom.h; these are the scene's; with traction and inlet heating
  *
  * FOLDER is an unpacked FMU. What is expected ends in exit code 0. */
 #include "romrun/fmu/fmi2.h"
@@ -539,7 +539,8 @@ static void far(void) {
 // ---- by ehdrom.h
 
 /* Of the stationary contact of these conditions, under a force. */
-static ehdrom_response respond(ehdrom_contact *contact, double force, const ehdrom_conditions *at) {
+static ehdrom_response respond(double *heating, ehdrom_contact *contact, double force,
+                               const ehdrom_conditions *at) {
     ehdrom_result result = EHDROM_RESULT_INIT;
     ehdrom_response response = EHDROM_RESPONSE_INIT;
 
@@ -548,6 +549,7 @@ static ehdrom_response respond(ehdrom_contact *contact, double force, const ehdr
            !ehdrom_contact_set_number(contact, "physical.radius", at->radius));
     EXPECT(!EHDROM_FAILED(ehdrom_solve(contact, &result)));
     EXPECT(!ehdrom_respond(contact, &response));
+    *heating = result.inlet_heating_factor;
     return response;
 }
 
@@ -579,7 +581,8 @@ static void by_library(int argc, char **argv) {
         if (i > 0)
             EXPECT(!EHDROM_FAILED(ehdrom_step(contact, &at, length, &result)) &&
                    !ehdrom_accept(contact));
-        const ehdrom_response response = respond(stationary, result.load, &at);
+        double heating = NAN;
+        const ehdrom_response response = respond(&heating, stationary, result.load, &at);
         EXPECT(response.stiffness > 0 && response.damping_bound > 0);
         printf("%zu force=%a approach=%a central_film_thickness=%a minimum_film_thickness=%a "
                "central_pressure=%a peak_pressure=%a exit_position=%a half_width=%a "
@@ -595,8 +598,12 @@ static void by_library(int argc, char **argv) {
         // of the accepted state, where the FMU has that of the step
         EXPECT(argc <= 7 || !ehdrom_slide(contact, i > 0 ? (v + 0.25) - (v - 0.25) : 0, &traction));
         if (argc > 7)
-            printf(" friction_force=%a friction_coefficient=%a power_loss=%a",
-                   traction.friction_force, traction.friction_coefficient, traction.power_loss);
+            printf(" friction_force=%a friction_coefficient=%a power_loss=%a rolling_resistance=%a "
+                   "rolling_moment=%a mean_shear_stress=%a largest_shear_stress=%a "
+                   "stationary_inlet_heating_factor=%a",
+                   traction.friction_force, traction.friction_coefficient, traction.power_loss,
+                   traction.rolling_resistance, traction.rolling_moment, traction.mean_shear_stress,
+                   traction.largest_shear_stress, heating);
         printf("\n");
     }
     ehdrom_contact_free(contact);

@@ -31,3 +31,23 @@ void marching_free(marching *self) {
     film_splines_free(&self->splines);
     reduced_model_free(&self->model);
 }
+
+ehd_contact marching_contact(const trained *of, double moes_M, bool along_path) {
+    ehd_contact contact = of->contacts[4];
+
+    contact_set_moes(&contact, moes_M, 4);
+    contact.transport = along_path ? TRANSPORT_PATH : TRANSPORT_UPWIND;
+    contact.smoothing = 0.014;
+    return contact;
+}
+
+reduced_basis marching_nodes(const trained *of, deformation_kind kind, const double *weight) {
+    reduced_basis nodes = identity_basis(&of->set, kind, weight);
+    const size_t last = grid_width(&nodes.grid) - 2, inner = grid_lines(&nodes.grid) - 1;
+
+    for (size_t s = 0; s < nodes.states.num_states; s++)
+        nodes.states.rate[s] = 1000;
+    for (size_t l = 0; l < inner && nodes.grid.inner_lines > 1; l++)
+        nodes.states.exit[l] = last;
+    return nodes;
+}

@@ -27,4 +27,11 @@ void marching_start_with(marching *self, const ehd_contact *contact, const reduc
                          const size_t *rows, size_t num_rows, const contact_frame *frame);
 void marching_free(marching *self);
 
+/* A contact of a training's kind and grid, with L = 4, carried along the path or by the rows. */
+ehd_contact marching_contact(const trained *of, double moes_M, bool along_path);
+
+/* Every node a mode of its own; contacts that change are of the training, as far as M goes. Free with
+ * reduced_basis_free. */
+reduced_basis marching_nodes(const trained *of, deformation_kind kind, const double *weight);
+
 #endif

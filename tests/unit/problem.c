@@ -36,6 +36,11 @@ void check_same_state(const problem *actual, const problem *expected) {
 }
 
 void problem_rows(reynolds_row *rows, const problem *solved) {
+    problem_rows_in_time(rows, solved, NULL);
+}
+
+void problem_rows_in_time(reynolds_row *rows, const problem *solved,
+                          const reynolds_squeeze *squeeze) {
     const ehd_grid *grid = &solved->contact.grid;
     size_t n = grid->num_nodes;
     double *memory = malloc((NUM_FLUID_ARRAYS + 1) * n * sizeof *memory);
@@ -53,7 +58,7 @@ void problem_rows(reynolds_row *rows, const problem *solved) {
         stencils[r] = reynolds_stencil_at(grid, grid_node_of_row(grid, r));
     reynolds_fluid_evaluate(&fluid, &solved->contact, pressure, n);
     far_field_set_density(&fluid, &outer);
-    reynolds_rows(rows, grid, 1, NULL, stencils, grid->num_inner, &fluid, pressure,
+    reynolds_rows(rows, grid, 1, squeeze, stencils, grid->num_inner, &fluid, pressure,
                   solved->state.film);
     arena_free(&of_outer);
     free(stencils);

@@ -21,6 +21,9 @@ void check_same_state(const problem *actual, const problem *expected);
 
 /* Reynolds rows of a solution, evaluated apart from the solver; [num_inner]. */
 void problem_rows(reynolds_row *rows, const problem *solved);
+/* The same of a solution in time. */
+void problem_rows_in_time(reynolds_row *rows, const problem *solved,
+                          const reynolds_squeeze *squeeze);
 double row_size(const reynolds_row *row);
 
 /* A linear solver that takes the step by GMRES and by dgesv, which have to agree. */

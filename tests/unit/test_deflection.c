@@ -246,6 +246,40 @@ static void order_of_the_deflection(void **state) {
     }
 }
 
+/* Threads that share lines and columns change no bit, on grids of few and of many. */
+static void threads_deflect_to_the_same_bits(void **state) {
+    (void)state;
+    for (size_t cells = 8; cells <= 128; cells *= 4)
+        for (int half = 0; half < 2; half++) {
+            const ehd_contact contact = point_contact(cells, half != 0);
+            const size_t bytes = contact.grid.num_nodes * sizeof(double);
+            ehd_deflection *alone = deflection_create(contact.kind, &contact.grid);
+            double *pressure = malloc(bytes), *expected = malloc(bytes);
+
+            assert_true(alone && pressure && expected);
+            for (size_t k = 0; k < contact.grid.num_nodes; k++)
+                pressure[k] = sin(0.1 * (double)(k % 997));
+            deflection_apply(expected, alone, pressure);
+            for (size_t members = 2; members <= 5; members += 3) {
+                team *threads = team_create(members);
+                ehd_deflection *shared =
+                    deflection_create_shared(contact.kind, &contact.grid, threads);
+                double *found = malloc(bytes);
+
+                assert_true(threads && shared && found);
+                assert_memory_equal(deflection_kernel(shared), deflection_kernel(alone), bytes);
+                deflection_apply(found, shared, pressure);
+                assert_memory_equal(found, expected, bytes);
+                deflection_free(shared);
+                team_free(threads);
+                free(found);
+            }
+            deflection_free(alone);
+            free(pressure);
+            free(expected);
+        }
+}
+
 static void deflection_without_memory(void **state) {
     (void)state;
     const struct {
@@ -278,6 +312,7 @@ int main(void) {
         cmocka_unit_test(hertz_pressure_deflects_a_line_as_hertz),
         cmocka_unit_test(hertz_pressure_deflects_a_point_as_hertz),
         cmocka_unit_test(order_of_the_deflection),
+        cmocka_unit_test(threads_deflect_to_the_same_bits),
         cmocka_unit_test(deflection_without_memory),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -36,22 +36,11 @@ static int tear_down(void **state) {
     return 0;
 }
 
-/* Every node a mode of its own; contacts that change are of the training, as far as M goes. */
-static reduced_basis nodes_basis(const trained *of, deformation_kind kind, const double *weight) {
-    reduced_basis nodes = identity_basis(&of->set, kind, weight);
-    const size_t last = grid_width(&nodes.grid) - 2, inner = grid_lines(&nodes.grid) - 1;
-
-    for (size_t s = 0; s < nodes.states.num_states; s++)
-        nodes.states.rate[s] = 1000;
-    for (size_t l = 0; l < inner && of == &point_training; l++)
-        nodes.states.exit[l] = last;
-    return nodes;
-}
-
 /* A march and what it left behind at each step; `both`: with the full model beside the reduced one,
  * else by the full model alone. */
 typedef struct run {
     marching reduced;
+    parts_march *parts; // `reduced` alone
     fallback_march *both;
     full_march *full;
     march_solver solver;
@@ -98,8 +87,9 @@ static void run_init(run *self, const ehd_contact *contact, const reduced_basis 
 
     marching_start(&self->reduced, contact, basis, &frame);
     if (with_reduced) {
-        check_ok(
-            fallback_march_create(&self->both, self->reduced.march, NAN, accuracy, NULL, &error));
+        check_ok(parts_march_create(&self->parts, &self->reduced.march, 1, &error));
+        self->reduced.march = NULL;
+        check_ok(fallback_march_create(&self->both, self->parts, NAN, accuracy, NULL, &error));
         self->solver = fallback_march_solver(self->both);
     } else {
         check_ok(full_march_create(&self->full, reduced_march_reference(self->reduced.march),
@@ -112,6 +102,7 @@ static void run_init(run *self, const ehd_contact *contact, const reduced_basis 
 
 static void run_free(run *self) {
     fallback_march_free(self->both);
+    parts_march_free(self->parts);
     full_march_free(self->full);
     marching_free(&self->reduced);
 }
@@ -135,15 +126,6 @@ static size_t count_full(const run *self) {
     for (size_t i = 0; i <= NUM_STEPS; i++)
         count += self->by_full_model[i];
     return count;
-}
-
-static ehd_contact contact_of(const trained *of, double moes_M, bool along_path) {
-    ehd_contact contact = of->contacts[4];
-
-    contact_set_moes(&contact, moes_M, 4);
-    contact.transport = along_path ? TRANSPORT_PATH : TRANSPORT_UPWIND;
-    contact.smoothing = 0.014;
-    return contact;
 }
 
 /* The same films as by the full model alone. */
@@ -182,8 +164,8 @@ static void check_turns(const ehd_contact *contact, const reduced_basis *basis, 
 static void in_turn_they_are_the_full_model(void **state) {
     (void)state;
     for (int path = 0; path < 2; path++) {
-        reduced_basis nodes = nodes_basis(&training, DEFORMATION_COUPLED, bases[1].weight);
-        const ehd_contact contact = contact_of(&training, 18.5, path);
+        reduced_basis nodes = marching_nodes(&training, DEFORMATION_COUPLED, bases[1].weight);
+        const ehd_contact contact = marching_contact(&training, 18.5, path);
         check_turns(&contact, &nodes, 1e-5);
         reduced_basis_free(&nodes);
     }
@@ -191,8 +173,8 @@ static void in_turn_they_are_the_full_model(void **state) {
 
 static void with_modes_of_the_deflection_too(void **state) {
     (void)state;
-    reduced_basis nodes = nodes_basis(&training, DEFORMATION_INDEPENDENT, bases[0].weight);
-    const ehd_contact contact = contact_of(&training, 18.5, true);
+    reduced_basis nodes = marching_nodes(&training, DEFORMATION_INDEPENDENT, bases[0].weight);
+    const ehd_contact contact = marching_contact(&training, 18.5, true);
 
     check_turns(&contact, &nodes, 1e-5);
     reduced_basis_free(&nodes);
@@ -200,8 +182,8 @@ static void with_modes_of_the_deflection_too(void **state) {
 
 static void of_a_point_contact(void **state) {
     (void)state;
-    reduced_basis nodes = nodes_basis(&point_training, DEFORMATION_COUPLED, point_basis.weight);
-    const ehd_contact contact = contact_of(&point_training, 18.5, true);
+    reduced_basis nodes = marching_nodes(&point_training, DEFORMATION_COUPLED, point_basis.weight);
+    const ehd_contact contact = marching_contact(&point_training, 18.5, true);
 
     check_turns(&contact, &nodes, 1e-4);
     reduced_basis_free(&nodes);
@@ -210,8 +192,8 @@ static void of_a_point_contact(void **state) {
 /* From any step on, by either model, another object makes the same bits. */
 static void saved_and_restored(void **state) {
     (void)state;
-    reduced_basis nodes = nodes_basis(&training, DEFORMATION_COUPLED, bases[1].weight);
-    const ehd_contact contact = contact_of(&training, 18.5, true);
+    reduced_basis nodes = marching_nodes(&training, DEFORMATION_COUPLED, bases[1].weight);
+    const ehd_contact contact = marching_contact(&training, 18.5, true);
     run *whole = malloc(sizeof *whole), *other = malloc(sizeof *other);
 
     run_init(whole, &contact, &nodes, true, 1e-2, 0);
@@ -252,8 +234,8 @@ static void saved_and_restored(void **state) {
 /* A start outside of the training is the full model's, and the reduced one comes in later. */
 static void a_start_by_the_full_model(void **state) {
     (void)state;
-    reduced_basis nodes = nodes_basis(&training, DEFORMATION_COUPLED, bases[1].weight);
-    const ehd_contact contact = contact_of(&training, 18.5, true);
+    reduced_basis nodes = marching_nodes(&training, DEFORMATION_COUPLED, bases[1].weight);
+    const ehd_contact contact = marching_contact(&training, 18.5, true);
     run *both = malloc(sizeof *both), *full = malloc(sizeof *full);
 
     run_init(full, &contact, &nodes, false, 0, M_PI / 2);
@@ -280,7 +262,7 @@ static void the_film_has_to_leave_before(void **state) {
     trained_basis(&few, &training, DEFORMATION_COUPLED, 12, 0);
     for (size_t s = 0; s < few.states.num_states; s++)
         few.states.rate[s] = 1000;
-    const ehd_contact contact = contact_of(&training, 18.5, true);
+    const ehd_contact contact = marching_contact(&training, 18.5, true);
     run *both = malloc(sizeof *both);
 
     run_init(both, &contact, &few, true, 1, 0);
@@ -300,8 +282,8 @@ static void the_film_has_to_leave_before(void **state) {
 /* What does not converge is tried once more by the reduced model, then by the full one. */
 static void where_the_reduced_model_does_not_converge(void **state) {
     (void)state;
-    reduced_basis nodes = nodes_basis(&training, DEFORMATION_COUPLED, bases[1].weight);
-    const ehd_contact contact = contact_of(&training, 14, true);
+    reduced_basis nodes = marching_nodes(&training, DEFORMATION_COUPLED, bases[1].weight);
+    const ehd_contact contact = marching_contact(&training, 14, true);
     march_step step = {.status = EHD_OK};
     run *both = malloc(sizeof *both);
 

@@ -331,6 +331,9 @@ static void large_grids_satisfy_the_problem(void **state) {
         assert_true(full_is_large(&contact.grid));
         check_solution(&contact);
     }
+    // the grids of trainings and studies are not: their bits are those of the factors
+    const ehd_contact usual = sample_point("barus", "incompressible", 20, 10, 128, true);
+    assert_false(full_is_large(&usual.grid));
 }
 
 /* The converged digits of Venner and Lubrecht's multigrid program, in Moes units

@@ -104,7 +104,7 @@ static void the_library_says_what_it_solved(void **state) {
     for (size_t s = 0; s < TRAINED_STATES; s++)
         bases[1].states.effects[s].of[EFFECT_STEP] = -0.02;
     rows_model_write(&bases[1], rows, NUM_ROWS, path);
-    check_ok(online_open(&model, path, &sizes, &error));
+    check_ok(online_open(&model, path, &(part_sizes){{sizes}}, &error));
     online_properties properties = online_describe(model);
     assert_int_equal(properties.num_inner, 121);
     assert_int_equal(properties.pressure_modes, 8);

@@ -36,6 +36,7 @@ static int set_up(void **state) {
         problem *self = &problems[p];
         trained_basis(&self->basis, &self->training, DEFORMATION_COUPLED, 0, 0);
         self->nodes = identity_basis(&self->training.set, DEFORMATION_COUPLED, self->basis.weight);
+        self->basis.states.rate[0] = self->nodes.states.rate[0] = INFINITY; // as fast as any
         for (size_t l = 0; l < self->basis.states.num_lines; l++)
             if (grid_is_inner_line(&self->nodes.grid, l))
                 self->nodes.states.exit[l] = grid_width(&self->nodes.grid) - 2;
@@ -424,9 +425,7 @@ static void a_doubtful_film_is_doubtful_until_it_has_left(void **state) {
     contact.smoothing = 2 * contact.grid.step;
     const contact_frame start = frame_at(contact.kind, 0, (double[]){1.4, 1, 1, 1}, NAN);
     marching_start(&self, &contact, &of->basis, &start);
-    assert_int_equal(self.last.status, EHD_UNTRUSTED);           // M = 21, of 20
-    reduced_march_indicate(self.march, (film_factors){1, 1, 0}); // lest the rate be held against it
-    check_ok(self.solver.start(&self.last, self.solver.self, &start, &error));
+    assert_int_equal(self.last.status, EHD_UNTRUSTED); // M = 21, of 20
     for (size_t i = 1; i <= 160; i++) {
         const double time = (double)i * STEP, load = 1.4 - 0.2 * fmin(time / 0.4, 1);
         contact_frame frame = frame_at(contact.kind, time, (double[]){load, 1, 1, 1}, NAN);

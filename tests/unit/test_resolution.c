@@ -28,7 +28,7 @@ static full_resolution estimate(const ehd_contact *contact) {
     full_state state;
 
     solve(&state, contact);
-    assert_int_equal(full_resolution_estimate(&resolution, &state, contact, NULL), EHD_OK);
+    assert_int_equal(full_resolution_estimate(&resolution, &state, contact, NULL, NULL), EHD_OK);
     full_state_free(&state);
     return resolution;
 }
@@ -104,7 +104,8 @@ static void inlet_effect_is_integrated_finely(void **state) {
     }
     const double central_pressure =
         solution.pressure[(size_t)lround(centre / contact.grid.step) + 1];
-    assert_int_equal(full_resolution_estimate(&resolution, &solution, &contact, NULL), EHD_OK);
+    assert_int_equal(full_resolution_estimate(&resolution, &solution, &contact, NULL, NULL),
+                     EHD_OK);
     check_close(resolution.effects.of[EFFECT_INLET], 8. / 11 * sum / central_pressure, 5e-5, 0);
     full_state_free(&solution);
 }
@@ -343,7 +344,7 @@ static void estimate_without_memory(void **state) {
         do {
             allocation_fail_at(call);
             ehd_status status =
-                full_resolution_estimate(&resolution, &solution, &contacts[c], NULL);
+                full_resolution_estimate(&resolution, &solution, &contacts[c], NULL, NULL);
             failed = allocation_failed();
             assert_int_equal(status, failed ? EHD_MEMORY : EHD_OK);
         } while (failed && call++ < 300);

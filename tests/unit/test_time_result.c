@@ -159,8 +159,9 @@ static artefact *start(bool with_fields) {
 static ehd_status try_resume(artefact **file, size_t *num_entries, const char *settings) {
     const program self = writer();
     double restart[RESTART_SIZE] = {0};
-    ehd_status status = time_result_resume(file, restart, num_entries, &self, &contact, settings,
-                                           model, &given, restart_size, &error);
+    ehd_status status =
+        time_result_resume(file, restart, num_entries, &self, &contact, settings,
+                           (const char *const[]){model, NULL}, &given, restart_size, &error);
 
     for (size_t i = 0; i < restart_size && !status; i++)
         check_close(restart[i], *num_entries > 0 ? restart_at(*num_entries, i) : 0, 0, 0);

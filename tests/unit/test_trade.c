@@ -560,7 +560,7 @@ static void a_table_comes_back(void **state) {
     assert_true(isnan(found.positions[1].seconds));
     trade_free(&found);
     // it is still a model
-    check_ok(online_open(&model, calibrated, &positions[0].sizes, &error));
+    check_ok(online_open(&model, calibrated, &(part_sizes){{positions[0].sizes}}, &error));
     assert_int_equal(online_describe(model).rows, 20);
     online_close(model);
 }

@@ -317,3 +317,11 @@ class Contact:
         self._passed(_lib.ehdrom_axes(self._handle, _doubles(x), _doubles(y)))
         self._passed(_lib.ehdrom_fields(self._handle, _doubles(pressure), _doubles(film)))
         return x, y, pressure, film
+
+    def shear_stresses(self, sliding=None):
+        """What the fluid does to surface 1 and to surface 2 along x, Pa, two arrays [num_y, num_x] at the nodes of
+        fields(); of the last solution or the accepted state, sliding as of slide()."""
+        stresses = numpy.empty((2, self.model.info["num_y"], self.model.info["num_x"]))
+        self._passed(_lib.ehdrom_shear_stresses(self._handle, numpy.nan if sliding is None else sliding,
+                                                _doubles(stresses[0]), _doubles(stresses[1])))
+        return stresses[0], stresses[1]

@@ -1,0 +1,28 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* A list of reduced models for parts of a region (schemas/models.md). */
+#ifndef EHD_PART_LIST_H
+#define EHD_PART_LIST_H
+
+#include "common/program/status.h"
+#include <stdbool.h>
+#include <stddef.h>
+
+enum { MAX_PARTS = 16 };
+
+typedef struct part_list {
+    size_t num;
+    char *paths[MAX_PARTS]; // of models
+} part_list;
+
+/* Whether a file is one by its name, which ends with ".yml" or ".yaml". */
+bool part_list_is(const char *path);
+
+/* Reads one; of any other file the list is that file alone. EHD_NOINPUT, EHD_IO, EHD_DATA, EHD_MEMORY. */
+ehd_status part_list_read(
+    // output:
+    part_list *self, // free with part_list_free, also where it fails
+    // input:
+    const char *path, ehd_error *error);
+void part_list_free(part_list *self);
+
+#endif

@@ -1,0 +1,351 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "romrun/online/parts_march.h"
+
+#include "romrun/online/film_errors.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+struct parts_march {
+    size_t num_parts;
+    reduced_march **parts; // [num_parts]
+    bool *holds;           // [num_parts] whether a part has the accepted states
+    size_t accepted;       // part that has solved the last accepted one
+    size_t attempted;      // of the last attempt
+    size_t num_handed;
+    // of a handed state, [num_nodes]; NULL where there is one part
+    double *pressure, *film;
+    double *taken_pressure, *taken_film; // as the part has it that took it
+};
+
+parts_march *parts_march_free(parts_march *self) {
+    if (!self) return NULL;
+    for (size_t p = 0; p < self->num_parts; p++)
+        reduced_march_free(self->parts[p]);
+    free(self->parts);
+    free(self->holds);
+    free(self->pressure);
+    free(self->film);
+    free(self->taken_pressure);
+    free(self->taken_film);
+    free(self);
+    return NULL;
+}
+
+static bool allocate(parts_march *self) {
+    const size_t num_nodes = reduced_march_reference(self->parts[0])->grid.num_nodes;
+
+    if (self->num_parts == 1) return true;
+    self->pressure = malloc(num_nodes * sizeof(double));
+    self->film = malloc(num_nodes * sizeof(double));
+    self->taken_pressure = malloc(num_nodes * sizeof(double));
+    self->taken_film = malloc(num_nodes * sizeof(double));
+    return self->pressure && self->film && self->taken_pressure && self->taken_film;
+}
+
+ehd_status parts_march_create(parts_march **created, reduced_march *const *parts, size_t num_parts,
+                              ehd_error *error) {
+    parts_march *self = calloc(1, sizeof *self);
+
+    *created = NULL;
+    if (self) {
+        self->parts = malloc(num_parts * sizeof(reduced_march *));
+        self->holds = calloc(num_parts, sizeof *self->holds);
+    }
+    if (!self || !self->parts || !self->holds) {
+        for (size_t p = 0; p < num_parts; p++)
+            reduced_march_free(parts[p]);
+        parts_march_free(self);
+        return ehd_fail(error, EHD_MEMORY, "online solver: found no memory");
+    }
+    memcpy(self->parts, parts, num_parts * sizeof(reduced_march *));
+    self->num_parts = num_parts;
+    if (!allocate(self)) {
+        parts_march_free(self);
+        return ehd_fail(error, EHD_MEMORY, "online solver: found no memory");
+    }
+    *created = self;
+    return EHD_OK;
+}
+
+size_t parts_march_attempted(const parts_march *self) {
+    return self->attempted;
+}
+
+size_t parts_march_accepted(const parts_march *self) {
+    return self->accepted;
+}
+
+reduced_march *parts_march_part(const parts_march *self, size_t part) {
+    return self->parts[part];
+}
+
+size_t parts_march_num_handed(const parts_march *self) {
+    return self->num_handed;
+}
+
+reduced_march_effort parts_march_effort_of(const parts_march *self) {
+    reduced_march_effort sum = {0};
+
+    for (size_t p = 0; p < self->num_parts; p++) {
+        const reduced_march_effort of = reduced_march_effort_of(self->parts[p]);
+        sum.seconds += of.seconds;
+        sum.seconds_rows += of.seconds_rows;
+        sum.seconds_linear += of.seconds_linear;
+        sum.seconds_exit += of.seconds_exit;
+        sum.seconds_previous += of.seconds_previous;
+        sum.iterations += of.iterations;
+    }
+    return sum;
+}
+
+// ---- from one part to another
+
+/* The part in whose trained range a frame lies deepest. */
+static size_t deepest(const parts_march *self, const contact_frame *frame) {
+    size_t found = 0;
+
+    for (size_t p = 1; p < self->num_parts; p++)
+        if (reduced_march_outside(self->parts[p], frame) <
+            reduced_march_outside(self->parts[found], frame))
+            found = p;
+    return found;
+}
+
+/* A state on the grid, in self->pressure and self->film. */
+static handed_state hand(parts_march *self, const reduced_march *from, const reduced_state *state,
+                         const contact_frame *frame) {
+    handed_state handed = {.pressure = self->pressure,
+                           .film = self->film,
+                           .exits = reduced_state_exits(state),
+                           .frame = *frame};
+
+    reduced_march_fields_of(self->pressure, self->film, &handed.rigid_approach, from, state);
+    return handed;
+}
+
+/* By how much the film of the last accepted state has changed because other modes tell it, at the
+ * places of the central line where errors are: largest of the nodes around. Zero outside of what
+ * has pressure, where a film is no outcome. */
+static void find_change(double change[NUM_ERROR_PLACES], parts_march *self,
+                        const reduced_march *from, const reduced_march *to) {
+    const ehd_grid *grid = &reduced_march_reference(to)->grid;
+    const size_t first = grid_central_line(grid), width = grid_width(grid);
+    const reduced_state taken = reduced_march_state_before(to, 1, NULL);
+    const reduced_state given = reduced_march_state_before(from, 1, NULL);
+    double rigid_approach;
+
+    reduced_march_fields_of(self->pressure, self->film, &rigid_approach, from, &given);
+    reduced_march_fields_of(self->taken_pressure, self->taken_film, &rigid_approach, to, &taken);
+    memset(change, 0, NUM_ERROR_PLACES * sizeof *change);
+    for (size_t k = first; k < first + width; k++) {
+        const double x = grid_x(grid, k), place = (x + 1) / 2 * (NUM_ERROR_PLACES - 1);
+        const double here = fabs(self->taken_film[k] - self->film[k]);
+        if (!(place >= 0 && place < NUM_ERROR_PLACES - 1) || !(self->pressure[k] > 0)) continue;
+        const size_t below = (size_t)place;
+        change[below] = fmax(change[below], here);
+        change[below + 1] = fmax(change[below + 1], here);
+    }
+}
+
+/* The accepted states of the part that has solved the last one, for another part, with the errors
+ * that they have and what films along the path are told from. */
+static ehd_status hand_over(parts_march *self, size_t part, ehd_error *error) {
+    const reduced_march *from = self->parts[self->accepted];
+    reduced_march *to = self->parts[part];
+    const size_t num_states = reduced_march_num_states(from);
+    const contact_frame load_frame = reduced_march_load_frame(from);
+    double change[NUM_ERROR_PLACES];
+    contact_frame frame;
+
+    if (reduced_march_reference(to)->transport == TRANSPORT_PATH) {
+        const reduced_state base = reduced_march_base(from, &frame);
+        const handed_state handed = hand(self, from, &base, &frame);
+        const ehd_status status = reduced_march_take_base(to, &handed, error);
+        if (status) return status;
+        reduced_march_take_errors(to, reduced_march_errors(from));
+    }
+    for (size_t i = 1; i <= num_states; i++) {
+        const reduced_state state = reduced_march_state_before(from, i, &frame);
+        const handed_state handed = hand(self, from, &state, &frame);
+        const ehd_status status = reduced_march_take(to, i, &handed, &load_frame, error);
+        if (status) return status;
+    }
+    find_change(change, self, from, to);
+    reduced_march_take_indicated(to, from, change);
+    self->holds[part] = true;
+    self->num_handed++;
+    return EHD_OK;
+}
+
+static bool knows(const parts_march *self, size_t part, const contact_frame *frame) {
+    return !reduced_march_check_range(self->parts[part], frame, frame);
+}
+
+/* A part while a frame lies in its range, or in that of none. */
+static size_t stay_or_leave(const parts_march *self, size_t part, const contact_frame *frame) {
+    if (self->num_parts == 1 || knows(self, part, frame)) return part;
+    const size_t other = deepest(self, frame);
+    return knows(self, other, frame) ? other : part;
+}
+
+/* The same once it is solved: where the approach is given the frame's load was a guess. */
+static size_t part_of_outcome(const parts_march *self, const march_step *outcome,
+                              const contact_frame *frame) {
+    const contact_kind *kind = reduced_march_reference(self->parts[0])->kind;
+
+    if (isnan(frame->approach) || outcome->status != EHD_UNTRUSTED) return self->attempted;
+    const contact_frame loaded = frame_of_load(kind, frame, outcome->scalars.load);
+    return stay_or_leave(self, self->attempted, &loaded);
+}
+
+/* It alone has accepted states from now on. */
+static void hold_alone(parts_march *self, size_t part) {
+    self->accepted = self->attempted = part;
+    memset(self->holds, 0, self->num_parts * sizeof *self->holds);
+    self->holds[part] = true;
+}
+
+reduced_march *parts_march_choose(parts_march *self, const contact_frame *frame) {
+    hold_alone(self, deepest(self, frame));
+    return self->parts[self->accepted];
+}
+
+// ---- as a solver
+
+/* What solves the part of the last accepted state. */
+static march_solver last_solver(const parts_march *self) {
+    return reduced_march_solver(self->parts[self->accepted]);
+}
+
+static ehd_status start_with(march_step *outcome, parts_march *self, size_t part,
+                             const contact_frame *frame, ehd_error *error) {
+    hold_alone(self, part);
+    const march_solver of = last_solver(self);
+    return of.start(outcome, of.self, frame, error);
+}
+
+static ehd_status start(march_step *outcome, void *solver, const contact_frame *frame,
+                        ehd_error *error) {
+    parts_march *self = solver;
+    const ehd_status status = start_with(outcome, self, deepest(self, frame), frame, error);
+    if (status) return status;
+
+    const size_t part = part_of_outcome(self, outcome, &outcome->frame);
+    return part == self->attempted ? EHD_OK : start_with(outcome, self, part, frame, error);
+}
+
+static ehd_status attempt_with(march_step *outcome, parts_march *self, size_t part,
+                               const contact_frame *frame, double step, ehd_error *error) {
+    self->attempted = part;
+    const ehd_status status = self->holds[part] ? EHD_OK : hand_over(self, part, error);
+    const march_solver of = reduced_march_solver(self->parts[part]);
+
+    return status ? status : of.attempt(outcome, of.self, frame, step, error);
+}
+
+static ehd_status attempt(march_step *outcome, void *solver, const contact_frame *frame,
+                          double step, ehd_error *error) {
+    parts_march *self = solver;
+    const size_t first = stay_or_leave(self, self->accepted, frame);
+    const ehd_status status = attempt_with(outcome, self, first, frame, step, error);
+    if (status) return status;
+
+    const size_t part = part_of_outcome(self, outcome, frame);
+    return part == first ? EHD_OK : attempt_with(outcome, self, part, frame, step, error);
+}
+
+static void accept(void *solver) {
+    parts_march *self = solver;
+
+    hold_alone(self, self->attempted);
+    const march_solver of = last_solver(self);
+    of.accept(of.self);
+}
+
+static void restart(void *solver) {
+    parts_march *self = solver;
+    const march_solver of = last_solver(self);
+
+    memset(self->holds, 0, self->num_parts * sizeof *self->holds);
+    self->holds[self->accepted] = true;
+    of.restart(of.self);
+}
+
+/* Of several parts which one it is, before its own, and zeros up to the longest. */
+static size_t saved_size(const void *solver) {
+    const parts_march *self = solver;
+    size_t longest = 0;
+
+    for (size_t p = 0; p < self->num_parts; p++) {
+        const march_solver of = reduced_march_solver(self->parts[p]);
+        const size_t size = of.saved_size(of.self);
+        if (size > longest) longest = size;
+    }
+    return longest + (self->num_parts > 1 ? 1 : 0);
+}
+
+static void save(double *saved, const void *solver) {
+    const parts_march *self = solver;
+    const march_solver of = last_solver(self);
+
+    if (self->num_parts > 1) {
+        memset(saved, 0, saved_size(self) * sizeof *saved);
+        *saved++ = (double)self->accepted;
+    }
+    of.save(saved, of.self);
+}
+
+static ehd_status restore(void *solver, const double *saved, ehd_error *error) {
+    parts_march *self = solver;
+    size_t part = 0;
+
+    if (self->num_parts > 1) {
+        if (!(*saved >= 0 && *saved < (double)self->num_parts && *saved == floor(*saved)))
+            return ehd_fail(error, EHD_DATA,
+                            "saved state: found part %g, expected a whole number below %zu", *saved,
+                            self->num_parts);
+        part = (size_t)*saved++;
+    }
+    hold_alone(self, part);
+    const march_solver of = last_solver(self);
+    return of.restore(of.self, saved, error);
+}
+
+static ehd_status fields(double *pressure, double *film, void *solver, ehd_error *error) {
+    const march_solver of = last_solver(solver);
+
+    return of.fields(pressure, film, of.self, error);
+}
+
+static void exits(double *positions, const void *solver) {
+    const march_solver of = last_solver(solver);
+
+    of.exits(positions, of.self);
+}
+
+static contact_traction traction(void *solver, const ehd_contact *contact,
+                                 const contact_scalars *scalars) {
+    const march_solver of = last_solver(solver);
+
+    return of.traction(of.self, contact, scalars);
+}
+
+march_solver parts_march_solver(parts_march *self) {
+    bool has_traction = true;
+
+    for (size_t p = 0; p < self->num_parts; p++)
+        has_traction = has_traction && reduced_march_solver(self->parts[p]).traction;
+    return (march_solver){.self = self,
+                          .attempt = attempt,
+                          .accept = accept,
+                          .restart = restart,
+                          .start = start,
+                          .saved_size = saved_size,
+                          .save = save,
+                          .restore = restore,
+                          .fields = fields,
+                          .traction = has_traction ? traction : NULL,
+                          .exits = exits};
+}
