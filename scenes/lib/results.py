@@ -83,6 +83,17 @@ def model_sizes(file):
             "needed_nodes": length["needed_node"], "states": length["state"]}
 
 
+def listed_models(file):
+    """The models that a list of models names (schemas/models.md), or the one model."""
+    if not file.endswith((".yml", ".yaml")):
+        return [file]
+    with open(file) as source:
+        names = re.search(r"^models: *\[(.*)\]", source.read(), re.M)
+    if not names:
+        stop(f"{file}: found no models: [NAME, ...] on a line, expected one")
+    return [os.path.join(os.path.dirname(file), name.strip()) for name in names[1].split(",")]
+
+
 def planned_scenes(model):
     """The scenes (mappings of settings) of the plan that a model was calibrated on, also those that the plan's conditions
     leave out. The model's text names the settings of the first one, then what changes from one to the next

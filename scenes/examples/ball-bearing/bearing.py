@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The inner race of a 6206 deep groove ball bearing: what its contact is, and its film over the speed.
+"""The inner race of a 6206 deep groove ball bearing: what its contact is, and its film and traction over the speed.
 
     bearing.py numbers                  radii, load and speeds of scene.yml, plan.yml and cases.csv
     bearing.py speeds                   rows of romrun --cases: the speeds of the shaft
-    bearing.py picture PICTURE TABLE    films over the speed, of the table that romrun --cases has made
+    bearing.py picture PICTURE TABLE    both over the speed, of the table that romrun --cases has made
 """
 import csv
 import sys
@@ -51,13 +51,17 @@ def picture(file, table):
     with open(table, newline="") as lines:
         rows = list(csv.DictReader(lines))
     rpm = [float(row["physical.speed"]) / speed(1) for row in rows]
-    figure, axes = pictures.page(900, 500)
+    figure, (films, forces) = pictures.page(900, 800, 2, sharex=True)
     for name, color in ("central", pictures.BLUE), ("minimum", pictures.RED):
         film = [1e6 * float(row[f"{name}_film_thickness [m]"]) for row in rows]
-        axes.plot(rpm, film, color=color, label=f"{name} film")
-    axes.set(xlabel="speed of the shaft, rpm", ylabel="film, µm", ylim=(0, None),
-             title="Inner race of a 6206, 278 N on the most loaded ball")
-    axes.legend()
+        films.plot(rpm, film, color=color, label=f"{name} film")
+    films.set(ylabel="film, µm", ylim=(0, None), title="Inner race of a 6206, 278 N on the most loaded ball")
+    for name, color in ("friction_force", pictures.GREEN), ("rolling_resistance", pictures.ORANGE):
+        force = [float(row[f"point_{name} [N]"]) for row in rows]
+        forces.plot(rpm, force, color=color, label=name.replace("_", " "))
+    forces.set(xlabel="speed of the shaft, rpm", ylabel="force, N", ylim=(0, None))
+    for axes in films, forces:
+        axes.legend()
     pictures.save(figure, file)
 
 

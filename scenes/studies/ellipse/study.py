@@ -4,7 +4,7 @@
     study.py full FILE.csv RATIOS ALL_M ALL_L [--set key=value ...]
                                      films of contacts of the full model on equal numbers of nodes, and in the limit
     study.py summary FILE.csv        deviations and time over b/a
-    study.py reduced FOLDER FILE.csv RATIOS [--set key=value ...]
+    study.py reduced FOLDER FILE.csv RATIOS MODES ROWS [--set key=value ...]
                                      models of as many nodes, modes and rows, and their deviations from the full model
 """
 import csv
@@ -21,10 +21,9 @@ X_MIN, X_MAX = -4, 2
 NODES = 4753  # of the half of a point contact's domain, 97 by 49, a step of 0.0625
 LIMIT = 20, 40  # steps to a half width, from which the limit is extrapolated with order 2
 
-# Of the reduced models: M and L of the training and of the contacts they are tried on, sizes.
+# Of the reduced models: M and L of the training and of the contacts they are tried on.
 TRAINED = [15, 18, 21, 25, 30, 35, 42, 50, 55, 60], [4, 5, 6, 7, 8, 9, 10]
 UNSEEN = [(M, L) for M in (19.5, 32, 52) for L in (4.6, 8.4)]
-MODES, ROWS = 45, 135
 
 COLUMNS = "ratio", "M", "L", "nodes", "H_c", "H_m", "H_c_limit", "H_m_limit", "iterations", "seconds"
 
@@ -114,8 +113,8 @@ def summary(path):
               f"{sum(row['iterations'] for row in of):13.0f}{sum(row['seconds'] for row in of):10.2f}")
 
 
-def reduced(folder, path, ratios, changes):
-    """Models of 70 contacts each, with MODES and ROWS, on UNSEEN ones."""
+def reduced(folder, path, ratios, modes, rows, changes):
+    """Models of 70 contacts each, with so many modes and rows, on UNSEEN ones."""
     with open(path, "w", newline="") as file:
         table = csv.writer(file)
         table.writerow(("ratio", "H_c_rms", "H_c_worst", "H_m_rms", "H_m_worst", "iterations"))
@@ -127,10 +126,10 @@ def reduced(folder, path, ratios, changes):
             results.write_changed(f"{name}-plan.yml", f"groups:\n  - scene: {os.path.basename(name)}.yml\n"
                                   f"    vary: {{moes.M: {all_M}, moes.L: {TRAINED[1]}}}\n")
             for program, *options in (("snapgen", f"{name}-plan.yml", "-o", f"{name}-s.h5", *changes),
-                                      ("podbuild", f"{name}-s.h5", f"--pressure-modes={MODES}", "-o", f"{name}-b.h5"),
+                                      ("podbuild", f"{name}-s.h5", f"--pressure-modes={modes}", "-o", f"{name}-b.h5"),
                                       ("snapgen", f"{name}-plan.yml", "--basis", f"{name}-b.h5", "-o", f"{name}-r.h5",
                                        *changes),
-                                      ("deimselect", f"{name}-r.h5", "--basis", f"{name}-b.h5", f"--rows={ROWS}",
+                                      ("deimselect", f"{name}-r.h5", "--basis", f"{name}-b.h5", f"--rows={rows}",
                                        "--no-check", "-o", f"{name}.h5")):
                 if results.run(program, *options, "-q", "-f").returncode != results.SOLVED:
                     results.stop(f"{program} {name}: found a failure, expected a file")
@@ -155,7 +154,7 @@ def main():
         ratios, all_M, all_L = ([float(text) for text in texts.split()] for texts in rest[:3])
         full(path, ratios, all_M, all_L, rest[3:])
     elif command == "reduced":
-        reduced(path, rest[0], [float(text) for text in rest[1].split()], rest[2:])
+        reduced(path, rest[0], [float(text) for text in rest[1].split()], *rest[2:4], rest[4:])
     else:
         summary(path)
 

@@ -1,14 +1,17 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Does a reduced model know when it is wrong (README.md)?
 
-    study.py draw FOLDER SEED COUNT MODEL.h5 SCENE.yml [own]    random scenes around the training points of the model,
+    study.py draw FOLDER SEED COUNT MODEL.h5 SCENE.yml [own|region]
+                                                                random scenes around the training points of the model,
                                                                 trained on SCENE.yml: FOLDER/plan.yml and more
     study.py run FOLDER MODEL.h5 SETTINGS PROMISE...            solves them with a calibrated model: FOLDER/runs.csv
     study.py table RUNS.csv SEED CALIBRATION_SEED               counts; exit code 1 where a run ended otherwise
 
 Half of the scenes lie inside of the hull of the training points in ln M and ln(alpha p_H), half outside but within a rectangle
-of twice its extent; with `own` all are inside and of the lubricant that the model was trained with. Kind of contact,
-grid and the lubricant called its own are those of the scene that was trained on.
+of twice its extent; with `own` all are inside and of the lubricant that the model was trained with. With `region` they are
+SCENE.yml with settings within the bounds of the first region of the plan beside it, by turns evenly distributed and so in
+their logarithms. Kind of contact, grid and the lubricant called its own are those of the scene that was trained on. MODEL.h5 may be
+a list of models.
 """
 import json
 import os
@@ -40,12 +43,22 @@ LEAST_OFF = 1e-7  # below, deviations are no longer those of the model
 
 
 def read_scene(file):
-    """Kind of contact, lines of discretisation and grid, and viscosity of a scene."""
+    """Kind of contact, lines of discretisation and grid, viscosity, and line of physical settings (or empty) of a scene."""
     with open(file) as source:
         lines = {line.split(":")[0].strip(): line.rstrip() for line in source}
     return (re.sub(" *#.*", "", lines["contact"].split(":")[1]).strip(),
             "\n".join(lines[key] for key in ("discretization", "grid") if key in lines),
-            re.sub("^[^{]*{|}.*", "", lines["viscosity"]))
+            re.sub("^[^{]*{|}.*", "", lines["viscosity"]), lines.get("physical", ""))
+
+
+def read_region(file):
+    """Bounds of the settings of the first region of a plan."""
+    with open(file) as source:
+        region = re.search(r"^ *region: *{(.*)}", source.read(), flags=re.M)
+    bounds = dict(re.findall(r"([\w.]+): *\[(.*?)\]", region[1])) if region else {}
+    if not bounds:
+        results.stop(f"{file}: found no region in one line, expected one")
+    return {key: [float(bound) for bound in pair.split(",")] for key, pair in bounds.items()}
 
 
 def laws_of(viscosity):
@@ -70,14 +83,22 @@ def is_inside(edges, place):
     return all((b[0] - a[0]) * (place[1] - a[1]) >= (b[1] - a[1]) * (place[0] - a[0]) for a, b in edges)
 
 
-def draw(folder, seed, count, model, scene_file, own=""):
-    """Random scenes: plan.yml, scenes.json with an entry each in the plan's order, and the scene files of it."""
-    contact, grid, viscosity = read_scene(scene_file)
-    laws = list(laws_of(viscosity).items())
-    trained = np.array(list(results.printed(model, "state_moes_M", "state_alpha_p_H").values())).T
+def drawn_in_region(bounds, count, random):
+    """Entries of scenes.json by (number of the law, of the density): settings within bounds, by turns even and even in the
+    logarithm."""
+    def settings(logarithmic):
+        return {key: f"{np.exp(random.uniform(*np.log(pair))) if logarithmic else random.uniform(*pair):.12g}"
+                for key, pair in bounds.items()}
+
+    return {(0, 0): [{"where": "inside", "whose": "own", "settings": settings(i % 2 == 1)} for i in range(count)]}
+
+
+def drawn_around_hull(contact, laws, model, count, own, random):
+    """The same inside and outside of the hull of a model's training points."""
+    trained = np.concatenate([np.array(list(results.printed(part, "state_moes_M", "state_alpha_p_H").values())).T
+                              for part in results.listed_models(model)])
     edges = hull_edges(np.log(trained))
     middle, extent = (trained.min(axis=0) + trained.max(axis=0)) / 2, np.ptp(trained, axis=0)
-    random = np.random.default_rng(int(seed))
 
     def moes_L(M, alpha_p_H):
         return alpha_p_H / ((1.5 * M) ** (1 / 3) / np.pi if contact == "point" else (M / (2 * np.pi)) ** 0.5)
@@ -90,8 +111,8 @@ def draw(folder, seed, count, model, scene_file, own=""):
                 return M, alpha_p_H
 
     groups = {}
-    for i in range(int(count)):
-        inside = bool(own) or i % 2 == 0
+    for i in range(count):
+        inside = own or i % 2 == 0
         while True:
             M, alpha_p_H = place(inside)
             which, density = (0, 0) if own else (random.integers(len(laws)), random.integers(len(DENSITIES)))
@@ -105,13 +126,25 @@ def draw(folder, seed, count, model, scene_file, own=""):
         groups.setdefault((which, density), []).append(
             {"where": "inside" if inside else "outside", "whose": "other" if which or density else "own",
              "settings": settings})
+    return groups
+
+
+def draw(folder, seed, count, model, scene_file, of=""):
+    """Random scenes: plan.yml, scenes.json with an entry each in the plan's order, and the scene files of it."""
+    contact, grid, viscosity, physical = read_scene(scene_file)
+    laws = list(laws_of(viscosity).items())
+    random = np.random.default_rng(int(seed))
+    if of == "region":
+        groups = drawn_in_region(read_region(f"{os.path.dirname(scene_file)}/plan.yml"), int(count), random)
+    else:
+        groups = drawn_around_hull(contact, laws, model, int(count), of == "own", random)
 
     os.makedirs(folder, exist_ok=True)
     plan, scenes = "groups:\n", []
     for (which, density), group in sorted(groups.items()):
         scene = f"{folder}/scene-{which + 1}-{density + 1}.yml"
         text = (f"contact: {contact}\nregime: stationary\nlubricant:\n  viscosity: {{{laws[which][0]}}}\n"
-                f"  density: {{law: {DENSITIES[density]}}}\n{grid}\n")
+                f"  density: {{law: {DENSITIES[density]}}}\n{grid}\n" + (f"{physical}\n" if of == "region" else ""))
         results.write_changed(scene, text)
         plan += "  - scene:\n" + re.sub("^", " " * 6, text, flags=re.M).rstrip() + "\n    combine: list\n    vary:\n"
         for key in group[0]["settings"]:

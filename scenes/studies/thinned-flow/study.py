@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Films and friction of reduced models of thinned flows beside the full model, on unseen scenes, and what they cost
-(README.md):
+"""Films and friction of reduced models beside the full model, on unseen scenes, and what they cost (README.md):
 
-    study.py FOLDER SCENES SEED OPTIONS...
+    study.py flow FOLDER SCENES SEED OPTIONS...         models of flows that the sliding thins
+    study.py friction FOLDER SCENES SEED OPTIONS...     friction of flows that it does not thin, by all laws of shear
 """
+import csv
 import os
 import re
 import subprocess
@@ -16,7 +17,11 @@ import results
 NAMES = {"central film": "central_film_thickness", "minimum film": "minimum_film_thickness",
          "friction": "friction_coefficient"}
 NEWTONIAN = {"lubricant.shear.in_film": "false"}
-COUNTED = 5  # scenes whose instructions are counted
+COUNTED, COUNTED_SLIDING = 5, 2  # scenes whose instructions are counted
+LAWS = {"newtonian": {"law": "newtonian"}, "eyring 3 MPa": {"law": "eyring", "tau0": 3e6},
+        "eyring 10 MPa": {"law": "eyring", "tau0": 10e6}, "limiting 0.05 p": {"law": "limiting", "limit": 0.05},
+        "carreau 5 MPa, 0.5": {"law": "carreau", "G": 5e6, "n": 0.5}}
+LOW_M = 10  # below it Newtonian frictions see more of the pressure's error
 
 
 def region(plan):
@@ -29,16 +34,16 @@ def region(plan):
 def solved(program, kind, file, settings, *options):
     """Values of a result, and whether it is to be trusted."""
     done = results.run(program, f"{kind}.yml", "-o", file, "--force", "--quiet", *options, *results.sets(settings))
-    found = {name: results.value(file, field) for name, field in NAMES.items()}
-    found["trusted"] = done.returncode == results.SOLVED
-    found["iterations"] = results.value(file, "newton_iterations")
-    return found
+    columns = results.printed(file, *NAMES.values())
+    return {"trusted": done.returncode == results.SOLVED,
+            **{name: float(columns[field][0]) for name, field in NAMES.items()}}
 
 
-def instructions(kind, model, file, settings, options):
-    """Those of online_solve, by callgrind."""
+def instructions(kind, model, file, settings, options, functions=("online_solve",)):
+    """Those of functions of a run, by callgrind."""
     done = subprocess.run(["valgrind", "--tool=callgrind", f"--callgrind-out-file={file}.callgrind",
-                           "--toggle-collect=online_solve", os.path.join(os.environ["BIN"], "romrun"), f"{kind}.yml",
+                           *(f"--toggle-collect={name}" for name in functions),
+                           os.path.join(os.environ["BIN"], "romrun"), f"{kind}.yml",
                            "--model", model, "-o", file, "--force", "--quiet", *map(str, options),
                            *results.sets(settings)],
                           capture_output=True, text=True)
@@ -73,13 +78,81 @@ def compare(kind, folder, scenes, options):
     print()
 
 
-def main(folder, count, seed, *options):
+def drawn(bounds, count, seed):
+    """Random scenes between bounds, evenly in the logarithms."""
+    random = np.random.default_rng(int(seed))
+    return [{key: f"{low * (high / low) ** random.random():.6g}" for key, (low, high) in bounds.items()}
+            for _ in range(int(count))]
+
+
+def flow(folder, count, seed, *options):
     for kind in "line", "point":
-        bounds = region(f"{kind}-thinned.yml")
-        random = np.random.default_rng(int(seed))
-        scenes = [{key: f"{low * (high / low) ** random.random():.6g}" for key, (low, high) in bounds.items()}
-                  for _ in range(int(count))]
-        compare(kind, folder, scenes, options)
+        compare(kind, folder, drawn(region(f"{kind}-thinned.yml"), count, seed), options)
 
 
-main(*sys.argv[1:])
+# ---- Friction of a flow that is not thinned
+
+
+def share_of_friction(kind, model, file, scenes, options):
+    """What friction, and what is indicated of it, take over a solution without sliding."""
+    still = {"slide_roll": "", "lubricant.shear.law": "", "lubricant.shear.tau0": "", "lubricant.shear.in_film": ""}
+    solution = ["online_solve"]
+    costs = []
+    for scene in scenes[:COUNTED_SLIDING]:
+        counts = [instructions(kind, model, file, {**scene, **settings}, options, functions) for settings, functions in
+                  ((still, solution), (NEWTONIAN, solution), (NEWTONIAN, solution + ["online_traction"]),
+                   (NEWTONIAN, solution + ["online_traction", "online_indicate_friction"]))]
+        costs.append([counts[0], *(count / counts[0] - 1 for count in counts[1:])])
+    return np.mean(costs, axis=0)
+
+
+def told(kind, settings, *options):
+    """Friction coefficient and M of the full model, as it prints them."""
+    text = results.run("fullrun", f"{kind}.yml", "--quiet", *options, *results.sets(settings)).stdout
+    return float(re.search(r"^friction coefficient +(\S+)", text, re.M)[1]), float(re.search(r"M = ([^,]+)", text)[1])
+
+
+def of_law(settings):
+    return {"lubricant.shear.tau0": "", "lubricant.shear.in_film": "",
+            **{f"lubricant.shear.{key}": value for key, value in settings.items()}}
+
+
+def frictions(kind, folder, scenes, options):
+    model, film, cases, table = (f"{folder}/{kind}-newton.h5", *(f"{folder}/{name}" for name in
+                                                                 ("film.h5", "cases.csv", "table.csv")))
+    full = {law: [] for law in LAWS}
+    for scene in scenes:
+        M = told(kind, {**scene, **NEWTONIAN}, "-o", film, "--force", *options)[1]
+        for law, settings in LAWS.items():  # of the same film
+            full[law].append((told(kind, {**scene, **of_law(settings)}, "--start", film, *options)[0], M))
+    M = np.array([M for _, M in full["newtonian"]])
+    with open(cases, "w", newline="") as file:
+        writer = csv.DictWriter(file, scenes[0])
+        writer.writeheader()
+        writer.writerows(scenes)
+    sizes = results.model_sizes(model)
+    print(f"{kind}: {sizes['nodes']} nodes, {sizes['states']} points, {sizes['pressure_modes']} modes, "
+          f"{sizes['rows']} rows; {len(scenes)} scenes, M of {M.min():.3g} to {M.max():.3g}, {(M < LOW_M).sum()} below {LOW_M}")
+    print(f"{'friction off':20}{'median':>10}{'worst':>10}{f'M < {LOW_M}':>10}{'indicated':>11}{'trusted':>9}")
+    for law, settings in LAWS.items():
+        results.run("romrun", f"{kind}.yml", "--model", model, "--cases", cases, "-o", table, "--force", "--quiet",
+                    *options, *results.sets(of_law(settings)))
+        with open(table, newline="") as file:
+            rows = list(csv.DictReader(file))
+        off = np.abs([float(row["friction_coefficient"]) / there[0] - 1 for row, there in zip(rows, full[law])])
+        indicated = np.median([float(row["indicated_deviation_friction"]) for row in rows])
+        trusted = sum(row["status"] == "0" for row in rows)
+        print(f"{law:20}{np.median(off):10.1e}{off.max():10.1e}{max(off[M < LOW_M], default=np.nan):10.1e}"
+              f"{indicated:11.1e}{trusted:9}")
+    cost, solution, traction, indicated = share_of_friction(kind, model, table + ".h5", scenes, options)
+    print(f"instructions: {cost:.3g} a solution that does not slide; one that does {100 * solution:+.2f} %, with its "
+          f"friction {100 * traction:+.2f} %, and what is indicated of that {100 * indicated:+.2f} %\n", flush=True)
+
+
+def friction(folder, count, seed, *options):
+    for kind in "line", "light", "point", "ellipse":
+        scenes = drawn({**region(f"{kind}-newton.yml"), "slide_roll": (1e-3, 1)}, count, seed)
+        frictions(kind, folder, scenes, options)
+
+
+results.commands(flow, friction)
