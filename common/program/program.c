@@ -62,10 +62,18 @@ FILE *program_open(const char *path) {
     return stream;
 }
 
-double program_seconds(void) {
+static double seconds_of(clockid_t clock) {
     struct timespec now;
-    clock_gettime(CLOCK_MONOTONIC, &now);
+    clock_gettime(clock, &now);
     return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+double program_seconds(void) {
+    return seconds_of(CLOCK_MONOTONIC);
+}
+
+double program_seconds_of_thread(void) {
+    return seconds_of(CLOCK_THREAD_CPUTIME_ID);
 }
 
 // ---- interruption

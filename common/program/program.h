@@ -134,6 +134,9 @@ size_t program_take_buffers(size_t num_threads);
 /* Monotonic seconds. */
 double program_seconds(void);
 
+/* Seconds of the processor that the calling thread has taken: what work takes however busy the machine is. */
+double program_seconds_of_thread(void);
+
 /* Opens a regular file to read; anything else might never answer. NULL with errno: EISDIR for a folder,
  * ENOTSUP for what else is no file. */
 FILE *program_open(const char *path);

@@ -190,8 +190,9 @@ static ehd_status measure_scene(trade_position *position, samples *self, online_
     ehd_status status = EHD_OK;
 
     for (size_t i = 0; i < REPEATS && !status; i++) {
+        const double before = program_seconds_of_thread();
         status = online_solve(&result, solver, solved->contact, error);
-        seconds[i] = result.seconds;
+        seconds[i] = program_seconds_of_thread() - before;
     }
     if (!status && result.status) {
         position->num_failures++;
@@ -419,9 +420,9 @@ static ehd_status repeat(bool *lost, repetition *sum, step_samples *steps,
     reduced_march *const reduced = parts_march_part(solver.self, 0);
     reduced_march_indicate(reduced, (film_factors){1, 1, 0}); // it is asked for its bounds
     for (size_t i = 0; i < wanted->num_steps && !status && !outcome.status; i++) {
-        double before = program_seconds();
+        double before = program_seconds_of_thread();
         status = repeat_step(&outcome, &solver, &wanted->steps[i], i == 0, error);
-        double seconds = program_seconds() - before;
+        double seconds = program_seconds_of_thread() - before;
         if (program_interrupted()) status = ehd_fail(error, EHD_INTERRUPTED, "%s", "");
         if (status || outcome.status) break;
         const film_bounds bounds = reduced_march_bounds(reduced);

@@ -465,7 +465,8 @@ FILE *fopen64(const char *path, const char *mode) {
 
 int clock_gettime(clockid_t which, struct timespec *now) {
     static atomic_long num_asked;
-    if (which != CLOCK_MONOTONIC) return (int)syscall(SYS_clock_gettime, which, now);
+    if (which != CLOCK_MONOTONIC && which != CLOCK_THREAD_CPUTIME_ID)
+        return (int)syscall(SYS_clock_gettime, which, now);
     const long fifths = atomic_fetch_add(&num_asked, 1);
     *now = (struct timespec){.tv_sec = fifths / 5, .tv_nsec = fifths % 5 * 200000000};
     return 0;
