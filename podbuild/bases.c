@@ -69,6 +69,7 @@ void bases_fill_states(reduced_states *states, const snapshot_set *set) {
            num_states * sizeof(double));
     memcpy(states->stationary, set->stationary, num_states * sizeof *states->stationary);
     memcpy(states->rate, set->rate, num_states * sizeof(double));
+    memcpy(states->load_rate, set->load_rate, num_states * sizeof(double));
     memcpy(states->effects, set->effects, num_states * sizeof *states->effects);
     memcpy(states->rises, set->rises, num_states * sizeof *states->rises);
 }

@@ -34,7 +34,7 @@ static ehd_status read_optional(double *column, const file_states *states, artef
 }
 
 static ehd_status read_effects(file_states *states, artefact *file, ehd_error *error) {
-    double *column = states->memory + 7 * states->count;
+    double *column = states->memory + 8 * states->count;
     ehd_status status = EHD_OK;
 
     for (int e = 0; e < NUM_EFFECTS && !status; e++, column += states->count) {
@@ -52,7 +52,7 @@ static ehd_status read_columns(file_states *states, artefact *file, ehd_error *e
     const char *axis = artefact_kind(file) == &schema_snapshots ? "state" : "time";
     size_t count = states->count = artefact_length(file, axis);
 
-    states->memory = array_new(7 + NUM_EFFECTS + NUM_RISES, count, sizeof(double));
+    states->memory = array_new(8 + NUM_EFFECTS + NUM_RISES, count, sizeof(double));
     states->outcome = array_new(2, count, sizeof *states->outcome);
     if (!states->memory || !states->outcome)
         return ehd_fail(error, EHD_MEMORY, "%s: found no memory", artefact_path(file));
@@ -63,6 +63,7 @@ static ehd_status read_columns(file_states *states, artefact *file, ehd_error *e
     states->time = states->memory + 4 * count;
     states->rate = states->memory + 5 * count;
     states->thinning = states->memory + 6 * count;
+    states->load_rate = states->memory + 7 * count;
     states->trajectory = states->outcome + count;
     for (size_t i = 0; i < count; i++) {
         states->central_film_thickness[i] = NAN;
@@ -81,7 +82,12 @@ static ehd_status read_columns(file_states *states, artefact *file, ehd_error *e
     if (status || !artefact_has(file, "trajectory")) return status;
     status = artefact_get_integers(file, "trajectory", states->trajectory, error);
     if (!status) status = artefact_get(file, "trajectory_time", states->time, error);
-    return status ? status : artefact_get(file, "trajectory_rate", states->rate, error);
+    if (!status) status = artefact_get(file, "trajectory_rate", states->rate, error);
+    if (status) return status;
+    if (artefact_has(file, "trajectory_load_rate"))
+        return artefact_get(file, "trajectory_load_rate", states->load_rate, error);
+    memcpy(states->load_rate, states->rate, count * sizeof *states->rate);
+    return EHD_OK;
 }
 
 // ---- files
@@ -125,8 +131,9 @@ static ehd_status count_states(snapshot_files *self, snapshot_file *file, ehd_er
         }
         file->num_states++;
         if (states->trajectory[i] < 0) file->num_rows++;
-        const double rate = states->trajectory[i] >= 0 ? states->rate[i] : 0;
-        if (!isfinite(rate + states->rigid_approach[i] + states->moes_M[i] + states->alpha_p_H[i] +
+        const double rates =
+            states->trajectory[i] >= 0 ? states->rate[i] + states->load_rate[i] : 0;
+        if (!isfinite(rates + states->rigid_approach[i] + states->moes_M[i] + states->alpha_p_H[i] +
                       states->thinning[i]))
             return ehd_fail(error, EHD_DATA, "%s: state %zu: found values that are not finite",
                             file->path, i);

@@ -19,10 +19,10 @@ typedef struct file_states {
     double *rigid_approach, *moes_M, *alpha_p_H, *thinning, *central_film_thickness; // [count]
     int64_t *outcome;                                                                // [count]
     // of trajectories: index, -1 for a stationary point; time and rate
-    int64_t *trajectory;          // [count]
-    double *time, *rate;          // [count]
-    double *effects[NUM_EFFECTS]; // [count]
-    double *rises[NUM_RISES];     // [count]
+    int64_t *trajectory;             // [count]
+    double *time, *rate, *load_rate; // [count]
+    double *effects[NUM_EFFECTS];    // [count]
+    double *rises[NUM_RISES];        // [count]
     double *memory;
 } file_states;
 

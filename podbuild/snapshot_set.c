@@ -16,6 +16,7 @@ void snapshot_set_free(snapshot_set *set) {
     free(set->central_film_thickness);
     free(set->stationary);
     free(set->rate);
+    free(set->load_rate);
     free(set->effects);
     free(set->rises);
     free(set->snapshots);
@@ -36,7 +37,7 @@ static ehd_status reserve(snapshot_set *set, size_t num_states, ehd_error *error
     ehd_status status = EHD_OK;
     double **const columns[] = {
         &set->rigid_approach,         &set->moes_M, &set->alpha_p_H, &set->thinning,
-        &set->central_film_thickness, &set->rate};
+        &set->central_film_thickness, &set->rate,   &set->load_rate};
 
     for (size_t i = 0; i < sizeof columns / sizeof *columns && !status; i++)
         status = grow((void **)columns[i], count, 1, sizeof(double), error);
@@ -73,7 +74,7 @@ static void add_solved(snapshot_set *set, const solved_state *state, const doubl
     set->central_film_thickness[s] = state->central_film_thickness;
     grid_exit_columns(set->exit + s * grid_lines(&set->grid), pressure, &set->grid);
     set->stationary[s] = true;
-    set->rate[s] = 0;
+    set->rate[s] = set->load_rate[s] = 0;
     set->effects[s] = film_effects_unknown();
     set->rises[s] = state->rises;
 }
@@ -95,6 +96,7 @@ void snapshot_set_add(snapshot_set *set, const double *pressure, const file_stat
     add_solved(set, &state, pressure);
     set->stationary[s] = !in_time || states->time[i] == 0;
     set->rate[s] = in_time ? states->rate[i] : 0;
+    set->load_rate[s] = in_time ? states->load_rate[i] : 0;
     for (int e = 0; e < NUM_EFFECTS; e++)
         set->effects[s].of[e] = states->effects[e][i];
 }
@@ -113,6 +115,7 @@ void snapshot_set_add_reduced(snapshot_set *set, const reduced_states *states) {
            num * sizeof(double));
     memcpy(set->stationary + first, states->stationary, num * sizeof *set->stationary);
     memcpy(set->rate + first, states->rate, num * sizeof(double));
+    memcpy(set->load_rate + first, states->load_rate, num * sizeof(double));
     memcpy(set->effects + first, states->effects, num * sizeof *set->effects);
     memcpy(set->rises + first, states->rises, num * sizeof *set->rises);
     set->num_states += num;
@@ -173,7 +176,7 @@ ehd_status snapshot_set_begin(snapshot_set *set, const snapshot_files *files, eh
 }
 
 double snapshot_set_bytes(const snapshot_files *files) {
-    const double each = 6 * sizeof(double) + sizeof(bool) + sizeof(film_effects) +
+    const double each = 7 * sizeof(double) + sizeof(bool) + sizeof(film_effects) +
                         sizeof(lubricant_rises) + (double)grid_lines(&files->grid) * sizeof(size_t);
 
     return each * ((double)files->num_states + 1);

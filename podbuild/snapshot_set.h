@@ -25,9 +25,10 @@ typedef struct snapshot_set {
     double *thinning;               // [num_states] of the flow (contact_place.h)
     double *central_film_thickness; // [num_states]
     bool *stationary;               // [num_states] false on a trajectory, unless at its start
-    double *rate;                   // [num_states] of change of the contact, 0 when stationary
-    film_effects *effects;          // [num_states] of the grid
-    lubricant_rises *rises;         // [num_states] at the Hertz pressure
+    double *rate,
+        *load_rate; // [num_states] of change of the contact (kept_states.h), 0 when stationary
+    film_effects *effects;  // [num_states] of the grid
+    lubricant_rises *rises; // [num_states] at the Hertz pressure
     // what the basis is made of: the stationary states, and the compressed steps of trajectories
     size_t num_snapshots;
     double *snapshots; // [num_snapshots, num_nodes]

@@ -59,8 +59,12 @@ void kept_states_consider(kept_states *self, const march_step *step, const ehd_c
     contact_frame frame = frame_of_load(reference->kind, &step->frame, step->scalars.load);
     ehd_contact contact;
     frame_contact(&contact, &frame, reference);
+    const frame_rates rates =
+        step->step > 0 ? frame_rates_between(&frame, &self->last) : (frame_rates){0};
+    self->load_rate = fmax(self->load_rate, rates.load);
     const kept_state state = {.time = step->frame.time,
-                              .rate = step->step > 0 ? frame_rate(&frame, &self->last) : 0,
+                              .rate = rates.all,
+                              .load_rate = self->load_rate,
                               .moes_M = contact.moes_M,
                               .moes_L = contact.moes_L,
                               .alpha_p_H = contact.alpha_p_H,

@@ -16,7 +16,8 @@ enum {
 
 typedef struct kept_state {
     double time;
-    double rate; // frame_rate
+    double rate;      // of change of the contact, of all (frame_rates)
+    double load_rate; // largest of the load on the trajectory so far
     double moes_M, moes_L, alpha_p_H, thinning, hertz_pressure;
     lubricant_rises rises;
     contact_scalars scalars; // in the current frame
@@ -32,6 +33,7 @@ typedef struct kept_states {
     double end_time;
     size_t num_times; // regular ones so far
     double extremes[KEPT_EXTREMES];
+    double load_rate; // largest so far
     contact_frame last;
     kept_state states[NUM_KEPT]; // the first one is the start
 } kept_states;

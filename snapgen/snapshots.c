@@ -211,7 +211,8 @@ static ehd_status put_kept_state(artefact *file, const ehd_grid *grid, size_t pl
                  {"hertz_pressure", &state->hertz_pressure},
                  {"residual_norm", &state->residual},
                  {"trajectory_time", &state->time},
-                 {"trajectory_rate", &state->rate}};
+                 {"trajectory_rate", &state->rate},
+                 {"trajectory_load_rate", &state->load_rate}};
     const struct {
         const char *name;
         int64_t value;

@@ -159,6 +159,10 @@ enum {
             "state"),                                                                              \
         REAL("state_rate", "1", NEED_OPTIONAL, VALUES_NOT_NEGATIVE,                                \
              "rate of change of the contact at the training solutions; 0 where missing", "state"), \
+        REAL("state_load_rate", "1", NEED_OPTIONAL, VALUES_NOT_NEGATIVE,                           \
+             "largest rate of change of ln a on their trajectories up to the training solutions; " \
+             "as state_rate where missing",                                                        \
+             "state"),                                                                             \
         THINNING_FIELD("state_"), RISE_FIELDS("state_"), EFFECT_FIELDS("state_")
 #define STATE_FIELDS STATE_PRESSURE_FIELD, STATE_DEFORMATION_FIELD, STATE_OTHER_FIELDS
 
@@ -461,6 +465,10 @@ static const artefact_field snapshots_fields[] = {
     REAL("trajectory_rate", "1", NEED_OPTIONAL, VALUES_BOUND,
          "rate of change of the contact: of ln a and of u/u_ref with T, absolute values added",
          "state"),
+    REAL("trajectory_load_rate", "1", NEED_OPTIONAL, VALUES_BOUND,
+         "largest rate of change of ln a with T, by load, radius or modulus, on the trajectory up "
+         "to the state",
+         "state"),
     INTEGER("status", NEED_ALWAYS, VALUES_ANY, "0 converged, 1 not converged, -1 not yet computed",
             "state"),
     REAL(
@@ -516,7 +524,7 @@ static const artefact_attribute snapshots_attributes[] = {
 
 const artefact_schema schema_snapshots = {"ehdrom-snapshots",
                                           2,
-                                          5,
+                                          6,
                                           "Training solutions of an elastohydrodynamic contact",
                                           snapshots_axes,
                                           snapshots_fields,
@@ -566,7 +574,7 @@ static const artefact_attribute basis_attributes[] = {
 
 const artefact_schema schema_basis = {"ehdrom-basis",
                                       2,
-                                      5,
+                                      6,
                                       "Reduced bases of an elastohydrodynamic contact",
                                       basis_axes,
                                       basis_fields,
@@ -602,7 +610,7 @@ static const artefact_attribute part_attributes[] = {
 const artefact_schema schema_part = {
     "ehdrom-part",
     1,
-    0,
+    1,
     "Compressed part of a training of an elastohydrodynamic contact",
     part_axes,
     part_fields,
@@ -828,7 +836,7 @@ static const artefact_field model_fields[] = {
     REAL("position_most_iterations", "1", NEED_OPTIONAL, VALUES_BOUND,
          "Newton iterations of a scene at most", "position"),
     REAL("position_seconds", "s", NEED_OPTIONAL, VALUES_BOUND,
-         "median time of a solution, with the model open", "position"),
+         "median processor time of a solution, with the model open", "position"),
     INTEGER("position_failures", NEED_OPTIONAL, VALUES_COUNT,
             "scenes that did not converge or were not to be trusted; they count nowhere else",
             "position"),
@@ -891,8 +899,8 @@ static const artefact_field model_fields[] = {
     WORST_IN_TIME("central_pressure", "central pressure"),
     REAL("position_step_iterations", "1", NEED_OPTIONAL, VALUES_BOUND,
          "Newton iterations of a step of a trajectory in the mean", "position"),
-    REAL("position_step_seconds", "s", NEED_OPTIONAL, VALUES_BOUND, "time of a step in the mean",
-         "position"),
+    REAL("position_step_seconds", "s", NEED_OPTIONAL, VALUES_BOUND,
+         "processor time of a step in the mean", "position"),
     INTEGER("position_lost_trajectories", NEED_OPTIONAL, VALUES_COUNT,
             "trajectories with a step that did not converge or was not to be trusted; they count "
             "nowhere else",
@@ -938,7 +946,7 @@ static const artefact_attribute model_attributes[] = {
 
 const artefact_schema schema_model = {"ehdrom-model",
                                       2,
-                                      6,
+                                      7,
                                       "Reduced model of an elastohydrodynamic contact",
                                       model_axes,
                                       model_fields,

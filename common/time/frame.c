@@ -89,9 +89,12 @@ double frame_film_ratio(const contact_frame *now, const contact_frame *then) {
     return then->film_scale / now->film_scale;
 }
 
-double frame_rate(const contact_frame *now, const contact_frame *before) {
-    return (fabs(log(now->half_width / before->half_width)) + fabs(now->speed - before->speed)) /
-           (now->time - before->time);
+frame_rates frame_rates_between(const contact_frame *now, const contact_frame *before) {
+    const double step = now->time - before->time;
+    const double load = fabs(log(now->half_width / before->half_width));
+
+    return (frame_rates){.all = (load + fabs(now->speed - before->speed)) / step,
+                         .load = load / step};
 }
 
 contact_scalars frame_to_reference(const contact_scalars *current, const contact_frame *frame,

@@ -51,8 +51,12 @@ double frame_shift(const contact_frame *now, const contact_frame *then);
  * is given, a frame is scaled by an expected load, and `ratio` is the solution's. */
 contact_frame frame_of_load(const contact_kind *kind, const contact_frame *frame, double ratio);
 
-/* How fast a contact changes between two frames: |d ln a/dT| + |d(u/u_ref)/dT|. */
-double frame_rate(const contact_frame *now, const contact_frame *before);
+/* How fast a contact changes between two frames. */
+typedef struct frame_rates {
+    double all;  // |d ln a/dT| + |d(u/u_ref)/dT|
+    double load; // |d ln a/dT|, by load, radius or modulus
+} frame_rates;
+frame_rates frame_rates_between(const contact_frame *now, const contact_frame *before);
 
 /* Scalars in the constant reference frame from those of the current one; the load becomes relative
  * to the reference. */

@@ -92,7 +92,7 @@ static void copy_coordinates(double *part, const reduced_states *states, size_t 
     }
 }
 
-/* With trajectories in training: which states are stationary, and the contact's rate of change. */
+/* With trajectories in training: which states are stationary, and the contact's rates of change. */
 static ehd_status put_trajectory_marks(artefact *file, const reduced_states *states, int64_t *work,
                                        ehd_error *error) {
     bool all_stationary = true;
@@ -103,7 +103,8 @@ static ehd_status put_trajectory_marks(artefact *file, const reduced_states *sta
     }
     if (all_stationary) return EHD_OK;
     ehd_status status = artefact_put_integers(file, "state_stationary", work, error);
-    return status ? status : artefact_put(file, "state_rate", states->rate, error);
+    if (!status) status = artefact_put(file, "state_rate", states->rate, error);
+    return status ? status : artefact_put(file, "state_load_rate", states->load_rate, error);
 }
 
 static ehd_status get_trajectory_marks(reduced_states *states, artefact *file, int64_t *work,
@@ -116,7 +117,11 @@ static ehd_status get_trajectory_marks(reduced_states *states, artefact *file, i
         if (artefact_has(file, "state_stationary")) states->stationary[s] = work[s] != 0;
     if (!status && artefact_has(file, "state_rate"))
         status = artefact_get(file, "state_rate", states->rate, error);
-    return status;
+    if (status) return status;
+    if (artefact_has(file, "state_load_rate"))
+        return artefact_get(file, "state_load_rate", states->load_rate, error);
+    memcpy(states->load_rate, states->rate, states->num_states * sizeof *states->rate);
+    return EHD_OK;
 }
 
 /* How much the flow of states is thinned, where it is of any. */

@@ -183,7 +183,7 @@ static void check_states(flat *file, const reduced_model *model, const unsigned 
         flat_refuse(file, "states: found a Moes number or a film of 0 or below, expected others");
     for (size_t s = 0; s < states->num_states; s++)
         if (stationary[s] > 1 || !(states->alpha_p_H[s] >= 0) || !(states->thinning[s] >= 0) ||
-            !(states->rate[s] >= 0)) {
+            !(states->rate[s] >= 0) || !(states->load_rate[s] >= 0)) {
             flat_refuse(file, "state %zu: found no state, expected one", s);
             return;
         }
@@ -212,6 +212,7 @@ static void walk_states(flat *file, reduced_model *model) {
         flat_table(file, "central_film", states->central_film_thickness, num, 1);
     unsigned char *stationary = flat_array(file, "stationary", states->stationary, num, 1);
     states->rate = flat_table(file, "rate", states->rate, num, 1);
+    states->load_rate = flat_table(file, "load_rate", states->load_rate, num, 1);
     states->effects = flat_array(file, "effects", states->effects, num, sizeof *states->effects);
     states->rises = flat_array(file, "rises", states->rises, num, sizeof *states->rises);
     if (!flat_good(file) || !file->reading) return;

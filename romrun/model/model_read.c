@@ -377,6 +377,7 @@ static ehd_status read_states(reduced_model *model, artefact *file, const stored
         kept->central_film_thickness[s] = whole.central_film_thickness[s];
         kept->stationary[s] = whole.stationary[s];
         kept->rate[s] = whole.rate[s];
+        kept->load_rate[s] = whole.load_rate[s];
         kept->effects[s] = whole.effects[s];
         kept->rises[s] = whole.rises[s];
     }

@@ -34,9 +34,11 @@ typedef struct reduced_states {
     double *thinning;    // [num_states] of the flow (contact_place.h)
     double *central_film_thickness; // [num_states]
     bool *stationary;               // [num_states] false along a trajectory
-    double *rate;                   // [num_states] frame_rate of the contact, 0 when stationary
-    film_effects *effects;          // [num_states] of the full model's grid
-    lubricant_rises *rises;         // [num_states] at the Hertz pressure
+    // [num_states] of change of the contact, of all and, largest on the trajectory so far, of the load
+    // (frame_rates), 0 when stationary
+    double *rate, *load_rate;
+    film_effects *effects;  // [num_states] of the full model's grid
+    lubricant_rises *rises; // [num_states] at the Hertz pressure
 } reduced_states;
 
 /* Memory for states that are all stationary and zero, with unknown effects. EHD_MEMORY. */

@@ -41,11 +41,12 @@ ehd_status reduced_states_init(reduced_states *states, size_t num_states, size_t
     states->central_film_thickness = array_new(num_states, 1, sizeof(double));
     states->stationary = array_new(num_states, 1, sizeof *states->stationary);
     states->rate = array_new(num_states, 1, sizeof(double));
+    states->load_rate = array_new(num_states, 1, sizeof(double));
     states->effects = array_new(num_states, 1, sizeof *states->effects);
     states->rises = array_new(num_states, 1, sizeof *states->rises);
     if (!states->coordinates || !states->exit || !states->moes_M || !states->alpha_p_H ||
         !states->thinning || !states->central_film_thickness || !states->stationary ||
-        !states->rate || !states->effects || !states->rises) {
+        !states->rate || !states->load_rate || !states->effects || !states->rises) {
         reduced_states_free(states);
         return ehd_fail(error, EHD_MEMORY, "reduced model: found no memory for %zu states",
                         num_states);
@@ -96,6 +97,7 @@ void reduced_states_free(reduced_states *states) {
     free(states->central_film_thickness);
     free(states->stationary);
     free(states->rate);
+    free(states->load_rate);
     free(states->effects);
     free(states->rises);
     *states = (reduced_states){0};
@@ -124,6 +126,7 @@ ehd_status reduced_states_copy(reduced_states *target, const reduced_states *sou
     memcpy(target->central_film_thickness, source->central_film_thickness, count * sizeof(double));
     memcpy(target->stationary, source->stationary, count * sizeof *target->stationary);
     memcpy(target->rate, source->rate, count * sizeof(double));
+    memcpy(target->load_rate, source->load_rate, count * sizeof(double));
     memcpy(target->effects, source->effects, count * sizeof *target->effects);
     memcpy(target->rises, source->rises, count * sizeof *target->rises);
     return EHD_OK;

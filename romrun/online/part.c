@@ -271,7 +271,7 @@ void online_judge_pressure(online_result *result, const ehd_contact *contact,
 static void judge(online_result *result, part_solver *solver, const ehd_contact *contact) {
     const model_part *model = solver->model;
     const char *reason =
-        trained_range_check(model->range, solver->range_space, contact_place_of(contact), 0);
+        trained_range_check(model->range, solver->range_space, contact_place_of(contact), NULL);
 
     if (result->status && reason) {
         snprintf(solver->reason, sizeof solver->reason, "%s%s%s", reason,

@@ -323,10 +323,11 @@ static void judge(march_step *outcome, reduced_march *self, const reduced_state 
     if (outcome->status) return;
     frame_contact(&contact, &self->load_frame, &self->reference);
     // a jump is over in one step, however long that is
-    const double rate =
-        self->ring.num_previous > 1 ? frame_rate(&self->load_frame, &self->last_load_frame) : 0;
+    const bool jumped = self->ring.num_previous <= 1;
+    const frame_rates rates =
+        jumped ? (frame_rates){0} : frame_rates_between(&self->load_frame, &self->last_load_frame);
     outcome->reason =
-        trained_range_check(self->range, self->range_space, contact_place_of(&contact), rate);
+        trained_range_check(self->range, self->range_space, contact_place_of(&contact), &rates);
     outcome->status = outcome->reason ? EHD_UNTRUSTED : EHD_OK;
     if (!outcome->reason) outcome->reason = "";
     if (is_at_edge(model, state)) {
@@ -1087,11 +1088,11 @@ void reduced_march_fields_of(double *pressure, double *film, double *rigid_appro
 
 const char *reduced_march_check_range(const reduced_march *self, const contact_frame *now,
                                       const contact_frame *before) {
+    const frame_rates rates = frame_rates_between(now, before);
     ehd_contact contact;
 
     frame_contact(&contact, now, &self->reference);
-    return trained_range_check(self->range, self->range_space, contact_place_of(&contact),
-                               frame_rate(now, before));
+    return trained_range_check(self->range, self->range_space, contact_place_of(&contact), &rates);
 }
 
 double reduced_march_outside(const reduced_march *self, const contact_frame *frame) {

@@ -61,8 +61,8 @@ struct trained_range {
     point low, high; // of all points, in units of `extent`: rounding makes slivers of lines, which
                      // have no end
     point extent;
-    double slack; // how far outside of the hull still counts as inside, in units of the extent
-    double max_rate;
+    double slack;     // how far outside of the hull still counts as inside, in units of the extent
+    frame_rates most; // fastest change
     // of thinned flows, where any of the training is one
     double least_thinning, most_thinning; // coordinates
     size_t num_points, num_outer;
@@ -111,7 +111,8 @@ static void find_extent(trained_range *self, const reduced_states *states) {
         high.M = fmax(high.M, here.M);
         low.pressure = fmin(low.pressure, here.pressure);
         high.pressure = fmax(high.pressure, here.pressure);
-        self->max_rate = fmax(self->max_rate, states->rate[s]);
+        self->most.all = fmax(self->most.all, states->rate[s]);
+        self->most.load = fmax(self->most.load, states->load_rate[s]);
         stationary = stationary && states->stationary[s];
     }
     self->extent.M = high.M > low.M ? high.M - low.M : 1;
@@ -263,9 +264,14 @@ static double distance(hull_space *space, const double *points, size_t num_point
                  : hull_distance(points, num_points, RANGE_AXES, place);
 }
 
+static bool is_faster(double rate, double trained) {
+    const double slack = 1.05, least = 1e-3;
+
+    return rate > fmax(slack * trained, least);
+}
+
 const char *trained_range_check(const trained_range *self, hull_space *space, contact_place of,
-                                double rate) {
-    const double rate_slack = 1.05, min_rate = 1e-3;
+                                const frame_rates *rates) {
     double place[RANGE_AXES], here[RANGE_AXES];
 
     trained_place(place, of);
@@ -283,8 +289,10 @@ const char *trained_range_check(const trained_range *self, hull_space *space, co
             !(distance(space, self->points, self->num_points, here) <= slack))
             return "outside of the trained range of M, alpha p_H and thinning";
     }
-    if (rate > fmax(rate_slack * self->max_rate, min_rate))
+    if (rates && is_faster(rates->all, self->most.all))
         return "a contact that changes faster than any in training";
+    if (rates && is_faster(rates->load, self->most.load))
+        return "a load that changes faster than any in training";
     return NULL;
 }
 
@@ -293,5 +301,6 @@ double trained_range_outside(const trained_range *self, hull_space *space, conta
 
     trained_place(place, of);
     const double outside = outside_plane(self, place);
-    return outside <= self->slack && trained_range_check(self, space, of, 0) ? INFINITY : outside;
+    return outside <= self->slack && trained_range_check(self, space, of, NULL) ? INFINITY
+                                                                                : outside;
 }

@@ -5,6 +5,7 @@
 
 #include "common/algebra/hull.h"
 #include "common/physics/contact_place.h"
+#include "common/time/frame.h"
 #include "romrun/model/reduced_model.h"
 
 /* Coordinates of a contact in the trained range: ln M, ln(alpha p_H), and of a flow that is thinned
@@ -22,10 +23,10 @@ trained_range *trained_range_free(trained_range *range);         // accepts and 
  * hull_space_free. */
 hull_space *trained_range_space(const trained_range *range);
 
-/* Why a contact lies outside, or NULL. `rate`: frame_rate, 0 when stationary. `space`: of this thread
+/* Why a contact lies outside, or NULL. `rates`: at which it changes; NULL: it is stationary. `space`: of this thread
  * alone; NULL: a check takes memory of its own where flow is thinned. */
 const char *trained_range_check(const trained_range *range, hull_space *space, contact_place place,
-                                double rate);
+                                const frame_rates *rates);
 
 /* How far outside a contact lies in parts of the range's extent, the less the deeper inside; infinite
  * where it is of M and alpha p_H that were trained, but not of the thinning. To choose among the

@@ -46,7 +46,7 @@ reduced_basis marching_nodes(const trained *of, deformation_kind kind, const dou
     const size_t last = grid_width(&nodes.grid) - 2, inner = grid_lines(&nodes.grid) - 1;
 
     for (size_t s = 0; s < nodes.states.num_states; s++)
-        nodes.states.rate[s] = 1000;
+        nodes.states.rate[s] = nodes.states.load_rate[s] = 1000;
     for (size_t l = 0; l < inner && nodes.grid.inner_lines > 1; l++)
         nodes.states.exit[l] = last;
     return nodes;

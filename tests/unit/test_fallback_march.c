@@ -261,7 +261,7 @@ static void the_film_has_to_leave_before(void **state) {
     reduced_basis few;
     trained_basis(&few, &training, DEFORMATION_COUPLED, 12, 0);
     for (size_t s = 0; s < few.states.num_states; s++)
-        few.states.rate[s] = 1000;
+        few.states.rate[s] = few.states.load_rate[s] = 1000;
     const ehd_contact contact = marching_contact(&training, 18.5, true);
     run *both = malloc(sizeof *both);
 

@@ -333,26 +333,32 @@ static void goes_on_to_other_starts(void **state) {
     trained_free(&training);
 }
 
-static bool is_trained(const reduced_model *model, double M, double alpha_p_H, double rate) {
+static bool is_trained_at(const reduced_model *model, double M, double alpha_p_H,
+                          frame_rates rates) {
     trained_range *range = trained_range_create(model);
     assert_non_null(range);
     const char *reason = trained_range_check(
-        range, NULL, (contact_place){.moes_M = M, .alpha_p_H = alpha_p_H}, rate);
+        range, NULL, (contact_place){.moes_M = M, .alpha_p_H = alpha_p_H}, &rates);
     trained_range_free(range);
     return reason == NULL;
+}
+
+static bool is_trained(const reduced_model *model, double M, double alpha_p_H, double rate) {
+    return is_trained_at(model, M, alpha_p_H, (frame_rates){.all = rate});
 }
 
 static void trained_range_is_the_hull(void **state) {
     (void)state;
     bool stationary[] = {true, true, true, true, true, true};
-    double rate[6] = {0}, thinning[6] = {0}, moes_M[] = {10, 20, 20, 10, 15, 15},
-           alpha_p_H[] = {1, 2, 6, 5, 3, 1.5};
+    double rate[6] = {0}, load_rate[6] = {0}, thinning[6] = {0},
+           moes_M[] = {10, 20, 20, 10, 15, 15}, alpha_p_H[] = {1, 2, 6, 5, 3, 1.5};
     reduced_model model = {.states = {.num_states = 6,
                                       .moes_M = moes_M,
                                       .alpha_p_H = alpha_p_H,
                                       .thinning = thinning,
                                       .stationary = stationary,
-                                      .rate = rate}};
+                                      .rate = rate,
+                                      .load_rate = load_rate}};
     const struct {
         double M, alpha_p_H;
         int inside;
@@ -371,6 +377,10 @@ static void trained_range_is_the_hull(void **state) {
     rate[3] = 0.1;
     assert_true(is_trained(&model, 15, 3, 0.1));
     assert_false(is_trained(&model, 15, 3, 0.11));
+    // of which the load changed less: the speed did the rest
+    load_rate[2] = 0.04;
+    assert_true(is_trained_at(&model, 15, 3, (frame_rates){.all = 0.1, .load = 0.04}));
+    assert_false(is_trained_at(&model, 15, 3, (frame_rates){.all = 0.1, .load = 0.045}));
     // what lies between points on a line, as where the load alone varies: M goes with alpha p_H squared
     double line[] = {1, 2, 3, 4, 5, 6}, squares[] = {1, 4, 9, 16, 25, 36};
     model.states.alpha_p_H = line;
@@ -412,9 +422,9 @@ static const char *judge(const reduced_model *model, double M, double alpha_p_H,
     assert_non_null(range);
     hull_space *space = trained_range_space(range);
     assert_non_null(space);
-    const char *reason = trained_range_check(range, NULL, place, 0);
+    const char *reason = trained_range_check(range, NULL, place, NULL);
     allocation_fail_at(0);
-    assert_ptr_equal(trained_range_check(range, space, place, 0), reason);
+    assert_ptr_equal(trained_range_check(range, space, place, NULL), reason);
     assert_false(allocation_failed()); // it takes none
     hull_space_free(space);
     trained_range_free(range);
@@ -437,7 +447,8 @@ static void trained_range_knows_thinning(void **state) {
                                       .alpha_p_H = alpha_p_H,
                                       .thinning = thinning,
                                       .stationary = stationary,
-                                      .rate = rate}};
+                                      .rate = rate,
+                                      .load_rate = rate}};
 
     for (size_t s = 0; s < 7; s++)
         assert_string_equal(judge(&model, moes_M[s], alpha_p_H[s], thinning[s]), "");

@@ -64,7 +64,10 @@ static ehd_status keep_step(void *sink, const march_step *step, size_t index, eh
     full_exit[index] = frame_to_reference(&step->scalars, &step->frame, &reference).exit_position;
     set->effects[index] = film_effects_unknown();
     set->rises[index] = lubricant_rises_unknown();
-    set->rate[index] = index ? frame_rate(&step->frame, &self->last) : 0;
+    const frame_rates rates =
+        index ? frame_rates_between(&step->frame, &self->last) : (frame_rates){0};
+    set->rate[index] = rates.all;
+    set->load_rate[index] = rates.load;
     self->last = step->frame;
     return EHD_OK;
 }
@@ -75,7 +78,7 @@ static void training_init(training *self) {
     size_t num_nodes = reference.grid.num_nodes;
     double **const numbers[] = {
         &set->rigid_approach,         &set->moes_M, &set->alpha_p_H, &set->thinning,
-        &set->central_film_thickness, &set->rate};
+        &set->central_film_thickness, &set->rate,   &set->load_rate};
 
     memset(self, 0, sizeof *self);
     set->kind = reference.kind;

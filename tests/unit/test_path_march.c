@@ -36,7 +36,9 @@ static int set_up(void **state) {
         problem *self = &problems[p];
         trained_basis(&self->basis, &self->training, DEFORMATION_COUPLED, 0, 0);
         self->nodes = identity_basis(&self->training.set, DEFORMATION_COUPLED, self->basis.weight);
-        self->basis.states.rate[0] = self->nodes.states.rate[0] = INFINITY; // as fast as any
+        reduced_states *const both[] = {&self->basis.states, &self->nodes.states};
+        for (int i = 0; i < 2; i++)
+            both[i]->rate[0] = both[i]->load_rate[0] = INFINITY; // as fast as any
         for (size_t l = 0; l < self->basis.states.num_lines; l++)
             if (grid_is_inner_line(&self->nodes.grid, l))
                 self->nodes.states.exit[l] = grid_width(&self->nodes.grid) - 2;

@@ -278,7 +278,10 @@ static void extremes_are_kept(void **state) {
         check_close(extreme[i].alpha_p_H, reference.alpha_p_H * sqrt(load[step[i]]), 1e-13, 0);
         assert_int_equal(extreme[i].exits[0], exit[step[i]]);
     }
-    check_close(extreme[6].rate, 0.5 * fabs(log(load[223] / load[222])) * (COUNT - 1), 1e-9, 0);
+    const double sudden = 0.5 * fabs(log(load[223] / load[222])) * (COUNT - 1);
+    check_close(extreme[6].rate, sudden, 1e-9, 0);
+    check_close(kept.states[KEPT_TIMES - 1].load_rate, sudden, 1e-9, 0);
+    check_close(extreme[4].load_rate, 0.5 * log(load[1] / load[0]) * (COUNT - 1), 1e-9, 0);
     kept_states_free(&kept);
 }
 
