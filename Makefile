@@ -172,9 +172,9 @@ demo: $(PROGRAMS) ## run the stationary line contact from training to comparison
 demo-point: $(PROGRAMS) ## the same with a stationary point contact
 	@$(MAKE) -C scenes/studies/point-stationary demo BIN=$(abspath $(BIN))
 
-# Needs the programs too: the pipeline tests run them.
+# Needs the programs too: the pipeline tests run them. These come first, since they take the longest.
 check: $(PROGRAMS) $(LIBRARY) $(USE_LIBRARY) $(FMU_FILES) $(USE_FMU) $(TESTS) $(FAULT_TOOLS) $(REPLAY) ## unit and pipeline tests; last line: N passed, N failed
-	@$(run_tests) $(TESTS) $(PIPELINES)
+	@$(run_tests) $(PIPELINES) $(TESTS)
 
 check-long: export TIMEOUT ?= 7200
 check-long: $(PROGRAMS) $(FMU_FILES) $(LONG_TESTS) $(USE_LIBRARY) $(FAULT_TOOLS) ## the tests that take minutes

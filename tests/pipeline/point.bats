@@ -212,6 +212,7 @@ threads_of() {
     fullrun scene.yml --repeat 1000 "$@" --quiet >/dev/null 2>&1 &
     pid=$!
     until awk '{ exit !($14 + $15 >= 30) }' /proc/$pid/stat; do
+        kill -0 $pid || return
         sleep 0.1
     done
     awk '/^Threads:/ { print $2 }' /proc/$pid/status

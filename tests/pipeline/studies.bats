@@ -1,0 +1,227 @@
+#!/usr/bin/env bats
+# SPDX-License-Identifier: GPL-3.0-or-later
+# Studies at a small size: their tables have a line of what each has asked for.
+
+load common
+
+setup() { unset MAKEFLAGS MAKELEVEL MFLAGS V; }
+
+@test "the convergence map: all points of a small one, and it tells those that fail" {
+    copy_scene studies/convergence-map
+    sed -i -e 's/"low": (".*", 0.005)/"low": ("5, 12", 0.02)/' -e 's/"high": (".*", 0.002)/"high": ("50, 70", 0.01)/' \
+        -e 's/^ALL_L = .*/ALL_L = "0, 5, 10"/' study.py
+    run_make LEAST_POINTS=72
+    [ "$status" -eq 0 ]
+    [ "$(grep -c "^72 points, 0 failed" <<<"$output")" -eq 3 ]
+    for map in published accurate default; do
+        [ "$(head -c 4 out/$map.png | tail -c 3)" = PNG ]
+        grep -q '</svg>' out/$map.svg
+    done
+    run_make -n
+    [[ ! $output =~ bin/$programs ]]
+
+    run_make published LEAST_POINTS=73
+    [ "$status" -ne 0 ]
+    run_make published LEAST_POINTS=72 SET='--set grid.x_max=1.1' # too short for the lightest
+    [ "$status" -ne 0 ]
+    echo "$output"
+    [[ $output == *"failed: barus,incompressible,5,10,"*"72 points, 9 failed"* ]]
+}
+
+@test "the convergence map: estimates of inlet and step beside what is measured" {
+    copy_scene studies/convergence-map
+    run_make estimates ESTIMATE_LOW=5 ESTIMATE_HIGH=60 ESTIMATE_L='5 20'
+    [ "$status" -eq 0 ]
+    [[ $output == *"inlet  noted and true 2, not noted and true 2, noted though less 0, missed 0;"* ]]
+    [[ $output == *"step   noted and true 0, not noted and true 4, noted though less 0, missed 0;"* ]]
+    [ "$(wc -l <out/estimates.csv)" -eq 5 ]
+    awk -F, 'function near(a, b) { return a / b > 0.7 && a / b < 1.4 }
+        NR > 1 && (!near($5, $6) || $1 == 60 && !near($7, $8)) { exit 1 }' out/estimates.csv
+    sed -i '2s/^\([^,]*,[^,]*,[^,]*,[^,]*\),[^,]*/\1,0.001/' out/estimates.csv
+    [[ $(PYTHONPATH=../../lib /usr/bin/python3 -B study.py compare out/estimates.csv) == *"inlet  "*"missed 1;"* ]]
+}
+
+@test "discretisations: the accurate rows are nearer to the equations, stationary and in time" {
+    copy_scene studies/discretization
+    mkdir ../transient-load
+    cp "$BATS_TEST_DIRNAME/../../scenes/studies/transient-load/scene.yml" ../transient-load
+    small=(LINE_STEPS='0.02 0.01 0.005' POINT_STEPS='0.1875 0.125 0.0625' TIME_STEPS='0.04 0.02 0.01' END=0.3
+        ALL_M='10 50' ALL_L=5 INLET_M=5 INLET_L=5 POINT_M=20 POINT_L=5)
+    run_make figures "${small[@]}"
+    echo "$output"
+    [ "$status" -eq 0 ]
+    # of each pair on the same grid
+    awk 'function abs(x) { return x < 0 ? -x : x }
+        $1 == "line" || $1 == "point" { key = $1 $2 $3 $7; off[key, $6] = abs($8); seen[key] }
+        END { for (key in seen) { n++; if (!(off[key, "accurate"] < off[key, "published"] / 3)) exit 1 } exit n != 9 }' out/stationary.txt
+    awk '$1 == "published" && $2 == 0.02 { published = $5 } $1 == "accurate" && $2 == 0.02 { accurate = $5 }
+        END { exit !(accurate > 0 && accurate < published / 3) }' out/in-time.txt
+    run_make -n figures "${small[@]}"
+    [[ $status == 0 && ! $output =~ study.py ]]
+}
+
+@test "silent failures: every scene drawn is in the table, the same for a seed" {
+    copy_scenes studies/stationary-line studies/silent-failures studies/silent-failures/roller
+    cd studies || return
+    sed -i 's/step: [0-9.]*/step: 0.01/' stationary-line/scene.yml # of which all scenes then are
+    cd silent-failures || return
+    small='SEED=3 SCENES=24 CALIBRATION_SCENES=60 PROMISES=1e-2'
+    run_make $small
+    [ "$status" -eq 0 ]
+    [[ $output == *"seed 3, calibrated on seed 1000003"*"promise 0.01"*"silent failures: 0" ]]
+    awk '/lubricant/ { total += $(NF - 7) + $(NF - 6) + $(NF - 3) + $(NF - 2) + $(NF - 1) + $NF }
+         /outside/ { outside = $(NF - 7) + $(NF - 6) + $(NF - 3) + $(NF - 2) + $(NF - 1) + $NF }
+         END { exit !(total == 24 && outside == 12) }' out/table-3-24.txt
+    # a seed draws the same again, another one does not
+    study() { PYTHONPATH=../../lib BIN=$BIN /usr/bin/python3 -B study.py "$@"; }
+    study draw again 3 24 ../stationary-line/out-accurate/model.h5 ../stationary-line/scene.yml
+    cmp <(sed 's/out.test-3-24/again/' out/test-3-24/scenes.json) again/scenes.json
+    cmp out/test-3-24/plan.yml again/plan.yml
+    study draw again 4 24 ../stationary-line/out-accurate/model.h5 ../stationary-line/scene.yml
+    run -1 cmp -s out/test-3-24/plan.yml again/plan.yml
+    # loads and speeds of a region: within its bounds, by turns even and even in the logarithm
+    study draw drawn 5 60 none roller/scene.yml region
+    grep -q '^physical: {load: .*, speed: ' drawn/scene-1-1.yml
+    /usr/bin/python3 - <<'PYTHON'
+import json, numpy
+scenes = [scene["settings"] for scene in json.load(open("drawn/scenes.json"))]
+load, speed = (numpy.array([float(s[f"physical.{key}"]) for s in scenes]) for key in ("load", "speed"))
+assert len(load) == 60 and load.min() > 50e3 and load.max() < 400e3 and speed.min() > 0.2 and speed.max() < 10
+assert 4 < numpy.median(speed[::2]) < 6.5 and 0.8 < numpy.median(speed[1::2]) < 2.5
+PYTHON
+    # a result that is off without a flag is one, however few they are
+    printf '%s\n' \
+        promise,where,whose,code,central,minimum,indicated_central,indicated_minimum,fields,full_central,full_minimum \
+        1e-2,inside,own,0,1,2.04,0.1,0.01,0.05,1,2 1e-2,inside,other,4,1.5,1,1,1,2,1,1 \
+        1e-2,outside,other,3,,,,,,1,1 1e-2,inside,own,0,1.001,1,0.004,0.004,0.01,1,1 \
+        1e-2,inside,own,4,1.001,1,0.02,0.02,0.01,1,1 none,inside,own,0,1.011,1,,,,1,1 >runs.csv
+    run study table runs.csv 1 2
+    [[ $output == *"promise 0.01"*"inside, own lubricant         1        1       50.0 %                1        0          0            0"* ]]
+    [[ $output == *"no promise asked for"*"inside, own lubricant         0        0        0.0 %                1        0 "* ]]
+    [[ $output == *"silent failures: 2, the worst 0.02 off" ]]
+    [[ $output == *"fields off by more than 3 times that, not flagged: 1 of 2; the worst 5 times"* ]]
+    [[ $output == *"inside, central film: 0 of 3 below 1, least 2, median 4, 95 % 18"* ]]
+    [[ $output == *"inside, minimum film: 1 of 1 below 1, least 0.5, median 0.5, 95 % 0.5"* ]]
+    # what is shifted by less than a node is not off, and a spike elsewhere is
+    PYTHONPATH=../../lib:. /usr/bin/python3 -B -c "
+import numpy, study
+a = numpy.array([0, 1, 5, 2, 1, 0.]); b = numpy.array([0, 0.5, 4, 5, 1, 0.])
+assert study.beyond_neighbours(a, b) == 0
+b[3], b[4] = 2, 4
+assert study.beyond_neighbours(a, b) == 2
+assert study.beyond_neighbours(numpy.outer(a, a), numpy.outer(b, b)) > 2"
+    run_make $small
+    [[ $status == 0 && $output != *"  calibrate "* && $output != *"  romrun "* ]]
+    # another model draws anew, also one that is older than what was drawn for this one
+    cp ../stationary-line/out-accurate/model.h5 older.h5
+    touch -d 2000-01-01 older.h5
+    run_make -n $small MODEL=older.h5
+    [[ $status == 0 && $output == *"study.py draw"*"romrun --calibrate"* ]]
+}
+
+@test "conditioning: all solvers on each case and size agree where the systems allow it" {
+    copy_scenes studies/stationary-line studies/conditioning
+    cd studies || return
+    sed -i -n '1,2p' stationary-line/cases.csv
+    sed -i 's/step: [0-9.]*/step: 0.02/' stationary-line/scene.yml
+    cd conditioning || return
+    small='REGIONS=low low.MODES=40 low.ROWS=70 DEPENDENT=1e-2 DEPENDENT_MODES=40'
+    run_make $small low.SIZES="20 40"
+    [ "$status" -eq 0 ]
+    [ "$(head -c 4 out/conditioning.png | tail -c 3)" = PNG ]
+    # cases, sizes, and all rows in three variants, fewer ones in two, dependent modes at its own size
+    [ "$(wc -l <out/conditioning.csv)" -eq $((1 + 8 * (2 * 7 + 1))) ]
+    awk -F, 'NR == 1 { for (i = 1; i <= NF; i++) at[$i] = i; next }
+             $at["equations"] < $at["unknowns"] { if ($at["status"] != "failed") bad = 1; next }
+             $at["status"] != "converged" { next }
+             $at["solver"] == "used" { seen++; if ($at["from_extended"]^2 > 1e-16 || $at["step_error"] > 1e-2) bad = 1 }
+             $at["solver"] == "qr" && $at["step_error"] > 1e-4 { bad = 1 }
+             $at["scaled_condition"] < 1 { bad = 1 }
+             END { exit bad || seen < 12 }' out/conditioning.csv
+}
+
+@test "the study of rows and weights: every variant is in the table, and all rows are measured too" {
+    copy_scene studies/row-study
+    sed -i 's/step: [0-9.]*/step: 0.02/' ../stationary-line/scene.yml
+    run_make REGIONS=low MODES=30 WEIGHTS='mode row-norm' METHODS='joint exits' FACTORS=quadrature
+    [ "$status" -eq 0 ]
+    # three numbers of rows for each of four variants, all columns filled
+    awk -F, 'NF != 17 || /,,/ { bad = 1 } END { exit bad || NR != 13 }' out/study.csv
+    [[ $output == *"over 3 sizes"* ]]
+    [[ $output =~ mode\ +joint\ +quadrature\ +1.000\ +1.000\ +1.000 ]]
+    # the band preconditioner, with all 301 rows, leaves less than D
+    [[ $output == *"all 301 rows, 30 modes"* ]]
+    awk '/^D of the basis/ { plain = $5 } /^band, kernel 10 nodes/ { band = $5 }
+        END { exit !(band > 0 && band < plain) }' out/low/30-level-i.txt
+    [ "$(head -c 4 out/study.png | tail -c 3)" = PNG ]
+    grep -q '</svg>' out/study.svg
+    run_make -n REGIONS=low MODES=30 WEIGHTS='mode row-norm' METHODS='joint exits' FACTORS=quadrature
+    [[ $status == 0 && ! $output =~ bin/$programs && ! $output =~ study.py ]]
+    # the table follows what it is asked for
+    run_make out/study.csv REGIONS=low MODES=30 WEIGHTS=mode METHODS=joint FACTORS=quadrature
+    [[ $status == 0 && $(wc -l <out/study.csv) -eq 4 ]]
+    # what is off the full model lies between the distances from the truth of both
+    run_make truth REGIONS=low MODES=30 METHODS_TRUTH=exits
+    [ "$status" -eq 0 ]
+    awk '$4 == "full" { if ($7 != 0 || !($9 > 0)) exit 1; full = $9; lines++ }
+         $1 == "low" && $4 != "full" { if (!($6 > 0) && ($9 > 1.02 * (full + $7) || $7 > 1.02 * (full + $9))) exit 1; lines++ }
+         END { exit lines != 4 }' out/low/mode/30/exits-truth.txt
+}
+
+@test "adaptive training: a line of the curve for each training, its points between the edges of the region" {
+    copy_scenes studies/stationary-line studies/adaptive-training
+    cd studies || return
+    sed -i 's/step: [0-9.]*/step: 0.02/' stationary-line/scene.yml
+    cd adaptive-training || return
+    small=(CANDIDATES='6 5' CHECKS='3 2' ADAPTIVE=12 REGULAR='4-3 6-5')
+    run_make "${small[@]}"
+    echo "$output"
+    [ "$status" -eq 0 ]
+    [[ $(head -n 1 out/low/curve.csv) == training,points,modes,rows,failures,median,p95,worst,milliseconds,true_worst,* ]]
+    [ "$(cut -d, -f 1,2 out/low/curve.csv | grep -c '^adaptive,12$\|^regular,12$\|^regular,30$\|^published,120$')" -eq 4 ]
+    awk -F, 'NF != 15 || /,,|nan/ { bad = 1 } END { exit bad || NR != 6 }' out/low/curve.csv
+    # that of 120 points is as far from the truth as the full model
+    awk -F, '$1 == "published" && !($13 > 0 && $10 > 0.99 * $13 && $10 < 1.01 * $13) { exit 1 }' out/low/curve.csv
+    grep -q 'moes.M: \[5, 10.7721735, 23.2079442, 50\]' out/low/regular-4-3.yml
+    # the checks lie in the middle of cells: 5 to 50 and 1 to 20 in three and two parts
+    grep -q 'moes.M: \[7.33899634, 15.8113883, 34.0646035\]' out/low/check.yml
+    grep -q 'moes.L: \[5.75, 15.25\]' out/low/check.yml
+    [ "$(head -c 4 out/low/curve.png | tail -c 3)" = PNG ]
+    grep -q '</svg>' out/low/curve.svg
+    run_make -n "${small[@]}"
+    [[ $status == 0 && ! $output =~ bin/$programs && ! $output =~ study.py ]]
+}
+
+# film_csv FILE STATUS H...: film.csv of M = 20, L = 10 with these central films in Moes units on three grids, the last of
+# that status, and the fit of fullrun
+film_csv() {
+    BIN=$BIN PYTHONPATH=../../lib /usr/bin/python3 -B - "$@" <<'PYTHON'
+import sys, results, study
+file, status, *films = sys.argv[1:]
+states = [(0, float(film) / 30 ** (2 / 3), 1, 1e9, 0) for film in films]
+states[2] = (int(status), *states[2][1:])
+results.write_csv(file, study.HEADER, [study.film_line(20, 10, study.fit(20, 10, "."), states)])
+PYTHON
+}
+
+@test "the point film table: extrapolation and fit" {
+    copy_scene studies/point-film
+    table() { PYTHONPATH=../../lib /usr/bin/python3 -B study.py table "$1"; }
+    # 4 + 0.1 h^2 with steps of 4, 2 and 1 is 4 without a step
+    film_csv exact.csv 0 5.6 4.4 4.1
+    tail -n 1 exact.csv | awk -F, '{ exit !($6 > 1.9999 && $6 < 2.0001 && $7 > 3.9999 && $7 < 4.0001) }'
+    # by hand: asymptotes 0.10336, 1.62230, 4.21853, 5.46483, s = 2.55046
+    tail -n 1 exact.csv | awk -F, '{ exit !($8 > 4.26480 && $8 < 4.26482) }'
+    # what is far off is counted, and there is no table without a solution
+    film_csv off.csv 0 3.6 3.4 3.3
+    run -0 table off.csv
+    [[ $output == *"1 points, 0 without a solution; largest difference 25.0 %, 1 beyond 10 %"* ]]
+    film_csv lost.csv 1 4.4 4.3 4.25
+    run -1 table lost.csv
+
+    run_make CELLS='48 96 192' M=10 L='2.5, 5'
+    [ "$status" -eq 0 ]
+    [[ $output == *"2 points, 0 without a solution; largest difference "*", 0 beyond 10 %"* ]]
+    run_make -n CELLS='48 96 192' M=10 L='2.5, 5'
+    [[ ! $output =~ bin/$programs ]]
+}
