@@ -145,8 +145,8 @@ const char *recording_check(const recording *self, const trained_range *range) {
         ehd_contact contact;
         frame_contact(&contact, now, self->reference);
         const bool jumped = i == 0 || self->steps[i - 1].jump;
-        const frame_rates rates =
-            jumped ? (frame_rates){0} : frame_rates_between(now, &self->steps[i - 1].load_frame);
+        frame_rates rates = {0};
+        if (!jumped) rates = frame_rates_between(now, &self->steps[i - 1].load_frame);
         const char *reason = trained_range_check(range, NULL, contact_place_of(&contact), &rates);
         if (reason) return reason;
     }

@@ -323,9 +323,9 @@ static void judge(march_step *outcome, reduced_march *self, const reduced_state 
     if (outcome->status) return;
     frame_contact(&contact, &self->load_frame, &self->reference);
     // a jump is over in one step, however long that is
-    const bool jumped = self->ring.num_previous <= 1;
-    const frame_rates rates =
-        jumped ? (frame_rates){0} : frame_rates_between(&self->load_frame, &self->last_load_frame);
+    frame_rates rates = {0};
+    if (self->ring.num_previous > 1)
+        rates = frame_rates_between(&self->load_frame, &self->last_load_frame);
     outcome->reason =
         trained_range_check(self->range, self->range_space, contact_place_of(&contact), &rates);
     outcome->status = outcome->reason ? EHD_UNTRUSTED : EHD_OK;
