@@ -146,9 +146,13 @@ static ehd_status finish_point(void *shared, void *worker, size_t point, size_t 
     training_point_name(name, &training->set->contacts[point]);
     if (trace->info.status) {
         training->num_failed++;
-        program_note(training->caller,
-                     "%s: found the projected system not converged (%s); its iterations are kept",
-                     name, trace->info.reason);
+        program_note(
+            training->caller,
+            "%s: found the projected system not converged (%s); its iterations are left out", name,
+            trace->info.reason);
+        // an iterate that runs away is larger than all others together, which then are noise
+        free_iterations(trace);
+        trace->num_iterations = 0;
     }
     progress_show(&training->progress, ++training->num_done, name);
     trace->is_finished = true;

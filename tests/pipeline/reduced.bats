@@ -383,6 +383,10 @@ YAML
     [[ $output =~ "8 points with the projected system, "([0-9])" converged" ]]
     lost=$((8 - BASH_REMATCH[1]))
     ((lost > 0))
+    # an iterate that runs away would hide those of all others
+    /usr/bin/python3 -c "
+import h5py
+assert len(set(h5py.File('fr.h5')['iteration_state'][...])) == 8 - $lost"
     # the option of the first stage is taken, and then limits what may fail here
     snapgen failing.yml --basis fb.h5 -o limited.h5 --set grid.x_max=1.1 --quiet --allow-failures $lost
     same_data fr.h5 limited.h5
