@@ -285,11 +285,7 @@ print(resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss)" "$@"
     for signal in INT TERM; do
         for option in "" --compress; do
             # shellcheck disable=SC2086
-            podbuild many.h5 --memory 30M $option -o x.h5 2>log &
-            while ! grep -q "/6000" log; do kill -0 $! || break; sleep 0.02; done
-            kill -$signal $!
-            code=0
-            wait $! || code=$?
+            stop_at $signal "/6000" podbuild many.h5 --memory 30M $option -o x.h5
             cat log
             [ "$code" -eq 130 ]
             [ ! -e x.h5 ] && [ ! -e x.h5.partial ]

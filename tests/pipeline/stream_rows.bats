@@ -169,9 +169,9 @@ PY
     /usr/bin/python3 -c "
 import h5py, numpy
 f = h5py.File('three.h5')
-state = f['iteration_state'][...]
-assert (numpy.diff(state) >= 0).all() and set(state) == set(range(25))
-assert numpy.array_equal(numpy.bincount(state), f['newton_iterations'][...])
+state, solved = f['iteration_state'][...], f['status'][...] == 0
+assert (numpy.diff(state) >= 0).all() and solved.sum() >= 24
+assert numpy.array_equal(numpy.bincount(state, minlength=25), f['newton_iterations'][...] * solved)
 assert numpy.array_equal(f['iteration'][...], numpy.arange(len(state)))"
     [ "$VARIANT" = release ] || skip "sanitizers take memory of their own"
     # a file is read once more for its digest, a million numbers at a time
@@ -187,11 +187,7 @@ assert numpy.array_equal(f['iteration'][...], numpy.arange(len(state)))"
 
 @test "Ctrl-C and SIGTERM while residuals are streamed leave nothing" {
     for signal in INT TERM; do
-        deimselect many.h5 --basis b.h5 --memory 5M -o x.h5 2>log &
-        while ! grep -q "/4[0-9]* residuals" log; do kill -0 $! || break; sleep 0.01; done
-        kill -$signal $!
-        code=0
-        wait $! || code=$?
+        stop_at $signal "/4[0-9]* residuals" deimselect many.h5 --basis b.h5 --memory 5M -o x.h5
         cat log
         [ "$code" -eq 130 ]
         [ ! -e x.h5 ] && [ ! -e x.h5.partial ]
