@@ -266,10 +266,9 @@ static void accept(void *solver) {
 
 static void restart(void *solver) {
     parts_march *self = solver;
-    const march_solver of = last_solver(self);
 
-    memset(self->holds, 0, self->num_parts * sizeof *self->holds);
-    self->holds[self->accepted] = true;
+    hold_alone(self, self->accepted);
+    const march_solver of = last_solver(self);
     of.restart(of.self);
 }
 

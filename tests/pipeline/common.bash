@@ -242,26 +242,6 @@ stop_when() {
     fi
 }
 
-# stop_at SIGNAL PATTERN COMMAND...: sends the signal when what the program says (log) matches; leaves its exit code in
-# `code`. Not by the shell's own wait, which on a busy machine has lost a process.
-stop_at() {
-    code=0
-    /usr/bin/python3 - "$@" <<'PYTHON' || code=$?
-import re, signal, subprocess, sys, time
-number, pattern, command = getattr(signal, "SIG" + sys.argv[1]), sys.argv[2], sys.argv[3:]
-with open("log", "w") as log:
-    program = subprocess.Popen(command, stderr=log)
-while program.poll() is None:
-    with open("log") as said:
-        if re.search(pattern, said.read()):
-            program.send_signal(number)
-            break
-    time.sleep(0.005)
-code = program.wait()
-sys.exit(code if code >= 0 else 128 - code)
-PYTHON
-}
-
 # copy_scenes FOLDER...: examples/NAME or studies/NAME with what they share, as scenes/FOLDER; those of the paper have its
 # grid with accurate rows too, which so is that of the scene.
 copy_scenes() {

@@ -4,7 +4,7 @@
 
 Sends the signal as soon as the condition holds of OUTPUT.partial: "exists", or a Python expression of
 `states`, the finished points of a training, `time`, the times of a run, and `checkpoint`, how many of
-these a resumed run would keep. A run that ended before the signal came, because the machine was busy
+these a resumed run would keep; or of what is said in the file "log": "says PATTERN", a regular expression. A run that ended before the signal came, because the machine was busy
 with something else, is taken back and started again. What a reader sees of a growing file is checked
 on the way.
 
@@ -12,6 +12,7 @@ The exit code is the program's, 128 + N after a deadly signal N. After the signa
 stays as it is, and its process id is printed.
 """
 import os
+import re
 import shutil
 import signal
 import subprocess
@@ -38,6 +39,9 @@ def read(path):
 def holds(condition, path, before):
     if condition == "exists":
         return os.path.exists(path)
+    if condition.startswith("says "):
+        with open("log") as log:
+            return re.search(condition[len("says "):], log.read()[before["said"]:])
     try:
         seen = read(path)
     except (OSError, KeyError):
@@ -53,8 +57,9 @@ def attempt(number, condition, partial, command):
     """The program, stopped; None when it ended before."""
     # who stops it waits for the end of its own output
     quiet = subprocess.DEVNULL if number == signal.SIGSTOP else None
+    said = os.path.getsize("log") if condition.startswith("says ") else 0
     program = subprocess.Popen(command, stdout=quiet)
-    before = {"times": 0}
+    before = {"times": 0, "said": said}
     while program.poll() is None:
         if holds(condition, partial, before):
             program.send_signal(number)

@@ -285,7 +285,7 @@ print(resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss)" "$@"
     for signal in INT TERM; do
         for option in "" --compress; do
             # shellcheck disable=SC2086
-            stop_at $signal "/6000" podbuild many.h5 --memory 30M $option -o x.h5
+            stop_when $signal "says /6000" x.h5 podbuild many.h5 --memory 30M $option -o x.h5 2>log
             cat log
             [ "$code" -eq 130 ]
             [ ! -e x.h5 ] && [ ! -e x.h5.partial ]

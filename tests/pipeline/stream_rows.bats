@@ -187,7 +187,7 @@ assert numpy.array_equal(f['iteration'][...], numpy.arange(len(state)))"
 
 @test "Ctrl-C and SIGTERM while residuals are streamed leave nothing" {
     for signal in INT TERM; do
-        stop_at $signal "/4[0-9]* residuals" deimselect many.h5 --basis b.h5 --memory 5M -o x.h5
+        stop_when $signal "says /4[0-9]* residuals" x.h5 deimselect many.h5 --basis b.h5 --memory 5M -o x.h5 2>log
         cat log
         [ "$code" -eq 130 ]
         [ ! -e x.h5 ] && [ ! -e x.h5.partial ]
