@@ -51,3 +51,15 @@ reduced_basis marching_nodes(const trained *of, deformation_kind kind, const dou
         nodes.states.exit[l] = last;
     return nodes;
 }
+
+void marching_trainings_init(marching_trainings *self) {
+    trained_few_init(&self->line, self->bases, self->rows);
+    trained_init_point(&self->point, true, "open");
+    trained_basis(&self->point_basis, &self->point, DEFORMATION_COUPLED, 0, 0);
+}
+
+void marching_trainings_free(marching_trainings *self) {
+    trained_few_free(&self->line, self->bases);
+    reduced_basis_free(&self->point_basis);
+    trained_free(&self->point);
+}

@@ -6,6 +6,16 @@
 #include "romrun/online/reduced_march.h"
 #include "tests/unit/reduced_problem.h"
 
+/* A line of few states with a basis and rows, as trained_few_init has them, and a point contact with an
+ * open boundary: what marches of several solvers are tried with. */
+typedef struct marching_trainings {
+    trained line, point;
+    reduced_basis bases[2], point_basis;
+    size_t rows[FEW_ROWS];
+} marching_trainings;
+void marching_trainings_init(marching_trainings *self); // free with marching_trainings_free
+void marching_trainings_free(marching_trainings *self);
+
 /* A march with what it takes. */
 typedef struct marching {
     ehd_contact reference;

@@ -12,9 +12,7 @@ enum { NUM_STEPS = 64 };
 
 static const double STEP = 0.02;
 
-static trained training, point_training;
-static reduced_basis bases[2], point_basis;
-static size_t rows[FEW_ROWS];
+static marching_trainings trained_on;
 static ehd_error error;
 
 #define check_ok(call)                                                                             \
@@ -22,17 +20,13 @@ static ehd_error error;
 
 static int set_up(void **state) {
     (void)state;
-    trained_few_init(&training, bases, rows);
-    trained_init_point(&point_training, true, "open");
-    trained_basis(&point_basis, &point_training, DEFORMATION_COUPLED, 0, 0);
+    marching_trainings_init(&trained_on);
     return 0;
 }
 
 static int tear_down(void **state) {
     (void)state;
-    trained_few_free(&training, bases);
-    reduced_basis_free(&point_basis);
-    trained_free(&point_training);
+    marching_trainings_free(&trained_on);
     return 0;
 }
 
@@ -164,8 +158,9 @@ static void check_turns(const ehd_contact *contact, const reduced_basis *basis, 
 static void in_turn_they_are_the_full_model(void **state) {
     (void)state;
     for (int path = 0; path < 2; path++) {
-        reduced_basis nodes = marching_nodes(&training, DEFORMATION_COUPLED, bases[1].weight);
-        const ehd_contact contact = marching_contact(&training, 18.5, path);
+        reduced_basis nodes =
+            marching_nodes(&trained_on.line, DEFORMATION_COUPLED, trained_on.bases[1].weight);
+        const ehd_contact contact = marching_contact(&trained_on.line, 18.5, path);
         check_turns(&contact, &nodes, 1e-5);
         reduced_basis_free(&nodes);
     }
@@ -173,8 +168,9 @@ static void in_turn_they_are_the_full_model(void **state) {
 
 static void with_modes_of_the_deflection_too(void **state) {
     (void)state;
-    reduced_basis nodes = marching_nodes(&training, DEFORMATION_INDEPENDENT, bases[0].weight);
-    const ehd_contact contact = marching_contact(&training, 18.5, true);
+    reduced_basis nodes =
+        marching_nodes(&trained_on.line, DEFORMATION_INDEPENDENT, trained_on.bases[0].weight);
+    const ehd_contact contact = marching_contact(&trained_on.line, 18.5, true);
 
     check_turns(&contact, &nodes, 1e-5);
     reduced_basis_free(&nodes);
@@ -182,8 +178,9 @@ static void with_modes_of_the_deflection_too(void **state) {
 
 static void of_a_point_contact(void **state) {
     (void)state;
-    reduced_basis nodes = marching_nodes(&point_training, DEFORMATION_COUPLED, point_basis.weight);
-    const ehd_contact contact = marching_contact(&point_training, 18.5, true);
+    reduced_basis nodes =
+        marching_nodes(&trained_on.point, DEFORMATION_COUPLED, trained_on.point_basis.weight);
+    const ehd_contact contact = marching_contact(&trained_on.point, 18.5, true);
 
     check_turns(&contact, &nodes, 1e-4);
     reduced_basis_free(&nodes);
@@ -192,8 +189,9 @@ static void of_a_point_contact(void **state) {
 /* From any step on, by either model, another object makes the same bits. */
 static void saved_and_restored(void **state) {
     (void)state;
-    reduced_basis nodes = marching_nodes(&training, DEFORMATION_COUPLED, bases[1].weight);
-    const ehd_contact contact = marching_contact(&training, 18.5, true);
+    reduced_basis nodes =
+        marching_nodes(&trained_on.line, DEFORMATION_COUPLED, trained_on.bases[1].weight);
+    const ehd_contact contact = marching_contact(&trained_on.line, 18.5, true);
     run *whole = malloc(sizeof *whole), *other = malloc(sizeof *other);
 
     run_init(whole, &contact, &nodes, true, 1e-2, 0);
@@ -234,8 +232,9 @@ static void saved_and_restored(void **state) {
 /* A start outside of the training is the full model's, and the reduced one comes in later. */
 static void a_start_by_the_full_model(void **state) {
     (void)state;
-    reduced_basis nodes = marching_nodes(&training, DEFORMATION_COUPLED, bases[1].weight);
-    const ehd_contact contact = marching_contact(&training, 18.5, true);
+    reduced_basis nodes =
+        marching_nodes(&trained_on.line, DEFORMATION_COUPLED, trained_on.bases[1].weight);
+    const ehd_contact contact = marching_contact(&trained_on.line, 18.5, true);
     run *both = malloc(sizeof *both), *full = malloc(sizeof *full);
 
     run_init(full, &contact, &nodes, false, 0, M_PI / 2);
@@ -259,10 +258,10 @@ static void a_start_by_the_full_model(void **state) {
 static void the_film_has_to_leave_before(void **state) {
     (void)state;
     reduced_basis few;
-    trained_basis(&few, &training, DEFORMATION_COUPLED, 12, 0);
+    trained_basis(&few, &trained_on.line, DEFORMATION_COUPLED, 12, 0);
     for (size_t s = 0; s < few.states.num_states; s++)
         few.states.rate[s] = few.states.load_rate[s] = 1000;
-    const ehd_contact contact = marching_contact(&training, 18.5, true);
+    const ehd_contact contact = marching_contact(&trained_on.line, 18.5, true);
     run *both = malloc(sizeof *both);
 
     run_init(both, &contact, &few, true, 1, 0);
@@ -282,8 +281,9 @@ static void the_film_has_to_leave_before(void **state) {
 /* What does not converge is tried once more by the reduced model, then by the full one. */
 static void where_the_reduced_model_does_not_converge(void **state) {
     (void)state;
-    reduced_basis nodes = marching_nodes(&training, DEFORMATION_COUPLED, bases[1].weight);
-    const ehd_contact contact = marching_contact(&training, 14, true);
+    reduced_basis nodes =
+        marching_nodes(&trained_on.line, DEFORMATION_COUPLED, trained_on.bases[1].weight);
+    const ehd_contact contact = marching_contact(&trained_on.line, 14, true);
     march_step step = {.status = EHD_OK};
     run *both = malloc(sizeof *both);
 

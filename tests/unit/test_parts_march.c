@@ -12,9 +12,7 @@ enum { NUM_STEPS = 64, LOW = 0, HIGH = 1 };
 
 static const double STEP = 0.02;
 
-static trained training, point_training;
-static reduced_basis bases[2], point_basis;
-static size_t rows[FEW_ROWS];
+static marching_trainings trained_on;
 static ehd_error error;
 
 #define check_ok(call)                                                                             \
@@ -22,17 +20,13 @@ static ehd_error error;
 
 static int set_up(void **state) {
     (void)state;
-    trained_few_init(&training, bases, rows);
-    trained_init_point(&point_training, true, "open");
-    trained_basis(&point_basis, &point_training, DEFORMATION_COUPLED, 0, 0);
+    marching_trainings_init(&trained_on);
     return 0;
 }
 
 static int tear_down(void **state) {
     (void)state;
-    trained_few_free(&training, bases);
-    reduced_basis_free(&point_basis);
-    trained_free(&point_training);
+    marching_trainings_free(&trained_on);
     return 0;
 }
 
@@ -158,14 +152,15 @@ static void check_parts(const trained *of, deformation_kind kind, const double *
 static void parts_of_one_model_are_that_model(void **state) {
     (void)state;
     for (int path = 0; path < 2; path++) {
-        check_parts(&training, DEFORMATION_COUPLED, bases[1].weight, path, 1e-8);
-        check_parts(&training, DEFORMATION_INDEPENDENT, bases[0].weight, path, 1e-8);
+        check_parts(&trained_on.line, DEFORMATION_COUPLED, trained_on.bases[1].weight, path, 1e-8);
+        check_parts(&trained_on.line, DEFORMATION_INDEPENDENT, trained_on.bases[0].weight, path,
+                    1e-8);
     }
 }
 
 static void of_a_point_contact(void **state) {
     (void)state;
-    check_parts(&point_training, DEFORMATION_COUPLED, point_basis.weight, true, 1e-7);
+    check_parts(&trained_on.point, DEFORMATION_COUPLED, trained_on.point_basis.weight, true, 1e-7);
 }
 
 /* An attempt by another part that is not accepted changes nothing of what follows. */
@@ -173,8 +168,8 @@ static void attempts_that_are_not_accepted(void **state) {
     (void)state;
     run *plain = malloc(sizeof *plain), *tried = malloc(sizeof *tried);
 
-    run_init(plain, &training, DEFORMATION_COUPLED, bases[1].weight, 2, true);
-    run_init(tried, &training, DEFORMATION_COUPLED, bases[1].weight, 2, true);
+    run_init(plain, &trained_on.line, DEFORMATION_COUPLED, trained_on.bases[1].weight, 2, true);
+    run_init(tried, &trained_on.line, DEFORMATION_COUPLED, trained_on.bases[1].weight, 2, true);
     for (size_t i = 1; i <= NUM_STEPS; i++) {
         const contact_frame ahead = frame_at_step(tried, (double)i + 4);
         march_step step = {.status = EHD_OK};
@@ -197,7 +192,7 @@ static void saved_and_restored(void **state) {
     (void)state;
     run *whole = malloc(sizeof *whole), *other = malloc(sizeof *other);
 
-    run_init(whole, &training, DEFORMATION_COUPLED, bases[1].weight, 2, true);
+    run_init(whole, &trained_on.line, DEFORMATION_COUPLED, trained_on.bases[1].weight, 2, true);
     const size_t size = whole->solver.saved_size(whole->solver.self);
     double *saved = malloc((NUM_STEPS + 1) * size * sizeof *saved);
     for (size_t i = 0; i <= NUM_STEPS; i++) {
@@ -206,7 +201,7 @@ static void saved_and_restored(void **state) {
         assert_true(saved[i * size] == (double)whole->part[i]);
     }
     for (size_t i = 0; i < NUM_STEPS; i += 3) {
-        run_init(other, &training, DEFORMATION_COUPLED, bases[1].weight, 2, true);
+        run_init(other, &trained_on.line, DEFORMATION_COUPLED, trained_on.bases[1].weight, 2, true);
         check_ok(other->solver.restore(other->solver.self, saved + i * size, &error));
         go_on(other, i + 1, NUM_STEPS);
         const size_t left = (NUM_STEPS - i) * sizeof(double);
@@ -215,7 +210,7 @@ static void saved_and_restored(void **state) {
         assert_memory_equal(other->exit + i + 1, whole->exit + i + 1, left);
         run_free(other);
     }
-    run_init(other, &training, DEFORMATION_COUPLED, bases[1].weight, 2, true);
+    run_init(other, &trained_on.line, DEFORMATION_COUPLED, trained_on.bases[1].weight, 2, true);
     for (size_t i = 0; i < 4; i++) {
         saved[0] = ((double[]){2, -1, NAN, 0.5})[i];
         assert_int_equal(other->solver.restore(other->solver.self, saved, &error), EHD_DATA);
@@ -245,7 +240,7 @@ static void by_the_load_that_an_approach_leads_to(void **state) {
     run *self = malloc(sizeof *self);
     march_step step = {.status = EHD_OK};
 
-    run_init(self, &training, DEFORMATION_COUPLED, bases[1].weight, 2, true);
+    run_init(self, &trained_on.line, DEFORMATION_COUPLED, trained_on.bases[1].weight, 2, true);
     const march_solver *solver = &self->solver;
     contact_frame frame = frame_of(self, light, NAN);
     check_ok(solver->attempt(&step, solver->self, &frame, STEP, &error));
@@ -278,17 +273,18 @@ static void by_the_load_that_an_approach_leads_to(void **state) {
 /* Pressures that the modes of the next part do not have would lift all of its film. */
 static void a_handed_film_is_as_thick_in_the_mean(void **state) {
     (void)state;
-    const ehd_contact contact = marching_contact(&training, 12, true);
+    const ehd_contact contact = marching_contact(&trained_on.line, 12, true);
     const size_t num_nodes = contact.grid.num_nodes;
     marching all, few;
     run at = {0};
     at.parts[0].reference = contact;
     const contact_frame frame = frame_at_step(&at, 0);
-    reduced_basis nodes = part_basis(&training, DEFORMATION_COUPLED, bases[1].weight, 1);
+    reduced_basis nodes =
+        part_basis(&trained_on.line, DEFORMATION_COUPLED, trained_on.bases[1].weight, 1);
     double *fields = malloc(4 * num_nodes * sizeof *fields), approach, sum = 0, weight = 0;
 
     marching_start(&all, &contact, &nodes, &frame);
-    marching_start(&few, &contact, &bases[1], &frame);
+    marching_start(&few, &contact, &trained_on.bases[1], &frame);
     const reduced_state from = reduced_march_state_before(all.march, 1, NULL);
     reduced_march_fields_of(fields, fields + num_nodes, &approach, all.march, &from);
     const handed_state handed = {fields, fields + num_nodes, approach, &from.exit, frame};
