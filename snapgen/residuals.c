@@ -95,6 +95,16 @@ static ehd_status begin_tracer(void **worker, void *shared, ehd_error *error) {
     return EHD_OK;
 }
 
+static void free_iterations(point_trace *trace) {
+    free(trace->residual);
+    free(trace->step);
+    trace->residual = trace->step = NULL;
+    trace->num_iterations = 0;
+}
+
+/* From another trained solution than its own, which most iterations of the online solver are like. Where
+ * that does not end, from what the trained solutions around it say, its own among them: an iterate that
+ * runs away is larger than all others together, which then are noise. */
 static ehd_status trace_point(void *shared, void *worker, size_t point, size_t parent,
                               ehd_error *error) {
     repeated_training *training = shared;
@@ -106,6 +116,11 @@ static ehd_status trace_point(void *shared, void *worker, size_t point, size_t p
     reduced_neighbour(&self->state, training->model, contact_place_of(contact));
     ehd_status status =
         reduced_solve(&trace->info, &self->state, self->solver, contact, NULL, error);
+    if (!status && trace->info.status) {
+        free_iterations(trace);
+        reduced_guess(&self->state, training->model, contact_place_of(contact));
+        status = reduced_solve(&trace->info, &self->state, self->solver, contact, NULL, error);
+    }
     if (!status) {
         const ehd_grid *grid = &training->model->grid;
         size_t bytes = grid->inner_lines * sizeof *trace->exits;
@@ -114,12 +129,6 @@ static ehd_status trace_point(void *shared, void *worker, size_t point, size_t p
         memcpy(trace->exits, reduced_state_exits(&self->state) + grid_first_line(grid), bytes);
     }
     return status;
-}
-
-static void free_iterations(point_trace *trace) {
-    free(trace->residual);
-    free(trace->step);
-    trace->residual = trace->step = NULL;
 }
 
 /* Those whose turn it is: in the order of the plan, so that threads change no result. */
@@ -150,9 +159,7 @@ static ehd_status finish_point(void *shared, void *worker, size_t point, size_t 
             training->caller,
             "%s: found the projected system not converged (%s); its iterations are left out", name,
             trace->info.reason);
-        // an iterate that runs away is larger than all others together, which then are noise
         free_iterations(trace);
-        trace->num_iterations = 0;
     }
     progress_show(&training->progress, ++training->num_done, name);
     trace->is_finished = true;

@@ -8,9 +8,9 @@
 #include "deimselect/row_choice.h"
 
 /* Solves every point of the set with all Reynolds rows of the basis at `basis_path`, each from the
- * trained solution nearest to it that is not its own, and writes D f and D J dz of every iteration
- * to caller->output (Maier et al. 2015, section 3.2). A point that does not converge is a note
- * and counted; its iterations are left out.
+ * trained solution nearest to it that is not its own or, where that does not converge, from a guess of
+ * all around it, and writes D f and D J dz of every iteration that led to a solution to caller->output
+ * (Maier et al. 2015, section 3.2). A point that does not converge is a note and counted.
  * EHD_DATA: a basis of another grid or contact; EHD_NOT_CONVERGED: all failed, and nothing is
  * written; EHD_INTERRUPTED, EHD_MEMORY, I/O. */
 ehd_status residuals_run(
