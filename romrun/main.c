@@ -735,7 +735,7 @@ static ehd_status export_fmu(const program *self, const romrun_options *options,
     ehd_status status = output_file_check_inputs(self->output, inputs, error);
     if (!status) status = load_scene(&given, &scene_lines, self, error);
     if (!status) status = online_open(&model, options->model, &options->sizes, error);
-    if (!status && discretization_check_in_time(online_grid(model)->discretization, &cause))
+    if (!status && online_check_in_time(model, &cause))
         status = ehd_fail(error, EHD_DATA, "%s: %s", options->model, cause.text);
     if (!status)
         status = contact_load(&contact, &given, self, online_kind(model), options->model, error);
@@ -878,7 +878,7 @@ static ehd_status run_scene(const program *self, const romrun_options *given_opt
     if (status) {
         online_close(model);
     } else {
-        contact_take_grid(&contact, online_grid(model));
+        contact_take_grid(&contact, online_grid_for(model, &contact));
         status = transient
                      ? run_transient(self, &options, model, &contact, &given, scene_lines, error)
                      : run_stationary(self, &options, model, &contact, &given, scene_lines, error);

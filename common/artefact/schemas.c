@@ -1032,6 +1032,8 @@ static const artefact_field cases_fields[] = {
          "the largest of it, at the nodes that the solution looks at", "case"),
     REAL("indicated_deviation_friction", "1", NEED_OPTIONAL, VALUES_ANY,
          "indicated relative deviation of the friction force from the full model", "case"),
+    INTEGER("part", NEED_OPTIONAL, VALUES_ANY,
+            "of a list of models which of them has solved it, from 0 in its order", "case"),
     INTEGER("newton_iterations", NEED_OWN, VALUES_ANY, "iterations that the solution took", "case"),
     REAL("residual_norm", "1", NEED_OWN, VALUES_ANY,
          "norm of the residual when the iteration ended", "case"),
@@ -1043,7 +1045,7 @@ static const artefact_attribute cases_attributes[] = {
 
 const artefact_schema schema_cases = {"ehdrom-cases",
                                       1,
-                                      3,
+                                      4,
                                       "Solutions of many elastohydrodynamic contacts",
                                       cases_axes,
                                       cases_fields,

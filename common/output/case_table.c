@@ -54,6 +54,7 @@ static const struct {
     COLUMN(mean_shear_stress),
     COLUMN(largest_shear_stress),
     COLUMN(indicated_deviation_friction),
+    COLUMN(part),
     COLUMN(newton_iterations),
     COLUMN(residual_norm),
     COLUMN(solve_seconds)};
@@ -63,7 +64,8 @@ enum { NUM_COLUMNS = sizeof columns / sizeof *columns, NOT_WRITTEN = -1 };
 case_row case_row_of(const ehd_contact *contact) {
     const inlet_heating heating = inlet_heating_of(contact);
 
-    return (case_row){.moes_M = contact->moes_M,
+    return (case_row){.part = NO_PART,
+                      .moes_M = contact->moes_M,
                       .moes_L = contact->moes_L,
                       .alpha_p_H = contact->alpha_p_H,
                       .hertz_pressure = contact->hertz_pressure,
@@ -141,7 +143,8 @@ static bool applies(size_t column, const case_row *rows, size_t count, const con
 
     if (field_of(column)->need != NEED_OPTIONAL) return true;
     for (size_t i = 0; i < count && !any; i++)
-        any = !isnan(real_of(&rows[i], column));
+        any = field_of(column)->type == ARTEFACT_INTEGER ? integer_of(&rows[i], column) != NO_PART
+                                                         : !isnan(real_of(&rows[i], column));
     return any && strncmp(columns[column].name, other, strlen(other)) != 0;
 }
 

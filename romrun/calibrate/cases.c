@@ -24,6 +24,7 @@ typedef struct batch {
     const cases_task *task;
     const case_list *list;
     sized_model models[NUM_SIZES];
+    size_t num_parts;      // of the model
     ehd_contact *contacts; // [cases], made before any is solved
     case_row *rows;
     size_t num_done;
@@ -49,6 +50,7 @@ static ehd_status open_models(batch *self, ehd_error *error) {
         if (status) break;
         const online_properties properties = online_describe(self->models[m].model);
         self->models[m].unchecked = online_unchecked(&properties, false);
+        self->num_parts = properties.parts;
     }
     return status;
 }
@@ -62,7 +64,6 @@ static void close_models(batch *self) {
 
 static ehd_status make_contact(ehd_contact *contact, const batch *self, size_t index,
                                ehd_error *error) {
-    const ehd_grid *grid = online_grid(self->models[0].model);
     scene given;
     ehd_status status = case_list_scene(&given, self->list, index, error);
 
@@ -75,8 +76,11 @@ static ehd_status make_contact(ehd_contact *contact, const batch *self, size_t i
     status = scene_check_kind(&given, online_kind(self->models[0].model), self->task->model, error);
     if (!status) status = scene_check_reducible(&given, error);
     if (!status) status = scene_contact(contact, &given, error);
-    if (!status) contact_take_grid(contact, grid);
-    if (!status) status = grid_check(&contact->grid, "the scene", grid, self->task->model, error);
+    if (!status) {
+        const ehd_grid *grid = online_grid_for(self->models[0].model, contact);
+        contact_take_grid(contact, grid);
+        status = grid_check(&contact->grid, "the scene", grid, self->task->model, error);
+    }
     return status == EHD_DATA ? case_list_fail(self->list, index, error) : status;
 }
 
@@ -118,6 +122,7 @@ static ehd_status solve_with(case_row *row, bool *trusted, const batch *self, co
     const double before = isnan(row->solve_seconds) ? 0 : row->solve_seconds;
     *row = case_row_of(contact);
     row->status = result_stored_status(result.status);
+    if (self->num_parts > 1) row->part = (int64_t)solution.part;
     row->newton_iterations = (int64_t)result.newton_iterations;
     row->residual_norm = result.residual;
     row->solve_seconds = before + result.seconds;

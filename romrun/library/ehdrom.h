@@ -99,9 +99,11 @@ EHDROM_API void ehdrom_model_close(ehdrom_model *model);
 EHDROM_API const char *ehdrom_model_error(const ehdrom_model *model);
 
 typedef struct ehdrom_model_info {
-    size_t size;         /* sizeof(ehdrom_model_info) */
-    int dimensions;      /* of the pressurised zone: 1 of a line, 2 of a point contact or ellipse */
-    size_t num_x, num_y; /* nodes along and across the whole contact; num_y 1 of a line */
+    size_t size;    /* sizeof(ehdrom_model_info) */
+    int dimensions; /* of the pressurised zone: 1 of a line, 2 of a point contact or ellipse */
+    size_t num_x,
+        num_y; /* nodes along and across the whole contact; num_y 1 of a line; of a list of
+                            models on different grids, as x_min and step, that with most nodes */
     double x_min, y_min; /* the first node, in half widths */
     double step;         /* between nodes along, in half widths; across times (b/a)^(-1/3) */
     size_t pressure_modes, deformation_modes, unknowns, rows, states;
@@ -375,7 +377,11 @@ EHDROM_API ehdrom_status ehdrom_slide_step(ehdrom_contact *contact, double slidi
 
 /* ---- fields, of the last solution or the accepted state, whichever came last */
 
-/* Where the nodes are: [num_x], [num_y] of ehdrom_model_info. Either may be NULL. */
+/* How many nodes along and across these have: those of ehdrom_model_info, or of a list of models on different
+ * grids, which line contacts can be of, those of the model that has solved it. Arrays below are as long as
+ * ehdrom_model_info says, and NaN behind these nodes. Either may be NULL. */
+EHDROM_API ehdrom_status ehdrom_nodes(ehdrom_contact *contact, size_t *num_x, size_t *num_y);
+/* Where the nodes are: [num_x], [num_y]. Either may be NULL. */
 EHDROM_API ehdrom_status ehdrom_axes(ehdrom_contact *contact, double *x, double *y);
 /* Pressure and film at all of them, [num_y, num_x]. Either may be NULL. Its cost grows with the grid, as that of
  * ehdrom_shear_stresses. */

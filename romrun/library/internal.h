@@ -72,12 +72,17 @@ ehd_status library_give(void *target, const void *source, size_t size, const cha
 ehd_status library_contact(ehd_contact *contact, unit_factors *units, ehdrom_contact *self,
                            bool in_time, ehd_error *error);
 
-/* Pressure and film of what came last at the model's nodes, in self->pressure and self->film. */
+/* The grid of what came last: the model's, or of a list that of the model which has solved it. */
+const ehd_grid *library_grid(const ehdrom_contact *self);
+
+/* Pressure and film of what came last at its nodes, in self->pressure and self->film. */
 ehd_status library_fields(ehdrom_contact *self);
 
-/* A field of the model's grid, [num_nodes], times its unit, at the nodes of the whole contact that the
- * caller has it at, [num_y, num_x] of ehdrom_model_info. NULL: not wanted. */
-void library_give_field(double *target, const double *nodes, double unit, const ehd_grid *grid);
+/* A field of what came last, [num_nodes], times its unit, at the nodes of the whole contact that the
+ * caller has it at, [num_y, num_x] of ehdrom_nodes, and NaN up to those of ehdrom_model_info. NULL: not
+ * wanted. */
+void library_give_field(double *target, const double *nodes, double unit,
+                        const ehdrom_contact *self);
 
 /* What the caller gives of conditions, relative to the reference; what is not given stays as it is in *own.
  * EHD_DATA. */

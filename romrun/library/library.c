@@ -92,8 +92,7 @@ static ehd_status open_model(ehdrom_model *self, const char *path,
     if (!flat) library_lock();
     status = online_open(&self->online, path, &sizes, error);
     const bool stationary =
-        !status && (options.stationary ||
-                    online_grid(self->online)->discretization == DISCRETIZATION_CROSS_FLUX);
+        !status && (options.stationary || online_check_in_time(self->online, NULL));
     if (stationary) {
         status = online_prepare_fields(self->online, error);
     } else if (!status) {

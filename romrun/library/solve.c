@@ -417,21 +417,44 @@ static ehd_status scales_of_fields(unit_factors *scales, const ehdrom_contact *s
     return EHD_OK;
 }
 
+/* The callers' arrays are as long as the grid with most nodes takes. */
+static void fill_behind(double *values, size_t num, size_t length) {
+    for (size_t k = num; values && k < length; k++)
+        values[k] = NAN;
+}
+
+/* Of what came last. */
+ehdrom_status ehdrom_nodes(ehdrom_contact *self, size_t *num_x, size_t *num_y) {
+    const ehd_status status = library_begin(self);
+
+    if (status) return (ehdrom_status)status;
+    const ehd_grid whole = grid_whole(library_grid(self));
+    if (num_x) *num_x = whole.inner_x;
+    if (num_y) *num_y = whole.inner_lines;
+    return EHDROM_OK;
+}
+
 ehdrom_status ehdrom_axes(ehdrom_contact *self, double *x, double *y) {
     ehd_status status = library_begin(self);
     unit_factors scales = {0};
 
     if (!status) status = scales_of_fields(&scales, self, &self->error);
     if (status) return (ehdrom_status)status;
-    const ehd_grid whole = grid_whole(online_grid(self->model->online));
+    const ehd_grid whole = grid_whole(library_grid(self));
     for (size_t i = 0; x && i < whole.inner_x; i++)
         x[i] = grid_x(&whole, grid_node_of_row(&whole, i)) * scales.length;
     for (size_t l = 0; y && l < whole.inner_lines; l++)
         y[l] = grid_y(&whole, grid_node_of_row(&whole, l * whole.inner_x)) * scales.length_across;
+    fill_behind(x, whole.inner_x, online_grid(self->model->online)->inner_x);
     return EHDROM_OK;
 }
 
-/* Both fields at the model's nodes. */
+const ehd_grid *library_grid(const ehdrom_contact *self) {
+    return self->last == LAST_SOLVED ? online_solved_grid(self->solver)
+                                     : online_grid(self->model->online);
+}
+
+/* Both fields at the nodes of what came last. */
 ehd_status library_fields(ehdrom_contact *self) {
     const size_t num_nodes = online_grid(self->model->online)->num_nodes;
     ehd_status status;
@@ -446,11 +469,16 @@ ehd_status library_fields(ehdrom_contact *self) {
     return status;
 }
 
-void library_give_field(double *target, const double *nodes, double unit, const ehd_grid *grid) {
+void library_give_field(double *target, const double *nodes, double unit,
+                        const ehdrom_contact *self) {
+    const ehd_grid *grid = library_grid(self);
+    const size_t num = grid_whole(grid).num_inner;
+
     if (!target) return;
     grid_take_inner(target, nodes, grid, true);
-    for (size_t k = 0; k < grid_whole(grid).num_inner; k++)
+    for (size_t k = 0; k < num; k++)
         target[k] *= unit;
+    fill_behind(target, num, grid_whole(online_grid(self->model->online)).num_inner);
 }
 
 ehdrom_status ehdrom_fields(ehdrom_contact *self, double *pressure, double *film) {
@@ -460,11 +488,10 @@ ehdrom_status ehdrom_fields(ehdrom_contact *self, double *pressure, double *film
     if (!status) status = scales_of_fields(&scales, self, &self->error);
     if (status) return (ehdrom_status)status;
     const locale_t before = library_enter();
-    const ehd_grid *grid = online_grid(self->model->online);
     status = library_fields(self);
     if (!status) {
-        library_give_field(pressure, self->pressure, scales.pressure, grid);
-        library_give_field(film, self->film, scales.film, grid);
+        library_give_field(pressure, self->pressure, scales.pressure, self);
+        library_give_field(film, self->film, scales.film, self);
     }
     library_leave(before);
     return (ehdrom_status)status;

@@ -44,7 +44,7 @@ static void take_state(ehd_contact *contact, contact_scalars *scalars, const ehd
         // whatever the mean speed, which may be 0
         contact->far_speed = 1 / frame->half_width;
     }
-    contact->grid = *online_grid(self->model->online); // a scene may leave it to the model
+    contact->grid = *library_grid(self); // a scene may leave it to the model
     contact->slide_roll = sliding;
     *scalars = of->there;
     scalars->load /= frame->load;
@@ -185,16 +185,16 @@ static ehd_status surface_stresses(double *on_1, double *on_2, ehdrom_contact *s
 }
 
 static ehd_status give_stresses(ehdrom_contact *self, double sliding, double *on_1, double *on_2) {
-    const ehd_grid *grid = online_grid(self->model->online);
+    const size_t num_nodes = library_grid(self)->num_nodes;
     const slid_state of = last_state(self);
     const double unit = units_of(self, &of)->pressure * of.frame.hertz_pressure;
-    double *nodes = array_new(grid->num_nodes, 2, sizeof *nodes);
+    double *nodes = array_new(num_nodes, 2, sizeof *nodes);
 
     if (!nodes) return ehd_fail(&self->error, EHD_MEMORY, "shear stresses: found no memory");
-    const ehd_status status = surface_stresses(nodes, nodes + grid->num_nodes, self, &of, sliding);
+    const ehd_status status = surface_stresses(nodes, nodes + num_nodes, self, &of, sliding);
     if (!status) {
-        library_give_field(on_1, nodes, unit, grid);
-        library_give_field(on_2, nodes + grid->num_nodes, unit, grid);
+        library_give_field(on_1, nodes, unit, self);
+        library_give_field(on_2, nodes + num_nodes, unit, self);
     }
     free(nodes);
     return status;

@@ -16,7 +16,7 @@ struct online_model {
     part_list list; // of the files that it is made of
     flat *files;    // [list.num] that hold the tables of models that were read from flat ones
     size_t num_parts;
-    model_part parts[MAX_PARTS]; // of one kind, grid and carriage
+    model_part parts[MAX_PARTS]; // of one kind, discretisation and carriage
 };
 
 struct online_solver {
@@ -81,15 +81,21 @@ static ehd_status open_file(online_model *self, size_t index, const model_sizes 
     return part_open(&self->parts[self->num_parts++], path, sizes, error);
 }
 
-/* Parts hand contacts to each other node by node, and carry films alike. */
+/* Whether parts can be of one list: contacts of one kind, discretised alike; of point contacts and ellipses
+ * on one grid. */
+static bool alike(const reduced_model *a, const reduced_model *b) {
+    return a->kind == b->kind && a->grid.discretization == b->grid.discretization &&
+           a->grid.boundary == b->grid.boundary &&
+           (a->kind->dimensions == 1 || grid_same(&a->grid, &b->grid));
+}
+
+/* Also carry parts films alike. */
 static ehd_status check_alike(const online_model *self, ehd_error *error) {
     const reduced_model *first = &self->parts[0].reduced;
 
     for (size_t p = 1; p < self->num_parts; p++) {
         const reduced_model *other = &self->parts[p].reduced;
-        if (other->kind != first->kind || !grid_same(&other->grid, &first->grid) ||
-            other->grid.discretization != first->grid.discretization ||
-            other->grid.boundary != first->grid.boundary)
+        if (!alike(other, first))
             return ehd_fail(
                 error, EHD_DATA,
                 "%s: found a %s contact with %zu nodes from %g in steps of %g (%s, %s), "
@@ -106,6 +112,13 @@ static ehd_status check_alike(const online_model *self, ehd_error *error) {
         if (status) return status;
     }
     return EHD_OK;
+}
+
+/* The first part whose grid is another one than the first's; 0: there is none. */
+static size_t part_of_other_grid(const online_model *self) {
+    for (size_t p = 1; p < self->num_parts; p++)
+        if (!grid_same(&self->parts[p].reduced.grid, &self->parts[0].reduced.grid)) return p;
+    return 0;
 }
 
 ehd_status online_open(online_model **model, const char *path, const part_sizes *sizes,
@@ -166,6 +179,7 @@ ehd_status online_export(online_model *self, const char *path, bool force, ehd_e
         in_time = in_time && (part->transient ||
                               (part->source && model_has_modes(part->source, &part->reduced)));
     }
+    in_time = in_time && !part_of_other_grid(self);
     status = in_time ? online_prepare_transient(self, error) : online_prepare_fields(self, error);
     if (status) return status;
     flat_begin(&file, path, error);
@@ -179,6 +193,7 @@ ehd_status online_export(online_model *self, const char *path, bool force, ehd_e
 /* Sizes of the largest part. */
 online_properties online_describe(const online_model *self) {
     const reduced_model *largest = &self->parts[0].reduced;
+    const ehd_grid *grid = online_grid(self);
     bool checked = true, checked_in_time = true;
     size_t num_states = 0;
 
@@ -189,13 +204,13 @@ online_properties online_describe(const online_model *self) {
         num_states += part->reduced.states.num_states;
         if (part->reduced.num_unknowns > largest->num_unknowns) largest = &part->reduced;
     }
-    return (online_properties){.num_inner = largest->grid.num_inner,
-                               .num_nodes = largest->grid.num_nodes,
-                               .num_lines = grid_whole(&largest->grid).inner_lines,
-                               .x_min = largest->grid.x_min,
-                               .step = largest->grid.step,
-                               .discretization = discretization_name(largest->grid.discretization),
-                               .boundary = boundary_name(largest->grid.boundary),
+    return (online_properties){.num_inner = grid->num_inner,
+                               .num_nodes = grid->num_nodes,
+                               .num_lines = grid_whole(grid).inner_lines,
+                               .x_min = grid->x_min,
+                               .step = grid->step,
+                               .discretization = discretization_name(grid->discretization),
+                               .boundary = boundary_name(grid->boundary),
                                .deformation = deformation_names[largest->deformation],
                                .transport = transport_name(largest->carriage.transport),
                                .pressure_modes = largest->num_pressure,
@@ -236,7 +251,26 @@ const char *online_part_path(const online_model *model, size_t part) {
 }
 
 const ehd_grid *online_grid(const online_model *model) {
-    return &model->parts[0].reduced.grid;
+    const ehd_grid *largest = &model->parts[0].reduced.grid;
+
+    for (size_t p = 1; p < model->num_parts; p++)
+        if (model->parts[p].reduced.grid.num_nodes > largest->num_nodes)
+            largest = &model->parts[p].reduced.grid;
+    return largest;
+}
+
+ehd_status online_check_in_time(const online_model *model, ehd_error *error) {
+    const size_t other = part_of_other_grid(model);
+    const ehd_grid *first = &model->parts[0].reduced.grid, *of = &model->parts[other].reduced.grid;
+
+    if (other)
+        return ehd_fail(error, EHD_DATA,
+                        "%s: found %zu nodes from %g in steps of %g, expected for contacts in time "
+                        "the grid of %s, %zu from %g in steps of %g: parts hand films to each "
+                        "other node by node",
+                        model->parts[other].path, of->num_inner, of->x_min, of->step,
+                        model->parts[0].path, first->num_inner, first->x_min, first->step);
+    return discretization_check_in_time(first->discretization, error);
 }
 
 ehd_status online_prepare_fields(online_model *self, ehd_error *error) {
@@ -248,28 +282,46 @@ ehd_status online_prepare_fields(online_model *self, ehd_error *error) {
 }
 
 ehd_status online_prepare_transient(online_model *self, ehd_error *error) {
-    ehd_status status = EHD_OK;
+    ehd_status status = online_check_in_time(self, error);
 
     for (size_t p = 0; p < self->num_parts && !status; p++)
         status = part_prepare_transient(&self->parts[p], error);
     return status;
 }
 
-/* The part in whose trained range a contact lies deepest, or that is the nearest. */
+/* Whether a part is on the grid that a contact asks for, where it asks for one. */
+static bool has_grid(const model_part *part, const ehd_contact *contact) {
+    ehd_contact on_model = *contact;
+
+    contact_take_grid(&on_model, &part->reduced.grid);
+    return grid_same(&on_model.grid, &part->reduced.grid);
+}
+
+/* The part in whose trained range a contact lies deepest, or that is the nearest; of those on the grid
+ * that it asks for, if there are any. */
 static size_t part_for(const online_model *self, const part_solver *solvers,
                        const ehd_contact *contact) {
     const contact_place place = contact_place_of(contact);
+    const bool grids_differ = part_of_other_grid(self) > 0;
     double least = INFINITY;
     size_t found = 0;
+    bool on_grid = !grids_differ;
 
     for (size_t p = 0; p < self->num_parts && self->num_parts > 1; p++) {
         hull_space *space = solvers ? solvers[p].range_space : NULL;
+        const bool fits = !grids_differ || has_grid(&self->parts[p], contact);
+        if (on_grid && !fits) continue;
         const double here = trained_range_outside(self->parts[p].range, space, place);
-        if (!(here < least)) continue;
+        if (on_grid == fits && !(here < least)) continue;
         least = here;
         found = p;
+        on_grid = fits;
     }
     return found;
+}
+
+const ehd_grid *online_grid_for(const online_model *model, const ehd_contact *contact) {
+    return &model->parts[part_for(model, NULL, contact)].reduced.grid;
 }
 
 film_effects online_effects(const online_model *model, const ehd_contact *contact) {
@@ -354,6 +406,10 @@ double online_friction_bound(online_solver *solver, const ehd_contact *contact, 
 double online_indicate_friction(online_solver *solver, const ehd_contact *contact,
                                 double friction) {
     return part_indicate_friction(solver->used, contact, friction);
+}
+
+const ehd_grid *online_solved_grid(const online_solver *solver) {
+    return &solver->used->model->reduced.grid;
 }
 
 static ehd_status not_prepared(const model_part *model, const char *call, ehd_error *error) {
@@ -914,7 +970,7 @@ ehd_status online_differentiate(online_derivatives *derivatives, online_solver *
     solved_frame solved;
     const ehd_status status = find_solved(&solved, solver, &reference, error);
 
-    contact_take_grid(&reference, online_grid(solver->model));
+    contact_take_grid(&reference, online_solved_grid(solver));
     return status ? status : differentiate(derivatives, &solved, direction, error);
 }
 
@@ -924,7 +980,7 @@ ehd_status online_respond(online_response *response, online_solver *solver,
     solved_frame solved;
     const ehd_status status = find_solved(&solved, solver, &reference, error);
 
-    contact_take_grid(&reference, online_grid(solver->model));
+    contact_take_grid(&reference, online_solved_grid(solver));
     return status ? status : respond(response, &solved, error);
 }
 

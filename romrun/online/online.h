@@ -115,9 +115,16 @@ ehd_status online_export(online_model *model, const char *path, bool force, ehd_
 /* What films may be indicated to be off where nobody says how much, of a result to be trusted. */
 extern const double online_accuracy;
 
-/* Kind of contact and grid of the model. */
+/* Kind of contact and grid of the model; of parts of line contacts on different grids that with most nodes,
+ * which has the discretisation of all. */
 const contact_kind *online_kind(const online_model *model);
 const ehd_grid *online_grid(const online_model *model);
+/* That of the part which a stationary contact is solved by: of those on the grid that it asks for the one in
+ * whose trained range it lies deepest. */
+const ehd_grid *online_grid_for(const online_model *model, const ehd_contact *contact);
+/* Whether contacts can be solved in time: the discretisation knows of time, and all parts are on one grid.
+ * EHD_DATA, saying why not. */
+ehd_status online_check_in_time(const online_model *model, ehd_error *error);
 /* The file that it was opened from. */
 const char *online_path(const online_model *model);
 /* That of a part, by the index that results have. */
@@ -183,6 +190,9 @@ double online_indicate_friction(online_solver *solver, const ehd_contact *contac
 /* Reads and makes what fields need: memory of twice [num_nodes, pressure_modes] numbers. Once a model,
  * one thread at a time; a second call does nothing. EHD_NOINPUT, EHD_DATA, EHD_MEMORY. */
 ehd_status online_prepare_fields(online_model *model, ehd_error *error);
+
+/* The grid of the last solution. */
+const ehd_grid *online_solved_grid(const online_solver *solver);
 
 /* Pressure and film of the last solution on the whole grid, [num_nodes] with boundary nodes, of a
  * half grid the half: the only call whose cost grows with the grid. Any number of threads, each with

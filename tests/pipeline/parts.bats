@@ -240,6 +240,55 @@ PYTHON
     [[ $status == 0 && ! $output =~ bin/$programs && ! $output =~ study.py ]]
 }
 
+@test "line contacts: each part may have a grid of its own" {
+    mv base.yml fine.yml
+    sed 's/step: [0-9.]*/step: 0.1/' fine.yml >base.yml
+    part coarse "8, 9.5, 11, 13, 15" "10, 14"
+    echo 'models: [coarse.h5, high.h5]' >grids.yml
+    # a scene that leaves the grid to the model has that of the part which solves it
+    sed '/^grid/d' fine.yml >base.yml
+    for case in "9 coarse" "14.5 high" "21 high"; do
+        read -r moes_M name <<<"$case"
+        read -r film part <<<"$(solved "$moes_M" grids.yml)"
+        [ "$part" = "$name.h5" ]
+        read -r alone <<<"$(solved "$moes_M" "$name.h5")"
+        [ "$film" = "$alone" ]
+        same_data "$moes_M-grids.yml.h5" "$moes_M-$name.h5.h5"
+    done
+    # one that asks for a grid is for the parts on it, whatever the range
+    run --separate-stderr romrun fine.yml --set moes.M=9 --set moes.L=4 --model grids.yml
+    [ "$status" -eq 4 ] && grep -q '^solved by  *high.h5$' <<<"$output"
+    refused 65 "grid: found a line contact with 151 nodes .* in steps of 0.04, expected a line contact with 61 .* as in coarse.h5" \
+        romrun fine.yml --set moes.M=9 --set moes.L=4 --set grid.step=0.04 --model grids.yml
+    # tables of cases, of the list and of the flat file of all of it
+    romrun --export grids.yml -o grids.ehdrom
+    printf 'moes.M,moes.L\n9,4\n21,4\n' >cases.csv
+    for model in grids.yml grids.ehdrom; do
+        romrun base.yml --cases cases.csv --model $model -o $model.h5 --quiet >/dev/null
+        romrun --check $model.h5
+        [ "$(romrun --print $model.h5 part | tail -n +2 | grep -o '[0-9]*$' | tr '\n' ' ')" = "0 1 " ]
+        film=$(romrun --print $model.h5 central_film_thickness | tail -n 1 | grep -o '[0-9.e+-]*$')
+        close_to "$film" "$alone" 1e-6
+    done
+    # what neither knows the full model solves on the part's grid
+    romrun base.yml --set moes.M=40 --set moes.L=4 --model grids.yml --fallback full --quiet -o far.h5 >far.txt
+    grep -q '^solved by  *the full model' far.txt && grep -q '^grid  *121 nodes' far.txt
+    # in time parts are on one grid
+    for model in grids.yml grids.ehdrom; do
+        refused 65 "found 121 nodes from -4 in steps of 0.05, expected for contacts in time the grid of .*, 61 from -4 in steps of 0.1" \
+            romrun moving.yml --model $model
+    done
+    outside
+    # the library: fields are as long as the grid of the part
+    sed 's/^regime.*/&\nmoes: {M: 20, L: 4}/' base.yml >scene.yml
+    for case in "9 61" "21 121"; do
+        run -0 "$BIN/../unit/use_library" solve grids.yml scene.yml moes.M "${case% *}"
+        read -r film part <<<"$(solved "${case% *}" grids.yml)"
+        close_to "$(awk '$1 == "central_film_thickness" { print $2 }' <<<"$output")" "$film" 1e-6
+        grep -qx "nodes ${case#* }" <<<"$output"
+    done
+}
+
 @test "bad lists" {
     bad() {
         echo "$2" >bad.yml
@@ -259,11 +308,11 @@ PYTHON
     # what one of the models is, no output may overwrite
     refused 73 "low.h5: found an input as output" \
         romrun base.yml --set moes.M=9 --set moes.L=4 --model parts.yml -o low.h5 --force
-    sed -i 's/step: [0-9.]*/step: 0.1/' base.yml
-    part coarse "8, 9.5, 11, 13, 15" "10"
-    echo 'models: [low.h5, coarse.h5]' >grids.yml
-    refused 65 "coarse.h5: found a line contact with 61 nodes from -4 in steps of 0.1 .*, expected the grid of low.h5: a line contact with 121" \
-        romrun base.yml --set moes.M=9 --set moes.L=4 --model grids.yml
+    sed -i 's/lubricant:/discretization: published\n&/' base.yml
+    part published "8, 9.5, 11, 13, 15" "10"
+    echo 'models: [low.h5, published.h5]' >rows.yml
+    refused 65 "published.h5: found a line contact with 121 nodes from -4 in steps of 0.05 .published, .*, expected the grid of low.h5: a line contact with 121 .* .accurate, " \
+        romrun base.yml --set moes.M=9 --set moes.L=4 --model rows.yml
     refused 64 "parts.yml: found a list of models with --calibrate, expected one model" \
         romrun --calibrate base.yml --model parts.yml -o x.h5
     refused 64 "parts.yml: found a list of models with --pressure-modes" \

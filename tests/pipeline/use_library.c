@@ -83,6 +83,7 @@ static void show_result(const ehdrom_result *result) {
 /* The largest pressure of the fields. */
 static double largest(ehdrom_contact *contact, const ehdrom_model *model, double *first_x) {
     ehdrom_model_info info = EHDROM_MODEL_INFO_INIT;
+    size_t num_x, num_y;
 
     CHECK(!ehdrom_model_describe(model, &info));
     const size_t count = info.num_x * info.num_y;
@@ -94,8 +95,14 @@ static double largest(ehdrom_contact *contact, const ehdrom_model *model, double
     CHECK(!ehdrom_fields(contact, pressure, film));
     CHECK(!ehdrom_fields(contact, pressure, NULL));
     CHECK(!ehdrom_axes(contact, x, NULL));
-    for (size_t k = 0; k < count; k++)
+    CHECK(!ehdrom_nodes(contact, &num_x, &num_y) && num_y == info.num_y);
+    // behind the nodes of a part with a grid of its own there is nothing
+    for (size_t k = 0; k < count; k++) {
+        CHECK(isnan(pressure[k]) == (k >= num_x * num_y) && isnan(film[k]) == isnan(pressure[k]));
         if (pressure[k] > most) most = pressure[k];
+    }
+    for (size_t i = 0; i < info.num_x; i++)
+        CHECK(isnan(x[i]) == (i >= num_x));
     *first_x = x[0];
     free(pressure);
     free(film);
@@ -108,6 +115,7 @@ static void solve(int argc, char **argv) {
     ehdrom_contact *contact = new_contact(model, argv[3]);
     ehdrom_result result = EHDROM_RESULT_INIT;
     double first_x;
+    size_t num_x;
 
     CHECK(!ehdrom_contact_set_units(contact, EHDROM_DIMENSIONLESS));
     for (int i = 4; i + 1 < argc; i += 2)
@@ -117,6 +125,8 @@ static void solve(int argc, char **argv) {
     show_result(&result);
     show("largest", largest(contact, model, &first_x));
     show("first_x", first_x);
+    CHECK(!ehdrom_nodes(contact, &num_x, NULL));
+    show("nodes", (double)num_x);
     ehdrom_contact_free(contact);
     ehdrom_model_close(model);
     exit(status);

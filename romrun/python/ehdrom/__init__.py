@@ -311,12 +311,20 @@ class Contact:
 
     def fields(self):
         """x [num_x], y [num_y] in m, pressure and film [num_y, num_x] in Pa and m, of the last solution or the accepted
-        state; the library writes into the arrays that are returned."""
+        state; the library writes into the arrays that are returned. Of a list of models on different grids the nodes are
+        those of the model that has solved it."""
         num_x, num_y = self.model.info["num_x"], self.model.info["num_y"]
         x, y, pressure, film = numpy.empty(num_x), numpy.empty(num_y), numpy.empty((num_y, num_x)), numpy.empty((num_y, num_x))
         self._passed(_lib.ehdrom_axes(self._handle, _doubles(x), _doubles(y)))
         self._passed(_lib.ehdrom_fields(self._handle, _doubles(pressure), _doubles(film)))
-        return x, y, pressure, film
+        own = self._num_x()
+        return x[:own], y, pressure[:, :own], film[:, :own]
+
+    def _num_x(self):
+        """Nodes along x of the last solution or the accepted state."""
+        num_x = _ffi.new("size_t *")
+        self._passed(_lib.ehdrom_nodes(self._handle, num_x, _ffi.NULL))
+        return num_x[0]
 
     def shear_stresses(self, sliding=None):
         """What the fluid does to surface 1 and to surface 2 along x, Pa, two arrays [num_y, num_x] at the nodes of
@@ -324,4 +332,5 @@ class Contact:
         stresses = numpy.empty((2, self.model.info["num_y"], self.model.info["num_x"]))
         self._passed(_lib.ehdrom_shear_stresses(self._handle, numpy.nan if sliding is None else sliding,
                                                 _doubles(stresses[0]), _doubles(stresses[1])))
-        return stresses[0], stresses[1]
+        own = self._num_x()
+        return stresses[0][:, :own], stresses[1][:, :own]
