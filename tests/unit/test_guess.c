@@ -190,6 +190,38 @@ static void lubricants_are_told_apart(void **state) {
     places_free(&self);
 }
 
+/* Where too few states for a quadratic fit are of the contact's lubricant, others still count as what they
+ * are: an affine field of two lubricants is met. */
+static void few_states_of_two_lubricants(void **state) {
+    enum { COLUMNS = 4, ROWS = 2, ALL = 2 * COLUMNS * ROWS };
+    const ehd_lubricant of[2] = {barus(false), barus(true)};
+    (void)state;
+    places self;
+
+    places_init(&self, COLUMNS, 2 * ROWS, false);
+    reduced_states *states = &self.model.states;
+    for (size_t s = 0; s < ALL; s++) {
+        const size_t place = s % (ALL / 2), kind = s / (ALL / 2);
+        const double x = SPACING[0] * (double)(place % COLUMNS);
+        const double y = SPACING[1] * (double)(place / COLUMNS);
+        states->moes_M[s] = exp(x);
+        states->alpha_p_H[s] = expm1(2 * y);
+        states->rises[s] = lubricant_rises_at(&of[kind], expm1(2 * y) / ALPHA);
+        for (size_t j = 0; j < UNKNOWNS; j++)
+            states->coordinates[s * UNKNOWNS + j] =
+                field(x, y, j, false) + 5 * states->rises[s].of[RISE_DENSITY];
+    }
+    for (double x = 0.25; x < COLUMNS - 1; x += 0.5) {
+        const double M = exp(SPACING[0] * x), pressure = expm1(2 * SPACING[1] * 0.6);
+        reduced_guess(&self.state, &self.model,
+                      (contact_place){.moes_M = M, .alpha_p_H = pressure, .lubricant = &of[0]});
+        for (size_t j = 0; j < UNKNOWNS; j++)
+            check_close(self.state.coordinates[j],
+                        field(SPACING[0] * x, SPACING[1] * 0.6, j, false), 1e-6, 1e-6);
+    }
+    places_free(&self);
+}
+
 // ---- what the grid does
 
 /* Effects are products of powers of M and of 1 + alpha p_H where these are powers. */
@@ -481,6 +513,7 @@ int main(void) {
         cmocka_unit_test(affine_where_training_spans_a_plane),
         cmocka_unit_test(nearest_on_a_line_and_far_away),
         cmocka_unit_test(lubricants_are_told_apart),
+        cmocka_unit_test(few_states_of_two_lubricants),
         cmocka_unit_test(goes_on_to_other_starts),
         cmocka_unit_test(guess_at_a_training_point_is_that_state),
         cmocka_unit_test(trained_range_is_the_hull),
