@@ -63,21 +63,25 @@ static bool compare_lubricants(double away[NUM_COORDINATES], const lubricant_ris
     return true;
 }
 
-/* False as above. */
-static bool place_state(neighbour *place, const reduced_states *states, size_t state,
-                        const wanted_place *here) {
-    const double there = states->alpha_p_H[state];
+static double distance_of(const neighbour *place) {
     double squares = 0;
 
-    *place = (neighbour){.state = state};
-    place->away[ALONG_M] = log(states->moes_M[state]) - here->along_M;
-    place->away[ALONG_PRESSURE] = viscosity_coordinate(there) - here->along_pressure;
-    place->away[ALONG_THINNING] = along_thinning(states->thinning[state]) - here->along_thinning;
-    if (!compare_lubricants(place->away, &states->rises[state], here, there)) return false;
     for (int c = 0; c < NUM_COORDINATES; c++)
         squares += place->away[c] * place->away[c];
-    place->distance = sqrt(squares);
-    return true;
+    return sqrt(squares);
+}
+
+/* Whatever the lubricants are. */
+static neighbour place_of_state(const reduced_states *states, size_t state,
+                                const wanted_place *here) {
+    neighbour place = {.state = state};
+
+    place.away[ALONG_M] = log(states->moes_M[state]) - here->along_M;
+    place.away[ALONG_PRESSURE] =
+        viscosity_coordinate(states->alpha_p_H[state]) - here->along_pressure;
+    place.away[ALONG_THINNING] = along_thinning(states->thinning[state]) - here->along_thinning;
+    place.distance = distance_of(&place);
+    return place;
 }
 
 enum { ANY_EFFECT = -1 }; // also of states of which no effect of the grid is known
@@ -109,10 +113,16 @@ static size_t nearest_states(neighbour *nearest, const reduced_states *states,
     size_t count = 0;
 
     for (size_t s = 0; s < states->num_states; s++) {
-        neighbour fresh;
         if (!is_start(states, s, any)) continue;
         if (effect != ANY_EFFECT && isnan(states->effects[s].of[effect])) continue;
-        if (!place_state(&fresh, states, s, here)) continue;
+        neighbour fresh = place_of_state(states, s, here);
+        // too far, whatever its lubricant is, of which asking takes most of the time
+        if (count == NUM_NEIGHBOURS && fresh.distance >= nearest[count - 1].distance &&
+            (!others || *others))
+            continue;
+        if (!compare_lubricants(fresh.away, &states->rises[s], here, states->alpha_p_H[s]))
+            continue;
+        fresh.distance = distance_of(&fresh);
         if (others && !is_own(&fresh)) {
             *others = true;
             continue;
