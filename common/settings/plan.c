@@ -65,30 +65,50 @@ static ehd_status read_base(const plan_reader *self, scene_source *base, char **
 
 // ---- bounds
 
-static ehd_status read_bound(const plan_reader *self, const tree_node *node, double *bound) {
+const char *const plan_where_keys[] = {
+    [WHERE_ALPHA_P_H] = "alpha_p_H", [WHERE_MOES_M] = "moes_M", [NUM_WHERE] = NULL};
+
+plan_where plan_anywhere(void) {
+    plan_where all;
+
+    for (int w = 0; w < NUM_WHERE; w++) {
+        all.bounds[w][0] = -INFINITY;
+        all.bounds[w][1] = INFINITY;
+    }
+    return all;
+}
+
+static ehd_status read_bound(const plan_reader *self, const tree_node *node, const char *key,
+                             double *bound) {
     char shown[SHOWN_TEXT];
     if (node->kind == TREE_SCALAR && number_read(bound, node->value)) return EHD_OK;
-    return place_fail(self->error, place_in(self, node), "alpha_p_H: found %s, expected a number",
+    return place_fail(self->error, place_in(self, node), "%s: found %s, expected a number", key,
                       tree_show(shown, node));
 }
 
-static ehd_status read_where(const plan_reader *self, const tree_node *where, double bounds[2]) {
-    static const char *const keys[] = {"alpha_p_H", NULL};
-    bounds[0] = -INFINITY;
-    bounds[1] = INFINITY;
-    if (!where) return EHD_OK;
-    ehd_status status = check_keys(self, where, "where", keys, "alpha_p_H");
-    const tree_node *list = status ? NULL : tree_find(where, "alpha_p_H");
-    if (!list) return status;
+static ehd_status read_bounds(const plan_reader *self, const tree_node *list, const char *key,
+                              double bounds[2]) {
     if (list->kind != TREE_LIST || list->num_children != 2)
         return place_fail(self->error, place_in(self, list),
-                          "alpha_p_H: found something else, expected [lowest, highest]");
-    status = read_bound(self, list->first, &bounds[0]);
-    if (!status) status = read_bound(self, list->last, &bounds[1]);
+                          "%s: found something else, expected [lowest, highest]", key);
+    ehd_status status = read_bound(self, list->first, key, &bounds[0]);
+    if (!status) status = read_bound(self, list->last, key, &bounds[1]);
     if (!status && bounds[0] > bounds[1])
         status = place_fail(self->error, place_in(self, list),
-                            "alpha_p_H: found %g above %g, expected [lowest, highest]", bounds[0],
+                            "%s: found %g above %g, expected [lowest, highest]", key, bounds[0],
                             bounds[1]);
+    return status;
+}
+
+static ehd_status read_where(const plan_reader *self, const tree_node *where, plan_where *bounds) {
+    *bounds = plan_anywhere();
+    if (!where) return EHD_OK;
+    ehd_status status =
+        check_keys(self, where, "where", plan_where_keys, "alpha_p_H, moes_M or both");
+    for (int w = 0; w < NUM_WHERE && !status; w++) {
+        const tree_node *list = tree_find(where, plan_where_keys[w]);
+        if (list) status = read_bounds(self, list, plan_where_keys[w], bounds->bounds[w]);
+    }
     return status;
 }
 
@@ -144,8 +164,7 @@ static ehd_status read_group(const plan_reader *self, const tree_node *node, siz
     if (!status) status = variation_read(&varied, node, self->path, self->error);
     if (!status) status = variation_check_overrides(&varied, &base, self->path, self->error);
     if (varied.num_ranges > 0) self->plan->has_region = true;
-    if (!status)
-        status = read_where(self, tree_find(node, "where"), self->plan->where_bounds[group]);
+    if (!status) status = read_where(self, tree_find(node, "where"), &self->plan->where[group]);
     if (!status) status = add_points(self, &base, &varied, group);
     variation_free(&varied);
     free(scene_path);
@@ -160,7 +179,7 @@ static ehd_status read_single(const plan_reader *self, const tree_node *root) {
     ehd_status status = source_apply_map(&base, root, self->error);
     if (!status)
         status = source_apply_overrides(&base, self->overrides, self->num_overrides, self->error);
-    if (!status) status = read_where(self, NULL, self->plan->where_bounds[0]);
+    if (!status) status = read_where(self, NULL, &self->plan->where[0]);
     return status ? status : add_points(self, &base, &unvaried, 0);
 }
 
@@ -172,8 +191,8 @@ static ehd_status read_groups(const plan_reader *self, const tree_node *root) {
     if (groups && (groups->kind != TREE_LIST || groups->num_children == 0))
         return place_fail(self->error, place_in(self, groups),
                           "groups: found none, expected a list of groups, each with a scene");
-    of->where_bounds = calloc(of->num_groups, sizeof *of->where_bounds);
-    if (!of->where_bounds) return place_no_memory(self->error, self->path);
+    of->where = calloc(of->num_groups, sizeof *of->where);
+    if (!of->where) return place_no_memory(self->error, self->path);
     if (!groups) return read_single(self, root);
 
     ehd_status status = check_keys(self, root, "plan", keys, "groups");
@@ -185,13 +204,17 @@ static ehd_status read_groups(const plan_reader *self, const tree_node *root) {
 
 // ---- equal points
 
-static int compare_bounds(const double left[2], const double right[2]) {
-    const int lower = (left[0] > right[0]) - (left[0] < right[0]);
-    return lower ? lower : (left[1] > right[1]) - (left[1] < right[1]);
+static int compare_where(const plan_where *left, const plan_where *right) {
+    const double *a = left->bounds[0], *b = right->bounds[0];
+    int order = 0;
+
+    for (int i = 0; i < 2 * NUM_WHERE && !order; i++)
+        order = (a[i] > b[i]) - (a[i] < b[i]);
+    return order;
 }
 
 static int compare_points(const plan *of, const plan_point *left, const plan_point *right) {
-    int order = compare_bounds(of->where_bounds[left->group], of->where_bounds[right->group]);
+    int order = compare_where(&of->where[left->group], &of->where[right->group]);
     for (const setting *row = scene_settings(); row->key && !order; row++)
         order = setting_compare(row, &left->scene, &right->scene);
     return order;
@@ -246,7 +269,7 @@ ehd_status plan_read(plan *of, const char *path, const char *const *overrides, s
 
 void plan_free(plan *of) {
     free(of->points);
-    free(of->where_bounds);
+    free(of->where);
     free(of->text);
     *of = (plan){0};
 }

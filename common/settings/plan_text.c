@@ -20,15 +20,25 @@ static void print_changes(FILE *stream, const scene *now, const scene *before) {
     }
 }
 
-static void print_plan(FILE *stream, const plan *of) {
+/* Bounds that leave nothing out are only told of alpha p_H, as they always were. */
+static void print_group(FILE *stream, size_t group, const plan_where *where) {
     char low[NUMBER_TEXT], high[NUMBER_TEXT];
+    fprintf(stream, "# group %zu", group);
+    for (int w = 0; w < NUM_WHERE; w++) {
+        const double *bounds = where->bounds[w];
+        if (w != WHERE_ALPHA_P_H && isinf(bounds[0]) && isinf(bounds[1])) continue;
+        number_show(low, bounds[0]);
+        number_show(high, bounds[1]);
+        fprintf(stream, ", %s from %s to %s", plan_where_keys[w], low, high);
+    }
+    fputc('\n', stream);
+}
+
+static void print_plan(FILE *stream, const plan *of) {
     for (size_t i = 0; i < of->num_points; i++) {
         const plan_point *point = &of->points[i];
-        if (i == 0 || point->group != point[-1].group) {
-            number_show(low, of->where_bounds[point->group][0]);
-            number_show(high, of->where_bounds[point->group][1]);
-            fprintf(stream, "# group %zu, alpha_p_H from %s to %s\n", point->group, low, high);
-        }
+        if (i == 0 || point->group != point[-1].group)
+            print_group(stream, point->group, &of->where[point->group]);
         fprintf(stream, "# point %zu\n", i);
         print_changes(stream, &point->scene, i > 0 ? &point[-1].scene : NULL);
     }
@@ -61,25 +71,35 @@ static ehd_status no_memory(const text_reader *self) {
     return place_no_memory(self->error, self->where.file);
 }
 
+/* "# group N, KEY from LOWEST to HIGHEST" and further bounds. */
 static ehd_status read_group(text_reader *self, const char *line) {
     plan *of = self->plan;
-    double bounds[2];
+    plan_where found = plan_anywhere();
     size_t group;
-    if (sscanf(line, "# group %zu, alpha_p_H from %lf to %lf", &group, &bounds[0], &bounds[1]) !=
-            3 ||
-        group >= MAX_POINTS)
+    int length = 0, num = 0;
+    bool good = sscanf(line, "# group %zu%n", &group, &length) == 1 && group < MAX_POINTS;
+    for (const char *rest = line + length; good && *rest; rest += length, num++) {
+        char key[16];
+        double bounds[2];
+        int w = 0;
+        length = 0;
+        good = sscanf(rest, ", %15s from %lf to %lf%n", key, &bounds[0], &bounds[1], &length) == 3;
+        while (good && w < NUM_WHERE && strcmp(key, plan_where_keys[w]) != 0)
+            w++;
+        good = good && w < NUM_WHERE;
+        if (good) memcpy(found.bounds[w], bounds, sizeof bounds);
+    }
+    if (!good || num == 0)
         return place_fail(self->error, self->where,
                           "found a group without number and bounds, expected both");
     if (group >= of->num_groups) {
-        double(*grown)[2] = realloc(of->where_bounds, (group + 1) * sizeof *grown);
+        plan_where *grown = realloc(of->where, (group + 1) * sizeof *grown);
         if (!grown) return no_memory(self);
-        for (; of->num_groups <= group; of->num_groups++) {
-            grown[of->num_groups][0] = -INFINITY;
-            grown[of->num_groups][1] = INFINITY;
-        }
-        of->where_bounds = grown;
+        for (; of->num_groups <= group; of->num_groups++)
+            grown[of->num_groups] = plan_anywhere();
+        of->where = grown;
     }
-    memcpy(of->where_bounds[group], bounds, sizeof bounds);
+    of->where[group] = found;
     self->group = group;
     return EHD_OK;
 }

@@ -214,6 +214,14 @@ typedef struct plan_point {
     size_t group; // number of its group, from 0
 } plan_point;
 
+/* What a plan's `where` may bound. */
+enum { WHERE_ALPHA_P_H, WHERE_MOES_M, NUM_WHERE };
+
+/* Bounds of a group, -inf..inf where it has none. */
+typedef struct plan_where {
+    double bounds[NUM_WHERE][2];
+} plan_where;
+
 typedef struct plan {
     plan_point *points; // [num_points], in the order of the file, grids with the last key fastest;
                         // without points that equal an earlier one, bounds included
@@ -221,9 +229,13 @@ typedef struct plan {
     bool has_region; // points are candidates, of which training solves those that it needs
     char *text; // identifies the plan for --resume: the groups with their bounds, the first point's
                 // scene_text, and of each further point what differs from the one before
-    double (*where_bounds)[2]; // [num_groups] bounds on alpha_p_H, -inf..inf where not given
+    plan_where *where; // [num_groups]
     size_t num_groups;
 } plan;
+
+/* The key of each, and bounds that leave nothing out. */
+extern const char *const plan_where_keys[]; // [NUM_WHERE + 1], NULL at the end
+plan_where plan_anywhere(void);
 
 /* Reads a plan (schemas/plan.md). Paths in it are relative to the plan's folder. Overrides act on
  * every scene. A scene file is a plan of one point. The caller applies the bounds of `where`,

@@ -224,13 +224,13 @@ static ehd_status add_halves(plan *between, size_t *room, const plan *of, const 
 
 ehd_status between_neighbours(plan *between, const plan *of, const training_set *trained,
                               const char *name, ehd_error *error) {
-    const size_t bytes = of->num_groups * sizeof *of->where_bounds;
+    const size_t bytes = of->num_groups * sizeof *of->where;
     crowd points = {0}, trajectories = {0};
     size_t room = 0;
 
-    *between = (plan){.num_groups = of->num_groups, .where_bounds = malloc(bytes + 1)};
-    if (!between->where_bounds) return no_memory(name, error);
-    memcpy(between->where_bounds, of->where_bounds, bytes);
+    *between = (plan){.num_groups = of->num_groups, .where = malloc(bytes + 1)};
+    if (!between->where) return no_memory(name, error);
+    memcpy(between->where, of->where, bytes);
     ehd_status status = crowd_of_points(&points, trained, error);
     if (!status) status = crowd_of_trajectories(&trajectories, trained, error);
     if (!status) status = add_middles(between, &room, of, &points, name, error);

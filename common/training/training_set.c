@@ -23,11 +23,20 @@ static ehd_status no_memory(const char *plan_path, ehd_error *error) {
 
 // ---- points
 
+static bool lies_within(const ehd_contact *contact, const plan_where *where) {
+    const double values[] = {
+        [WHERE_ALPHA_P_H] = contact->alpha_p_H, [WHERE_MOES_M] = contact->moes_M};
+    bool within = true;
+
+    for (int w = 0; w < NUM_WHERE; w++)
+        within = within && values[w] >= where->bounds[w][0] && values[w] <= where->bounds[w][1];
+    return within;
+}
+
 /* `inside` is false for a point that the plan's bounds leave out. */
 static ehd_status make_contact(ehd_contact *contact, bool *inside, const plan *of, size_t number,
                                const char *plan_path, ehd_error *error) {
     const plan_point *point = &of->points[number];
-    const double *bounds = of->where_bounds[point->group];
     char name[POINT_NAME];
     ehd_error cause = {""};
     ehd_status status = scene_contact(contact, &point->scene, &cause);
@@ -35,7 +44,7 @@ static ehd_status make_contact(ehd_contact *contact, bool *inside, const plan *o
 
     // a point that is left out may lie where the lubricant's law does not hold
     bool known = contact->alpha_p_H > 0 || !status;
-    *inside = !known || (contact->alpha_p_H >= bounds[0] && contact->alpha_p_H <= bounds[1]);
+    *inside = !known || lies_within(contact, &of->where[point->group]);
     if (!status || !*inside) return EHD_OK;
     training_point_name(name, contact);
     return ehd_fail(error, status, "%s: point %s: %s", plan_path, name, cause.text);

@@ -153,6 +153,11 @@ YAML
     refused 65 "where.yml: where: found all 4 points outside" snapgen where.yml -o t.h5
     [ ! -e t.h5 ]
     [ ! -e t.h5.partial ]
+    # by M: of 10 and 1000 the lower one
+    sed -i 's/alpha_p_H: .*/moes_M: [5, 500]}/; s/3, 20/3, 5/' where.yml
+    run -0 --separate-stderr snapgen where.yml -o m.h5
+    [[ $stderr == *"2 of 4 points lie outside of the bounds"* ]]
+    [ "$(romrun --print m.h5 moes_M | tail -n +2 | tr '\n' ' ')" = "10 10 " ]
 }
 
 @test "several lubricants and groups make one file" {

@@ -56,12 +56,10 @@ static void make_set(sample *self) {
     plan *of = &self->of;
 
     of->num_groups = 2;
-    of->where_bounds = calloc(2, sizeof *of->where_bounds);
-    assert_non_null(of->where_bounds);
-    for (int i = 0; i < 2; i++) {
-        of->where_bounds[i][0] = -INFINITY;
-        of->where_bounds[i][1] = INFINITY;
-    }
+    of->where = calloc(2, sizeof *of->where);
+    assert_non_null(of->where);
+    for (int i = 0; i < 2; i++)
+        of->where[i] = plan_anywhere();
     assert_int_equal(plan_write_text(of, "plan", NULL), EHD_OK);
     if (training_set_init(&self->set, of, "plan", (shard){1, 1}, &error))
         fail_msg("%s", error.text);

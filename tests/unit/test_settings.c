@@ -1044,8 +1044,9 @@ static void plan_combines_a_grid(void **state) {
         assert_int_equal(of.points[i].group, i == 6);
     }
     assert_string_equal(of.points[6].scene.lubricant.viscosity.law, "barus");
-    check_close_array(of.where_bounds[0], ((double[]){0, 80}), 2, 0, 0);
-    check_close_array(of.where_bounds[1], ((double[]){-INFINITY, INFINITY}), 2, 0, 0);
+    check_close_array(of.where[0].bounds[WHERE_ALPHA_P_H], ((double[]){0, 80}), 2, 0, 0);
+    check_close_array(of.where[0].bounds[WHERE_MOES_M], ((double[]){-INFINITY, INFINITY}), 2, 0, 0);
+    check_close_array(of.where[1].bounds[0], plan_anywhere().bounds[0], 2 * NUM_WHERE, 0, 0);
     plan_free(&of);
     assert_null(of.points);
 }
@@ -1295,6 +1296,10 @@ static void plan_refuses_bad_groups(void **state) {
     refuses_plan("groups:\n- scene: scene.yml\n  where: {alpha_p_H: 3}\n",
                  "expected [lowest, highest]");
     refuses_plan("groups:\n- scene: scene.yml\n  where: {alpha_p_H: [3, 1]}\n", "found 3 above 1");
+    refuses_plan("groups:\n- scene: scene.yml\n  where: {moes_M: [3, 1]}\n",
+                 "moes_M: found 3 above 1");
+    refuses_plan("groups:\n- scene: scene.yml\n  where: {moes_L: [1, 3]}\n",
+                 "moes_L: found an unknown key, expected alpha_p_H, moes_M or both");
     refuses_plan("groups:\n- scene: scene.yml\n  where: {alpha_p_H: [0, x]}\n",
                  "found x, expected a");
     refuses_plan("just text\n", "found just text, expected settings");
@@ -1339,7 +1344,7 @@ static void a_scene_is_a_plan_of_one_point(void **state) {
     assert_int_equal(of.num_points, 1);
     assert_int_equal(of.num_groups, 1);
     check_close(of.points[0].scene.moes.M, 20, 0, 0);
-    check_close_array(of.where_bounds[0], ((double[]){-INFINITY, INFINITY}), 2, 0, 0);
+    check_close_array(of.where[0].bounds[0], plan_anywhere().bounds[0], 2 * NUM_WHERE, 0, 0);
     plan_free(&of);
 }
 
@@ -1388,10 +1393,14 @@ static char *text_of_plan(const char *group) {
 }
 
 static void plan_text_identifies_the_plan(void **state) {
-    static const char *const others[] = {"vary: {M: [5, 7]}", "vary: {M: [6, 5]}", "vary: {M: [5]}",
+    static const char *const others[] = {"vary: {M: [5, 7]}",
+                                         "vary: {M: [6, 5]}",
+                                         "vary: {M: [5]}",
                                          "vary: {L: [5, 6]}",
                                          "vary: {M: [5, 6]}, where: "
-                                         "{alpha_p_H: [0, 1]}"};
+                                         "{alpha_p_H: [0, 1]}",
+                                         "vary: {M: [5, 6]}, where: "
+                                         "{moes_M: [0, 10]}"};
     (void)state;
     write_file("scene.yml", good);
     char *text = text_of_plan("vary: {M: [5, 6]}");
@@ -1414,9 +1423,10 @@ static void same_plan(const plan *found, const plan *expected) {
     assert_string_equal(found->text, expected->text);
     assert_int_equal(found->num_points, expected->num_points);
     for (size_t i = 0; i < found->num_points; i++) {
-        const double *const bounds = expected->where_bounds[expected->points[i].group];
-        assert_int_equal(found->points[i].group, expected->points[i].group);
-        check_close_array(found->where_bounds[found->points[i].group], bounds, 2, 0, 0);
+        const size_t group = expected->points[i].group;
+        assert_int_equal(found->points[i].group, group);
+        check_close_array(found->where[group].bounds[0], expected->where[group].bounds[0],
+                          2 * NUM_WHERE, 0, 0);
         for (const setting *row = scene_settings(); row->key; row++)
             if (setting_compare(row, &found->points[i].scene, &expected->points[i].scene) != 0)
                 fail_msg("point %zu: %s", i, row->key);
@@ -1438,8 +1448,13 @@ static void plan_is_read_back_from_its_text(void **state) {
                            "- scene: moving.yml\n"
                            "  vary: {transient.load.file: [a.csv, 'it''s: #1.csv'], "
                            "transient.load.interpolation: [linear, spline]}\n"
-                           "- {scene: scene.yml, vary: {M: [9]}, where: {alpha_p_H: [0, 1]}}\n");
-    assert_int_equal(written.num_points, 11);
+                           "- {scene: scene.yml, vary: {M: [9]}, where: {alpha_p_H: [0, 1]}}\n"
+                           "- {scene: scene.yml, vary: {M: [9]}, where: {moes_M: [0.1, 10]}}\n"
+                           "- {scene: scene.yml, vary: {M: [9]}}\n");
+    assert_int_equal(written.num_points, 13);
+    // what a group does not bound its line does not name, as before there were such bounds
+    assert_non_null(strstr(written.text, "# group 2, alpha_p_H from 0 to 1\n"));
+    assert_non_null(strstr(written.text, "# group 4, alpha_p_H from -inf to inf\n"));
     assert_int_equal(plan_parse(&found, written.text, "s.h5", &error), EHD_OK);
     same_plan(&found, &written);
     plan_free(&found);
@@ -1458,6 +1473,10 @@ static void plan_text_of_something_else_is_refused(void **state) {
     } cases[] = {{"", "s.h5: found no points"},
                  {"method: joint\nrows: 12\n", "s.h5:1: found something else"},
                  {"# group 0\n# point 0\n", "s.h5:1: found a group without number and bounds"},
+                 {"# group 0, alpha_p_H from 0 to 1, moes_M from 2\n# point 0\n",
+                  "s.h5:1: found a group without number and bounds"},
+                 {"# group 0, moes_L from 0 to 1\n# point 0\n",
+                  "s.h5:1: found a group without number and bounds"},
                  {"# point 0\ncontact: line\n", "s.h5:1: found a point, expected its group"},
                  {"# group 0, alpha_p_H from -inf to inf\n# point 0\nmagic: 1\n", "s.h5:3: magic"},
                  {"# group 0, alpha_p_H from -inf to inf\n# point 0\nmoes.M: much\n",
