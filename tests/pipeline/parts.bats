@@ -217,27 +217,50 @@ PYTHON
     cmp x/resources/model.ehdrom all.ehdrom
 }
 
-@test "the study: the film across the border, costs, and what a draw of scenes finds" {
+@test "the study: costs, random scenes, and the film where one model follows on another" {
     unset MAKEFLAGS MAKELEVEL MFLAGS V
-    copy_scenes studies/parts studies/parts/lower studies/parts/higher studies/parts/whole studies/silent-failures
+    copy_scenes studies/parts
     cd studies/parts || return
-    # of one lubricant
-    sed -i -e '8,$d' -e 's/moes.L: [^]]*/moes.L: [4, 8/; s/candidates: 300/candidates: 40/' ./*/plan.yml
-    sed -i 's/x_min: -12, x_max: 2, step: 0.002/x_min: -4, x_max: 2, step: 0.02/' ./*/plan.yml whole/scene.yml
-    sed -i 's/\[5, 60\]/[10, 30]/' lower/plan.yml
-    sed -i 's/\[40, 1000\]/[20, 60]/' higher/plan.yml
-    small=(SCENES=20 DRAWN=20)
-    run_make "${small[@]}"
+    # two small parts, on the grids that they need
+    sed -i -e '13,$d' -e 's/moes.L: [^]]*/moes.L: [4, 8/; s/candidates: 300/candidates: 40/; s/\[5, 1000\]/[10, 40]/' lubricants.yml
+    parts=(RANGES="10-22 18-40" WHOLE=10-40 SCENES=40)
+    run_make "${parts[@]}"
     echo "$output"
     [ "$status" -eq 0 ]
-    # the list has the points, modes and rows of either
-    read -r a b c <<<"$(awk '/^lower/ { print $2, $3, $4 }' out/costs.txt)"
-    read -r d e f <<<"$(awk '/^higher/ { print $2, $3, $4 }' out/costs.txt)"
-    grep -q "^models.yml  *$a or $d  *$b or $e  *$c or $f " out/costs.txt
-    [ "$(head -c 4 out/border.png | tail -c 3)" = PNG ]
-    [[ $output == *"inside, other lubricants "*"silent failures: 0"* ]]
-    run_make -n "${small[@]}"
+    [[ $output =~ "where two parts overlap their central films differ by "[0-9.]+e-0[3-9] ]]
+    # the list has the points of both
+    read -r nodes_low a <<<"$(awk '/^10-22/ { print $2, $3 }' out-lubricants/costs.txt)"
+    read -r nodes_high b <<<"$(awk '/^18-40/ { print $2, $3 }' out-lubricants/costs.txt)"
+    [ "$nodes_low" -lt "$nodes_high" ] # each on the grid that it needs
+    grep -q "^list  *$((a + b)) " out-lubricants/costs.txt
+    # and solves all scenes, none of them wrong in silence; each part some
+    table=out-lubricants/draw-1-40.txt
+    low=$(awk '/^10-22/ { print $2 }' $table) high=$(awk '/^18-40/ { print $2 }' $table)
+    [ "$low" -gt 5 ] && [ "$high" -gt 5 ] && [ $((low + high)) -eq 40 ]
+    [[ $(grep '^list' $table) =~ ^list\ +40\ +0\ +0\ +[0-9]+\ +[0-9]+\ +0\  ]]
+    [ "$(head -c 4 out-lubricants/border.png | tail -c 3)" = PNG ]
+    run_make -n "${parts[@]}"
     [[ $status == 0 && ! $output =~ bin/$programs && ! $output =~ study.py ]]
+    # beside one model of all of it
+    run_make whole "${parts[@]}"
+    run_make costs draw "${parts[@]}"
+    [ "$status" -eq 0 ]
+    grep -q '^10-40  *' out-lubricants/costs.txt && grep -q '^10-40  *40 ' $table
+}
+
+@test "the study: a region in SI units, by the M of its contacts" {
+    unset MAKEFLAGS MAKELEVEL MFLAGS V
+    copy_scenes studies/parts
+    cd studies/parts || return
+    sed -i -e 's/candidates: 4000/candidates: 150/' -e 's/physical.load: [^]]*/physical.load: [1e5, 2e5/; s/physical.speed: [^]]*/physical.speed: [1, 3/' \
+        -e 's/temperature: [^]]*\], slide/temperature: [60, 70], slide/; s/moes_M: [^]]*/moes_M: [4, 20/' machine.yml
+    small=(PLAN=machine.yml RANGES="4-9 8-20" SCENES=20)
+    run_make "${small[@]}" costs draw
+    echo "$output"
+    [ "$status" -eq 0 ]
+    low=$(awk '/^4-9/ { print $2 }' out-machine/draw-1-20.txt) high=$(awk '/^8-20/ { print $2 }' out-machine/draw-1-20.txt)
+    [ $((low + high)) -le 20 ] && [ "$low" -gt 2 ] && [ "$high" -gt 2 ]
+    [[ $(grep '^list' out-machine/draw-1-20.txt) =~ ^list\ +$((low + high))\ +0\ +0\ +[0-9]+\ +[0-9]+\ +0\  ]]
 }
 
 @test "line contacts: each part may have a grid of its own" {

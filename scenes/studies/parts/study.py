@@ -1,13 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A list of models for parts of a region beside one model of all of it (README.md):
+"""A list of models for parts of a region, and one of all of it where there is one (README.md):
 
-    study.py costs FOLDER SCENES MODELS.yml MODEL.h5...    sizes, memory and time online, of random scenes
-    study.py border FOLDER PICTURE.png MODELS.yml          the central film where the contact passes from one part to the next
+    study.py costs FOLDER PLAN.yml MODELS.yml [MODEL.h5]                training, sizes, files and memory of each
+    study.py draw FOLDER PLAN.yml SEED COUNT MODELS.yml [MODEL.h5]      random scenes at 1 permille: time, deviation, flags
+    study.py border FOLDER PLAN.yml PICTURE.png MODELS.yml              the film where one model follows on another
 
-MODELS.yml is the list.
+The region is that of a plan, with the scene, region and vary of a group on a line each.
 """
 import os
-import resource
+import re
 import subprocess
 import sys
 
@@ -15,84 +16,239 @@ import numpy as np
 
 import results
 
-SCENE = "whole/scene.yml"
-DENSITIES = {"dowson-higginson": "compressible", "incompressible": "incompressible"}
+ACCURACY = 1e-3
+FILMS = ["central_film_thickness", "minimum_film_thickness"]
+STEP_EFFECTS = ["step_effect", "step_effect_minimum"]
 
 
-def solve_cases(model, cases, table, *options):
-    """Columns of the table that romrun makes of the cases, and the largest memory that it had, in MB."""
-    command = [os.path.join(os.environ["BIN"], "romrun"), SCENE, "--cases", cases, "--model", model, "-o", table,
-               "--force", "--quiet", "--jobs", "1", "--allow-untrusted", *options]
-    run = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
-    said = run.stderr.read().decode()
+# ---- The region
+
+
+class Group:
+    """A group of a plan: its scene, bounds (key to pair of numbers), other settings (key to texts), and of M and alpha p_H."""
+
+    def __init__(self, text):
+        lists = {line: re.findall(r"([\w.]+): \[(.*?)\]", found[0]) if (found := re.findall(rf"^ +(?:- )?{line}: (.*)", text, re.M))
+                 else [] for line in ("region", "vary", "where")}
+        self.scene = re.search(r"scene: ({.*})", text)[1]
+        self.bounds, self.where = ({key: [float(bound) for bound in pair.split(",")] for key, pair in lists[line]}
+                                   for line in ("region", "where"))
+        self.choices = {key: choices.split(", ") for key, choices in lists["vary"]}
+
+    @property
+    def keys(self):
+        return [*self.bounds, *self.choices]
+
+    def draw(self, random):
+        """A scene's values of the keys; numbers are even in their logarithms, but L."""
+        values = [random.uniform(*pair) if key == "moes.L" else np.exp(random.uniform(*np.log(pair)))
+                  for key, pair in self.bounds.items()]
+        return [f"{value:.12g}" for value in values] + [texts[random.integers(len(texts))] for texts in self.choices.values()]
+
+
+def read_plan(file):
+    with open(file) as source:
+        return [Group(text) for text in re.split(r"^(?=  - scene)", source.read(), flags=re.M)[1:]]
+
+
+def write_scenes(folder, drawn):
+    """Of groups and the values of their keys: a scene each, on the model's grid, and its table of points."""
+    files = []
+    for i, (group, points) in enumerate(drawn):
+        scene, table = f"{folder}/scene-{i}.yml", f"{folder}/points-{i}.csv"
+        results.write_changed(scene, group.scene + "\n")
+        results.write_csv(table, group.keys, points)
+        files.append((scene, table))
+    return files
+
+
+# ---- Solutions
+
+
+def solve_reduced(model, files, table, *options):
+    """Of all scenes of all files: status, M, alpha p_H, films, part and time (s)."""
+    names = ["status", "moes_M", "alpha_p_H", *FILMS, "part", "solve_seconds [s]"]
+    columns = {name: [] for name in names}
+    for scene, points in files:
+        results.run("romrun", scene, "--cases", points, "--model", model, "-o", table, "--force", "--quiet", "--jobs", "1", *options)
+        for line in results.read_csv(table):
+            for name in names:
+                columns[name].append(float(line.get(name, 0)))
+    return {name.split()[0]: np.array(values) for name, values in columns.items()}
+
+
+def solve_full(folder, drawn, model, part, wanted):
+    """The same scenes by the full model on a model's grid, those of them that are wanted: status, films and what is told
+    of the grid's effect on these, NaN elsewhere."""
+    names = ["status", *FILMS, *STEP_EFFECTS]
+    found = {name: np.full(len(wanted), np.nan) for name in names}
+    plan, first = f"{folder}/plan-{part}.yml", 0
+    with open(plan, "w") as target:
+        target.write("groups:\n")
+        for i, (group, points) in enumerate(drawn):
+            mine = [point for point, want in zip(points, wanted[first:]) if want]
+            first += len(points)
+            if mine:
+                results.write_csv(f"{folder}/points-{part}-{i}.csv", group.keys, mine)
+                target.write(f"  - scene: scene-{i}.yml\n    points: points-{part}-{i}.csv\n")
+    x = results.printed(model, "x")["x"]
+    grid = {"grid.x_min": x[0], "grid.x_max": x[-1], "grid.step": results.value(model, "step")}
+    results.run("snapgen", plan, "-o", f"{folder}/full.h5", "--force", "--quiet", "--allow-failures", sum(wanted), *results.sets(grid))
+    for name, values in results.printed(f"{folder}/full.h5", *names).items():
+        found[name][wanted] = values
+    return found
+
+
+def merge(total, found):
+    """What was found where it was."""
+    for name, values in found.items():
+        total[name] = np.where(np.isnan(values), total.get(name, np.nan), values)
+
+
+def reference(folder, drawn, models, part):
+    """The full model's solutions, each on the grid of the model that has solved the scene."""
+    total = {}
+    for p in np.unique(part[~np.isnan(part)]):
+        merge(total, solve_full(folder, drawn, models[int(p)], int(p), part == p))
+    return total
+
+
+# ---- Tables
+
+
+def quantiles(values, *of):
+    return [f"{np.quantile(values, quantile):.1e}" for quantile in of]
+
+
+def part_name(model):
+    return os.path.basename(os.path.dirname(model))
+
+
+def extent(model):
+    """Lowest and highest M of a model, by its folder's name."""
+    return [float(edge) for edge in part_name(model).split("-")]
+
+
+def memory_of(scene, model):
+    """Memory of a run with one scene, MB, whatever comes of it."""
+    run = subprocess.Popen([os.path.join(os.environ["BIN"], "romrun"), scene, "--model", model, "--quiet"],
+                           stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     _, code, used = os.wait4(run.pid, 0)
-    if os.waitstatus_to_exitcode(code) not in (results.SOLVED, results.NOT_CONVERGED):
-        sys.exit(said)
-    lines = results.read_csv(table)
-    return {name: np.array([float(line[name]) for line in lines])
-            for name in ("status", "central_film_thickness", "solve_seconds [s]") if name in lines[0]}, used.ru_maxrss / 1024
+    if os.waitstatus_to_exitcode(code) not in (results.SOLVED, results.NOT_CONVERGED, results.NOT_TRUSTED):
+        sys.exit(os.waitstatus_to_exitcode(code))
+    return used.ru_maxrss / 1024
 
 
-def draw(file, count, models):
-    """Random scenes of the region, in the extent of the training: M even in its logarithm, L, and alpha p_H."""
-    names = ("state_moes_M", "state_alpha_p_H")
-    trained = [results.printed(model, *names) for model in results.listed_models(models)]
-    M, rise = (np.concatenate([part[name] for part in trained]) for name in names)
-    L = rise / np.sqrt(M / (2 * np.pi))
-    random = np.random.default_rng(1)
-    scenes = []
-    while len(scenes) < count:
-        drawn = np.exp(random.uniform(np.log(M.min()), np.log(M.max()))), random.uniform(L.min(), L.max())
-        if drawn[1] * np.sqrt(drawn[0] / (2 * np.pi)) <= rise.max():
-            scenes.append([f"{of:.12g}" for of in drawn])
-    results.write_csv(file, ["moes.M", "moes.L"], scenes)
-
-
-def costs(folder, count, models, *files):
-    """Of each model and, last, of the list: what it was trained on, its sizes, its files, and online memory and time."""
-    rows = [["", "points", "modes", "rows", "files, MB", "memory, MB", "a solution, ms: median", "95 %"], None]
-    cases = f"{folder}/cases.csv"
-    draw(cases, int(count), models)
-    for model in (*files, models):
-        parts = results.listed_models(model)
-        sizes = [results.model_sizes(file) for file in parts]
-        columns, memory = solve_cases(model, cases, f"{folder}/solved.csv")
-        seconds = 1e3 * columns["solve_seconds [s]"][columns["status"] == 0]
-        rows.append([model, *(" or ".join(str(size[key]) for size in sizes) for key in ("states", "pressure_modes", "rows")),
-                     f"{sum(map(os.path.getsize, parts)) / 1e6:.0f}", f"{memory:.0f}",
-                     f"{np.median(seconds):.3f}", f"{np.quantile(seconds, 0.95):.3f}"])
+def costs(folder, plan, models, *whole):
+    """What each model was trained on and takes; how much its grid has to do with the films of its training; of the list the
+    sums."""
+    rows = [["M", "nodes", "points", "rounds, min", "modes", "rows", "model, MB", "a run, MB", "grid's effect: H_c, 95 %", "worst",
+             "H_m, 95 %", "worst"], None]
+    scene, parts = f"{folder}/scene.yml", results.listed_models(models)
+    group = read_plan(plan)[0]
+    middle = {key: np.sqrt(np.prod(pair)) for key, pair in group.bounds.items()}
+    settings = {**middle, **{key: texts[0] for key, texts in group.choices.items()}}
+    results.write_changed(scene, group.scene[:-1] + "".join(f", {key}: {value}" for key, value in settings.items()) + "}\n")
+    points = minutes = size = 0
+    for model in (*parts, *whole):
+        trained = os.path.join(os.path.dirname(model), "snapshots.h5")
+        sizes, solved = results.model_sizes(model), results.printed(trained, "status", *STEP_EFFECTS)
+        effects = [np.abs(solved[name][solved["status"] == 0]) for name in STEP_EFFECTS]
+        own = sizes["states"], results.printed(trained, "round_seconds")["round_seconds"].sum() / 60, os.path.getsize(model) / 1e6
+        rows.append([part_name(model), sizes["nodes"], own[0], f"{own[1]:.1f}", sizes["pressure_modes"], sizes["rows"],
+                     f"{own[2]:.1f}", f"{memory_of(scene, model):.0f}", *(cell for effect in effects for cell in quantiles(effect, 0.95, 1))])
+        if model in parts:
+            points, minutes, size = points + own[0], minutes + own[1], size + own[2]
+    rows.insert(2 + len(parts), ["list", "", points, f"{minutes:.1f}", "", "", f"{size:.1f}", f"{memory_of(scene, models):.0f}", *[""] * 4])
     results.table(rows)
 
 
-def border(folder, picture, models):
-    """The central film over M across the border, off the full model, of the list and of both parts alone."""
+def summary(name, solved, full, mine):
+    """A row of the table of draw, of some of the scenes."""
+    known = mine & (full["status"] == 0)
+    off = np.max([np.abs(solved[film] / full[film] - 1) for film in FILMS], axis=0)
+    quiet, flagged = known & (solved["status"] == 0), known & (solved["status"] == results.NOT_TRUSTED)
+    worst = [f"{np.max(np.abs(solved[film] / full[film] - 1)[quiet], initial=0):.1e}" for film in FILMS]
+    seconds = 1e3 * solved["solve_seconds"][mine]
+    return [name, mine.sum(), (mine & ~known).sum(), (known & (solved["status"] == 1)).sum(), flagged.sum(),
+            (flagged & (off <= ACCURACY)).sum(), (quiet & (off > ACCURACY)).sum(), *worst,
+            *(f"{np.quantile(seconds, of):.3f}" for of in (0.5, 0.95, 1))]
+
+
+def draw(folder, plan, seed, count, models, *whole):
+    """Random scenes with an accuracy of 1 permille asked for: of each part those that it has solved, of the list all. Left out
+    are those that the plan leaves out."""
+    header = ["M", "scenes", "full has none", "not solved", "flagged", "of these good", "silent", "H_c, worst", "H_m, worst",
+              "ms: median", "95 %", "worst"]
+    random, groups, parts = np.random.default_rng(int(seed)), read_plan(plan), results.listed_models(models)
+    drawn = [(group, [group.draw(random) for _ in range(int(count) // len(groups))]) for group in groups]
+    files, asked = write_scenes(folder, drawn), ["--accuracy", ACCURACY]
+    solved = solve_reduced(models, files, f"{folder}/solved.csv", *asked)
+    inside = np.ones(len(solved["status"]), bool)
+    for key, (low, high) in groups[0].where.items():
+        inside &= (solved[key] >= low) & (solved[key] <= high)
+    full = reference(folder, drawn, parts, np.where(inside, solved["part"], np.nan))
+    rows = [summary(part_name(model), solved, full, inside & (solved["part"] == p)) for p, model in enumerate(parts)
+            if np.any(inside & (solved["part"] == p))]
+    rows.append(summary("list", solved, full, inside))
+    for model in whole:
+        solved = solve_reduced(model, files, f"{folder}/solved.csv", *asked)
+        full = reference(folder, drawn, [model], np.where(inside, 0, np.nan))
+        rows.append(summary(part_name(model), solved, full, inside))
+    print(f"seed {seed}, --accuracy {ACCURACY:g}\n")
+    results.table([header, None, *rows])
+
+
+# ---- Picture
+
+
+def path(group, count):
+    """Values of the keys on a way through the region on which M grows: other numbers than M, and those that it does not grow
+    with, are in the middle."""
+    middle = {key: np.full(count, np.sqrt(np.prod(pair))) for key, pair in group.bounds.items()}
+    for key in ("moes.M", "physical.load", "physical.speed"):
+        if key in group.bounds:
+            middle[key] = np.geomspace(*group.bounds[key], count)[::-1 if key == "physical.speed" else 1]
+    if "moes.L" in middle:
+        middle["moes.L"][:] = 6
+    return [[f"{value:.12g}" for value in values] for values in zip(*middle.values())]
+
+
+def border(folder, plan, picture, models):
+    """The central film over M by the list, and how far it and each part are off the full model on the grid of the part that the
+    list takes: by that of the first group, of each of what it varies."""
     import pictures
 
-    M = np.geomspace(30, 80, 41)
-    lower, higher = results.listed_models(models)
-    figure, axes = pictures.page(900, 620, 2, 1, sharex=True)
-    for (density, name), colour in zip(DENSITIES.items(), pictures.COLOURS):
-        cases, plan = f"{folder}/border.csv", f"{folder}/border.yml"
-        results.write_csv(cases, ["moes.M", "lubricant.density.law"], [[f"{m:.12g}", density] for m in M])
-        results.write_changed(plan, f"groups:\n  - scene: ../{SCENE}\n    points: border.csv\n")
-        results.run("snapgen", plan, "-o", f"{folder}/full.h5", "--force", "--quiet", "--set", "output.resolution=false")
-        full = results.printed(f"{folder}/full.h5", "central_film_thickness")["central_film_thickness"]
-        axes[0].loglog(M, full, color=colour, label=f"full model, {name}")
-        for file, mark, size, label in ((lower, "v", 4, "lower"), (higher, "^", 4, "higher"), (models, "o", 7, "list")):
-            film = solve_cases(file, cases, f"{folder}/{density}.csv")[0]["central_film_thickness"]
-            axes[1].plot(M, 1e3 * np.abs(film / full - 1), mark, color=colour, fillstyle="none", markersize=size,
-                         label=f"{label}, {name}")
-            if file == models:
-                axes[0].loglog(M, film, "o", color=colour, fillstyle="none", label=f"list, {name}")
+    group, parts, jumps = read_plan(plan)[0], results.listed_models(models), []
+    figure, axes = pictures.page(900, 720, 2, 1, sharex=True)
+    for texts, colour in zip(next(iter(group.choices.values()), [""]), pictures.COLOURS):
+        drawn = [(group, [values + [texts] * len(group.choices) for values in path(group, 161)])]
+        files = write_scenes(folder, drawn)
+        solved = solve_reduced(models, files, f"{folder}/solved.csv")
+        M = solved["moes_M"]
+        full = reference(folder, drawn, parts, solved["part"])
+        axes[0].loglog(M, solved[FILMS[0]], color=colour, label=f"list {texts}".strip())
+        axes[1].loglog(M, np.abs(solved[FILMS[0]] / full[FILMS[0]] - 1), color=colour, label=f"list {texts}".strip())
+        for p, model in enumerate(parts):
+            low, high = extent(model)
+            near = (M >= 0.999 * low) & (M <= 1.001 * high)
+            points = [point for point, is_near in zip(drawn[0][1], near) if is_near]
+            alone = solve_reduced(model, write_scenes(folder, [(group, points)]), f"{folder}/solved.csv")[FILMS[0]]
+            axes[1].loglog(M[near], np.abs(alone / full[FILMS[0]][near] - 1), pictures.MARKS[p % len(pictures.MARKS)], color=colour,
+                           fillstyle="none", markersize=4)
+            both = np.abs(solved["part"][near] - p) == 1
+            jumps.append(np.abs(alone / solved[FILMS[0]][near] - 1)[both].max(initial=0))
+    print(f"where two parts overlap their central films differ by {max(jumps):.1e} at most")
     axes[0].set_ylabel("central film H")
-    axes[1].set(xlabel="M", ylabel="off the full model, ‰", yscale="log", xscale="log")
+    axes[1].set(xlabel="M; lines at the ends of the parts", ylabel="central film, off the full model; marks: a part alone")
     for plot in axes:
-        for edge in (40, 60):
-            plot.axvline(edge, color="#999999", linewidth=1)
-        plot.legend(fontsize=8, ncols=2)
+        for model in parts:
+            for edge in extent(model):
+                plot.axvline(edge, color="#999999", linewidth=0.7)
+        plot.legend(fontsize=8)
     pictures.plain_logarithms(axes[1].xaxis)
     pictures.save(figure, picture)
 
 
 if __name__ == "__main__":
-    results.commands(costs, border)
+    results.commands(costs, draw, border)
