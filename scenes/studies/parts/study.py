@@ -154,7 +154,7 @@ def costs(folder, plan, models, *whole):
         trained = os.path.join(os.path.dirname(model), "snapshots.h5")
         sizes, solved = results.model_sizes(model), results.printed(trained, "status", *STEP_EFFECTS)
         effects = [np.abs(solved[name][solved["status"] == 0]) for name in STEP_EFFECTS]
-        own = sizes["states"], results.printed(trained, "round_seconds")["round_seconds"].sum() / 60, os.path.getsize(model) / 1e6
+        own = sizes["states"], results.printed(trained, "round_seconds")["round_seconds"][-1] / 60, os.path.getsize(model) / 1e6
         rows.append([part_name(model), sizes["nodes"], own[0], f"{own[1]:.1f}", sizes["pressure_modes"], sizes["rows"],
                      f"{own[2]:.1f}", f"{memory_of(scene, model):.0f}", *(cell for effect in effects for cell in quantiles(effect, 0.95, 1))])
         if model in parts:
