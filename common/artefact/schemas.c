@@ -1033,7 +1033,9 @@ static const artefact_field cases_fields[] = {
     REAL("indicated_deviation_friction", "1", NEED_OPTIONAL, VALUES_ANY,
          "indicated relative deviation of the friction force from the full model", "case"),
     INTEGER("part", NEED_OPTIONAL, VALUES_ANY,
-            "of a list of models which of them has solved it, from 0 in its order", "case"),
+            "of a list of models which of them has solved it, from 0 in its order; models of a "
+            "flat file count each",
+            "case"),
     INTEGER("newton_iterations", NEED_OWN, VALUES_ANY, "iterations that the solution took", "case"),
     REAL("residual_norm", "1", NEED_OWN, VALUES_ANY,
          "norm of the residual when the iteration ended", "case"),

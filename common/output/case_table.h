@@ -6,13 +6,13 @@
 #include "common/output/result.h"
 #include "common/settings/case_list.h"
 
-/* One scene. Numbers are dimensionless unless said otherwise, and NaN where not known. */
 enum { NO_PART = -1 };
 
+/* One scene. Numbers are dimensionless unless said otherwise, and NaN where not known. */
 typedef struct case_row {
     int64_t status; // as in a result
     int64_t newton_iterations;
-    int64_t part; // of a list of models, from 0; NO_PART: of one model
+    int64_t part; // of several models which one, from 0; NO_PART: of one model
     double moes_M, moes_L, alpha_p_H;
     double hertz_pressure; // Pa
     // of a scene in SI units:

@@ -205,11 +205,12 @@ static ehd_status read_groups(const plan_reader *self, const tree_node *root) {
 // ---- equal points
 
 static int compare_where(const plan_where *left, const plan_where *right) {
-    const double *a = left->bounds[0], *b = right->bounds[0];
     int order = 0;
 
-    for (int i = 0; i < 2 * NUM_WHERE && !order; i++)
-        order = (a[i] > b[i]) - (a[i] < b[i]);
+    for (int i = 0; i < 2 * NUM_WHERE && !order; i++) {
+        const double a = left->bounds[i / 2][i % 2], b = right->bounds[i / 2][i % 2];
+        order = (a > b) - (a < b);
+    }
     return order;
 }
 

@@ -20,7 +20,7 @@ static void print_changes(FILE *stream, const scene *now, const scene *before) {
     }
 }
 
-/* Bounds that leave nothing out are only told of alpha p_H, as they always were. */
+/* Bounds on alpha p_H always, on M where there are any: texts of before stay the same. */
 static void print_group(FILE *stream, size_t group, const plan_where *where) {
     char low[NUMBER_TEXT], high[NUMBER_TEXT];
     fprintf(stream, "# group %zu", group);

@@ -309,8 +309,7 @@ ehdrom_status ehdrom_contact_scales(ehdrom_contact *self, ehdrom_scales *scales)
     const bool dimensionless = self->dimensionless;
     self->dimensionless = true; // that a scene of M and L has no others is no error
     // the same in time and not, but cross fluxes are not of scenes in time
-    const bool in_time =
-        online_grid(self->model->online)->discretization != DISCRETIZATION_CROSS_FLUX;
+    const bool in_time = !online_check_in_time(self->model->online, NULL);
     status = library_contact(&contact, &units, self, in_time, &self->error);
     self->dimensionless = dimensionless;
     if (!status) {

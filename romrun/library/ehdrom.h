@@ -101,15 +101,16 @@ EHDROM_API const char *ehdrom_model_error(const ehdrom_model *model);
 typedef struct ehdrom_model_info {
     size_t size;    /* sizeof(ehdrom_model_info) */
     int dimensions; /* of the pressurised zone: 1 of a line, 2 of a point contact or ellipse */
-    size_t num_x,
-        num_y; /* nodes along and across the whole contact; num_y 1 of a line; of a list of
-                            models on different grids, as x_min and step, that with most nodes */
+    /* nodes along and across the whole contact, num_y 1 of a line; of a list of models on different
+     * grids these, x_min and step are of the grid with most nodes */
+    size_t num_x, num_y;
     double x_min, y_min; /* the first node, in half widths */
     double step;         /* between nodes along, in half widths; across times (b/a)^(-1/3) */
     size_t pressure_modes, deformation_modes, unknowns, rows, states;
     int checked;         /* 1: these sizes were checked, so that deviations are indicated */
     int checked_in_time; /* 1: on trajectories too */
-    int in_time;         /* 1: loaded for steps in time */
+    int in_time;         /* 1: loaded for steps in time; 0 too of a list of models on different
+                            grids, which line contacts may have */
     double ellipticity;  /* b/a, half width across over that along; 1 of a line or point contact */
     size_t parts; /* models of a list, for parts of a region; 1 of a model. Sizes are those of
                             the largest, states of all */
@@ -377,9 +378,9 @@ EHDROM_API ehdrom_status ehdrom_slide_step(ehdrom_contact *contact, double slidi
 
 /* ---- fields, of the last solution or the accepted state, whichever came last */
 
-/* How many nodes along and across these have: those of ehdrom_model_info, or of a list of models on different
- * grids, which line contacts can be of, those of the model that has solved it. Arrays below are as long as
- * ehdrom_model_info says, and NaN behind these nodes. Either may be NULL. */
+/* How many nodes the solution has along and across: those of ehdrom_model_info, but of a list of models on
+ * different grids those of the model that has solved it. The arrays below are as long as ehdrom_model_info
+ * says, with NaN behind these nodes. Before a solution: those of ehdrom_model_info. Either may be NULL. */
 EHDROM_API ehdrom_status ehdrom_nodes(ehdrom_contact *contact, size_t *num_x, size_t *num_y);
 /* Where the nodes are: [num_x], [num_y]. Either may be NULL. */
 EHDROM_API ehdrom_status ehdrom_axes(ehdrom_contact *contact, double *x, double *y);

@@ -51,7 +51,7 @@ struct ehdrom_contact {
     bool started;      // there is an accepted state
     bool can_accept;   // and a step after it
     // of fields, NULL: not needed yet
-    double *pressure, *film; // [num_nodes]
+    double *pressure, *film; // [num_nodes] of the grid with most of them
     char deviation[MARCH_REASON];
     ehd_error error;
 };

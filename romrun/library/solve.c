@@ -104,12 +104,12 @@ static void forget_time(ehdrom_contact *self) {
 /* A new reference, by the settings as they are now. */
 static ehd_status take_reference(ehdrom_contact *self) {
     ehd_error *error = &self->error;
-    ehd_status status = self->model->in_time
-                            ? EHD_OK
-                            : ehd_fail(error, EHD_INTERNAL,
-                                       "model: found one opened for stationary solutions alone, "
-                                       "expected one with what steps in time need");
+    ehd_status status = online_check_in_time(self->model->online, error);
 
+    if (!status && !self->model->in_time)
+        status = ehd_fail(error, EHD_INTERNAL,
+                          "model: found one opened for stationary solutions alone, expected one "
+                          "with what steps in time need");
     self->in_time = online_transient_free(self->in_time);
     self->is_reference = false;
     forget_time(self);

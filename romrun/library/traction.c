@@ -170,7 +170,7 @@ ehdrom_status ehdrom_slide_step(ehdrom_contact *self, double sliding, ehdrom_tra
 
 // ---- stresses at all nodes
 
-/* Both stresses, in units of the Hertz pressure, at the nodes of the model's grid. */
+/* Both stresses, in units of the Hertz pressure, at the nodes of library_grid. */
 static ehd_status surface_stresses(double *on_1, double *on_2, ehdrom_contact *self,
                                    const slid_state *of, double sliding) {
     ehd_contact contact;

@@ -150,10 +150,10 @@ enum { MAX_TERMS = 6 + NUM_COORDINATES - ALONG_VISCOSITY };
 /* The best first. Half the quadratic fit's neighbours would lie in two rows of a regular plan. */
 static const neighbour_fit FITS[] = {{NUM_NEIGHBOURS, 6, 1.5}, {6, 3, 2}};
 
-/* Of several lubricants: of 3000 scenes of three lubricants (README.md, Several lubricants) with an affine
- * fit to 24, 16, 12 neighbours a solution takes 3.49, 3.56, 3.68 iterations, without one 4.80, with the
- * largest sum of 1.5 3.76. */
-static const neighbour_fit LUBRICANT_FITS[] = {{NUM_NEIGHBOURS, 6, 2}, {NUM_NEIGHBOURS, 3, 2}};
+/* With the coordinates of lubricants and thinning where neighbours differ in these: of 3000 scenes of three
+ * lubricants (README.md, Several lubricants) a solution takes 3.49 iterations with the affine fit to 24
+ * neighbours, 3.56 with 16, 3.68 with 12, without one 4.80, and 3.76 with the largest sum of 1.5. */
+static const neighbour_fit FITS_APART[] = {{NUM_NEIGHBOURS, 6, 2}, {NUM_NEIGHBOURS, 3, 2}};
 
 enum { NUM_FITS = 2 };
 
@@ -246,20 +246,28 @@ static bool find_differences(bool differs[NUM_COORDINATES], const neighbour *nea
     return any;
 }
 
+/* How many neighbours the first of the fits that serves takes, with their weights; 0: none does. */
+static size_t first_fit(double *weights, const neighbour *nearest, size_t count,
+                        const neighbour_fit fits[NUM_FITS], const bool *differs) {
+    for (int f = 0; f < NUM_FITS; f++) {
+        const size_t used = count < fits[f].max_neighbours ? count : fits[f].max_neighbours;
+        if (fit_weights(weights, nearest, used, &fits[f], differs)) return used;
+    }
+    return 0;
+}
+
 /* Weights of the best fit through `count` neighbours, at least one, first with terms of
  * lubricants and thinning where these differ; returns how many it takes, the nearest one alone where
  * no fit serves. */
 static size_t best_weights(double *weights, const neighbour *nearest, size_t count) {
     const bool none[NUM_COORDINATES] = {false};
     bool differs[NUM_COORDINATES];
+    size_t used = 0;
 
     if (find_differences(differs, nearest, count))
-        for (int f = 0; f < NUM_FITS; f++)
-            if (fit_weights(weights, nearest, count, &LUBRICANT_FITS[f], differs)) return count;
-    for (int f = 0; f < NUM_FITS; f++) {
-        size_t used = count < FITS[f].max_neighbours ? count : FITS[f].max_neighbours;
-        if (fit_weights(weights, nearest, used, &FITS[f], none)) return used;
-    }
+        used = first_fit(weights, nearest, count, FITS_APART, differs);
+    if (used == 0) used = first_fit(weights, nearest, count, FITS, none);
+    if (used > 0) return used;
     weights[0] = 1;
     return 1;
 }

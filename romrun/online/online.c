@@ -99,8 +99,7 @@ static ehd_status check_alike(const online_model *self, ehd_error *error) {
             return ehd_fail(
                 error, EHD_DATA,
                 "%s: found a %s contact with %zu nodes from %g in steps of %g (%s, %s), "
-                "expected the grid of %s: a %s contact with %zu from %g in steps of %g "
-                "(%s, %s)",
+                "expected one as of %s: a %s contact with %zu from %g in steps of %g (%s, %s)",
                 self->parts[p].path, other->kind->name, other->grid.num_inner, other->grid.x_min,
                 other->grid.step, discretization_name(other->grid.discretization),
                 boundary_name(other->grid.boundary), self->parts[0].path, first->kind->name,
@@ -289,33 +288,27 @@ ehd_status online_prepare_transient(online_model *self, ehd_error *error) {
     return status;
 }
 
-/* Whether a part is on the grid that a contact asks for, where it asks for one. */
-static bool has_grid(const model_part *part, const ehd_contact *contact) {
-    ehd_contact on_model = *contact;
-
-    contact_take_grid(&on_model, &part->reduced.grid);
-    return grid_same(&on_model.grid, &part->reduced.grid);
-}
-
 /* The part in whose trained range a contact lies deepest, or that is the nearest; of those on the grid
- * that it asks for, if there are any. */
+ * that it asks for, where there are any. */
 static size_t part_for(const online_model *self, const part_solver *solvers,
                        const ehd_contact *contact) {
     const contact_place place = contact_place_of(contact);
-    const bool grids_differ = part_of_other_grid(self) > 0;
+    bool fits[MAX_PARTS], any = false;
     double least = INFINITY;
     size_t found = 0;
-    bool on_grid = !grids_differ;
 
-    for (size_t p = 0; p < self->num_parts && self->num_parts > 1; p++) {
+    if (self->num_parts == 1) return 0;
+    for (size_t p = 0; p < self->num_parts; p++) {
+        fits[p] = !part_check_contact(&self->parts[p], contact, NULL);
+        any = any || fits[p];
+    }
+    for (size_t p = 0; p < self->num_parts; p++) {
         hull_space *space = solvers ? solvers[p].range_space : NULL;
-        const bool fits = !grids_differ || has_grid(&self->parts[p], contact);
-        if (on_grid && !fits) continue;
+        if (any && !fits[p]) continue;
         const double here = trained_range_outside(self->parts[p].range, space, place);
-        if (on_grid == fits && !(here < least)) continue;
+        if (!(here < least)) continue;
         least = here;
         found = p;
-        on_grid = fits;
     }
     return found;
 }

@@ -3,6 +3,7 @@
 
 #include "common/program/arena.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdbool.h>
 #include <stdlib.h>
@@ -296,11 +297,26 @@ const char *trained_range_check(const trained_range *self, hull_space *space, co
     return NULL;
 }
 
+/* How far outside of the box around the training, in the coordinates themselves. */
+static double outside_box(const trained_range *self, const double place[RANGE_AXES]) {
+    const double low[] = {self->low.M * self->extent.M, self->low.pressure * self->extent.pressure,
+                          self->least_thinning};
+    const double high[] = {self->high.M * self->extent.M,
+                           self->high.pressure * self->extent.pressure, self->most_thinning};
+    double outside = 0;
+
+    for (int axis = 0; axis < RANGE_AXES; axis++)
+        outside = fmax(outside, fmax(low[axis] - place[axis], place[axis] - high[axis]));
+    return outside;
+}
+
 double trained_range_outside(const trained_range *self, hull_space *space, contact_place of) {
     double place[RANGE_AXES];
 
     trained_place(place, of);
-    const double outside = outside_plane(self, place);
-    return outside <= self->slack && trained_range_check(self, space, of, NULL) ? INFINITY
-                                                                                : outside;
+    const double of_plane = outside_plane(self, place);
+    if (!trained_range_check(self, space, of, NULL)) return fmin(of_plane, 0);
+    // beside the hull but in its box: in parts of the extents, of which the smaller one counts
+    const double beside = fmin(self->extent.M, self->extent.pressure) * of_plane;
+    return fmax(fmax(outside_box(self, place), beside), DBL_MIN);
 }

@@ -28,9 +28,9 @@ hull_space *trained_range_space(const trained_range *range);
 const char *trained_range_check(const trained_range *range, hull_space *space, contact_place place,
                                 const frame_rates *rates);
 
-/* How far outside a contact lies in parts of the range's extent, the less the deeper inside; infinite
- * where it is of M and alpha p_H that were trained, but not of the thinning. To choose among the
- * ranges of models of parts. */
+/* How far outside a contact lies, to choose among the ranges of models of parts: of one that lies inside not
+ * above 0, the less the deeper, in parts of the range's extent; else above 0, a distance in the coordinates
+ * themselves, which are those of all ranges. */
 double trained_range_outside(const trained_range *range, hull_space *space, contact_place place);
 
 #endif

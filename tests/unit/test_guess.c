@@ -448,6 +448,50 @@ static void trained_range_is_the_hull(void **state) {
     assert_false(is_trained(&model, 1, 1, 0));
 }
 
+/* Of a range from M = 1 to 20 and one from 20 to 30: by how much. */
+static void outside_the_nearest_range(void **state) {
+    (void)state;
+    bool stationary[] = {true, true, true, true};
+    double rate[4] = {0}, thinning[4] = {0.1, 0.1, 0.2, 0.2}, newtonian[4] = {0},
+           of_large[] = {1, 20, 1, 20}, of_small[] = {20, 30, 20, 30}, alpha_p_H[] = {1, 1, 4, 4};
+    double *const moes_M[] = {of_large, of_small}, *const thinnings[] = {newtonian, thinning};
+
+    for (int kind = 0; kind < 2; kind++) {
+        double found[2][4];
+        const contact_place at[] = {{.moes_M = 5, .alpha_p_H = 2},
+                                    {.moes_M = 40, .alpha_p_H = 2},
+                                    {.moes_M = 25, .alpha_p_H = 4.5},
+                                    {.moes_M = 25, .alpha_p_H = 2}};
+        for (int r = 0; r < 2; r++) {
+            const reduced_model model = {.states = {.num_states = 4,
+                                                    .moes_M = moes_M[r],
+                                                    .alpha_p_H = alpha_p_H,
+                                                    .thinning = thinnings[kind],
+                                                    .stationary = stationary,
+                                                    .rate = rate,
+                                                    .load_rate = rate}};
+            trained_range *range = trained_range_create(&model);
+            assert_non_null(range);
+            for (int i = 0; i < 4; i++) {
+                contact_place place = at[i];
+                // in the plane of the small range, and too much thinned for both
+                place.thinning = kind == 0 ? 0 : i == 3 ? 0.3 : 0.15;
+                found[r][i] = trained_range_outside(range, NULL, place);
+            }
+            trained_range_free(range);
+        }
+        if (kind == 0) {
+            assert_true(found[0][0] < 0 && found[1][3] < 0);
+            check_close(found[1][1], log(40. / 30), 1e-12, 1e-12);
+            check_close(found[0][1], log(40. / 20), 1e-12, 1e-12);
+            check_close(found[1][2], log(4.5 / 4), 1e-12, 1e-12);
+        }
+        assert_true(found[1][0] > 0 && found[0][3] > 0);
+        assert_true(found[1][1] < found[0][1] && found[1][2] < found[0][2]);
+        assert_true(found[1][3] <= found[0][3] && isfinite(found[0][3]));
+    }
+}
+
 static const char *judge(const reduced_model *model, double M, double alpha_p_H, double thinning) {
     trained_range *range = trained_range_create(model);
     const contact_place place = {.moes_M = M, .alpha_p_H = alpha_p_H, .thinning = thinning};
@@ -517,6 +561,7 @@ int main(void) {
         cmocka_unit_test(goes_on_to_other_starts),
         cmocka_unit_test(guess_at_a_training_point_is_that_state),
         cmocka_unit_test(trained_range_is_the_hull),
+        cmocka_unit_test(outside_the_nearest_range),
         cmocka_unit_test(trained_range_knows_thinning),
     };
 

@@ -19,6 +19,7 @@ import results
 ACCURACY = 1e-3
 FILMS = ["central_film_thickness", "minimum_film_thickness"]
 STEP_EFFECTS = ["step_effect", "step_effect_minimum"]
+EFFECTS = [*STEP_EFFECTS, "inlet_effect"]
 
 
 # ---- The region
@@ -116,10 +117,6 @@ def reference(folder, drawn, models, part):
 # ---- Tables
 
 
-def quantiles(values, *of):
-    return [f"{np.quantile(values, quantile):.1e}" for quantile in of]
-
-
 def part_name(model):
     return os.path.basename(os.path.dirname(model))
 
@@ -140,10 +137,10 @@ def memory_of(scene, model):
 
 
 def costs(folder, plan, models, *whole):
-    """What each model was trained on and takes; how much its grid has to do with the films of its training; of the list the
-    sums."""
-    rows = [["M", "nodes", "points", "rounds, min", "modes", "rows", "model, MB", "a run, MB", "grid's effect: H_c, 95 %", "worst",
-             "H_m, 95 %", "worst"], None]
+    """What each model was trained on and takes; how much the step and the inlet of its grid have to do with the films of its
+    training, at most; of the list the sums."""
+    rows = [["M", "nodes", "points", "rounds, min", "modes", "rows", "model, MB", "a run, MB", "step's effect: H_c", "H_m", "inlet's: H_c"],
+            None]
     scene, parts = f"{folder}/scene.yml", results.listed_models(models)
     group = read_plan(plan)[0]
     middle = {key: np.sqrt(np.prod(pair)) for key, pair in group.bounds.items()}
@@ -152,14 +149,14 @@ def costs(folder, plan, models, *whole):
     points = minutes = size = 0
     for model in (*parts, *whole):
         trained = os.path.join(os.path.dirname(model), "snapshots.h5")
-        sizes, solved = results.model_sizes(model), results.printed(trained, "status", *STEP_EFFECTS)
-        effects = [np.abs(solved[name][solved["status"] == 0]) for name in STEP_EFFECTS]
+        sizes, solved = results.model_sizes(model), results.printed(trained, "status", *EFFECTS)
+        effects = [np.abs(solved[name][solved["status"] == 0]).max() for name in EFFECTS]
         own = sizes["states"], results.printed(trained, "round_seconds")["round_seconds"][-1] / 60, os.path.getsize(model) / 1e6
         rows.append([part_name(model), sizes["nodes"], own[0], f"{own[1]:.1f}", sizes["pressure_modes"], sizes["rows"],
-                     f"{own[2]:.1f}", f"{memory_of(scene, model):.0f}", *(cell for effect in effects for cell in quantiles(effect, 0.95, 1))])
+                     f"{own[2]:.1f}", f"{memory_of(scene, model):.0f}", *(f"{effect:.1e}" for effect in effects)])
         if model in parts:
             points, minutes, size = points + own[0], minutes + own[1], size + own[2]
-    rows.insert(2 + len(parts), ["list", "", points, f"{minutes:.1f}", "", "", f"{size:.1f}", f"{memory_of(scene, models):.0f}", *[""] * 4])
+    rows.insert(2 + len(parts), ["list", "", points, f"{minutes:.1f}", "", "", f"{size:.1f}", f"{memory_of(scene, models):.0f}", *[""] * 3])
     results.table(rows)
 
 
@@ -238,9 +235,9 @@ def border(folder, plan, picture, models):
                            fillstyle="none", markersize=4)
             both = np.abs(solved["part"][near] - p) == 1
             jumps.append(np.abs(alone / solved[FILMS[0]][near] - 1)[both].max(initial=0))
-    print(f"where two parts overlap their central films differ by {max(jumps):.1e} at most")
+    print(f"where two parts overlap their central films, each on its own grid, differ by {max(jumps):.1e} at most")
     axes[0].set_ylabel("central film H")
-    axes[1].set(xlabel="M; lines at the ends of the parts", ylabel="central film, off the full model; marks: a part alone")
+    axes[1].set(xlabel="M; lines at the ends of the parts", ylabel="off the full model (marks: a part alone)")
     for plot in axes:
         for model in parts:
             for edge in extent(model):
