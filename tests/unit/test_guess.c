@@ -129,6 +129,27 @@ static ehd_lubricant barus(bool compressible) {
     return found;
 }
 
+/* States of two lubricants at the same columns by rows of places, whose coordinates are five times their
+ * density's rise above the fields. */
+static void places_of_two(places *self, const ehd_lubricant of[2], size_t columns, size_t rows,
+                          bool quadratic) {
+    const size_t each = columns * rows;
+
+    places_init(self, columns, 2 * rows, quadratic);
+    reduced_states *states = &self->model.states;
+    for (size_t s = 0; s < 2 * each; s++) {
+        const size_t place = s % each;
+        const double x = SPACING[0] * (double)(place % columns);
+        const double y = SPACING[1] * (double)(place / columns);
+        states->moes_M[s] = exp(x);
+        states->alpha_p_H[s] = expm1(2 * y);
+        states->rises[s] = lubricant_rises_at(&of[s / each], expm1(2 * y) / ALPHA);
+        for (size_t j = 0; j < UNKNOWNS; j++)
+            states->coordinates[s * UNKNOWNS + j] =
+                field(x, y, j, quadratic) + 5 * states->rises[s].of[RISE_DENSITY];
+    }
+}
+
 /* Two lubricants at the same places, of which the compressible one's states are five times its
  * density's rise away: the incompressible contact finds its own field, and without a lubricant it is
  * between both. States of one lubricant alone serve another as if they were its own. */
@@ -139,19 +160,8 @@ static void lubricants_are_told_apart(void **state) {
     (void)state;
     places self;
 
-    places_init(&self, MOST, 2 * MOST, true);
+    places_of_two(&self, of, MOST, MOST, true);
     reduced_states *states = &self.model.states;
-    for (size_t s = 0; s < ALL; s++) {
-        const size_t place = s % (ALL / 2), kind = s / (ALL / 2);
-        const double x = SPACING[0] * (double)(place % MOST);
-        const double y = SPACING[1] * (double)(place / MOST);
-        states->moes_M[s] = exp(x);
-        states->alpha_p_H[s] = expm1(2 * y);
-        states->rises[s] = lubricant_rises_at(&of[kind], expm1(2 * y) / ALPHA);
-        for (size_t j = 0; j < UNKNOWNS; j++)
-            states->coordinates[s * UNKNOWNS + j] =
-                field(x, y, j, true) + 5 * states->rises[s].of[RISE_DENSITY];
-    }
     const double M = exp(SPACING[0] * at[0]), pressure = expm1(2 * SPACING[1] * at[1]);
     for (size_t j = 0; j < UNKNOWNS; j++) {
         const double own = field(SPACING[0] * at[0], SPACING[1] * at[1], j, true);
@@ -193,24 +203,12 @@ static void lubricants_are_told_apart(void **state) {
 /* Where too few states for a quadratic fit are of the contact's lubricant, others still count as what they
  * are: an affine field of two lubricants is met. */
 static void few_states_of_two_lubricants(void **state) {
-    enum { COLUMNS = 4, ROWS = 2, ALL = 2 * COLUMNS * ROWS };
+    enum { COLUMNS = 4, ROWS = 2 };
     const ehd_lubricant of[2] = {barus(false), barus(true)};
     (void)state;
     places self;
 
-    places_init(&self, COLUMNS, 2 * ROWS, false);
-    reduced_states *states = &self.model.states;
-    for (size_t s = 0; s < ALL; s++) {
-        const size_t place = s % (ALL / 2), kind = s / (ALL / 2);
-        const double x = SPACING[0] * (double)(place % COLUMNS);
-        const double y = SPACING[1] * (double)(place / COLUMNS);
-        states->moes_M[s] = exp(x);
-        states->alpha_p_H[s] = expm1(2 * y);
-        states->rises[s] = lubricant_rises_at(&of[kind], expm1(2 * y) / ALPHA);
-        for (size_t j = 0; j < UNKNOWNS; j++)
-            states->coordinates[s * UNKNOWNS + j] =
-                field(x, y, j, false) + 5 * states->rises[s].of[RISE_DENSITY];
-    }
+    places_of_two(&self, of, COLUMNS, ROWS, false);
     for (double x = 0.25; x < COLUMNS - 1; x += 0.5) {
         const double M = exp(SPACING[0] * x), pressure = expm1(2 * SPACING[1] * 0.6);
         reduced_guess(&self.state, &self.model,
