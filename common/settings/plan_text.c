@@ -71,25 +71,34 @@ static ehd_status no_memory(const text_reader *self) {
     return place_no_memory(self->error, self->where.file);
 }
 
-/* "# group N, KEY from LOWEST to HIGHEST" and further bounds. */
+/* One of ", KEY from LOWEST to HIGHEST"; returns its length, 0 where it is something else. */
+static int read_bounds(plan_where *where, const char *text) {
+    char key[16];
+    double bounds[2];
+    int length = 0, w = 0;
+    if (sscanf(text, ", %15s from %lf to %lf%n", key, &bounds[0], &bounds[1], &length) != 3)
+        return 0;
+    while (w < NUM_WHERE && strcmp(key, plan_where_keys[w]) != 0)
+        w++;
+    if (w == NUM_WHERE) return 0;
+    memcpy(where->bounds[w], bounds, sizeof bounds);
+    return length;
+}
+
+/* "# group N" and its bounds, at least one pair. */
 static ehd_status read_group(text_reader *self, const char *line) {
     plan *of = self->plan;
     plan_where found = plan_anywhere();
-    size_t group;
-    int length = 0, num = 0;
-    bool good = sscanf(line, "# group %zu%n", &group, &length) == 1 && group < MAX_POINTS;
-    for (const char *rest = line + length; good && *rest; rest += length, num++) {
-        char key[16];
-        double bounds[2];
-        int w = 0;
-        length = 0;
-        good = sscanf(rest, ", %15s from %lf to %lf%n", key, &bounds[0], &bounds[1], &length) == 3;
-        while (good && w < NUM_WHERE && strcmp(key, plan_where_keys[w]) != 0)
-            w++;
-        good = good && w < NUM_WHERE;
-        if (good) memcpy(found.bounds[w], bounds, sizeof bounds);
-    }
-    if (!good || num == 0)
+    size_t group = 0;
+    int begin = 0;
+    bool good = sscanf(line, "# group %zu%n", &group, &begin) == 1 && group < MAX_POINTS;
+    const char *rest = line + begin;
+    do {
+        const int length = read_bounds(&found, rest);
+        good = good && length > 0;
+        rest += length;
+    } while (good && *rest);
+    if (!good)
         return place_fail(self->error, self->where,
                           "found a group without number and bounds, expected both");
     if (group >= of->num_groups) {

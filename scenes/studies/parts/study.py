@@ -17,10 +17,10 @@ import numpy as np
 import results
 
 ACCURACY = 1e-3
+REPEATS = 5
 DATA = 65  # exit code where a model does not serve it
 FILMS = ["central_film_thickness", "minimum_film_thickness"]
-STEP_EFFECTS = ["step_effect", "step_effect_minimum"]
-EFFECTS = [*STEP_EFFECTS, "inlet_effect"]
+EFFECTS = ["step_effect", "step_effect_minimum", "inlet_effect"]
 
 
 # ---- The region
@@ -79,11 +79,8 @@ def solve_reduced(model, files, table, *options):
     return {name.split()[0]: np.array(values) for name, values in columns.items()}
 
 
-def solve_full(folder, drawn, model, part, wanted):
-    """The same scenes by the full model on a model's grid, those of them that are wanted: status, films and what is told
-    of the grid's effect on these, NaN elsewhere."""
-    names = ["status", *FILMS, *STEP_EFFECTS]
-    found = {name: np.full(len(wanted), np.nan) for name in names}
+def solve_full(found, folder, drawn, model, part, wanted):
+    """The same scenes by the full model on a model's grid, those of them that are wanted: their status and films in found."""
     plan, first = f"{folder}/plan-{part}.yml", 0
     with open(plan, "w") as target:
         target.write("groups:\n")
@@ -94,25 +91,18 @@ def solve_full(folder, drawn, model, part, wanted):
                 results.write_csv(f"{folder}/points-{part}-{i}.csv", group.keys, mine)
                 target.write(f"  - scene: scene-{i}.yml\n    points: points-{part}-{i}.csv\n")
     x = results.printed(model, "x")["x"]
-    grid = {"grid.x_min": x[0], "grid.x_max": x[-1], "grid.step": results.value(model, "step")}
+    grid = {"grid.x_min": x[0], "grid.x_max": x[-1], "grid.step": results.value(model, "step"), "output.resolution": "false"}
     results.run("snapgen", plan, "-o", f"{folder}/full.h5", "--force", "--quiet", "--allow-failures", sum(wanted), *results.sets(grid))
-    for name, values in results.printed(f"{folder}/full.h5", *names).items():
+    for name, values in results.printed(f"{folder}/full.h5", *found).items():
         found[name][wanted] = values
-    return found
-
-
-def merge(total, found):
-    """What was found where it was."""
-    for name, values in found.items():
-        total[name] = np.where(np.isnan(values), total.get(name, np.nan), values)
 
 
 def reference(folder, drawn, models, part):
-    """The full model's solutions, each on the grid of the model that has solved the scene."""
-    total = {}
-    for p in np.unique(part[~np.isnan(part)]):
-        merge(total, solve_full(folder, drawn, models[int(p)], int(p), part == p))
-    return total
+    """The full model's status and films, each on the grid of the model that has solved the scene; NaN: of no part."""
+    found = {name: np.full(len(part), np.nan) for name in ("status", *FILMS)}
+    for p in np.unique(part[~np.isnan(part)]).astype(int):
+        solve_full(found, folder, drawn, models[p], p, part == p)
+    return found
 
 
 # ---- Tables
@@ -167,21 +157,36 @@ def summary(name, solved, full, mine):
     off = np.max([np.abs(solved[film] / full[film] - 1) for film in FILMS], axis=0)
     quiet, flagged = known & (solved["status"] == 0), known & (solved["status"] == results.NOT_TRUSTED)
     worst = [f"{np.max(np.abs(solved[film] / full[film] - 1)[quiet], initial=0):.1e}" for film in FILMS]
-    seconds = 1e3 * solved["solve_seconds"][mine]
+    ms = 1e3 * solved["solve_seconds"][mine]
     return [name, mine.sum(), (mine & ~known).sum(), (known & (solved["status"] == 1)).sum(), flagged.sum(),
             (flagged & (off <= ACCURACY)).sum(), (quiet & (off > ACCURACY)).sum(), *worst,
-            *(f"{np.quantile(seconds, of):.3f}" for of in (0.5, 0.95, 1))]
+            *(f"{of:.3f}" for of in (np.median(ms), ms.mean(), *np.quantile(ms, (0.9, 0.95, 1))))]
+
+
+def solve_timed(model, files, table, *options):
+    """solve_reduced with the least time of REPEATS runs."""
+    solved = solve_reduced(model, files, table, *options)
+    for _ in range(REPEATS - 1):
+        again = solve_reduced(model, files, table, *options)["solve_seconds"]
+        solved["solve_seconds"] = np.minimum(solved["solve_seconds"], again)
+    return solved
+
+
+def serves(model, scene, settings, *options):
+    """Whether a model has sizes for what options ask of it."""
+    return results.run("romrun", scene, *results.sets(settings), "--model", model, "--quiet", *options,
+                       outcomes=range(256)).returncode != DATA
 
 
 def draw(folder, plan, seed, count, models, *whole):
     """Random scenes with an accuracy of 1 permille asked for: of each part those that it has solved, of the list all. Left out
     are those that the plan leaves out."""
     header = ["M", "scenes", "full has none", "not solved", "flagged", "of these good", "silent", "H_c, worst", "H_m, worst",
-              "ms: median", "95 %", "worst"]
+              "ms: median", "mean", "90 %", "95 %", "worst"]
     random, groups, parts = np.random.default_rng(int(seed)), read_plan(plan), results.listed_models(models)
     drawn = [(group, [group.draw(random) for _ in range(int(count) // len(groups))]) for group in groups]
     files, asked = write_scenes(folder, drawn), ["--accuracy", ACCURACY]
-    solved = solve_reduced(models, files, f"{folder}/solved.csv", *asked)
+    solved = solve_timed(models, files, f"{folder}/solved.csv", *asked)
     inside = np.ones(len(solved["status"]), bool)
     for key, (low, high) in groups[0].where.items():
         inside &= (solved[key] >= low) & (solved[key] <= high)
@@ -190,12 +195,11 @@ def draw(folder, plan, seed, count, models, *whole):
             if np.any(inside & (solved["part"] == p))]
     rows.append(summary("list", solved, full, inside))
     for model in whole:
-        serves = results.run("romrun", files[0][0], "--cases", files[0][1], "--model", model, "-o", f"{folder}/solved.csv", "--force",
-                             "--quiet", *asked, outcomes=range(256)).returncode != DATA
-        solved = solve_reduced(model, files, f"{folder}/solved.csv", *asked if serves else [])
+        served = serves(model, files[0][0], dict(zip(groups[0].keys, drawn[0][1][0])), *asked)
+        solved = solve_timed(model, files, f"{folder}/solved.csv", *asked if served else [])
         full = reference(folder, drawn, [model], np.where(inside, 0, np.nan))
-        rows.append(summary(part_name(model) if serves else f"{part_name(model)}, all of it", solved, full, inside))
-    print(f"seed {seed}, --accuracy {ACCURACY:g}\n")
+        rows.append(summary(part_name(model) if served else f"{part_name(model)}, all of it", solved, full, inside))
+    print(f"seed {seed}, --accuracy {ACCURACY:g}, time: least of {REPEATS} runs\n")
     results.table([header, None, *rows])
 
 
@@ -219,7 +223,7 @@ def border(folder, plan, picture, models):
     list takes: by that of the first group, of each of what it varies."""
     import pictures
 
-    group, parts, jumps = read_plan(plan)[0], results.listed_models(models), []
+    group, parts, off, jumps = read_plan(plan)[0], results.listed_models(models), [], []
     figure, axes = pictures.page(900, 720, 2, 1, sharex=True)
     for texts, colour in zip(next(iter(group.choices.values()), [""]), pictures.COLOURS):
         drawn = [(group, [values + [texts] * len(group.choices) for values in path(group, 161)])]
@@ -228,7 +232,8 @@ def border(folder, plan, picture, models):
         M = solved["moes_M"]
         full = reference(folder, drawn, parts, solved["part"])
         axes[0].loglog(M, solved[FILMS[0]], color=colour, label=f"list {texts}".strip())
-        axes[1].loglog(M, np.abs(solved[FILMS[0]] / full[FILMS[0]] - 1), color=colour, label=f"list {texts}".strip())
+        off.append(np.abs(solved[FILMS[0]] / full[FILMS[0]] - 1))
+        axes[1].loglog(M, off[-1], color=colour, label=f"list {texts}".strip())
         for p, model in enumerate(parts):
             low, high = extent(model)
             near = (M >= 0.999 * low) & (M <= 1.001 * high)
@@ -238,6 +243,7 @@ def border(folder, plan, picture, models):
                            fillstyle="none", markersize=4)
             both = np.abs(solved["part"][near] - p) == 1
             jumps.append(np.abs(alone / solved[FILMS[0]][near] - 1)[both].max(initial=0))
+    print(f"the list's central film is {np.max(off):.1e} at most off the full model on the grid of the part")
     print(f"where two parts overlap their central films, each on its own grid, differ by {max(jumps):.1e} at most")
     axes[0].set_ylabel("central film H")
     axes[1].set(xlabel="M; lines at the ends of the parts", ylabel="off the full model (marks: a part alone)")
