@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# ehdrom: two commands on a fresh Debian 12 are enough, `make demo` and `make check`.
-# `make help` lists targets and settings.
+# ehdrom: two commands on a fresh Debian 12 or 13 are enough, `make demo` and `make check`.
+# They install what is missing, after a question on a terminal. `make help` lists targets and settings.
 
 VERSION := 0.3.0
 
@@ -17,7 +17,7 @@ ifeq ($(origin CC),default)
   CC := gcc
 endif
 
-# One fixed instruction set, so that machines of one kind give the same bits; never -ffast-math.
+# One fixed instruction set; never -ffast-math.
 # The compiler may have to be installed by `deps`, so it is asked at first use in a recipe, and once.
 MARCH ?= $(eval MARCH := $$(if $$(filter x86_64%,$$(shell $(CC) -dumpmachine)),x86-64-v3))$(MARCH)
 
@@ -61,7 +61,7 @@ SOURCES         := $(MAINS) $(LIB_SOURCES) $(FMU_ONLY) $(HDF5_APART) $(UNIT_SOUR
 LIB_OBJECTS := $(LIB_SOURCES:%.c=$(BUILD)/%.o)
 
 # What is installed for other programs: objects of the rooms that it may use, position independent.
-LIBRARY_SOURCES := $(filter common/% romrun/model/% romrun/online/% romrun/library/%,$(LIB_SOURCES))
+LIBRARY_SOURCES := $(filter-out common/program/openblas.c common/program/processor_check.c,$(filter common/% romrun/model/% romrun/online/% romrun/library/%,$(LIB_SOURCES)))
 LIBRARY_OBJECTS := $(LIBRARY_SOURCES:%.c=$(BUILD)/pic/%.o)
 # The shared one is without HDF5, which is in a second one that it loads for a model.h5 (romrun/library/hdf5_calls.h).
 WITHOUT_HDF5    := $(filter-out common/artefact/%,$(LIBRARY_SOURCES)) common/artefact/schemas.c romrun/library/hdf5_calls.c
@@ -103,6 +103,7 @@ BENCH_SHARED := $(patsubst %.c,$(BUILD)/%.o,$(filter-out tests/bench/bench_%,$(B
 # the programs, each with a name for its main, and what hands them files
 FUZZ_SHARED  := $(BUILD)/tests/fuzz/target.o $(BUILD)/tests/fuzz/edit.o $(BUILD)/tests/fuzz/flat_edit.o $(MAINS:%/main.c=$(BUILD)/fuzz/%-main.o)
 REPLAY       := $(BUILD)/fuzz/replay
+FLIP         := $(BUILD)/fuzz/flip
 USE_LIBRARY  := $(BUILD)/unit/use_library
 FUZZER       := $(BUILD)/fuzz/libfuzzer
 FAULT_TOOLS  := $(BUILD)/fault/inject.so $(BUILD)/fault/sweep
@@ -132,23 +133,23 @@ PKG_CFLAGS = $(eval PKG_CFLAGS := $$(patsubst -I%,-isystem %,$$(shell pkg-config
 PKG_LIBS   = $(eval PKG_LIBS := $$(filter-out -lgslcblas,$$(shell pkg-config --libs $(MODULES))))$(PKG_LIBS)
 , := ,
 
-# The library has an OpenBLAS of its own within it, where it is used alone and begins no threads in somebody else's
-# process, and what that and LAPACKE take of Fortran's run time.
+# The library calls neither BLAS nor LAPACK (common/algebra/product.h).
 LIBRARY_MODULES := $(filter-out openblas lapacke,$(MODULES))
-LIBRARY_BLAS     = $(eval LIBRARY_BLAS := -l:liblapacke.a $$(shell pkg-config --libs-only-L openblas) \
-                   -l:libopenblas.a -l:libgfortran.a -l:libquadmath.a)$(LIBRARY_BLAS)
-LIBRARY_LIBS     = $(eval LIBRARY_LIBS := $$(filter-out -lgslcblas,$$(shell pkg-config --libs $(LIBRARY_MODULES))) \
-                   -lhdf5_serial_hl -lm)$(LIBRARY_LIBS)
+# hdf5_hl before hdf5, which a static link needs.
+LIBRARY_LIBS     = $(eval LIBRARY_LIBS := -lhdf5_serial_hl \
+                   $$(filter-out -lgslcblas,$$(shell pkg-config --libs $(LIBRARY_MODULES))) -lm)$(LIBRARY_LIBS)
 PLUGIN_LIBS      = $(eval PLUGIN_LIBS := $$(shell pkg-config --libs hdf5-serial nettle) -lhdf5_serial_hl -lm)$(PLUGIN_LIBS)
 
 WARNINGS     := -Wall -Wextra -Wpedantic -Wshadow -Wconversion
-ALL_CPPFLAGS  = -I. -D_GNU_SOURCE $(CPPFLAGS) $(PKG_CFLAGS) -isystem /usr/include/suitesparse
+# HDF5's unversioned names mean other functions and types in each release; these are those of 1.10.
+ALL_CPPFLAGS  = -I. -D_GNU_SOURCE -DH5_USE_110_API $(CPPFLAGS) $(PKG_CFLAGS) -isystem /usr/include/suitesparse
 ALL_CFLAGS    = -std=c17 -pthread $(WARNINGS) $(MARCH:%=-march=%) $(CFLAGS)
 ALL_LDFLAGS   = -pthread -Wl,--as-needed $(CFLAGS) $(LDFLAGS)
 ALL_LIBS      = $(PKG_LIBS) -lumfpack -lhdf5_hl -lminizip -lm $(LDLIBS)
 
 # Shown by --version and kept in every result.
-REVISION := $(shell GIT_OPTIONAL_LOCKS=0 git -c safe.directory="*" describe --always --dirty 2>/dev/null || echo unknown)
+REVISION := $(or $(shell GIT_OPTIONAL_LOCKS=0 git -c safe.directory="*" describe --always --dirty 2>/dev/null | \
+            tr -cd 'A-Za-z0-9._+-'),unknown)
 BUILD_INFO = -DEHD_VERSION='"$(VERSION)"' -DEHD_REVISION='"$(REVISION)"' \
              -DEHD_FLAGS='"$(strip $(MARCH:%=-march=%) $(CFLAGS))"'
 
@@ -167,17 +168,17 @@ all: $(PROGRAMS) $(LIBRARY) $(FMU_FILES) ## build all programs and the library (
 .DEFAULT_GOAL := all
 
 demo: $(PROGRAMS) ## run the stationary line contact from training to comparison
-	@$(MAKE) -C scenes/studies/stationary-line demo BIN=$(abspath $(BIN))
+	@$(MAKE) -C scenes/studies/stationary-line demo BIN=../../../$(BIN)
 
 demo-point: $(PROGRAMS) ## the same with a stationary point contact
-	@$(MAKE) -C scenes/studies/point-stationary demo BIN=$(abspath $(BIN))
+	@$(MAKE) -C scenes/studies/point-stationary demo BIN=../../../$(BIN)
 
 # Needs the programs too: the pipeline tests run them. These come first, since they take the longest.
-check: $(PROGRAMS) $(LIBRARY) $(USE_LIBRARY) $(FMU_FILES) $(USE_FMU) $(TESTS) $(FAULT_TOOLS) $(REPLAY) ## unit and pipeline tests; last line: N passed, N failed
+check: $(PROGRAMS) $(LIBRARY) $(USE_LIBRARY) $(FMU_FILES) $(USE_FMU) $(TESTS) $(FAULT_TOOLS) $(REPLAY) $(FLIP) ## unit and pipeline tests; last line: N passed, N failed
 	@$(run_tests) $(PIPELINES) $(TESTS)
 
 check-long: export TIMEOUT ?= 7200
-check-long: $(PROGRAMS) $(FMU_FILES) $(LONG_TESTS) $(USE_LIBRARY) $(FAULT_TOOLS) ## the tests that take minutes
+check-long: $(PROGRAMS) $(FMU_FILES) $(LONG_TESTS) $(USE_LIBRARY) $(FAULT_TOOLS) $(FLIP) ## the tests that take minutes
 	@$(run_tests) $(LONG_TESTS) $(LONG_PIPELINES)
 
 # Apart from check, since it installs Slurm.
@@ -187,7 +188,7 @@ check-slurm: $(PROGRAMS) | slurm-deps ## training as jobs of a Slurm that is sta
 run-slurm-tests:
 	@$(run_tests) tests/slurm/slurm.bats
 
-run_tests = BIN=$(abspath $(BIN)) VARIANT=$(VARIANT) JOBS=$(JOBS) V=$(V) $(FILTER:%=FILTER='%') tests/run.sh $(BUILD)/test-logs
+run_tests = BIN="$$PWD"/$(BIN) VARIANT=$(VARIANT) JOBS=$(JOBS) V=$(V) $(FILTER:%=FILTER='%') tests/run.sh $(BUILD)/test-logs
 
 FUZZ_TARGETS ?= $(shell sed -n 's/^ *{.name = "\([a-z-]*\)".*/\1/p' tests/fuzz/target.c)
 FUZZ_SECONDS ?= 60
@@ -196,12 +197,12 @@ FUZZ_SECONDS ?= 60
 fuzz: $(PROGRAMS) | fuzz-deps ## fuzz FUZZ_TARGETS (all) for FUZZ_SECONDS (60) each, with clang's libFuzzer
 	@$(MAKE) VARIANT=fuzz CC=clang DEPS=no build/fuzz/fuzz/libfuzzer
 	@for target in $(FUZZ_TARGETS); do \
-	    BIN=$(abspath $(BIN)) tests/fuzz/fuzz.sh build/fuzz/fuzz/libfuzzer $$target $(FUZZ_SECONDS) || failed=1; \
+	    BIN="$$PWD"/$(BIN) tests/fuzz/fuzz.sh build/fuzz/fuzz/libfuzzer $$target $(FUZZ_SECONDS) || failed=1; \
 	done; [ -z "$$failed" ]
 
 fuzz-coverage: $(PROGRAMS) | deps coverage-deps ## what each fuzz target reaches with corpus and findings: lines of the rooms, in per cent
 	@$(MAKE) VARIANT=cov build/cov/fuzz/replay
-	@for target in $(FUZZ_TARGETS); do BIN=$(abspath $(BIN)) tests/fuzz/coverage.sh $$target || exit; done
+	@for target in $(FUZZ_TARGETS); do BIN="$$PWD"/$(BIN) tests/fuzz/coverage.sh $$target || exit; done
 
 # Counts of an earlier run do not count.
 coverage: | deps coverage-deps ## lines and branches that `make check` runs, a folder; files below 90 % of lines
@@ -212,24 +213,24 @@ coverage: | deps coverage-deps ## lines and branches that `make check` runs, a f
 	awk -F, -f tests/coverage.awk build/cov/coverage.csv && exit $$code
 
 bench: $(PROGRAMS) $(BENCHES) ## measure speed
-	@BIN=$(abspath $(BIN)) BENCH=$(abspath $(BUILD)/bench) tests/bench/run.sh
+	@BIN="$$PWD"/$(BIN) BENCH="$$PWD"/$(BUILD)/bench tests/bench/run.sh
 
 costs: $(PROGRAMS) $(ON_LIBRARY) $(USE_FMU) ## what each term of a scene, and a step through library and FMU, costs, by instructions and heap
-	@BIN=$(abspath $(BIN)) BENCH=$(abspath $(BUILD)/bench) USE_FMU=$(abspath $(USE_FMU)) tests/bench/costs.sh
+	@BIN="$$PWD"/$(BIN) BENCH="$$PWD"/$(BUILD)/bench USE_FMU="$$PWD"/$(USE_FMU) tests/bench/costs.sh
 
 figures: $(PROGRAMS) ## run all studies and draw their figures
 	@for study in $(STUDIES); do \
-	    $(MAKE) -C $$study figures BIN=$(abspath $(BIN)) || exit; \
+	    $(MAKE) -C $$study figures BIN=../../../$(BIN) || exit; \
 	done
 
 examples: $(PROGRAMS) ## run all examples
 	@for example in $(EXAMPLES); do \
-	    $(MAKE) -C $$example BIN=$(abspath $(BIN)) || exit; \
+	    $(MAKE) -C $$example BIN=../../../$(BIN) || exit; \
 	done
 
 trade: $(PROGRAMS) ## deviation against time of models, full solutions and film formulas, minutes
 	@for scene in $(patsubst %/check-plan.yml,%,$(wildcard scenes/studies/*/check-plan.yml)); do \
-	    $(MAKE) -C $$scene trade BIN=$(abspath $(BIN)) || exit; \
+	    $(MAKE) -C $$scene trade BIN=../../../$(BIN) || exit; \
 	done
 
 MAN_PAGES := $(PROGRAMS:$(BIN)/%=$(BUILD)/man/%.1)
@@ -239,40 +240,39 @@ $(MAN_PAGES): $(BUILD)/man/%.1: $(BIN)/%
 
 PYTHON_PACKAGE := $(BUILD)/python/ehdrom
 python: $(LIBRARY) ## the Python package, with its library: PYTHONPATH=build/release/python
-	@mkdir -p $(PYTHON_PACKAGE) && cp -uL romrun/python/ehdrom/__init__.py romrun/python/ehdrom/ehdrom.h $(SHARED_LIBRARY) $(PLUGIN) $(PYTHON_PACKAGE)
+	@mkdir -p $(PYTHON_PACKAGE) && cp -uL romrun/python/ehdrom/*.* $(SHARED_LIBRARY) $(PLUGIN) $(PYTHON_PACKAGE)
 	@ln -sf $(notdir $(SHARED_LIBRARY)) $(PYTHON_PACKAGE)/$(SONAME)
-	@echo 'PYTHONPATH=$(abspath $(BUILD)/python)'
+	@echo "PYTHONPATH=$$PWD/$(BUILD)/python"
 
 # Names below PREFIX; of the library a link to the version that there is, and one to link with.
+quoted = '$(subst ','\'',$1)'
+to     = $(call quoted,$(DESTDIR)$(PREFIX))
 install: all man ## into DESTDIR, PREFIX: programs, man pages, library, examples
-	install -d $(DESTDIR)$(PREFIX)/bin $(DESTDIR)$(PREFIX)/share/man/man1
-	$(if $(PROGRAMS),install $(PROGRAMS) $(DESTDIR)$(PREFIX)/bin)
-	$(if $(MAN_PAGES),install -m 644 $(MAN_PAGES) $(DESTDIR)$(PREFIX)/share/man/man1)
+	install -d $(to)/bin $(to)/share/man/man1
+	$(if $(PROGRAMS),install $(PROGRAMS) $(to)/bin)
+	$(if $(MAN_PAGES),install -m 644 $(MAN_PAGES) $(to)/share/man/man1)
 	@for file in $(filter-out $(LIBRARY_LINKS),$(LIBRARY:$(BUILD)/%=%)); do \
-	    install -D -m 644 $(BUILD)/$$file $(DESTDIR)$(PREFIX)/$$file || exit; \
+	    install -D -m 644 $(BUILD)/$$file $(to)/$$file || exit; \
 	done
-	cp -P $(LIBRARY_LINKS) $(DESTDIR)$(PREFIX)/lib
-	@$(if $(FMU_FILES),cd $(BUILD) && find lib/ehdrom -type f | while read -r file; do \
-	    install -D -m 644 $$file $(abspath $(DESTDIR)$(PREFIX))/$$file || exit; \
+	cp -P $(LIBRARY_LINKS) $(to)/lib
+	@$(if $(FMU_FILES),find $(BUILD)/lib/ehdrom -type f -printf 'lib/ehdrom/%P\n' | while read -r file; do \
+	    install -D -m 644 $(BUILD)/$$file $(to)/$$file || exit; \
 	done)
-	@cd scenes && $(list_scenes) | while read -r file; do \
-	    install -D $$file $(DESTDIR)$(PREFIX)/share/ehdrom/$$file || exit; \
-	done
-list_scenes = find lib examples \( -name 'out*' -o -name build -o -name __pycache__ \) -prune -o -type f -print
+	@$(list_scenes) | while IFS= read -r file; do install -D scenes/"$$file" $(to)/share/ehdrom/"$$file" || exit; done
+list_scenes = find scenes/lib scenes/examples \( -name 'out*' -o -name build -o -name __pycache__ \) -prune -o -type f -print | sed 's,^scenes/,,'
 
 # Only what install writes, and folders of its own that are then empty.
 uninstall: ## remove what install has written there
-	rm -f $(PROGRAMS:$(BIN)/%=$(DESTDIR)$(PREFIX)/bin/%) $(MAN_PAGES:$(BUILD)/man/%=$(DESTDIR)$(PREFIX)/share/man/man1/%) \
-	    $(LIBRARY:$(BUILD)/%=$(DESTDIR)$(PREFIX)/%)
-	rm -rf $(DESTDIR)$(PREFIX)/lib/ehdrom
-	@cd scenes && $(list_scenes) | while read -r file; do rm -f $(DESTDIR)$(PREFIX)/share/ehdrom/$$file; done
-	@[ ! -d $(DESTDIR)$(PREFIX)/share/ehdrom ] || find $(DESTDIR)$(PREFIX)/share/ehdrom -depth -type d -empty -delete
+	rm -f $(addprefix $(to)/,$(PROGRAMS:$(BIN)/%=bin/%) $(MAN_PAGES:$(BUILD)/man/%=share/man/man1/%) $(LIBRARY:$(BUILD)/%=%))
+	rm -rf $(to)/lib/ehdrom
+	@$(list_scenes) | while IFS= read -r file; do rm -f $(to)/share/ehdrom/"$$file"; done
+	@[ ! -d $(to)/share/ehdrom ] || find $(to)/share/ehdrom -depth -type d -empty -delete
 
-# Libs.private is for those who link it statically.
+# Libs.private is for those who link it statically; what HDF5 needs then its own file does not say.
 $(PC_FILE): $(BUILD)/flags FORCE
-	@mkdir -p $(@D) && printf '%s\n' 'prefix=$(PREFIX)' 'includedir=$${prefix}/include' 'libdir=$${prefix}/lib' '' \
+	@mkdir -p $(@D) && printf '%s\n' prefix=$(call quoted,$(PREFIX)) 'includedir=$${prefix}/include' 'libdir=$${prefix}/lib' '' \
 	    'Name: ehdrom' 'Version: $(VERSION)' 'Description: Reduced-order elastohydrodynamic lubrication' \
-	    'Cflags: -I$${includedir}' 'Libs: -L$${libdir} -lehdrom' 'Libs.private: $(LIBRARY_LIBS) -pthread' > $@
+	    'Cflags: -I$${includedir}' 'Libs: -L$${libdir} -lehdrom' 'Libs.private: $(LIBRARY_LIBS) -lsz -laec -lz -pthread' > $@
 
 ALL_C := $(SOURCES) $(FAULT_SOURCES) $(sort $(wildcard scenes/*.c scenes/*/*.c scenes/*/*/*.c))
 
@@ -311,7 +311,7 @@ print-%:
 
 # ---- What has to be installed
 
-PACKAGES := gcc g++ libc6-dev pkg-config libopenblas-pthread-dev libgfortran-12-dev liblapacke-dev libsuitesparse-dev libhdf5-dev \
+PACKAGES := gcc g++ libc6-dev pkg-config libopenblas-pthread-dev liblapacke-dev libsuitesparse-dev libhdf5-dev \
             hdf5-tools libgsl-dev libfftw3-dev libyaml-dev nettle-dev libminizip-dev libcmocka-dev bats cmake \
             help2man netcdf-bin python3-numpy python3-matplotlib python3-xarray python3-h5py python3-netcdf4 \
             python3-h5netcdf python3-cffi python3-scipy python3-pip valgrind libxml2-utils qemu-user
@@ -351,7 +351,16 @@ if [ -n "$$sudo" ] && ! command -v sudo >/dev/null; then \
     echo "deps: found no sudo and no root, expected one of them to install: $$missing(installed otherwise? DEPS=no)" >&2; \
     exit 1; \
 fi; \
-echo "deps: installing $$missing" >&2; \
+if [ -n "$$sudo" ] && [ -t 0 ] && [ -t 2 ] && [ -z "$$CI" ]; then \
+    printf 'deps: these packages are missing:\n  %s\nInstall them with sudo apt-get? [Y/n] ' "$$missing" >&2; \
+    read -r answer || answer=no; \
+    case $$answer in \
+    '' | [yY]*) ;; \
+    *) echo 'deps: nothing was installed (installed otherwise? DEPS=no)' >&2; exit 1 ;; \
+    esac; \
+else \
+    echo "deps: installing $$missing" >&2; \
+fi; \
 $$sudo apt-get update -qq && \
 $$sudo env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends $$missing
 endef
@@ -383,7 +392,7 @@ link_shared = $(call quiet,LINK,$@)mkdir -p $(@D) && $(CC) -shared $(ALL_CFLAGS)
               -Wl,--gc-sections -Wl,-z,defs,-z,relro
 
 $(SHARED_LIBRARY): $(SHARED_OBJECTS) $(LIBRARY_EXPORTS) $(BUILD)/objects
-	$(link_shared) -Wl,-soname,$(SONAME) -Wl,--version-script=$(LIBRARY_EXPORTS) $(LIBRARY_BLAS) $(LIBRARY_LIBS)
+	$(link_shared) -Wl,-soname,$(SONAME) -Wl,--version-script=$(LIBRARY_EXPORTS) $(LIBRARY_LIBS)
 
 $(PLUGIN): $(PLUGIN_OBJECTS) $(BUILD)/objects
 	$(link_shared) -Wl,-soname,$(@F) $(PLUGIN_LIBS)
@@ -397,7 +406,7 @@ $(LIBRARY_LINKS): $(SHARED_LIBRARY)
 $(STATIC_LIBRARY): $(LIBRARY_OBJECTS) $(LIBRARY_EXPORTS) $(BUILD)/objects
 	$(call quiet,AR  ,$@)mkdir -p $(@D) && rm -f $@ && \
 	    $(CC) -r -nostdlib -o $(@D)/ehdrom.o -Wl,--gc-sections $(patsubst %,-Wl$(,)-u$(,)%,$(exported)) \
-	        $(LIBRARY_OBJECTS) $(LIBRARY_BLAS) && \
+	        $(LIBRARY_OBJECTS) && \
 	    objcopy $(addprefix --keep-global-symbol=,$(exported)) $(@D)/ehdrom.o && $(AR) rcs $@ $(@D)/ehdrom.o
 # The library once for any x86-64 and once for x86-64-v3, each one object with names of its own (romrun/fmu/processor.c),
 # and all that it needs but libc and libm. FFTW, GSL: see romrun/fmu/README.md.
@@ -421,12 +430,12 @@ $(FMU)/any.o: $(FMU_LIBRARY:%.c=$(FMU)/any/%.o)
 $(FMU)/v3.o: $(FMU_LIBRARY:%.c=$(FMU)/v3/%.o)
 $(FMU_CORES): romrun/fmu/processor.c $(FMU)/objects
 	$(call quiet,LINK,$@)$(CC) -r -nostdlib -o $@ -Wl,--gc-sections $(patsubst %,-Wl$(,)-u$(,)%,$(fmu_calls)) \
-	    $(filter %.o,$^) -l:liblapacke.a && \
+	    $(filter %.o,$^) && \
 	objcopy $(addprefix --keep-global-symbol=,$(fmu_calls)) $@ && \
 	objcopy $(foreach name,$(fmu_calls),--redefine-sym $(name)=$(name)_$(basename $(@F))) $@
 
-FMU_LIBS = -Wl,-Bstatic $(shell pkg-config --libs openblas) -lgsl -lfftw3 -lyaml -lnettle -lgfortran -lquadmath -Wl,-Bdynamic -lm
-$(FMU)/fmu.so: $(FMU_SOURCES:%.c=$(FMU)/any/%.o) $(FMU)/any/common/program/openblas.o $(FMU_CORES) romrun/fmu/fmi.map
+FMU_LIBS = -Wl,-Bstatic -lgsl -lfftw3 -lyaml -lnettle -Wl,-Bdynamic -lm
+$(FMU)/fmu.so: $(FMU_SOURCES:%.c=$(FMU)/any/%.o) $(FMU_CORES) romrun/fmu/fmi.map
 	$(call quiet,LINK,$@)$(CC) -shared -static-libgcc -s -o $@ $(filter %.o,$^) $(FMU_LIBS) \
 	    -Wl,--version-script=romrun/fmu/fmi.map -Wl,-Bsymbolic -Wl,--gc-sections -Wl,-z,defs,-z,relro,-z,noexecstack
 
@@ -438,7 +447,7 @@ $(BUILD)/lib/ehdrom/fmu.so: $(FMU)/fmu.so
 	@mkdir -p $(@D) && ln -f $< $@
 
 # Of all that is linked, as Debian keeps them.
-FMU_LICENCES := libopenblas0-pthread liblapacke libgfortran5 libquadmath0 libgsl27 libfftw3-double3 libyaml-0-2 libnettle8
+FMU_LICENCES := libgsl-dev libfftw3-dev libyaml-dev nettle-dev
 $(BUILD)/lib/ehdrom/licenses: LICENSE $(FMU)/flags
 	@rm -rf $@ && mkdir -p $@ && cp LICENSE $@/ehdrom.txt
 	@for package in $(FMU_LICENCES); do \
@@ -460,7 +469,7 @@ $(TESTS) $(LONG_TESTS): $(BUILD)/unit/%: $(BUILD)/tests/unit/%.o $(UNIT_SHARED) 
 # As others build on the library.
 $(ON_LIBRARY): tests/bench/bench_many.c $(LIBRARY)
 	$(call quiet,LINK,$@)mkdir -p $(@D) && $(CC) -I$(BUILD)/include -D_GNU_SOURCE $(ALL_CFLAGS) $(LDFLAGS) -o $@ $< \
-	    -L$(BUILD)/lib -lehdrom -Wl,-rpath,$(abspath $(BUILD)/lib) -lm
+	    -L$(BUILD)/lib -lehdrom -Xlinker -rpath -Xlinker "$$PWD"/$(BUILD)/lib -lm
 
 $(filter-out $(ON_LIBRARY),$(BENCHES)): $(BUILD)/bench/%: $(BUILD)/tests/bench/%.o $(BUILD)/tests/unit/dense.o \
                              $(BUILD)/tests/unit/sample.o $(BENCH_SHARED) $(LIB)
@@ -482,7 +491,7 @@ $(BUILD)/fuzz/%-main.o: %/main.c $(BUILD)/flags
 	$(call quiet,CC  ,$<)mkdir -p $(@D) && $(CC) $(ALL_CPPFLAGS) $(ALL_CFLAGS) -Dmain=$*_main -MMD -MP -c -o $@ $<
 
 $(FUZZER): LDFLAGS += -fsanitize=fuzzer -Wl,--wrap=strcmp
-$(REPLAY) $(FUZZER): $(BUILD)/fuzz/%: $(BUILD)/tests/fuzz/%.o $(FUZZ_SHARED) $(LIB)
+$(REPLAY) $(FLIP) $(FUZZER): $(BUILD)/fuzz/%: $(BUILD)/tests/fuzz/%.o $(FUZZ_SHARED) $(LIB)
 	$(call quiet,LINK,$@)$(link) $(ALL_LIBS)
 
 -include $(patsubst %.o,%.d,$(sort $(LIBRARY_OBJECTS) $(SHARED_OBJECTS) $(PLUGIN_OBJECTS)))

@@ -146,7 +146,7 @@ static ehd_status fit_init(cubature_fit *self, ehd_error *error) {
         self->ones[i] = 1;
     for (size_t r = 0; r < grid->num_inner; r++) {
         const size_t k = grid_node_of_row(grid, r);
-        if (grid_is_dry(grid, k)) self->dry_area += grid_load_weight(grid, k);
+        self->dry_area += grid_load_weight(grid, k) * grid_dry_share(grid, k);
     }
     return EHD_OK;
 }
@@ -169,7 +169,7 @@ static void integrate(double *whole, double *dry, const cubature_fit *self, inte
         const double weight = grid_load_weight(grid, k);
         const double part = weight * stress_of(of, rise, self->pressure[k], self->film[k]);
         *whole += part;
-        if (grid_is_dry(grid, k)) *dry += part;
+        *dry += grid_dry_share(grid, k) * part;
     }
 }
 
@@ -187,7 +187,8 @@ static void add_state(cubature_fit *self, double rise) {
                                                                    self->pressure[k], self->film[k])
                                                        : 0;
             friction[q] = stress / whole;
-            of_dry[q] = grid_is_dry(&self->basis->grid, k) ? stress / dry * self->dry_area : 0;
+            of_dry[q] =
+                grid_dry_share(&self->basis->grid, k) > 0 ? stress / dry * self->dry_area : 0;
         }
         self->num_rows++;
     }
@@ -221,18 +222,44 @@ static ehd_status solve_weights(double *weights, const cubature_fit *self, const
     return status;
 }
 
-/* Those of the nodes that have a weight. */
-static ehd_status add_chosen(reduced_model *model, cubature_fit *self, ehd_error *error) {
-    size_t count = 0;
+/* Weights by the number of a node of the grid. */
+typedef struct node_weights {
+    double friction, dry;
+    bool kept;
+} node_weights;
 
+static bool any_thinned(const reduced_states *states) {
+    for (size_t s = 0; s < states->num_states; s++)
+        if (states->thinning[s].gradient > 0) return true;
+    return false;
+}
+
+/* Those of the nodes that have a weight, and beside them where stresses depend on the gradient. */
+static ehd_status add_chosen(reduced_model *model, cubature_fit *self, ehd_error *error) {
+    const ehd_grid *grid = &self->basis->grid;
+    const bool with_beside = any_thinned(&self->basis->states);
+    node_weights *weights = arena_array(&self->memory, grid->num_nodes, sizeof *weights);
+    size_t *node = arena_array(&self->memory, grid->num_inner, sizeof *node), count = 0;
+    double *friction = arena_array(&self->memory, grid->num_inner, sizeof *friction);
+    double *dry = arena_array(&self->memory, grid->num_inner, sizeof *dry);
+
+    if (self->memory.failed) return no_memory(error);
     for (size_t q = 0; q < self->num_nodes; q++) {
         if (self->of_friction[q] == 0 && self->of_dry[q] == 0) continue;
-        self->node[count] = self->node[q];
-        self->of_friction[count] = self->of_friction[q];
-        self->of_dry[count++] = self->of_dry[q];
+        node_weights *of = weights + self->node[q];
+        of->friction = self->of_friction[q];
+        of->dry = self->of_dry[q];
+        of->kept = true;
+        if (with_beside) of[-1].kept = of[1].kept = true;
     }
-    return reduced_model_add_cubature(model, self->basis, self->node, self->of_friction,
-                                      self->of_dry, count, error);
+    for (size_t r = 0; r < grid->num_inner; r++) {
+        const size_t k = grid_node_of_row(grid, r);
+        if (!weights[k].kept) continue;
+        node[count] = k;
+        friction[count] = weights[k].friction;
+        dry[count++] = weights[k].dry;
+    }
+    return reduced_model_add_cubature(model, self->basis, node, friction, dry, count, error);
 }
 
 ehd_status cubature_train(reduced_model *model, const reduced_basis *basis, ehd_error *error) {

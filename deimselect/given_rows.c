@@ -50,8 +50,7 @@ ehd_status given_rows_read(given_rows *self, const char *path, const reduced_bas
     bool *taken = NULL;
 
     *self = (given_rows){0};
-    ehd_status status = (artefact_is_table(path) ? artefact_read_table : csv_read_table)(
-        path, columns, 2, &self->count, error);
+    ehd_status status = table_read(path, columns, 2, &self->count, error);
     self->factors = columns[1].values;
     if (!status)
         status = reduced_check_num_rows(self->count, basis->num_pressure, basis->num_deformation,

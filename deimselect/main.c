@@ -132,7 +132,8 @@ static ehd_status open_residuals(residual_input *input, const char *path,
     for (size_t i = 0; i < snapshots->count && !status; i++)
         snapshots->state[i] = -1;
     if (!status && artefact_has(*file, "iteration_state"))
-        status = artefact_get_integers(*file, "iteration_state", snapshots->state, error);
+        status = artefact_get_integers(*file, "iteration_state", snapshots->state, snapshots->count,
+                                       error);
     if (!status && artefact_has(*file, "settings"))
         status = artefact_get_text(*file, "settings", &input->plan_text, error);
     return status;
@@ -178,9 +179,11 @@ static ehd_status read_residuals(residual_input *input, const program *self,
     }
     status = residual_snapshots_hold(&input->snapshots, basis->grid.num_inner, error);
     if (!status)
-        status = artefact_get(file, "weighted_residual", input->snapshots.residuals, error);
+        status = artefact_get(file, "weighted_residual", input->snapshots.residuals,
+                              input->snapshots.count * basis->grid.num_inner, error);
     if (!status)
-        status = artefact_get(file, "weighted_jacobian_step", input->snapshots.steps, error);
+        status = artefact_get(file, "weighted_jacobian_step", input->snapshots.steps,
+                              input->snapshots.count * basis->grid.num_inner, error);
     artefact_close(&input->reader.file);
     return status;
 }

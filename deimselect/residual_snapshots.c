@@ -110,7 +110,8 @@ static ehd_status stream_all(stream_pod *stream, const residual_snapshots *snaps
     if (reader->caller) progress_start(&shown, reader->caller, snapshots->count);
     for (size_t i = 0; i < snapshots->count && !status; i++) {
         if (!units || is_last(snapshots, i)) {
-            status = artefact_get_part(reader->file, field_names[kind], i, 1, field, error);
+            status =
+                artefact_get_part(reader->file, field_names[kind], i, 1, field, num_inner, error);
             if (!status && units) make_unit(field, num_inner);
             if (!status) status = stream_pod_add(stream, field, error);
         }

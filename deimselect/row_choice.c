@@ -130,8 +130,9 @@ static ehd_status measure(row_choice *choice, const pod_basis pods[2], const red
     return status;
 }
 
-/* As many rows as the snapshots tell apart: two a mode where no number is given. */
-static ehd_status limit_rows(size_t *num_rows, const pod_basis pods[2],
+/* As many rows as the snapshots tell apart: two a mode where no number is given. A row for each pressure
+ * mode is needed. */
+static ehd_status limit_rows(size_t *num_rows, const pod_basis pods[2], size_t num_pressure,
                              const selection_method *method, bool given, ehd_error *error) {
     int poorer = pods[1].num_modes < pods[0].num_modes;
     size_t max_rows = method->rows_per_mode * pods[poorer].num_modes;
@@ -142,6 +143,13 @@ static ehd_status limit_rows(size_t *num_rows, const pod_basis pods[2],
                         "--rows: found %zu, expected at most %zu, as many as the snapshots of the "
                         "%s tell apart",
                         *num_rows, max_rows, residual_names[poorer]);
+    if (max_rows < num_pressure)
+        return ehd_fail(error, EHD_DATA,
+                        "%s: found enough for %zu rows, expected %zu, one for each pressure mode. "
+                        "Points and histories that snapgen --basis does not solve leave none. "
+                        "Train on more of them, or take fewer modes (podbuild --energy or "
+                        "--pressure-modes)",
+                        residual_names[poorer], max_rows, num_pressure);
     *num_rows = max_rows;
     return EHD_OK;
 }
@@ -238,8 +246,8 @@ static ehd_status select_rows(row_choice *choice, pod_basis pods[2], selection_b
                             wanted_modes(settings->method->rows_per_mode, num_rows, num_unknowns),
                             error);
     if (!status)
-        status = limit_rows(&num_rows, pods, settings->method, settings->num_rows > 0, error);
-    if (!status) status = check_rows(num_rows, basis, error);
+        status = limit_rows(&num_rows, pods, basis->num_pressure, settings->method,
+                            settings->num_rows > 0, error);
     if (status) return status;
     *bases = make_bases(pods, basis, bases->exits, bases->num_exits);
     status = allocate_rows(choice, num_rows, error);

@@ -2,6 +2,7 @@
 /* Starts for Newton: the dry contact, and continuation from an easier contact to a harder one. */
 #include "fullrun/continuation.h"
 
+#include "common/physics/traction.h"
 #include "common/program/program.h"
 
 #include <math.h>
@@ -68,7 +69,8 @@ static void add_effort(full_info *total, const full_info *part) {
     total->seconds_linear = linear;
 }
 
-/* A contact on the way: M geometrically, L and p_H linearly between start and goal, s in 0 … 1. */
+/* A contact on the way: M and Eyring's stress of a thinned flow geometrically, L and p_H linearly between
+ * start and goal, s in 0 … 1. */
 static ehd_contact contact_between(const ehd_contact *start, const ehd_contact *goal, double s) {
     ehd_contact between = *goal;
 
@@ -78,6 +80,10 @@ static ehd_contact contact_between(const ehd_contact *start, const ehd_contact *
                          (1 - s) * start->moes_L + s * goal->moes_L);
         between.hertz_pressure = pressure;
         between.alpha_p_H = between.lubricant.alpha * pressure;
+        const double stress = start->lubricant.thinning_stress;
+        if (stress > 0)
+            between.lubricant.thinning_stress =
+                stress * pow(goal->lubricant.thinning_stress / stress, s);
     }
     return between;
 }
@@ -146,6 +152,19 @@ static ehd_status solve_from_dry(full_info *info, full_state *state, full_solver
     return status;
 }
 
+/* From the flow of a fluid that is hardly thinned to that of the contact: from a dry contact gradients
+ * are so large that the thinned flow, which grows as their exponential, leads nowhere. */
+static ehd_status solve_by_thinning(full_info *info, full_state *state, full_solver *solver,
+                                    const ehd_contact *contact, ehd_error *error) {
+    ehd_contact hardly = *contact;
+
+    hardly.lubricant.thinning_stress *= fmax(1, 10 * traction_thinning(contact).gradient);
+    ehd_status status = solve_from_dry(info, state, solver, &hardly, error);
+    if (!status && info->status == EHD_OK)
+        status = continue_to(info, state, solver, &hardly, contact, error);
+    return status;
+}
+
 ehd_grid full_coarser_grid(const ehd_grid *grid) {
     size_t sides = grid->inner_lines / 2; // of a whole grid: lines on either side of y = 0
 
@@ -178,7 +197,7 @@ static void refine(full_state *state, const ehd_grid *grid, const full_state *fr
         size_t k = grid_node_of_row(grid, r);
         state->pressure[k] = interpolated(from->pressure, coarse, grid, k);
     }
-    if (offset < 1) exit--;
+    if (isless(offset, 1)) exit--; // of a point contact it is NaN
     full_state_set_zone(state, grid, exit < last ? exit : last);
     if (exit < last) state->exit_offset = offset < 1 ? offset : offset - 1;
     state->rigid_approach = from->rigid_approach;
@@ -231,6 +250,10 @@ ehd_status full_solve_cold(full_info *info, full_state *state, full_solver *solv
         full_info part;
         status = solve_from_dry(&part, state, solver, contact, error);
         add_effort(info, &part);
+        if (!status && info->status != EHD_OK && traction_thins_flow(contact)) {
+            status = solve_by_thinning(&part, state, solver, contact, error);
+            add_effort(info, &part);
+        }
         if (!status && info->status == EHD_OK && full_exit_is_within_node(solver)) {
             status = full_solve(&part, state, solver, contact, NULL, error);
             add_effort(info, &part);

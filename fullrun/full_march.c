@@ -33,6 +33,7 @@ struct full_march {
     double *taken_up;           // [num_nodes] errors in rho H of the last attempt's film
     double *film;               // [num_nodes] that film without them; scratch
     double *surface;            // [num_nodes] heights in the last attempt's frame; NULL: smooth
+    bool mirrored;              // X of the surface: of find_mirrored_start
     double *exits;              // [lines of the whole grid, GRID_EXITS] of the last attempt
     full_march_effort effort;
     char reason[JUDGE_REASON];
@@ -190,7 +191,8 @@ static ehd_status continue_to_approach(full_info *info, full_march *self, contac
     return status;
 }
 
-/* A stationary start has to meet the criteria of a stationary result (judge.h). */
+/* A stationary start has to meet the criteria of a stationary result (judge.h): one that is not to be
+ * trusted is reported, whatever the steps after it are. */
 static void judge_start(full_info *info, full_march *self, const previous_state *first) {
     ehd_contact contact;
 
@@ -239,15 +241,73 @@ static ehd_status use_base(full_march *self, double until, ehd_error *error) {
     return entrain(self->entrained, &self->base, &self->reference, error);
 }
 
+/* Puts a part of the heights of a surface that rests under the start; a surface that moves has not come
+ * in yet (surface_check_start). */
+static void place_start_surface(full_march *self, const contact_frame *frame, double part) {
+    const ehd_surface *surface = self->reference.surface;
+    const ehd_grid *grid = &self->reference.grid;
+    const bool rests = surface_rests(surface) && part > 0;
+
+    for (size_t k = 0; rests && k < grid->num_nodes; k++) {
+        const double x = grid_x(grid, k);
+        self->surface[k] =
+            part * surface_height(surface, frame, self->mirrored ? -x : x, grid_y(grid, k));
+    }
+    full_solver_set_surface(self->solver, rests ? self->surface : NULL);
+}
+
+/* From the start with smooth surfaces to that with one that rests, by parts of its heights; where the
+ * approach is given, the frame follows the load. */
+static ehd_status add_surface(full_info *info, full_march *self, contact_frame *frame,
+                              ehd_error *error) {
+    const double min_stride = 1. / 128, settled = 1e-8;
+    full_state *state = &state_before(self, 0)->state, *last = &state_before(self, 1)->state;
+    double done = 0, stride = 1, load = 1;
+    ehd_status status = EHD_OK;
+    ehd_contact contact;
+
+    if (frame->speed == 0) { // the dry contact
+        place_start_surface(self, frame, 1);
+        full_film(state, self->solver);
+        for (size_t k = 0; k < self->reference.grid.num_nodes; k++)
+            if (!(state->film[k] > 0)) info->status = EHD_NOT_CONVERGED;
+        if (info->status) info->reason = "a surface thicker than transient.start_film";
+        return EHD_OK;
+    }
+    full_state_copy(last, state, &self->reference.grid);
+    while (stride >= min_stride && (done < 1 || fabs(load - 1) > settled)) {
+        const double next = fmin(done + stride, 1);
+        place_start_surface(self, frame, next);
+        frame_contact(&contact, frame, &self->reference);
+        status = full_solve(info, state, self->solver, &contact, NULL, error);
+        if (status) return status;
+        if (info->status) {
+            stride /= 2;
+            full_state_copy(state, last, &self->reference.grid);
+            continue;
+        }
+        done = next;
+        stride *= 2;
+        full_state_copy(last, state, &self->reference.grid);
+        if (isnan(frame->approach)) continue;
+        load = full_evaluate_scalars(state, &contact).load;
+        *frame = frame_of_load(self->reference.kind, frame, load);
+    }
+    return EHD_OK;
+}
+
 /* The state to start from, in state_before(self, 0), of a speed that is not negative. */
 static ehd_status find_start(full_info *info, full_march *self, const contact_frame *frame,
                              ehd_error *error) {
     previous_state *first = state_before(self, 0);
+    place_start_surface(self, frame, 0);
     ehd_status status = start_with_load(info, self, frame, error);
 
     first->frame = *frame;
     if (!status && info->status == EHD_OK && frame->speed > 0 && !isnan(frame->approach))
         status = continue_to_approach(info, self, &first->frame, error);
+    if (!status && info->status == EHD_OK && surface_rests(self->reference.surface))
+        status = add_surface(info, self, &first->frame, error);
     if (!status) add_effort(self, info);
     return status;
 }
@@ -279,11 +339,12 @@ static ehd_status find_mirrored_start(full_info *info, double *exit, full_march 
     full_march *mirror;
 
     reference.transport = TRANSPORT_UPWIND; // there it takes no step
-    reference.surface = NULL;
+    if (!surface_rests(reference.surface)) reference.surface = NULL;
     reference.grid.x_min = -grid_x(grid, grid->inner_x);
     forward.speed = -frame->speed;
     ehd_status status = full_march_create(&mirror, &reference, full_solver_settings(self->solver),
                                           self->start_film, error);
+    if (!status) mirror->mirrored = true;
     if (!status) status = find_start(info, mirror, &forward, error);
     if (!status) {
         const previous_state *found = state_before(mirror, 0);
@@ -308,7 +369,6 @@ static ehd_status start(march_step *outcome, void *solver, const contact_frame *
     ehd_contact contact;
     full_info info;
 
-    full_solver_set_surface(self->solver, NULL); // surface_check_start: it has not come in yet
     ehd_status status = backwards ? find_mirrored_start(&info, &exit, self, frame, error)
                                   : find_start(&info, self, frame, error);
     if (status) return status;
@@ -440,7 +500,7 @@ static bool is_another_solution(const full_march *self, const bdf_formula *formu
                                 double entrainment, double central_film) {
     const double most = march_most_missed * central_film;
 
-    for (size_t r = 0; r < contact->grid.num_inner; r++)
+    for (size_t r = 0; r < contact->grid.num_inner && formula->degree > 0; r++)
         if (grid_x(&contact->grid, grid_node_of_row(&contact->grid, r)) * entrainment < 0 &&
             formula->error * fabs(missed_anywhere(self, formula, state, contact, r)) > most)
             return true;
@@ -559,6 +619,17 @@ static bool is_cut(const full_state *state, const ehd_grid *grid, bool backwards
     return false;
 }
 
+/* Part of the load that a second zone of pressure lacks because the domain ends. */
+static double cut_load(const full_march *self, bool backwards) {
+    const ehd_grid *grid = &self->reference.grid;
+    const double end = backwards ? -grid->x_min : grid_x(grid, grid->inner_x);
+
+    if (self->ring.num_previous < 2) return 0; // after a jump, which is over in one step
+    return frame_closing_gap(&self->states[self->ring.place[0]].frame,
+                             &self->states[self->ring.place[1]].frame, &self->reference, end)
+        .beyond;
+}
+
 /* The exits of the state just solved; the farthest downstream at Y = 0 is that of the scalars. */
 static void list_exits(march_step *outcome, full_march *self, const ehd_contact *contact,
                        const reynolds_squeeze *squeeze, bool backwards) {
@@ -603,11 +674,20 @@ static const char *why_to_repeat(const full_march *self, const bdf_formula *form
 }
 
 /* Why a solution is not to be trusted; NULL: it is. */
-static const char *why_not_to_trust(const full_state *state, const ehd_grid *grid, bool backwards) {
+static const char *why_not_to_trust(const full_march *self, const full_state *state,
+                                    const ehd_contact *contact, bool backwards) {
+    const ehd_grid *grid = &contact->grid;
+
     if (is_cut(state, grid, backwards))
         return backwards ? "the exit boundary outside the domain (grid.x_min)"
                          : "the exit boundary outside the domain (grid.x_max)";
-    return full_film_closes(state, grid) ? "a film that closes between nodes (grid.step)" : NULL;
+    if (cut_load(self, backwards) > frame_most_cut_load)
+        return backwards ? "a second zone of pressure behind the exit that the domain cuts off "
+                           "(grid.x_min)"
+                         : "a second zone of pressure behind the exit that the domain cuts off "
+                           "(grid.x_max)";
+    if (full_film_closes(state, grid)) return "a film that closes between nodes (grid.step)";
+    return full_flow_doubt(state, contact) > flow_doubt_most ? flow_doubt_reason : NULL;
 }
 
 static ehd_status attempt(march_step *outcome, void *solver, const contact_frame *frame,
@@ -632,6 +712,7 @@ static ehd_status attempt(march_step *outcome, void *solver, const contact_frame
     add_effort(self, &info);
     *outcome = (march_step){.status = info.status,
                             .reason = info.reason,
+                            .formula = formula,
                             .indicated = NAN,
                             .indicated_minimum = NAN,
                             .scalars = full_evaluate_scalars(state, &contact),
@@ -653,7 +734,7 @@ static ehd_status attempt(march_step *outcome, void *solver, const contact_frame
     take_up_errors(self, &formula, state, &contact, frame, step);
     outcome->taken_up = largest_taken_up(self, state, &contact, entrainment);
     set_effects(outcome, self, state, &contact);
-    const char *doubt = why_not_to_trust(state, &contact.grid, backwards);
+    const char *doubt = why_not_to_trust(self, state, &contact, backwards);
     if (doubt) {
         outcome->status = EHD_UNTRUSTED;
         outcome->reason = doubt;

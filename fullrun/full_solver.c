@@ -332,6 +332,8 @@ static void evaluate_rows(full_solver *self, const ehd_contact *contact,
     self->closure = far_field_closure(&self->outer, contact, state->rigid_approach);
     memcpy(self->pressure, state->pressure, num_nodes * sizeof(double));
     far_field_add(self->pressure, &self->outer, contact, state->rigid_approach);
+    self->pressure[0] += contact->tail.pressure;
+    self->closure.value -= self->closure.by_load * contact->tail.load;
     team_share(self->threads, num_nodes, part, evaluate_fluid, &task);
     far_field_set_density(&self->fluid, &self->outer);
     team_share(self->threads, self->grid.num_inner, part, evaluate_some_rows, &task);
@@ -690,6 +692,52 @@ static double complementarity(const full_solver *self, const full_state *state) 
 // 0 as with 1e-9, in the same iterations
 static const double IN_TIME_NOISE = 1e-7;
 
+// in index[]: a node gets pressure by its own sign, or by that of nodes beside it
+enum { WANTED = 1, JOINED };
+
+/* Marks runs of nodes of a line whose multipliers are negative, however little each. A gap that
+ * closes far behind the exit has such a run: over n nodes of a mean multiplier m it builds up a
+ * pressure of about m n^2 / 4. Returns whether there is one. By single nodes a line at M = 3, L = 3 whose
+ * radius grows has the second zone of pressure, 3e-4 of the load, from T = 0, 10 and 20 on with a step of
+ * 0.02, 0.01 and 0.005. */
+static bool mark_runs(full_solver *self, const full_state *state) {
+    const double least = 1e-5; // of n^2 m: 1e-4 changes less than one step in a hundred
+    const size_t end = self->grid.num_nodes - 1;
+    bool found = false;
+
+    for (size_t k = 1; k < end; k++) {
+        const size_t first = k;
+        double sum = 0;
+        for (; k < end && !full_has_pressure(state, k) && scaled_multiplier(self, k) < 0; k++)
+            sum -= scaled_multiplier(self, k);
+        if (!(sum * (double)(k - first) > least)) continue;
+        found = true;
+        for (size_t i = first; i < k; i++)
+            self->index[i] = WANTED;
+    }
+    return found;
+}
+
+/* Lets the intervals of pressure of a line grow from the marked nodes on, either way, to where the
+ * multipliers add up to zero: there a film without pressure takes what flows through the end. By one
+ * node an iteration the march of scenes/examples/reciprocating takes 4313 iterations in place of
+ * 2850, a load that swings by half (M = 120, L = 10) 2425 in place of 1319, and a second zone of
+ * pressure, which grows by hundreds of nodes, more than there may be. Points take 4 % more. */
+static void grow_intervals(full_solver *self, const full_state *state) {
+    const size_t num_rows = self->grid.num_inner;
+    double sum[2] = {0, 0}; // of the multipliers from the marked nodes on, forwards and backwards
+
+    for (size_t i = 0; i < num_rows; i++)
+        for (int way = 0; way < 2; way++) {
+            const size_t r = way ? num_rows - 1 - i : i, k = grid_node_of_row(&self->grid, r);
+            const double next = sum[way] + exit_multiplier(&self->rows[r]);
+            const bool wanted = self->index[k] == WANTED, joins = sum[way] < 0 && next < 0;
+            const bool grows = !full_has_pressure(state, k) && (wanted || joins);
+            sum[way] = grows ? next : 0;
+            if (grows && !wanted) self->index[k] = JOINED;
+        }
+}
+
 /* Primal-dual active set: each node goes by the sign of its pressure or multiplier. For films that
  * vary in time or flow around the contact, whose flux is not one number and whose pressurised zone
  * may have any shape. Nodes that change to and fro need no limit: with one of four changes a node all
@@ -699,6 +747,7 @@ static bool adapt_nodes(full_solver *self, full_state *state, double noise) {
     const ehd_grid *grid = &self->grid;
     size_t last = 0;
     bool changed = false;
+    const bool line = grid->inner_lines == 1; // in time, or with a surface
 
     for (size_t r = 0; r < grid->num_inner; r++) {
         const size_t k = grid_node_of_row(grid, r);
@@ -706,10 +755,13 @@ static bool adapt_nodes(full_solver *self, full_state *state, double noise) {
         const bool wanted =
             open ? state->pressure[k] >= -noise : scaled_multiplier(self, k) < -noise;
         changed |= wanted != open;
-        self->index[k] = wanted; // kept apart: the next nodes still need the old zone
-        if (wanted) last = k;
+        self->index[k] = wanted ? WANTED : 0; // kept apart: the next nodes still need the old zone
     }
+    if (line) changed |= mark_runs(self, state);
     if (!changed) return false;
+    if (line) grow_intervals(self, state);
+    for (size_t r = 0; r < grid->num_inner; r++)
+        if (self->index[grid_node_of_row(grid, r)]) last = grid_node_of_row(grid, r);
     state->exit = grid->inner_lines > 1 ? grid->num_nodes - 1 : last + 1;
     for (size_t r = 0; r < grid->num_inner; r++) {
         size_t k = grid_node_of_row(grid, r);
@@ -722,8 +774,9 @@ static bool adapt_nodes(full_solver *self, full_state *state, double noise) {
 /* Moves the boundaries of the pressurised zone; true where they moved. */
 static bool adapt_zone(exit_watch *watch, bool *settled, full_solver *self, full_state *state,
                        const ehd_contact *contact, bool in_time) {
-    if (in_time || self->kind->dimensions > 1)
-        return adapt_nodes(self, state, in_time ? IN_TIME_NOISE : 0);
+    const bool line = self->kind->dimensions == 1;
+    if (in_time || self->surface || !line)
+        return adapt_nodes(self, state, in_time || line ? IN_TIME_NOISE : 0);
     if (*settled || !isnan(state->exit_offset)) return false;
     size_t exit = adapt_exit(self, state, contact->entrainment);
     *settled = exit_cycles(watch, exit);

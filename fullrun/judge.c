@@ -1,6 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "fullrun/judge.h"
 
+#include "common/physics/reynolds.h"
+#include "common/physics/traction.h"
+
 #include <math.h>
 #include <stdio.h>
 
@@ -15,6 +18,20 @@ static double highest_pressure(const full_state *state, const ehd_contact *conta
 
 bool full_beyond_law(const full_state *state, const ehd_contact *contact) {
     return highest_pressure(state, contact) > contact->lubricant.pressure_limit;
+}
+
+double full_flow_doubt(const full_state *state, const ehd_contact *contact) {
+    const ehd_grid *grid = &contact->grid;
+    double most = 0;
+
+    if (!traction_thins_flow(contact)) return 0;
+    for (size_t r = 0; r < grid->num_inner; r++) {
+        const size_t node = grid_node_of_row(grid, r);
+        const reynolds_stencil stencil = reynolds_stencil_at(grid, node);
+        most = fmax(most,
+                    reynolds_flow_doubt(contact, &stencil, &node, 1, state->pressure, state->film));
+    }
+    return most;
 }
 
 ehd_status full_judge(char reason[JUDGE_REASON], const full_info *info, const full_state *state,
@@ -43,5 +60,8 @@ ehd_status full_judge(char reason[JUDGE_REASON], const full_info *info, const fu
                            length > 0 ? "; " : "", highest * 1e-9, lubricant->pressure_limit * 1e-9,
                            lubricant->viscosity->name);
     reason[length] = '\0';
-    return length > 0 ? EHD_NOT_CONVERGED : EHD_OK;
+    if (length > 0) return EHD_NOT_CONVERGED;
+    if (!(full_flow_doubt(state, contact) > flow_doubt_most)) return EHD_OK;
+    snprintf(reason, JUDGE_REASON, "%s", flow_doubt_reason);
+    return EHD_UNTRUSTED;
 }

@@ -32,7 +32,7 @@ typedef struct fullrun_options {
     const char *start;   // NULL: cold
     const char *grid_of; // NULL: the scene's or as needed
     double tolerance;    // of Newton's iteration
-    bool formulas;
+    bool formulas, allow_untrusted;
     size_t repeats; // of the solution; its median time is reported
     bool resume;
     size_t num_jobs;
@@ -46,12 +46,14 @@ typedef struct fullrun_options {
 static const program_option own_options[] = {
     {"start", 0, "RESULT.h5", "Start from the fields of another result on the same grid, not cold (stationary)",
      OPTION_TEXT(start)},
-    {"grid-of", 0, "FILE.h5", "Take the grid of snapshots, a basis or a model where the scene does not give it, to "
+    {"grid-of", 0, "FILE.h5", "Take the grid of snapshots, a basis, a model or a result where the scene does not give it, to "
      "compare on the same", OPTION_TEXT(grid_of)},
     {"tolerance", 0, "X", "Largest scaled residual at which Newton's iteration may end; default 1e-10",
      OPTION_REAL(tolerance, 1e-13, 1)},
     {"formulas", 0, NULL, "Print beside the solution what published film formulas say, and the traction curve of an "
      "Eyring fluid; in time, films and friction of the contact at each time as if it were stationary", OPTION_FLAG(formulas)},
+    {"allow-untrusted", 0, NULL, "Exit with 0 although the grid is too coarse to estimate its error, or a thinned flow is beyond its equations",
+     OPTION_FLAG(allow_untrusted)},
     {"repeat", 0, "N", "Solve N times and report the median time; default 1 (stationary)",
      OPTION_COUNT(repeats, 1, 1000000)},
     {"resume", 0, NULL, "Continue an interrupted run of the same scene, where there is one (transient)",
@@ -169,7 +171,9 @@ static ehd_status solve_again(full_info *info, full_state *state, full_solver *s
 /* Progress of a solution of a point contact, which may take long, on stderr. */
 typedef struct long_work {
     progress shown;
-    const ehd_grid *grid; // of the contact
+    const ehd_grid *grid;      // of the contact
+    size_t num_inner;          // of the grid that is solved now
+    size_t before, iterations; // on it: up to the last start from elsewhere, and all
 } long_work;
 
 /* Part of the whole work that is done when a grid and all coarser ones are solved. */
@@ -178,13 +182,24 @@ static double work_up_to(const ehd_grid *grid, const ehd_grid *finest) {
     return pow((double)grid->num_inner / (double)finest->num_inner, growth);
 }
 
+/* Newton iterations that a grid may still take: three where they converge quadratically, from a scaled
+ * residual of 0.01 on; before that as many as it has had, and at first eight. */
+static double iterations_left(double iterations, double residual) {
+    return residual < 0.01 ? 3 : fmax(8 - iterations, iterations);
+}
+
 static void show_work(void *context, const ehd_grid *grid, size_t iteration, double residual) {
-    const double usual = 8; // Newton iterations on a grid
     const ehd_grid coarser = full_coarser_grid(grid);
     long_work *self = context;
-    double before = work_up_to(&coarser, self->grid), after = work_up_to(grid, self->grid);
-    double part = fmin((double)iteration / usual, 1);
-    size_t done = (size_t)fmin(WORK_PARTS * (before + part * (after - before)), WORK_PARTS - 1);
+
+    if (grid->num_inner != self->num_inner) self->before = self->iterations = 0;
+    if (iteration == 0) self->before = self->iterations; // a start from elsewhere
+    self->num_inner = grid->num_inner;
+    self->iterations = self->before + iteration;
+    const double before = work_up_to(&coarser, self->grid), after = work_up_to(grid, self->grid);
+    const double here = (double)self->iterations;
+    const double part = here / (here + iterations_left(here, residual));
+    const size_t done = (size_t)(WORK_PARTS * (before + part * (after - before)));
     char text[96];
 
     snprintf(text, sizeof text, "%zu by %zu nodes, iteration %zu, residual %.1e", grid->inner_x,
@@ -236,57 +251,48 @@ static ehd_status put_resolution(artefact *file, const full_resolution *resoluti
 }
 
 // effects from which a note is printed; the minimum film converges less regularly
-static const double NOTED_EFFECT = 0.01, NOTED_EFFECT_MINIMUM = 0.03;
+static const double NOTED_EFFECT = 0.01, NOTED_EFFECT_MINIMUM = 0.03, NOTED_EFFECT_ROLLING = 0.03;
 
 static void note_resolution(const program *self, const full_resolution *resolution,
-                            const ehd_grid *grid) {
+                            const ehd_contact *contact) {
+    const ehd_grid *grid = &contact->grid;
+    const bool with_rolling = contact_has_traction(contact);
     const char *path = self->arguments[0];
     const double *effects = resolution->effects.of;
 
-    if (isinf(effects[EFFECT_INLET]))
+    if (film_effects_are_infinite(&resolution->effects)) return; // which is an outcome
+    if (effects[EFFECT_INLET] > NOTED_EFFECT)
         program_note(self,
-                     "%s: grid.x_min: found %g, expected a longer inlet: with what lies beyond it "
-                     "there is no solution",
-                     path, grid->x_min);
-    else if (fabs(effects[EFFECT_INLET]) > NOTED_EFFECT)
-        program_note(self,
-                     "%s: grid.x_min: found %g, expected a longer inlet: without end it would move "
-                     "the central film by about %+.2g %%",
+                     "%s: grid.x_min: found %g, expected a longer inlet: the error estimate of the "
+                     "central film is %.2g %%",
                      path, grid->x_min, 100 * effects[EFFECT_INLET]);
-    if (isinf(effects[EFFECT_STEP]))
+    if (effects[EFFECT_STEP] > NOTED_EFFECT)
         program_note(self,
-                     "%s: grid.step: found %g, expected a finer one: with twice the step there is "
-                     "no solution",
-                     path, grid->step);
-    else if (fabs(effects[EFFECT_STEP]) > NOTED_EFFECT)
-        program_note(self,
-                     "%s: grid.step: found %g, expected a finer one: ever smaller it would move "
-                     "the central film by about %+.2g %%",
+                     "%s: grid.step: found %g, expected a finer one: the error estimate of the "
+                     "central film is %.2g %%",
                      path, grid->step, 100 * effects[EFFECT_STEP]);
-    else if (fabs(effects[EFFECT_STEP_MINIMUM]) > NOTED_EFFECT_MINIMUM)
+    else if (effects[EFFECT_STEP_MINIMUM] > NOTED_EFFECT_MINIMUM)
         program_note(self,
-                     "%s: grid.step: found %g, expected a finer one: ever smaller it would move "
-                     "the minimum film by about %.2g %%",
-                     path, grid->step, 100 * fabs(effects[EFFECT_STEP_MINIMUM]));
+                     "%s: grid.step: found %g, expected a finer one: the error estimate of the "
+                     "minimum film is %.2g %%",
+                     path, grid->step, 100 * effects[EFFECT_STEP_MINIMUM]);
+    if (with_rolling && film_effects_of_rolling(&resolution->effects) > NOTED_EFFECT_ROLLING)
+        program_note(
+            self,
+            "%s: rolling resistance: found an error estimate of %.2g %%, expected a longer "
+            "domain or a smaller step",
+            path, 100 * film_effects_of_rolling(&resolution->effects));
 }
 
-/* Effects of the grid on a solution, with what else is known of it: into the file, unless NULL, and
- * a note if they are large. */
-static ehd_status report_resolution(film_effects *effects, artefact *file, const program *self,
-                                    const full_state *state, const ehd_contact *contact,
-                                    team *threads, ehd_error *error) {
-    const double before = program_seconds();
-    full_resolution resolution;
-    ehd_status status = full_resolution_estimate(&resolution, state, contact, threads, error);
+/* What is known of the grid's effects on a solution: into the file, unless NULL, and a note if they are
+ * large. */
+static ehd_status report_resolution(artefact *file, const program *self,
+                                    const full_resolution *resolution, const ehd_contact *contact,
+                                    ehd_error *error) {
+    ehd_status status = file ? put_resolution(file, resolution, error) : EHD_OK;
 
-    if (!status && file) status = put_resolution(file, &resolution, error);
-    if (status) return status;
-    *effects = resolution.effects;
-    note_resolution(self, &resolution, &contact->grid);
-    program_detail(self, "resolution in %.3g ms: nodes of inlet %zu, spike %zu, outlet %zu",
-                   1e3 * (program_seconds() - before), resolution.inlet_nodes,
-                   resolution.spike_nodes, resolution.outlet_nodes);
-    return EHD_OK;
+    if (!status) note_resolution(self, resolution, contact);
+    return status;
 }
 
 static void print_start(const char *path, double film, const run_result *result) {
@@ -325,18 +331,70 @@ typedef struct stationary_run {
     full_state state;
     full_info info;
     double *exits; // of a point contact
+    bool solved, estimated;
+    full_resolution resolution; // where it is estimated
 } stationary_run;
+
+static ehd_status estimate_resolution(stationary_run *self, ehd_error *error) {
+    const double before = program_seconds();
+    full_resolution *resolution = &self->resolution;
+    ehd_status status = full_resolution_estimate(resolution, &self->state, self->contact,
+                                                 self->options->threads, error);
+
+    self->estimated = !status;
+    if (self->estimated)
+        program_detail(self->caller,
+                       "resolution in %.3g ms: nodes of inlet %zu, spike %zu, outlet %zu",
+                       1e3 * (program_seconds() - before), resolution->inlet_nodes,
+                       resolution->spike_nodes, resolution->outlet_nodes);
+    return status;
+}
 
 static ehd_status solve_stationary(stationary_run *self, ehd_error *error) {
     const fullrun_options *options = self->options;
     const ehd_contact *contact = self->contact;
+    char unused[JUDGE_REASON];
     ehd_status status = solve(&self->info, &self->state, self->caller, contact, options, error);
 
     if (!status) status = make_exits(&self->exits, &self->state, contact, error);
     if (!status)
         program_detail(self->caller, "%zu Newton and %zu GMRES iterations",
                        self->info.newton_iterations, self->info.gmres_iterations);
+    self->solved =
+        !status && full_judge(unused, &self->info, &self->state, contact) != EHD_NOT_CONVERGED;
+    if (self->solved && self->given->output.resolution != 0)
+        status = estimate_resolution(self, error);
     return status;
+}
+
+/* Of a chosen step. Of the contacts that were tried (b/a 0.05 to 20 and lines, M 0.1 to 2000, L 0 to 25)
+ * those whose step proves too coarse need one; each takes four times the nodes of a point contact. */
+static const int MAX_HALVINGS = 2;
+
+/* Halves the step of a grid whose step nobody gives, where it does not resolve the contact, as far as
+ * there are memory and nodes for it. */
+static bool halve_step(ehd_contact *finer, const stationary_run *self) {
+    const fullrun_options *options = self->options;
+    const film_effects *effects = &self->resolution.effects;
+    const bool failed =
+        self->info.status != EHD_OK && !full_beyond_law(&self->state, self->contact);
+    const bool short_inlet =
+        !isnan(self->contact->grid_given.x_min) && film_effects_inlet_is_short(effects);
+    const bool coarse =
+        failed || (self->estimated && film_effects_are_infinite(effects) && !short_inlet);
+    grid_extent needed = grid_extent_of(&self->contact->grid);
+    ehd_error ignored;
+
+    if (!coarse || !isnan(self->contact->grid_given.step) || options->start) return false;
+    *finer = *self->contact;
+    needed.step /= 2;
+    if (scene_set_grid(finer, &needed, &ignored) ||
+        grid_check_memory(self->caller, self->caller->arguments[0], finer,
+                          full_solver_bytes(&finer->grid), 1, &ignored))
+        return false;
+    program_note(self->caller, "%s: grid.step: found that %g is too coarse, going on with %g",
+                 self->caller->arguments[0], self->contact->grid.step, finer->grid.step);
+    return true;
 }
 
 /* Into the file, unless NULL, and onto stdout. */
@@ -355,11 +413,13 @@ static ehd_status report_stationary(artefact **file, const stationary_run *self,
         result.traction = &traction;
     }
     result.effects = &effects;
-    if (!result.status && self->given->output.resolution != 0)
-        status = report_resolution(&effects, *file, self->caller, &self->state, contact,
-                                   self->options->threads, error);
+    if (self->estimated) {
+        effects = self->resolution.effects;
+        status = report_resolution(*file, self->caller, &self->resolution, contact, error);
+    }
+    result_judge_grid(&result, &contact->grid);
     if (!status && *file) status = result_write(file, &result, contact, error);
-    if (!status && result.status)
+    if (!status && result.status == EHD_NOT_CONVERGED)
         status = ehd_fail(error, result.status, "%s: not converged: %s", path, result.reason);
     if (status) return status;
     result_print(&result, contact);
@@ -369,33 +429,86 @@ static ehd_status report_stationary(artefact **file, const stationary_run *self,
         formulas_print(&scalars, contact);
         formulas_print_traction(&traction, contact);
     }
-    return EHD_OK;
+    if (result.status == EHD_UNTRUSTED && !self->options->allow_untrusted)
+        status =
+            ehd_fail(error, result.status,
+                     "%s: found %s, expected %s (--allow-untrusted takes the result all the same)",
+                     path, result.reason,
+                     strcmp(result.reason, flow_doubt_reason) == 0 ? "a result to be trusted"
+                     : film_effects_inlet_is_short(&effects)       ? "a longer one"
+                                                                   : "a finer one");
+    return status;
+}
+
+/* The file of a result on the run's grid, in the place of another one. */
+static ehd_status start_file(artefact **file, const stationary_run *self, const char *text,
+                             ehd_error *error) {
+    const program *caller = self->caller;
+    const fullrun_options *options = self->options;
+    const char *inputs[4] = {caller->arguments[0]}; // the last one: NULL
+
+    artefact_close(file);
+    if (!caller->output) return EHD_OK;
+    inputs_add(inputs, inputs_add(inputs, 1, options->start), options->grid_of);
+    return result_create(file, caller, self->contact, text, inputs, error);
+}
+
+static ehd_status run_on_grid(stationary_run *self, ehd_error *error) {
+    const program *caller = self->caller;
+    const ehd_contact *contact = self->contact;
+    const char *start = self->options->start;
+    ehd_status status = grid_check_memory(caller, caller->arguments[0], contact,
+                                          full_solver_bytes(&contact->grid), 1, error);
+
+    if (!status) status = full_state_init(&self->state, &contact->grid, error);
+    if (!status && start)
+        status = load_start(&self->state, &self->start_film, contact, start, error);
+    return status ? status : solve_stationary(self, error);
+}
+
+/* The last of the runs, 0 to `last`, that has a solution; without one the last. */
+static size_t last_solved(const stationary_run *runs, size_t last) {
+    size_t place = last;
+
+    while (place > 0 && !runs[place].solved)
+        place--;
+    return runs[place].solved ? place : last;
 }
 
 static ehd_status run_stationary(const program *caller, const fullrun_options *options,
                                  const ehd_contact *contact, const scene *given, const char *text,
                                  ehd_error *error) {
-    const char *inputs[4] = {caller->arguments[0]}; // the last one: NULL
-    inputs_add(inputs, inputs_add(inputs, 1, options->start), options->grid_of);
-    stationary_run self = {.caller = caller,
-                           .options = options,
-                           .contact = contact,
-                           .given = given,
-                           .start_film = NAN};
+    ehd_contact contacts[MAX_HALVINGS + 1];
+    stationary_run runs[MAX_HALVINGS + 1];
     artefact *file = NULL;
-    ehd_status status = grid_check_memory(caller, caller->arguments[0], contact,
-                                          full_solver_bytes(&contact->grid), 1, error);
+    ehd_status status = EHD_OK;
+    size_t num_runs = 0;
 
-    if (!status) status = full_state_init(&self.state, &contact->grid, error);
-    if (!status && options->start)
-        status = load_start(&self.state, &self.start_film, contact, options->start, error);
-    if (!status && caller->output)
-        status = result_create(&file, caller, contact, text, inputs, error);
-    if (!status) status = solve_stationary(&self, error);
-    if (!status) status = report_stationary(&file, &self, error);
+    contacts[0] = *contact;
+
+    for (bool again = true; again && !status;) {
+        const size_t i = num_runs++;
+        runs[i] = (stationary_run){.caller = caller,
+                                   .options = options,
+                                   .contact = &contacts[i],
+                                   .given = given,
+                                   .start_film = NAN};
+        status = start_file(&file, &runs[i], text, error);
+        if (!status) status = run_on_grid(&runs[i], error);
+        again = !status && i < MAX_HALVINGS && halve_step(&contacts[i + 1], &runs[i]);
+    }
+    const size_t last = num_runs - 1, shown = last_solved(runs, last);
+    if (!status && shown < last) {
+        program_note(caller, "%s: grid.step: found no solution with %g, keeping the one with %g",
+                     caller->arguments[0], contacts[last].grid.step, contacts[shown].grid.step);
+        status = start_file(&file, &runs[shown], text, error);
+    }
+    if (!status) status = report_stationary(&file, &runs[shown], error);
     artefact_close(&file);
-    full_state_free(&self.state);
-    free(self.exits);
+    for (size_t i = 0; i < num_runs; i++) {
+        full_state_free(&runs[i].state);
+        free(runs[i].exits);
+    }
     return status;
 }
 
@@ -418,6 +531,7 @@ static ehd_status run_transient(const program *self, const fullrun_options *opti
 
     reference.surface = surface;
     contact = &reference;
+    if (!status && surface) status = surface_check_grid(surface, &contact->grid, error);
     if (!status)
         status = grid_check_memory(self, self->arguments[0], contact, full_march_bytes(contact), 1,
                                    error);
@@ -434,6 +548,7 @@ static ehd_status run_transient(const program *self, const fullrun_options *opti
                                     .input = options->grid_of,
                                     .solver = full_march_solver(in_time),
                                     .with_fields = given->output.fields != 0,
+                                    .allow_untrusted = options->allow_untrusted,
                                     .resume = options->resume,
                                     .effort = march_effort};
         status = time_run(NULL, &task, error);
@@ -506,7 +621,7 @@ static ehd_status widen_for_reversal(ehd_contact *contact, const scene *given, e
 
 /* Everything between the command line and the exit code. */
 static ehd_status run(const program *self, fullrun_options *options, ehd_error *error) {
-    ehd_contact contact;
+    ehd_contact contact = {0};
     scene given;
     char *text = NULL;
     ehd_status status = scene_load(&given, &text, self, error);
@@ -516,7 +631,11 @@ static ehd_status run(const program *self, fullrun_options *options, ehd_error *
     if (transient) status = widen_for_reversal(&contact, &given, error);
     if (!status) status = take_grid(&contact, &given, options->grid_of, error);
     if (!status) status = check_usage(self, options, transient, error);
-    if (!status && full_is_large(&contact.grid)) options->threads = team_create(options->num_jobs);
+    // a step that is not given may become finer
+    const bool may_be_large =
+        contact.kind && contact.kind->dimensions > 1 && isnan(contact.grid_given.step);
+    if (!status && (may_be_large || full_is_large(&contact.grid)))
+        options->threads = team_create(options->num_jobs);
     if (!status)
         status = (transient ? run_transient : run_stationary)(self, options, &contact, &given, text,
                                                               error);

@@ -4,7 +4,9 @@
  * and the correction back; and solves the lines again in the same order (A. Brandt, Math. Comp. 31,
  * 1977; W. Hackbusch, Multi-Grid Methods and Applications, Springer 1985). Where fluid is carried along
  * the lines by the entrainment these alone are nearly a solution, and where the pressure flow is large
- * both ways the coarser grids are needed. The stencil is as large on all of them.
+ * both ways the coarser grids are needed. The stencil is as large on all of them. Where the flow across
+ * the lines is much larger than along them, as in a narrow ellipse, the coarser grid keeps all nodes of a
+ * line: what varies from node to node along the lines and hardly across is left by the lines alone.
  *
  * Those that the coarser grid has, the even ones, come last: then the residual is zero on them, and the
  * odd ones need no correction, since they are solved first. */
@@ -30,6 +32,8 @@ enum { PART = 2048 };
 
 typedef struct level {
     size_t columns, lines, num;
+    size_t stride;      // columns of the finer level to one of this one, 1 or 2
+    double flow_across; // between two nodes, over that along
     size_t lines_of_part;
     bool mirrored;    // at the first line
     bool *unknown;    // [num]
@@ -62,9 +66,15 @@ static bool is_coarsest(const level *self) {
     return self->columns <= COARSEST || self->lines <= COARSEST;
 }
 
+/* Flow across the lines over that along from which a coarser grid keeps all nodes of a line. */
+static const double MUCH_ACROSS = 4;
+
 static level coarser(const level *fine) {
-    level coarse = {.columns = (fine->columns + 1) / 2,
+    const size_t stride = fine->flow_across > MUCH_ACROSS ? 1 : 2;
+    level coarse = {.columns = (fine->columns + stride - 1) / stride,
                     .lines = (fine->lines + 1) / 2,
+                    .stride = stride,
+                    .flow_across = fine->flow_across * (double)(stride * stride) / 4,
                     .mirrored = fine->mirrored};
 
     coarse.num = coarse.columns * coarse.lines;
@@ -75,6 +85,7 @@ static level finest(const ehd_grid *grid) {
     return (level){.columns = grid->inner_x,
                    .lines = grid->inner_lines,
                    .num = grid->num_inner,
+                   .flow_across = grid->shape.flow_across / (grid->shape.cell * grid->shape.cell),
                    .mirrored = grid->half};
 }
 
@@ -100,14 +111,17 @@ static band_shape band_of(const level *self) {
 }
 
 double multigrid_bytes(const ehd_grid *grid) {
-    const double levels = 4. / 3, numbers = CYCLE_ENTRIES + NUM_LINE_FACTORS + 2;
+    const double numbers = CYCLE_ENTRIES + NUM_LINE_FACTORS + 2;
     level last = finest(grid);
+    double nodes = (double)last.num;
 
-    while (!is_coarsest(&last))
+    while (!is_coarsest(&last)) {
         last = coarser(&last);
+        nodes += (double)last.num;
+    }
     const double of_band = (double)last.num * band_of(&last).rows * sizeof(double);
-    return levels * (numbers * sizeof(double) + sizeof(bool)) + sizeof(double) +
-           of_band / (double)grid->num_inner;
+    const double of_levels = nodes * (numbers * sizeof(double) + sizeof(bool));
+    return (of_levels + of_band) / (double)grid->num_inner + sizeof(double);
 }
 
 static void allocate_level(level *self, arena *memory) {
@@ -201,10 +215,13 @@ static void clear_others(void *context, const team_part *part) {
  * is interpolated from; `row` of the coarse node (l, c). */
 static void add_interpolated(double *row, double entry, size_t fine_line, size_t fine_column,
                              size_t l, size_t c, const level *coarse) {
+    const size_t stride = coarse->stride;
+
     for (size_t line = fine_line / 2; line <= (fine_line + 1) / 2; line++)
-        for (size_t column = fine_column / 2; column <= (fine_column + 1) / 2; column++) {
+        for (size_t column = fine_column / stride; column <= (fine_column + stride - 1) / stride;
+             column++) {
             if (line >= coarse->lines || column >= coarse->columns) continue;
-            const double part = (fine_line % 2 ? 0.5 : 1) * (fine_column % 2 ? 0.5 : 1);
+            const double part = (fine_line % 2 ? 0.5 : 1) * (fine_column % stride ? 0.5 : 1);
             row[(line + 1 - l) * CYCLE_COLUMNS + column + CYCLE_BACK - c] += part * entry;
         }
 }
@@ -215,25 +232,28 @@ static double weight_of_line(const level *fine, size_t l, size_t fine_line) {
     return fine->mirrored && l == 0 ? 1 : 0.5;
 }
 
-/* The range of fine lines or columns around a coarse one. */
-static size_t first_around(size_t coarse) {
-    return coarse > 0 ? 2 * coarse - 1 : 0;
+/* The range of fine lines or columns around a coarse one, of which there are `stride` to one. */
+static size_t first_around(size_t coarse, size_t stride) {
+    return coarse > 0 ? stride * coarse - (stride - 1) : 0;
 }
 
-static size_t end_around(size_t coarse, size_t fine_count) {
-    return 2 * coarse + 2 < fine_count ? 2 * coarse + 2 : fine_count;
+static size_t end_around(size_t coarse, size_t stride, size_t fine_count) {
+    const size_t end = stride * (coarse + 1);
+
+    return end < fine_count ? end : fine_count;
 }
 
 /* Galerkin's product for one coarse node. */
 static void fill_coarse_row(level *coarse, const level *fine, size_t l, size_t c) {
+    const size_t stride = coarse->stride, end = end_around(c, stride, fine->columns);
     double *row = coarse->row + (l * coarse->columns + c) * CYCLE_ENTRIES;
 
     memset(row, 0, CYCLE_ENTRIES * sizeof *row);
-    for (size_t line = first_around(l); line < end_around(l, fine->lines); line++)
-        for (size_t column = first_around(c); column < end_around(c, fine->columns); column++) {
+    for (size_t line = first_around(l, 2); line < end_around(l, 2, fine->lines); line++)
+        for (size_t column = first_around(c, stride); column < end; column++) {
             const size_t node = line * fine->columns + column;
             const double *from = fine->row + node * CYCLE_ENTRIES;
-            const double weight = weight_of_line(fine, l, line) * (column == 2 * c ? 1 : 0.5);
+            const double weight = weight_of_line(fine, l, line) * (column == stride * c ? 1 : 0.5);
             if (!fine->unknown[node]) continue;
             for (size_t a = 0; a < CYCLE_ENTRIES; a++)
                 if (from[a] != 0)
@@ -249,7 +269,8 @@ static void fill_coarse(void *context, const team_part *part) {
 
     for (size_t l = part->first; l < part->end; l++)
         for (size_t c = 0; c < coarse->columns; c++) {
-            coarse->unknown[l * coarse->columns + c] = fine->unknown[2 * l * fine->columns + 2 * c];
+            coarse->unknown[l * coarse->columns + c] =
+                fine->unknown[2 * l * fine->columns + coarse->stride * c];
             fill_coarse_row(coarse, fine, l, c);
         }
 }
@@ -408,16 +429,17 @@ static void find_rest(void *context, const team_part *part) {
 static void restrict_rest(void *context, const team_part *part) {
     const lines_task *task = context;
     const level *fine = task->here, *coarse = task->coarse;
+    const size_t stride = coarse->stride;
 
     for (size_t l = part->first; l < part->end; l++)
         for (size_t c = 0; c < coarse->columns; c++) {
             double sum = 0;
-            for (size_t line = first_around(l); line < end_around(l, fine->lines); line++) {
+            for (size_t line = first_around(l, 2); line < end_around(l, 2, fine->lines); line++) {
                 const double *of_line = task->of->rest + line * fine->columns;
                 if (line % 2 == 0) continue;
-                double across = of_line[2 * c];
-                if (c > 0) across += 0.5 * of_line[2 * c - 1];
-                if (2 * c + 1 < fine->columns) across += 0.5 * of_line[2 * c + 1];
+                double across = of_line[stride * c];
+                if (stride == 2 && c > 0) across += 0.5 * of_line[2 * c - 1];
+                if (stride == 2 && 2 * c + 1 < fine->columns) across += 0.5 * of_line[2 * c + 1];
                 sum += weight_of_line(fine, l, line) * across;
             }
             const size_t node = l * coarse->columns + c;
@@ -427,7 +449,7 @@ static void restrict_rest(void *context, const team_part *part) {
 
 /* Value at a fine column of a coarse line. */
 static double along(const double *of_line, size_t column, const level *coarse) {
-    if (column % 2 == 0) return of_line[column / 2];
+    if (column % coarse->stride == 0) return of_line[column / coarse->stride];
     return 0.5 *
            (of_line[column / 2] + (column / 2 + 1 < coarse->columns ? of_line[column / 2 + 1] : 0));
 }

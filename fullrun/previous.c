@@ -73,7 +73,7 @@ void previous_free(previous_state *self) {
 double previous_bytes(const ehd_contact *reference, size_t num_states) {
     const double of_spline = spline_bytes(1000) / 1000;
     const double of_state = sizeof(full_state) + 2 * sizeof(double),
-                 of_carrier = 6 * sizeof(double) + of_spline;
+                 of_carrier = 7 * sizeof(double) + of_spline;
     const double of_wide_state = sizeof(double), of_deflection = 15 * sizeof(double);
     double splines = reference->lubricant.density ? 2 : 1;
     size_t margin, side;
@@ -108,6 +108,7 @@ ehd_status previous_carrier_init(previous_carrier *self, const ehd_contact *refe
     self->along = arena_array(memory, grid_lines(grid) * grid->inner_x, sizeof(double));
     self->lines = arena_array(memory, self->num_across, sizeof(double));
     self->filtered = arena_array(memory, grid->num_nodes, sizeof(double));
+    self->base_film = arena_array(memory, grid->num_nodes, sizeof(double));
     self->across_values = arena_array(memory, self->num_across, sizeof(double));
     bool across = grid->inner_lines > 1;
     if (across) self->across = spline_create(self->num_across);
@@ -148,8 +149,14 @@ static void fit_lines(spline **splines, const double *field, const previous_carr
 }
 
 void previous_set_base(previous_carrier *self, const previous_state *base, double until) {
+    const ehd_grid *grid = &self->reference.grid;
+
     self->base = base;
     self->base_until = until;
+    memcpy(self->base_film, base->state.film, grid->num_nodes * sizeof(double));
+    for (size_t k = 0; surface_rests(self->reference.surface) && k < grid->num_nodes; k++)
+        self->base_film[k] -=
+            surface_height(self->reference.surface, &base->frame, grid_x(grid, k), grid_y(grid, k));
 }
 
 /* Against the start's direction; one at rest is taken for forwards. */
@@ -193,7 +200,7 @@ void previous_prepare(previous_state *self, previous_carrier *carrier) {
     for (size_t k = 0; surface && k < grid->num_nodes; k++)
         carrier->filtered[k] -=
             surface_height(surface, &self->frame, grid_x(grid, k), grid_y(grid, k));
-    set_values(carrier, carrier->filtered, base ? base->state.film : NULL);
+    set_values(carrier, carrier->filtered, base ? carrier->base_film : NULL);
     for (size_t k = 0; k < grid->num_nodes; k++) {
         carrier->filtered[k] = carrier->values[k] - carrier->filtered[k];
         // natural splines of the film without gap, whose curvature at the grid's ends is small
@@ -380,8 +387,10 @@ void previous_mass(double *mass, const previous_state *self, const contact_frame
     const previous_state *base = previous_base(carrier, now);
     add_mass(mass, ratio, self, surface, before, carrier);
     if (!base) return;
-    add_mass(mass, -ratio, base, NULL, before, carrier); // the start is smooth
-    add_mass(mass, ratio, base, NULL, here, carrier);
+    // the start is smooth under a surface that moves
+    const ehd_surface *of_base = surface_rests(surface) ? surface : NULL;
+    add_mass(mass, -ratio, base, of_base, before, carrier);
+    add_mass(mass, ratio, base, of_base, here, carrier);
 }
 
 void previous_keep_errors(previous_carrier *self, const double *errors) {

@@ -40,6 +40,7 @@ typedef struct previous_carrier {
     // along the path:
     path_filter filter;         // of what differs from the start
     const previous_state *base; // the start, which is carried at fixed places; NULL: none yet
+    double *base_film;          // [num_nodes] its film without a surface that rests
     double base_until;          // T from which on none is: where the entrainment first reversed
 } previous_carrier;
 

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "fullrun/resolution.h"
 
+#include "common/physics/exit.h"
 #include "common/physics/far_field.h"
 #include "fullrun/continuation.h"
 
@@ -29,14 +30,33 @@ static central_line central_line_of(const full_state *state, const ehd_grid *gri
     return line;
 }
 
+/* Of an estimate over what it estimates, so that it is a bound: that of P. J. Roache (J. Fluids
+ * Eng. 116, 1994) for three grids. */
+static const double SAFETY = 1.25;
+
+/* Changes by twice the step above which steps are taken for too coarse where no order is seen; the
+ * minimum film converges less regularly. */
+static const double LIMIT = 0.01, LIMIT_MINIMUM = 0.03;
+
+/* Films, and the rolling moment, with which the rolling resistance goes. */
 typedef struct film_pair {
-    double central, minimum;
+    double central, minimum, rolling;
 } film_pair;
+
+static const film_pair no_films = {NAN, NAN, NAN};
+
+/* How far off the film around a point contact ends, which counts by its logarithm, where no size is given. */
+static void give_size(ehd_contact *contact) {
+    if (!isnan(contact->half_width)) return;
+    contact->half_width = 0.01;
+    contact->radius = 1;
+}
 
 static film_pair films_of(const full_state *state, const ehd_contact *contact) {
     const contact_scalars scalars = full_evaluate_scalars(state, contact);
 
-    return (film_pair){scalars.central_film_thickness, scalars.minimum_film_thickness};
+    return (film_pair){scalars.central_film_thickness, scalars.minimum_film_thickness,
+                       full_evaluate_traction(state, contact).rolling_moment};
 }
 
 // ---- the inlet
@@ -54,33 +74,29 @@ static void viscous_pressure(double *viscous, const double *log_viscosity, const
     }
 }
 
-/* Pressure at `start` of an inlet from minus infinity, where a grid that begins there has zero: the
- * integral of lambda (H - H_exit) / H^3, with the gap and the far field of the load, -ln|X| / 2 and
- * a constant, as film. X = start / s, midpoint rule in s. Over nine contacts (M 2 to 40, L 0 to 10,
- * from -200 to -1.5) 5, 20, 50, 200 intervals are at most 3e-2, 2e-3, 3e-4, 2e-5 off. */
-static double missing_pressure(const central_line *line, const ehd_contact *contact, double start) {
+/* Returns the pressure at `start` of an inlet from minus infinity, and the load before it, where a grid
+ * that begins there has none: dP/dX = viscosity lambda (H - H_exit)/H^3, with the gap of the dry contact
+ * and a constant as film. X = start / s, midpoint rule in s. */
+static inlet_tail tail_before(const central_line *line, const ehd_contact *contact, double start) {
     const int num_intervals = 200;
+    const double stride = 1. / num_intervals, flux = line->film[line->exit];
+    const contact_kind *kind = contact->kind;
     const contact_shape *shape = &contact->grid.shape;
     const double first = grid_x(&contact->grid, 0);
-    double flux = line->film[line->exit], sum = 0;
+    inlet_tail tail = {0, 0};
 
     for (int i = 0; i < num_intervals; i++) {
-        double s = (i + 0.5) / num_intervals, x = start / s;
-        double film = line->film[0] + contact_gap(shape, x, 0) - contact_gap(shape, first, 0) +
-                      0.5 * log(fabs(first / x));
-        sum += contact->lambda * fmax(film - flux, 0) / (film * film * film) * fabs(x) / s;
+        const double s = (i + 0.5) * stride, x = start / s, length = fabs(x) / s * stride;
+        const double film = line->film[0] + kind->dry_gap(shape, x) - kind->dry_gap(shape, first);
+        const double slope = contact->lambda * fmax(film - flux, 0) / (film * film * film);
+        double log_viscosity, unused[3], middle = tail.pressure + slope * length / 2;
+        lubricant_evaluate(&log_viscosity, unused, unused + 1, unused + 2, &contact->lubricant,
+                           contact->hertz_pressure, &middle, 1);
+        const double rise = exp(log_viscosity) * slope * length;
+        tail.load += (tail.pressure + rise / 2) * length;
+        tail.pressure += rise;
     }
-    return sum / num_intervals;
-}
-
-/* The film follows the viscous pressure that the inlet builds up with the exponent 8/11 (Ertel and
- * Grubin), of which an inlet that begins at `start` lacks missing_pressure. */
-static double inlet_effect(const central_line *line, const ehd_contact *contact,
-                           const double *viscous, double start) {
-    const double film_exponent = 8. / 11;
-
-    if (contact->kind->dimensions > 1) return NAN;
-    return film_exponent * missing_pressure(line, contact, start) / viscous[line->centre];
+    return tail;
 }
 
 static size_t count_inlet(const double *viscous, size_t centre) {
@@ -91,12 +107,8 @@ static size_t count_inlet(const double *viscous, size_t centre) {
     return count;
 }
 
-/* beginnings: effects of inlets that begin at x_min, and one, two and four steps before it, as those
- * of the grids on which the step's effect is estimated do. */
-static ehd_status estimate_inlet(full_resolution *self, double beginnings[4],
-                                 const central_line *line, const ehd_contact *contact,
-                                 ehd_error *error) {
-    const ehd_grid *grid = &contact->grid;
+static ehd_status count_inlet_nodes(full_resolution *self, const central_line *line,
+                                    const ehd_contact *contact, ehd_error *error) {
     size_t num_nodes = line->num_nodes;
     double *memory = malloc(5 * num_nodes * sizeof *memory);
     if (!memory)
@@ -106,11 +118,6 @@ static ehd_status estimate_inlet(full_resolution *self, double beginnings[4],
     lubricant_evaluate(log_viscosity, unused, unused + num_nodes, unused + 2 * num_nodes,
                        &contact->lubricant, contact->hertz_pressure, line->pressure, num_nodes);
     viscous_pressure(viscous, log_viscosity, line->pressure, num_nodes);
-    for (int i = 0; i < 4; i++)
-        beginnings[i] =
-            inlet_effect(line, contact, viscous, grid->x_min - (i ? exp2(i - 1) : 0) * grid->step);
-    self->effects.of[EFFECT_INLET] = beginnings[1];
-    self->effects.of[EFFECT_INLET_MINIMUM] = beginnings[1];
     self->inlet_nodes = count_inlet(viscous, line->centre);
     free(memory);
     return EHD_OK;
@@ -180,7 +187,7 @@ static ehd_status solve_on(film_pair *films, coarse_grid *self, ehd_error *error
     full_info info;
     ehd_status status = full_solve(&info, &self->state, self->solver, &self->contact, NULL, error);
 
-    *films = (film_pair){NAN, NAN};
+    *films = no_films;
     if (!status && info.status == EHD_OK) *films = films_of(&self->state, &self->contact);
     return status;
 }
@@ -196,12 +203,13 @@ static double change_of_minimum(const double *film, const double *before, const 
         if (before[grid_node_of_row(grid, r)] < before[lowest]) lowest = grid_node_of_row(grid, r);
     const size_t below = lowest >= width ? lowest - width : lowest + width; // of a mirror line
     const size_t nodes[] = {lowest, lowest - 1, lowest + 1, lowest + width, below};
-    for (int i = 0; i < 5; i++) {
+    const int count = grid->inner_lines > 1 ? 5 : 3;
+    for (int i = 0; i < count; i++) {
         const double change = film[nodes[i]] / before[nodes[i]] - 1;
         sum += change;
         sizes += fabs(change);
     }
-    return copysign(sizes / 5, sum);
+    return copysign(sizes / count, sum);
 }
 
 static ehd_status create_coarse(coarse_grid *self, ehd_error *error) {
@@ -221,174 +229,285 @@ static void free_coarse(coarse_grid *self) {
     full_solver_free(self->solver);
 }
 
-/* Of films before and after something was changed, the second to the first times a factor. The
- * lowest film follows the place of the exit, which jumps by nodes, so that it is not of the
- * minimum itself. */
-static void set_inlet_effect(film_effects *effects, double factor, const film_pair *after,
-                             const film_pair *before, const coarse_grid *self,
-                             const double *film_before) {
+/* What an endless domain changes of both films, relative; with a boundary node at `start`. NaN: not
+ * known, infinite: it has no solution. */
+typedef struct inlet_change {
+    double central, minimum, start;
+    double rolling; // with other surroundings of the same grid
+} inlet_change;
+
+/* Sets a change from the films on the same nodes before and after. */
+static void set_change(inlet_change *change, const film_pair *after, const film_pair *before,
+                       const double *film_after, const double *film_before, const ehd_grid *grid) {
     const bool solved = !isnan(after->central);
 
-    effects->of[EFFECT_INLET] = solved ? factor * (after->central / before->central - 1) : INFINITY;
-    effects->of[EFFECT_INLET_MINIMUM] =
-        solved ? factor * change_of_minimum(self->state.film, film_before, &self->contact.grid)
-               : INFINITY;
+    change->central = solved ? after->central / before->central - 1 : INFINITY;
+    if (!solved)
+        change->minimum = INFINITY;
+    else if (exit_is_within_node(grid)) // which leaves the lowest film smooth
+        change->minimum = after->minimum / before->minimum - 1;
+    else
+        change->minimum = copysign(
+            fmax(fabs(change_of_minimum(film_after, film_before, grid)), fabs(change->central)),
+            change->central);
+    change->start = grid_x(grid, 0);
+    change->rolling = solved ? after->rolling / before->rolling - 1 : INFINITY;
 }
 
-/* The effect of the domain's length where the far field is around: by what a domain shorter by a
- * fourth does to a solved point contact. It falls with the power 3 to 6 of the length (M 1 to 100,
- * L 0 to 25), taken as 4. */
-static ehd_status solve_shorter(film_effects *effects, coarse_grid *longer, const film_pair *films,
-                                ehd_error *error) {
-    const double shorter = 0.75, factor = -1 / (pow(shorter, -4) - 1);
-    const ehd_grid *of = &longer->contact.grid;
-    const grid_extent extent = grid_extent_of(of);
-    const size_t columns = (size_t)lround((1 - shorter) * -extent.x_min / extent.step);
-    const size_t lines = (size_t)lround((1 - shorter) * extent.y_max / grid_step_across(of));
-    coarse_grid self = {
-        .contact = longer->contact, .as_large = longer->as_large, .threads = longer->threads};
-    film_pair found = {NAN, NAN};
-
-    self.contact.grid =
-        grid_like(of, of->x_min + (double)columns * of->step, of->step, of->inner_x - columns,
-                  of->inner_lines - (of->half ? 1 : 2) * lines);
-    const ehd_grid *grid = &self.contact.grid;
-    double *before = malloc(grid->num_nodes * sizeof *before);
-    ehd_status status = create_coarse(&self, error);
-    if (!status && !before)
-        status = ehd_fail(error, EHD_MEMORY, "resolution: found no memory for %zu nodes",
-                          grid->num_nodes);
-    if (!status) {
-        for (size_t k = 0; k < grid->num_nodes; k++) {
-            const size_t line = k / grid_width(grid) + (of->half ? 0 : lines);
-            const size_t node = line * grid_width(of) + k % grid_width(grid) + columns;
-            before[k] = longer->state.film[node];
-            self.state.pressure[k] = far_field_is_at(grid, k) ? 0 : longer->state.pressure[node];
-        }
-        full_state_set_zone(&self.state, grid, grid->num_nodes - 1);
-        self.state.rigid_approach = longer->state.rigid_approach;
-        status = solve_on(&found, &self, error);
-    }
-    if (!status) set_inlet_effect(effects, factor, &found, films, &self, before);
-    free(before);
-    free_coarse(&self);
-    return status;
-}
-
-/* What the far field around the grid of a solved point contact does to its films. */
-static ehd_status solve_unbounded(film_effects *effects, coarse_grid *self, const film_pair *films,
-                                  ehd_error *error) {
+/* Solves the same contact on the same grid with other surroundings. */
+static ehd_status solve_surrounded(inlet_change *change, coarse_grid *self, const film_pair *films,
+                                   ehd_error *error) {
     const ehd_grid *grid = &self->contact.grid;
-    film_pair unbounded;
+    film_pair found;
     double *before = malloc(grid->num_nodes * sizeof *before);
     if (!before)
         return ehd_fail(error, EHD_MEMORY, "resolution: found no memory for %zu nodes",
                         grid->num_nodes);
 
     memcpy(before, self->state.film, grid->num_nodes * sizeof *before);
-    self->contact.grid.boundary = BOUNDARY_OPEN;
-    ehd_status status = solve_on(&unbounded, self, error);
-    if (!status) set_inlet_effect(effects, 1, &unbounded, films, self, before);
+    ehd_status status = solve_on(&found, self, error);
+    if (!status) set_change(change, &found, films, self->state.film, before, grid);
     free(before);
     return status;
 }
 
-/* Films of the contact on a grid with `stride` times the solution's step; NaN: not converged. And
- * effects of the inlet of a point contact, unless NULL. */
-static ehd_status solve_coarse(film_pair *films, film_effects *of_inlet, const ehd_contact *contact,
+/* What an endless inlet does to the films of a solved line contact: with the pressure and the load of
+ * the tail before its grid. */
+static ehd_status solve_with_tail(inlet_change *change, coarse_grid *self, const film_pair *films,
+                                  ehd_error *error) {
+    const ehd_grid *grid = &self->contact.grid;
+    const central_line line = central_line_of(&self->state, grid);
+    inlet_tail *tail = &self->contact.tail;
+
+    *tail = tail_before(&line, &self->contact, grid_x(grid, 0));
+    tail->load += tail->pressure * grid->step / 2; // to the cell of the first inner node
+    return solve_surrounded(change, self, films, error);
+}
+
+/* What the far field around the grid of a solved point contact does to its films. */
+static ehd_status solve_unbounded(inlet_change *change, coarse_grid *self, const film_pair *films,
+                                  ehd_error *error) {
+    self->contact.grid.boundary = BOUNDARY_OPEN;
+    return solve_surrounded(change, self, films, error);
+}
+
+/* A grid of twice the size, and how many nodes it has more on each side. */
+typedef struct twice_as_large {
+    ehd_grid grid;
+    size_t before, beside; // columns, lines
+} twice_as_large;
+
+static twice_as_large twice_the_size(const ehd_grid *of) {
+    const grid_extent extent = grid_extent_of(of);
+    const size_t before = (size_t)lround(-extent.x_min / extent.step);
+    const size_t behind = (size_t)lround(extent.x_max / extent.step);
+    const size_t beside = (size_t)lround(extent.y_max / grid_step_across(of));
+    const double x_min = of->x_min - (double)before * of->step;
+
+    return (twice_as_large){grid_like(of, x_min, of->step, of->inner_x + before + behind,
+                                      of->inner_lines + (of->half ? 1 : 2) * beside),
+                            before, of->half ? 0 : beside};
+}
+
+/* The node of the larger grid where one of the smaller lies. */
+static size_t node_in_larger(const twice_as_large *larger, const ehd_grid *of, size_t node) {
+    const size_t line = node / grid_width(of) + larger->beside;
+
+    return line * grid_width(&larger->grid) + node % grid_width(of) + larger->before;
+}
+
+/* A start on the larger grid: the solution, and the far field around it. */
+static void enlarge_state(full_state *target, const twice_as_large *larger,
+                          const coarse_grid *smaller) {
+    const ehd_grid *grid = &larger->grid, *of = &smaller->contact.grid;
+    const full_state *source = &smaller->state;
+
+    for (size_t r = 0; r < grid->num_inner; r++)
+        target->pressure[grid_node_of_row(grid, r)] = NAN;
+    for (size_t r = 0; r < of->num_inner; r++) {
+        const size_t k = grid_node_of_row(of, r);
+        target->pressure[node_in_larger(larger, of, k)] = source->pressure[k];
+    }
+    for (size_t r = 0; r < grid->num_inner; r++) {
+        const size_t k = grid_node_of_row(grid, r);
+        if (!isnan(target->pressure[k])) continue;
+        target->pressure[k] = far_field_pressure(&smaller->contact, source->rigid_approach,
+                                                 grid_x(grid, k), grid_y(grid, k))
+                                  .value;
+    }
+    full_state_set_zone(target, grid, grid->num_nodes - 1);
+    target->rigid_approach = source->rigid_approach;
+}
+
+/* What an endless domain does to the films of a solved point contact with the far field around: by
+ * what one of twice the size does. The effect falls with the second to fourth power of the size, of
+ * which the second leaves most, a third of this change. */
+static ehd_status solve_larger(inlet_change *change, coarse_grid *smaller, const film_pair *films,
+                               ehd_error *error) {
+    const ehd_grid *of = &smaller->contact.grid;
+    const twice_as_large larger = twice_the_size(of);
+    coarse_grid self = {
+        .contact = smaller->contact, .as_large = smaller->as_large, .threads = smaller->threads};
+    film_pair found;
+    double *film = malloc(of->num_nodes * sizeof *film);
+
+    self.contact.grid = larger.grid;
+    ehd_status status = create_coarse(&self, error);
+    if (!status && !film)
+        status =
+            ehd_fail(error, EHD_MEMORY, "resolution: found no memory for %zu nodes", of->num_nodes);
+    if (!status) {
+        enlarge_state(&self.state, &larger, smaller);
+        status = solve_on(&found, &self, error);
+    }
+    if (!status) {
+        for (size_t k = 0; k < of->num_nodes; k++)
+            film[k] = self.state.film[node_in_larger(&larger, of, k)];
+        set_change(change, &found, films, film, smaller->state.film, of);
+        change->central *= 4. / 3;
+        change->minimum *= 4. / 3;
+    }
+    free(film);
+    free_coarse(&self);
+    return status;
+}
+
+/* Films of the contact on a grid with `stride` times the solution's step; NaN: not converged. Of the
+ * first that converges, what an endless domain changes. */
+static ehd_status solve_coarse(film_pair *films, inlet_change *change, const ehd_contact *contact,
                                const full_state *solution, const ehd_grid *fine, size_t stride,
                                team *threads, ehd_error *error) {
     coarse_grid coarse = {.contact = *contact, .as_large = full_is_large(fine), .threads = threads};
     const ehd_grid *grid = &coarse.contact.grid;
-    const bool open = far_field_is_there(grid);
 
     ehd_status status = create_coarse(&coarse, error);
     if (!status) {
         restrict_state(&coarse.state, grid, solution, fine, stride);
         status = solve_on(films, &coarse, error);
     }
-    if (!status && of_inlet && !isnan(films->central))
-        status = (open ? solve_shorter : solve_unbounded)(of_inlet, &coarse, films, error);
+    if (!status && isnan(change->central) && !isnan(films->central))
+        status = (grid->inner_lines == 1     ? solve_with_tail
+                  : far_field_is_there(grid) ? solve_larger
+                                             : solve_unbounded)(change, &coarse, films, error);
     free_coarse(&coarse);
     return status;
 }
 
 double full_observed_order(const double films[3]) {
-    double order = log2((films[2] - films[1]) / (films[1] - films[0]));
+    const double coarser = films[1] - films[0];
+    const double ratio = coarser != 0 ? (films[2] - films[1]) / coarser : NAN;
 
-    return isfinite(order) ? order : NAN;
+    return isgreater(ratio, 0) ? log2(ratio) : NAN;
 }
 
-double full_step_effect(const double films[3]) {
-    const double order = full_observed_order(films);
-    const double used = isnan(order) ? 2 : fmin(fmax(order, 1), 2);
+double full_step_effect(const double films[3], double order, double limit) {
+    const double change = (films[0] - films[1]) / films[0];
+    const double before = (films[1] - films[2]) / films[0];
+    const double observed = log2(fabs(before / change));
 
     if (isnan(films[1])) return INFINITY;
-    return (films[0] - films[1]) / films[0] / (exp2(used) - 1);
+    if (!(observed > 0)) return fabs(change) > limit ? INFINITY : fabs(change);
+    const double larger = fmax(fabs(change), fabs(before) / exp2(order));
+    if (change * before < 0) return larger / 2;
+    return larger / (exp2(fmax(1, fmin(observed, order))) - 1);
 }
 
-double full_step_effect_minimum(const double films[3]) {
-    const double effect = full_step_effect(films);
-    const double left = (films[1] - films[2]) / films[0] / 4 / 3; // of second order
+/* How the effect of the domain falls with its length: of a line by what its tail carries of the load, of
+ * a point contact with the third power, with zero pressure around with the first. */
+static double lacking_before(const central_line *line, const ehd_contact *contact, double start) {
+    if (contact->kind->dimensions > 1)
+        return pow(-start, far_field_is_there(&contact->grid) ? -3 : -1);
+    const inlet_tail tail = tail_before(line, contact, start);
 
-    return isnan(left) ? fabs(effect) : fmax(fabs(effect), fabs(left));
+    return tail.load - tail.pressure * start;
 }
 
-double full_step_effect_accurate(const double films[3], double least, double most) {
-    const double order = full_observed_order(films);
-    const double used = isnan(order) ? 2 : fmin(fmax(order, least), most);
-    const double effect = (films[0] - films[1]) / films[0] / (exp2(used) - 1);
-    const double left = (films[1] - films[2]) / films[0] / 16 / 15; // of fourth order
-
-    if (isnan(films[1])) return INFINITY;
-    return copysign(isnan(left) ? fabs(effect) : fmax(fabs(effect), fabs(left)), effect);
-}
-
-/* Effect of the step on one film with the accurate rows, whose error has two parts: by where the
- * zero before the inlet lies, which is known, and of higher order. They are not trusted to cancel. */
-static double accurate_effect(const double films[3], const double beginnings[4], double least,
-                              double most) {
-    const double beginning = isnan(beginnings[0]) ? 0 : beginnings[1] - beginnings[0];
+/* The effect of the step on one film, which has two parts: by where the boundary before the inlet lies,
+ * which is known, and that of the rows. They are not trusted to cancel.
+ * beginnings: effects of domains that begin at x_min, and one, two and four steps before it, as those
+ * of the three grids do. */
+static double step_effect(const double films[3], const double beginnings[4], double order,
+                          double limit) {
     double same[3] = {films[0], films[1], films[2]}; // with the beginning of the first
 
-    for (int g = 1; g < 3 && !isnan(beginnings[0]); g++)
+    if (!isfinite(beginnings[0])) return full_step_effect(films, order, limit);
+    for (int g = 1; g < 3; g++)
         same[g] *= 1 + beginnings[g + 1] - beginnings[1];
-    const double rest = full_step_effect_accurate(same, least, most);
-    return copysign(fabs(rest) + fabs(beginning), fabs(rest) > fabs(beginning) ? rest : beginning);
+    return full_step_effect(same, order, limit) + fabs(beginnings[1] - beginnings[0]);
 }
 
-static void extrapolate(full_resolution *self, const film_pair films[3], const double beginnings[4],
-                        ehd_discretization discretization) {
+static void set_effects(full_resolution *self, const film_pair films[3], const inlet_change *change,
+                        const central_line *line, const ehd_contact *contact) {
+    const ehd_grid *grid = &contact->grid;
     const double central[3] = {films[0].central, films[1].central, films[2].central};
     const double minimum[3] = {films[0].minimum, films[1].minimum, films[2].minimum};
-    const bool published = discretization == DISCRETIZATION_PUBLISHED;
+    const bool third = grid->discretization != DISCRETIZATION_PUBLISHED && grid->inner_lines == 1;
+    double of_central[4], of_minimum[4];
 
+    for (int i = 0; i < 4; i++) {
+        const double start = grid->x_min - (i ? exp2(i - 1) : 0) * grid->step;
+        const double part =
+            lacking_before(line, contact, start) / lacking_before(line, contact, change->start);
+        // a tail whose pressure grows without bound has no solution
+        of_central[i] = isfinite(part) ? part * change->central : INFINITY;
+        of_minimum[i] = isfinite(part) ? part * change->minimum : INFINITY;
+    }
     self->order = full_observed_order(central);
-    self->effects.of[EFFECT_STEP] =
-        published ? full_step_effect(central) : accurate_effect(central, beginnings, 3, 4);
-    self->effects.of[EFFECT_STEP_MINIMUM] = published
-                                                ? full_step_effect_minimum(minimum)
-                                                : fabs(accurate_effect(minimum, beginnings, 2, 2));
+    self->effects.of[EFFECT_INLET] = SAFETY * fabs(of_central[1]);
+    self->effects.of[EFFECT_INLET_MINIMUM] = SAFETY * fabs(of_minimum[1]);
+    self->effects.of[EFFECT_STEP] = SAFETY * step_effect(central, of_central, third ? 3 : 2, LIMIT);
+    // three minimum films may agree by chance
+    self->effects.of[EFFECT_STEP_MINIMUM] = fmax(
+        self->effects.of[EFFECT_STEP], SAFETY * step_effect(minimum, of_minimum, 2, LIMIT_MINIMUM));
+}
+
+/* Of the rolling resistance. Before a line what is not on the grid is counted, so that it changes by less
+ * than the film does; around a point contact the far field is, but for what it leaves out. */
+static void set_rolling_effects(full_resolution *self, const film_pair films[3],
+                                const inlet_change *change, const full_state *state,
+                                const ehd_contact *contact) {
+    const double rolling[3] = {films[0].rolling, films[1].rolling, films[2].rolling};
+    double *effect = &self->effects.of[EFFECT_INLET_ROLLING];
+
+    self->effects.of[EFFECT_STEP_ROLLING] = SAFETY * full_step_effect(rolling, 2, INFINITY);
+    *effect = self->effects.of[EFFECT_INLET];
+    if (far_field_is_there(&contact->grid))
+        *effect += far_field_rolling_error(contact, state->rigid_approach) /
+                   (contact->kind->load * fabs(films[0].rolling));
+    else if (contact->kind->dimensions > 1)
+        *effect = SAFETY * fabs(change->rolling);
 }
 
 ehd_status full_resolution_estimate(full_resolution *self, const full_state *state,
                                     const ehd_contact *contact, team *threads, ehd_error *error) {
-    film_pair films[3] = {films_of(state, contact), {NAN, NAN}, {NAN, NAN}};
-    ehd_contact coarse = *contact;
-    double beginnings[4];
-    const bool is_point = contact->kind->dimensions > 1;
+    const ehd_grid *grid = &contact->grid;
+    ehd_contact on[3] = {*contact}; // grids of the step, and of twice and four times the step
+    film_pair films[3] = {no_films, no_films, no_films};
+    inlet_change change = {NAN, NAN, grid->x_min, NAN};
+    const central_line line = central_line_of(state, grid);
+    // by a larger domain, on as coarse a grid as it can be
+    const bool coarsest_first = far_field_is_there(grid);
 
-    const central_line line = central_line_of(state, &contact->grid);
-
+    give_size(&on[0]);
+    films[0] = films_of(state, &on[0]);
     self->spike_nodes = count_spike(&line);
     self->outlet_nodes = count_outlet(&line);
-    ehd_status status = estimate_inlet(self, beginnings, &line, contact, error);
-    for (size_t g = 1; g < 3 && !status; g++) {
-        coarse.grid = full_coarser_grid(&coarse.grid);
-        status = solve_coarse(&films[g], g == 1 && is_point ? &self->effects : NULL, &coarse, state,
-                              &contact->grid, (size_t)1 << g, threads, error);
-        if (isnan(films[g].central)) break;
+    ehd_status status = count_inlet_nodes(self, &line, contact, error);
+    for (size_t g = 1; g < 3; g++) {
+        on[g] = on[g - 1];
+        on[g].grid = full_coarser_grid(&on[g - 1].grid);
     }
-    if (!status) extrapolate(self, films, beginnings, contact->grid.discretization);
-    return status;
+    for (size_t i = 1; i < 3 && !status; i++) {
+        const size_t g = coarsest_first ? 3 - i : i;
+        status =
+            solve_coarse(&films[g], &change, &on[g], state, grid, (size_t)1 << g, threads, error);
+    }
+    if (!status && isnan(change.central) && grid->inner_lines == 1) {
+        film_pair own;
+        status = solve_coarse(&own, &change, &on[0], state, grid, 1, threads, error);
+    }
+    if (status) return status;
+    set_effects(self, films, &change, &line, contact);
+    set_rolling_effects(self, films, &change, state, contact);
+    return EHD_OK;
 }

@@ -8,8 +8,7 @@
 #include <stddef.h>
 
 typedef struct full_resolution {
-    film_effects effects; // where twice the step does not converge, of the step infinite, and of
-                          // the inlet NaN for a point contact
+    film_effects effects; // infinite: the grid is too coarse to tell
     double order;         // of convergence of H_c over steps h, 2h, 4h; NaN: none observed
     // at Y = 0:
     size_t inlet_nodes;  // between 10 and 90 % of the centre's viscous pressure
@@ -17,8 +16,8 @@ typedef struct full_resolution {
     size_t outlet_nodes; // from the minimum film behind X = 0 to the exit
 } full_resolution;
 
-/* Solves on grids of twice and four times the step, from the solution, of a point contact also with
- * the far field around the first: about a fifth of its cost.
+/* Solves on grids of twice and four times the step, from the solution, and on one of them also with an
+ * endless inlet or a larger domain.
  * Errors: EHD_MEMORY, EHD_INTERNAL, EHD_INTERRUPTED. */
 ehd_status full_resolution_estimate(
     // output:
@@ -34,18 +33,14 @@ ehd_status full_resolution_estimate(
 /* Order of convergence that they show, NaN where none. */
 double full_observed_order(const double films[3]);
 
-/* Richardson's estimate of the relative change from the first film to the limit of small steps,
- * with the observed order, 2 where there is none, within 1 and 2. Infinite without a second film. */
-double full_step_effect(const double films[3]);
-
-/* The same of a minimum film, which does not converge as regularly: at least as large as what
- * order 2 leaves of the change from 4h to 2h, so that two films that agree by chance are not taken
- * for convergence. */
-double full_step_effect_minimum(const double films[3]);
-
-/* The same of the accurate rows, whose errors often change their sign from grid to grid, so that no
- * order is seen: with the observed one within these, 2 where there is none, and at least as large as
- * what order 4 leaves of the change from 4h to 2h. */
-double full_step_effect_accurate(const double films[3], double least, double most);
+/* Estimates the relative change from the first film to the limit of small steps by Richardson's extrapolation. Returns
+ * its size. `order` is the order of convergence at best.
+ *
+ * - Two films may agree by chance. So the change from 2h to h counts as at least 2^-order times that from 4h to 2h.
+ * - The order of the extrapolation is the observed one, at least 1 and at most `order`.
+ * - Where the two changes have opposite signs, the limit is taken to lie half way.
+ * - Where the changes do not shrink, the change from 2h to h is returned or, if that is above `limit`, infinity: the
+ *   steps are too coarse to estimate. The same holds without a film at 2h. */
+double full_step_effect(const double films[3], double order, double limit);
 
 #endif

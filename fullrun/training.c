@@ -151,7 +151,9 @@ static ehd_status finish_point(void *shared, void *given, size_t point, size_t p
 
     training_point_name(name, &owner->set->contacts[point]);
     if (solution->status)
-        program_warn(owner->program, "point %s: not converged: %s", name, solution->reason);
+        program_warn(owner->program, "point %s: not %s: %s", name,
+                     solution->status == EHD_UNTRUSTED ? "to be trusted" : "converged",
+                     solution->reason);
     ehd_status status = owner->store(owner->sink, owner->set, point, solution, error);
     if (!status)
         status = keep_point(owner, point, solution->status ? NULL : state->pressure,

@@ -64,7 +64,7 @@ void bases_fill_states(reduced_states *states, const snapshot_set *set) {
     memcpy(states->exit, set->exit, num_states * num_lines * sizeof *states->exit);
     memcpy(states->moes_M, set->moes_M, num_states * sizeof(double));
     memcpy(states->alpha_p_H, set->alpha_p_H, num_states * sizeof(double));
-    memcpy(states->thinning, set->thinning, num_states * sizeof(double));
+    memcpy(states->thinning, set->thinning, num_states * sizeof *states->thinning);
     memcpy(states->central_film_thickness, set->central_film_thickness,
            num_states * sizeof(double));
     memcpy(states->stationary, set->stationary, num_states * sizeof *states->stationary);

@@ -13,6 +13,7 @@
 #include "romrun/calibrate/accuracy.h"
 #include "romrun/model/basis_file.h"
 
+#include <gsl/gsl_sort.h>
 #include <math.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -106,14 +107,8 @@ static void report(const reduced_basis *basis, const basis_origin *origin,
         printf("deformation: coupled\n");
 }
 
-static int compare_doubles(const void *a, const void *b) {
-    double p = *(const double *)a, q = *(const double *)b;
-
-    return (p > q) - (p < q);
-}
-
-/* With as many modes as states more states would tell more: how much, is told by how well each is
- * told by the others. A warning where that is worse than what results are promised to be. */
+/* With as many modes as states, more states would give better modes. How much better is estimated by how far each state
+ * is from the modes of the others. Warns where that is farther than results may be off. */
 static void report_thinness(const program *self, const pod_basis *pressure,
                             const reduced_states *states, const snapshot_files *files) {
     const double promised = accuracy_limit(0);
@@ -122,7 +117,7 @@ static void report_thinness(const program *self, const pod_basis *pressure,
 
     if (distance && num > 1 && num == files->num_rows && pressure->num_modes == num) {
         pod_left_out(distance, pressure, states->coordinates, states->num_unknowns, num);
-        qsort(distance, num, sizeof *distance, compare_doubles);
+        gsl_sort(distance, 1, num);
         printf("as many modes as states; each state is told by the others to %.1e (median), %.1e "
                "(worst)\n",
                distance[num / 2], distance[num - 1]);

@@ -17,7 +17,8 @@ static ehd_status read_column(double *column, artefact *file, const char *name, 
                               ehd_error *error) {
     double value;
 
-    if (artefact_kind(file) == &schema_snapshots) return artefact_get(file, name, column, error);
+    if (artefact_kind(file) == &schema_snapshots)
+        return artefact_get(file, name, column, count, error);
     ehd_status status = artefact_get_real(file, name, &value, error);
     for (size_t i = 0; i < count && !status; i++)
         column[i] = value;
@@ -34,7 +35,7 @@ static ehd_status read_optional(double *column, const file_states *states, artef
 }
 
 static ehd_status read_effects(file_states *states, artefact *file, ehd_error *error) {
-    double *column = states->memory + 8 * states->count;
+    double *column = states->memory + 9 * states->count;
     ehd_status status = EHD_OK;
 
     for (int e = 0; e < NUM_EFFECTS && !status; e++, column += states->count) {
@@ -52,7 +53,7 @@ static ehd_status read_columns(file_states *states, artefact *file, ehd_error *e
     const char *axis = artefact_kind(file) == &schema_snapshots ? "state" : "time";
     size_t count = states->count = artefact_length(file, axis);
 
-    states->memory = array_new(8 + NUM_EFFECTS + NUM_RISES, count, sizeof(double));
+    states->memory = array_new(9 + NUM_EFFECTS + NUM_RISES, count, sizeof(double));
     states->outcome = array_new(2, count, sizeof *states->outcome);
     if (!states->memory || !states->outcome)
         return ehd_fail(error, EHD_MEMORY, "%s: found no memory", artefact_path(file));
@@ -62,30 +63,34 @@ static ehd_status read_columns(file_states *states, artefact *file, ehd_error *e
     states->central_film_thickness = states->memory + 3 * count;
     states->time = states->memory + 4 * count;
     states->rate = states->memory + 5 * count;
-    states->thinning = states->memory + 6 * count;
+    states->sliding = states->memory + 6 * count;
+    states->gradient = states->memory + 8 * count;
     states->load_rate = states->memory + 7 * count;
     states->trajectory = states->outcome + count;
     for (size_t i = 0; i < count; i++) {
         states->central_film_thickness[i] = NAN;
         states->trajectory[i] = -1;
     }
-    ehd_status status = artefact_get(file, "rigid_approach", states->rigid_approach, error);
+    ehd_status status =
+        artefact_get(file, "rigid_approach", states->rigid_approach, states->count, error);
     if (!status) status = read_effects(states, file, error);
     if (!status) status = read_column(states->moes_M, file, "moes_M", count, error);
     if (!status) status = read_column(states->alpha_p_H, file, "alpha_p_H", count, error);
-    if (!status) status = read_optional(states->thinning, states, file, "thinning", 0, error);
+    if (!status) status = read_optional(states->sliding, states, file, "thinning", 0, error);
+    if (!status)
+        status = read_optional(states->gradient, states, file, "gradient_thinning", 0, error);
     if (!status && artefact_has(file, "central_film_thickness"))
-        status =
-            artefact_get(file, "central_film_thickness", states->central_film_thickness, error);
+        status = artefact_get(file, "central_film_thickness", states->central_film_thickness,
+                              states->count, error);
     if (!status && artefact_has(file, "status"))
-        status = artefact_get_integers(file, "status", states->outcome, error);
+        status = artefact_get_integers(file, "status", states->outcome, states->count, error);
     if (status || !artefact_has(file, "trajectory")) return status;
-    status = artefact_get_integers(file, "trajectory", states->trajectory, error);
-    if (!status) status = artefact_get(file, "trajectory_time", states->time, error);
-    if (!status) status = artefact_get(file, "trajectory_rate", states->rate, error);
+    status = artefact_get_integers(file, "trajectory", states->trajectory, states->count, error);
+    if (!status) status = artefact_get(file, "trajectory_time", states->time, states->count, error);
+    if (!status) status = artefact_get(file, "trajectory_rate", states->rate, states->count, error);
     if (status) return status;
     if (artefact_has(file, "trajectory_load_rate"))
-        return artefact_get(file, "trajectory_load_rate", states->load_rate, error);
+        return artefact_get(file, "trajectory_load_rate", states->load_rate, states->count, error);
     memcpy(states->load_rate, states->rate, count * sizeof *states->rate);
     return EHD_OK;
 }
@@ -134,7 +139,7 @@ static ehd_status count_states(snapshot_files *self, snapshot_file *file, ehd_er
         const double rates =
             states->trajectory[i] >= 0 ? states->rate[i] + states->load_rate[i] : 0;
         if (!isfinite(rates + states->rigid_approach[i] + states->moes_M[i] + states->alpha_p_H[i] +
-                      states->thinning[i]))
+                      states->sliding[i] + states->gradient[i]))
             return ehd_fail(error, EHD_DATA, "%s: state %zu: found values that are not finite",
                             file->path, i);
     }
@@ -149,7 +154,9 @@ static ehd_status count_part(snapshot_files *self, snapshot_file *file, ehd_erro
     file->values = array_new(file->num_rows, 1, sizeof *file->values);
     if (!file->values) return ehd_fail(error, EHD_MEMORY, "%s: found no memory", file->path);
     ehd_status status = part_read_origin(&file->origin, file->file, error);
-    if (!status) status = artefact_get(file->file, "pressure_singular_values", file->values, error);
+    if (!status)
+        status = artefact_get(file->file, "pressure_singular_values", file->values, file->num_rows,
+                              error);
     self->num_left_out += file->origin.num_left_out;
     self->num_parts++;
     return status;
@@ -224,7 +231,7 @@ static ehd_status get_pressure(double *pressure, const ehd_grid *grid, artefact 
     double *inner = array_new(grid->num_inner, 1, sizeof *inner);
     if (!inner) return ehd_fail(error, EHD_MEMORY, "%s: found no memory", artefact_path(file));
 
-    ehd_status status = artefact_get_part(file, field, entry, 1, inner, error);
+    ehd_status status = artefact_get_part(file, field, entry, 1, inner, grid->num_inner, error);
     memset(pressure, 0, grid->num_nodes * sizeof(double));
     if (!status) grid_put_inner(pressure, inner, grid, false);
     free(inner);

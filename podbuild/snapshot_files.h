@@ -16,8 +16,9 @@
 /* One file's states before it is known which of them converged. */
 typedef struct file_states {
     size_t count;
-    double *rigid_approach, *moes_M, *alpha_p_H, *thinning, *central_film_thickness; // [count]
-    int64_t *outcome;                                                                // [count]
+    double *rigid_approach, *moes_M, *alpha_p_H, *central_film_thickness; // [count]
+    double *sliding, *gradient; // [count] of flow_thinning
+    int64_t *outcome;           // [count]
     // of trajectories: index, -1 for a stationary point; time and rate
     int64_t *trajectory;             // [count]
     double *time, *rate, *load_rate; // [count]

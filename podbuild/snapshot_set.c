@@ -35,14 +35,14 @@ static ehd_status grow(void **array, size_t rows, size_t columns, size_t size, e
 static ehd_status reserve(snapshot_set *set, size_t num_states, ehd_error *error) {
     size_t count = num_states + 1;
     ehd_status status = EHD_OK;
-    double **const columns[] = {
-        &set->rigid_approach,         &set->moes_M, &set->alpha_p_H, &set->thinning,
-        &set->central_film_thickness, &set->rate,   &set->load_rate};
+    double **const columns[] = {&set->rigid_approach,         &set->moes_M, &set->alpha_p_H,
+                                &set->central_film_thickness, &set->rate,   &set->load_rate};
 
     for (size_t i = 0; i < sizeof columns / sizeof *columns && !status; i++)
         status = grow((void **)columns[i], count, 1, sizeof(double), error);
     if (!status)
         status = grow((void **)&set->exit, count, grid_lines(&set->grid), sizeof *set->exit, error);
+    if (!status) status = grow((void **)&set->thinning, count, 1, sizeof *set->thinning, error);
     if (!status) status = grow((void **)&set->effects, count, 1, sizeof *set->effects, error);
     if (!status) status = grow((void **)&set->rises, count, 1, sizeof *set->rises, error);
     if (!status) status = grow((void **)&set->stationary, count, 1, sizeof *set->stationary, error);
@@ -84,15 +84,17 @@ void snapshot_set_add(snapshot_set *set, const double *pressure, const file_stat
     const size_t s = set->num_states;
     // columns of trajectories have no values where a state is none of theirs
     const bool in_time = states->trajectory[i] >= 0;
+    lubricant_rises rises;
+
+    for (int r = 0; r < NUM_RISES; r++)
+        rises.of[r] = states->rises[r][i];
     const solved_state state = {pressure,
                                 states->rigid_approach[i],
                                 states->moes_M[i],
                                 states->alpha_p_H[i],
-                                states->thinning[i],
+                                {states->sliding[i], states->gradient[i]},
                                 states->central_film_thickness[i],
-                                {{[RISE_VISCOSITY] = states->rises[RISE_VISCOSITY][i],
-                                  [RISE_DENSITY] = states->rises[RISE_DENSITY][i]}}};
-
+                                rises};
     add_solved(set, &state, pressure);
     set->stationary[s] = !in_time || states->time[i] == 0;
     set->rate[s] = in_time ? states->rate[i] : 0;
@@ -110,7 +112,7 @@ void snapshot_set_add_reduced(snapshot_set *set, const reduced_states *states) {
     memcpy(set->exit + first * num_lines, states->exit, num * num_lines * sizeof *set->exit);
     memcpy(set->moes_M + first, states->moes_M, num * sizeof(double));
     memcpy(set->alpha_p_H + first, states->alpha_p_H, num * sizeof(double));
-    memcpy(set->thinning + first, states->thinning, num * sizeof(double));
+    memcpy(set->thinning + first, states->thinning, num * sizeof *set->thinning);
     memcpy(set->central_film_thickness + first, states->central_film_thickness,
            num * sizeof(double));
     memcpy(set->stationary + first, states->stationary, num * sizeof *set->stationary);

@@ -5,6 +5,7 @@
 
 #include "common/output/film_effects.h"
 #include "common/physics/contact.h"
+#include "common/physics/traction.h"
 #include "common/program/status.h"
 #include "podbuild/snapshot_files.h"
 #include "romrun/model/reduced_model.h"
@@ -22,7 +23,7 @@ typedef struct snapshot_set {
     double *rigid_approach;         // [num_states]
     size_t *exit;                   // [num_states, lines of the grid] first column without pressure
     double *moes_M, *alpha_p_H;     // [num_states]
-    double *thinning;               // [num_states] of the flow (contact_place.h)
+    flow_thinning *thinning;        // [num_states] of the flow
     double *central_film_thickness; // [num_states]
     bool *stationary;               // [num_states] false on a trajectory, unless at its start
     double *rate,
@@ -62,7 +63,9 @@ void snapshot_set_add_reduced(snapshot_set *set, const reduced_states *states);
 /* A stationary solution in memory. */
 typedef struct solved_state {
     const double *pressure; // [num_nodes]
-    double rigid_approach, moes_M, alpha_p_H, thinning, central_film_thickness;
+    double rigid_approach, moes_M, alpha_p_H;
+    flow_thinning thinning;
+    double central_film_thickness;
     lubricant_rises rises; // at the Hertz pressure
 } solved_state;
 

@@ -65,11 +65,12 @@ static const program_option own_options[] = {
      OPTION_COUNT(sizes.of[0].deformation_modes, 1, 100000)},
     {"rows", 0, "N", "Use only the first N rows", OPTION_COUNT(sizes.of[0].rows, 1, 10000000)},
     {"accuracy", 0, "X", "Use as much of a calibrated model as its central and minimum film need to deviate by at "
-     "most X, such as 1e-3, on most scenes (in time the central film), converged to a fiftieth of it; exit with 4 "
+     "most X, such as 1e-3, on most scenes, converged to a fiftieth of it; exit with 4 "
      "where they are indicated to deviate by more; without it more than 0.01", OPTION_REAL(accuracy, 1e-15, 1)},
     {"accuracy-of", 0, "NAME=X", "Exit with 4 where another quantity is indicated to deviate by more than X: "
      "central_pressure, exit_position (half widths), load, pressure (largest of all nodes, Hertz pressures), "
-     "film_thickness (largest, of the central film) or, where the scene slides, friction; may be repeated (stationary)", OPTION_READ(limits, accuracy_read_limit)},
+     "film_thickness (largest, of the central film) or, where the scene has a slide_roll, friction or rolling_resistance (by the "
+     "films and the grid); may be repeated (stationary)", OPTION_READ(limits, accuracy_read_limit)},
     {"against", 0, "RESULT.h5", "Print the deviations from another result of the scene", OPTION_TEXT(against)},
     {"verify", 0, NULL, "Print the residual of the full model at the solution, and what one Newton step of it "
      "would change of the central film (stationary)", OPTION_FLAG(verify)},
@@ -80,7 +81,7 @@ static const program_option own_options[] = {
      OPTION_FLAG(allow_untrusted)},
     {"repeat", 0, "N", "Solve N times and report the median time; default 1 (stationary)",
      OPTION_COUNT(repeats, 1, 1000000)},
-    {"resume", 0, NULL, "Continue an interrupted run of the same scene, where there is one (transient)",
+    {"resume", 0, NULL, "Continue an interrupted run of the same scene or table, where there is one (transient, --cases)",
      OPTION_FLAG(resume)},
     {"calibrate", 0, "PLAN.yml", "Measure deviations and time of many sizes of the model on the scenes of a "
      "plan, none of them trained on, and write the model with the table to -o", OPTION_TEXT(calibrate)},
@@ -205,6 +206,7 @@ static ehd_status text_with_sizes(char **whole, const char *text, const romrun_o
                 sizes->pressure_modes, sizes->deformation_modes, sizes->rows, accuracy,
                 falls_back(options) ? ", fallback full" : "");
     }
+    if (stream && options->cases) accuracy_write_limits(&options->limits, stream);
     if (stream && !fclose(stream)) return EHD_OK;
     free(*whole);
     *whole = NULL;
@@ -388,6 +390,7 @@ static ehd_status fall_back(stationary_run *self, bool with_fields, bool with_ef
                  full->info.newton_iterations, full->info.seconds * 1e3);
     self->by_full_model = true;
     self->result = fallback_result(full, contact, with_fields);
+    self->result.solved_by = SOLVED_BY_FULL;
     add_seconds(&self->result, &reduced);
     if (reduced.traction) {
         self->traction = full_evaluate_traction(&full->state, contact);
@@ -398,6 +401,7 @@ static ehd_status fall_back(stationary_run *self, bool with_fields, bool with_ef
     if (status) return status;
     self->effects = resolution.effects;
     self->result.effects = &self->effects;
+    accuracy_judge_rolling(&self->result, &options->limits);
     return EHD_OK;
 }
 
@@ -426,9 +430,9 @@ static ehd_status show(const stationary_run *self, ehd_error *error) {
 static ehd_status solve_and_show(stationary_run *self, const char *scene_lines, const scene *given,
                                  ehd_error *error) {
     const bool with_fields = given->output.fields == 1;
-    const bool with_effects = given->output.resolution != 0;
     const program *caller = self->caller;
     romrun_options *options = self->options;
+    const bool with_effects = given->output.resolution != 0 || options->limits.rolling > 0;
     const char *inputs[MAX_INPUTS];
     attempt *done = &self->attempt;
     artefact *file = NULL;
@@ -443,9 +447,10 @@ static ehd_status solve_and_show(stationary_run *self, const char *scene_lines, 
         status = solve(&done->solution, done->solver, self->contact, options->repeats, error);
     if (!status) status = fill_result(self, with_fields, with_effects, error);
     if (!status && falls_back(options)) {
+        self->result.solved_by = SOLVED_BY_REDUCED;
         status = fall_back(self, with_fields, with_effects, error);
-        self->result.solved_by = self->by_full_model ? SOLVED_BY_FULL : SOLVED_BY_REDUCED;
     }
+    if (!status) result_judge_grid(&self->result, &self->contact->grid);
     if (!status && file) status = result_write(&file, &self->result, self->contact, error);
     if (!status) status = show(self, error);
     if (!status) status = judge(&self->result, options, caller->arguments[0], error);
@@ -485,7 +490,7 @@ static ehd_status create_fallback(fallback_march **full, const program *self,
 /* Takes the model. */
 static ehd_status run_transient(const program *self, const romrun_options *options,
                                 online_model *model, const ehd_contact *contact, const scene *given,
-                                const char *scene_lines, ehd_error *error) {
+                                const char *scene_lines, time_run_again again, ehd_error *error) {
     online_transient *in_time = NULL;
     fallback_march *mixed = NULL;
     time_series full = {0};
@@ -525,14 +530,15 @@ static ehd_status run_transient(const program *self, const romrun_options *optio
                                     .accuracy = accuracy_limit(options->accuracy),
                                     .with_fields = given->output.fields == 1,
                                     .resume = options->resume,
+                                    .again = again,
                                     .allow_untrusted = options->allow_untrusted,
-                                    .advice = advice(options),
+                                    .advice = again == AGAIN_IF_POOR ? NULL : advice(options),
                                     .untrusted = mixed ? NULL : unchecked,
                                     .effort = mixed ? fallback_march_effort : online_march_effort,
                                     .share = mixed ? fallback_march_share : NULL};
         status = time_run(options->against ? &trace : NULL, &task, error);
     }
-    if ((!status || status == EHD_UNTRUSTED) && options->against) {
+    if ((!status || (status == EHD_UNTRUSTED && again != AGAIN_IF_POOR)) && options->against) {
         ehd_status compared =
             against_print_in_time(&trace, &full, options->against, &contact->grid, error);
         if (compared) status = compared;
@@ -544,6 +550,58 @@ static ehd_status run_transient(const program *self, const romrun_options *optio
     online_close(model);
     free(text);
     return status;
+}
+
+/* A scene in time, and how it is run. */
+typedef struct transient_run {
+    const program *caller;
+    romrun_options *options;
+    const ehd_contact *contact;
+    const scene *given;
+    const char *scene_lines;
+} transient_run;
+
+/* A march of its own with these sizes. */
+static ehd_status march_with(const transient_run *self, const part_sizes *sizes,
+                             time_run_again again, ehd_error *error) {
+    romrun_options options = *self->options;
+    online_model *model = NULL;
+
+    options.sizes = *sizes;
+    ehd_status status = online_open(&model, options.model, sizes, error);
+    return status ? status
+                  : run_transient(self->caller, &options, model, self->contact, self->given,
+                                  self->scene_lines, again, error);
+}
+
+/* Whether there are more accurate sizes to repeat a march with. With --fallback full single steps are the
+ * full model's in their place. */
+static bool has_other_sizes(const romrun_options *options) {
+    return options->accuracy > 0 && !falls_back(options) &&
+           memcmp(&options->sizes, &options->fallback, sizeof options->sizes) != 0;
+}
+
+/* Repeats a march that did not converge or is not to be trusted with the most accurate sizes, and where these do
+ * not converge, takes the first one all the same. A run to be resumed may have been repeated already. */
+static ehd_status march_again(const transient_run *self, ehd_status first, ehd_error *error) {
+    romrun_options *options = self->options;
+    const bool poor = first == EHD_NOT_CONVERGED || first == EHD_UNTRUSTED;
+    char name[TRADE_NAME];
+
+    if (!has_other_sizes(options) || !(poor || (first == EHD_DATA && options->resume)))
+        return first;
+    if (poor) {
+        trade_name(name, &options->fallback.of[0]);
+        program_note(self->caller, "--accuracy %g: %s, again with %s", options->accuracy,
+                     error->text, options->models.num == 1 ? name : "the most accurate sizes");
+        options->resume = false;
+    }
+    const ehd_status second = march_with(
+        self, &options->fallback, first == EHD_UNTRUSTED ? AGAIN_IF_LOST : AGAIN_NEVER, error);
+    if (second != EHD_NOT_CONVERGED || first != EHD_UNTRUSTED) return second;
+    program_note(self->caller, "--accuracy %g: %s, again with the first sizes", options->accuracy,
+                 error->text);
+    return march_with(self, &options->sizes, AGAIN_NEVER, error);
 }
 
 /* Chooses the sizes of one of the models for --accuracy from its table. */
@@ -582,6 +640,15 @@ static ehd_status choose_sizes(romrun_options *options, const program *self, boo
     for (size_t i = 0; i < options->models.num && !status; i++)
         status = choose_sizes_of(options, i, self, in_time, error);
     return status;
+}
+
+/* The first option that has nothing to do with --cases; NULL: none. */
+static const char *beside_cases(const romrun_options *options, const char *mode) {
+    if (options->calibrate || options->trade || options->exported) return mode;
+    if (options->verify) return "--verify";
+    if (options->against) return "--against";
+    if (options->fall_back) return "--fallback";
+    return options->repeats > 1 ? "--repeat" : NULL;
 }
 
 /* Refuses options that exclude each other. */
@@ -626,11 +693,9 @@ static ehd_status check_usage(const program *self, const romrun_options *options
     if (options->num_jobs > 0 && !options->calibrate && !options->cases)
         return ehd_fail(error, EHD_USAGE,
                         "--jobs: found without --calibrate or --cases, expected with one of them");
-    if (options->cases && (!solves || options->verify || options->against || options->fall_back ||
-                           options->resume || options->repeats > 1))
-        return ehd_fail(error, EHD_USAGE,
-                        "--cases: found with --verify, --against, --fallback, --repeat, --resume, "
-                        "--calibrate or --trade, expected none of them");
+    const char *alone = beside_cases(options, mode);
+    if (options->cases && alone)
+        return ehd_fail(error, EHD_USAGE, "--cases: found with %s, expected without", alone);
     if (!solves && ((sized && !options->exported) || options->verify || options->accuracy > 0 ||
                     options->against || options->fall_back || options->allow_untrusted ||
                     options->resume || options->repeats > 1))
@@ -792,26 +857,30 @@ static ehd_status judge_cases(const cases_summary *found, const romrun_options *
     ehd_fail(error, EHD_NOT_CONVERGED,
              "found %zu of %zu scenes not converged and %zu not to be trusted, the first %s here, "
              "expected none",
-             found->num_unsolved, case_list_count(list), found->num_untrusted,
+             found->num_unsolved, found->num_cases, found->num_untrusted,
              unsolved ? "not converged" : "not to be trusted");
     case_list_fail(list, found->first, error);
     return unsolved ? EHD_NOT_CONVERGED : EHD_UNTRUSTED;
 }
 
-static void show_cases(const cases_summary *found, const program *self, const case_list *list) {
-    const size_t count = case_list_count(list);
-    const size_t bad = found->num_unsolved + found->num_untrusted;
+static void show_cases(const cases_summary *found, const program *self) {
+    const size_t count = found->num_cases, bad = found->num_unsolved + found->num_untrusted;
 
     if (!self->output) return; // the table is there
     printf("%-24s%zu: %zu good, %zu not to be trusted, %zu not converged\n", "cases", count,
            count - bad, found->num_untrusted, found->num_unsolved);
-    printf("%-24s%.4g s, %.3g ms a case\n", "solution", found->seconds,
-           found->seconds * 1e3 / (double)count);
+    if (found->num_solved > 0)
+        printf("%-24s%.4g s, %.3g ms a case\n", "solution", found->seconds,
+               found->seconds * 1e3 / (double)found->num_solved);
 }
 
-static ehd_status solve_cases(const case_list *list, const program *self,
-                              const romrun_options *options, ehd_error *error) {
-    const char *inputs[MAX_INPUTS];
+static ehd_status solve_cases(case_list *list, const program *self, const romrun_options *options,
+                              const char *const *inputs, ehd_error *error) {
+    char *scene_lines = case_list_settings(list), *text = NULL;
+    cases_summary found;
+    ehd_status status = scene_lines
+                            ? text_with_sizes(&text, scene_lines, options, error)
+                            : ehd_fail(error, EHD_MEMORY, "%s: found no memory", options->cases);
     const cases_task task = {.caller = self,
                              .model = options->model,
                              .sizes = options->sizes,
@@ -819,25 +888,16 @@ static ehd_status solve_cases(const case_list *list, const program *self,
                              .accuracy = options->accuracy,
                              .limits = &options->limits,
                              .num_jobs =
-                                 options->num_jobs ? options->num_jobs : pool_default_workers()};
-    case_row *rows = calloc(case_list_count(list), sizeof *rows);
-    char *scene_lines = case_list_settings(list), *text = NULL;
-    const contact_kind *kind;
-    cases_summary found;
-    ehd_grid grid;
-    ehd_status status = rows && scene_lines
-                            ? text_with_sizes(&text, scene_lines, options, error)
-                            : ehd_fail(error, EHD_MEMORY, "%s: found no memory for %zu scenes",
-                                       options->cases, case_list_count(list));
+                                 options->num_jobs ? options->num_jobs : pool_default_workers(),
+                             .settings_text = text,
+                             .inputs = inputs,
+                             .resume = options->resume};
 
-    list_inputs(inputs, self, options, options->cases);
-    if (!status) status = cases_solve(rows, &kind, &grid, &found, list, &task, error);
-    if (!status) status = case_table_write(rows, list, kind, &grid, self, text, inputs, error);
-    if (!status) show_cases(&found, self, list);
+    if (!status) status = cases_solve(&found, list, &task, error);
+    if (!status) show_cases(&found, self);
     if (!status) status = judge_cases(&found, options, list, error);
     free(scene_lines);
     free(text);
-    free(rows);
     return status;
 }
 
@@ -851,10 +911,10 @@ static ehd_status run_cases(const program *self, const romrun_options *given_opt
     list_inputs(inputs, self, &options, options.cases);
     if (!status && self->output) status = output_file_check_inputs(self->output, inputs, error);
     if (!status)
-        status = case_list_read(&list, self->arguments[0], options.cases, self->overrides,
+        status = case_list_open(&list, self->arguments[0], options.cases, self->overrides,
                                 self->num_overrides, error);
     if (!status && options.accuracy > 0) status = choose_sizes(&options, self, false, error);
-    if (!status) status = solve_cases(list, self, &options, error);
+    if (!status) status = solve_cases(list, self, &options, inputs, error);
     case_list_free(list);
     return status;
 }
@@ -879,9 +939,13 @@ static ehd_status run_scene(const program *self, const romrun_options *given_opt
         online_close(model);
     } else {
         contact_take_grid(&contact, online_grid_for(model, &contact));
-        status = transient
-                     ? run_transient(self, &options, model, &contact, &given, scene_lines, error)
-                     : run_stationary(self, &options, model, &contact, &given, scene_lines, error);
+        const transient_run in_time = {self, &options, &contact, &given, scene_lines};
+        const time_run_again again = has_other_sizes(&options) ? AGAIN_IF_POOR : AGAIN_NEVER;
+        status =
+            transient
+                ? run_transient(self, &options, model, &contact, &given, scene_lines, again, error)
+                : run_stationary(self, &options, model, &contact, &given, scene_lines, error);
+        if (transient) status = march_again(&in_time, status, error);
     }
     if (!status || status == EHD_NOT_CONVERGED || status == EHD_UNTRUSTED)
         for (size_t i = 0; i < options.models.num; i++)

@@ -8,6 +8,7 @@
 #include "romrun/online/trained_range.h"
 #include "snapgen/adaptive_file.h"
 #include "snapgen/point_choice.h"
+#include "snapgen/region_parts.h"
 #include "snapgen/snapshots.h"
 #include "snapgen/trial.h"
 
@@ -17,6 +18,14 @@
 #include <string.h>
 
 enum { MIN_BATCH = 4 };
+
+/* A region may be cut in two once its model has this many times the points of the first round (README.md). */
+static const double WIDE = 5;
+
+/* A region whose highest M is at most this many times the lowest is never cut, so that an accuracy that no model reaches
+ * does not lead to ever more parts. The parts of scenes/studies/parts, trained for 1e-4, span 1.4 to 2 and end with about
+ * 100 points. */
+static const double NARROW = 2;
 
 typedef struct adaptive {
     const program *caller;
@@ -42,7 +51,7 @@ typedef struct adaptive {
     adaptive_state *states; // [num_states]
     size_t num_rounds;      // judged
     adaptive_round *rounds; // [num_rounds]
-    bool ended;
+    bool ended, divided;
 } adaptive;
 
 adaptive_settings adaptive_default_settings(void) {
@@ -446,7 +455,7 @@ static ehd_status build_model(reduced_model *model, trial_costs *costs, const ad
                            trained->rigid_approach,
                            contact->moes_M,
                            contact->alpha_p_H,
-                           traction_thinning_rate(contact),
+                           traction_thinning(contact),
                            self->films[point][FILM_CENTRAL],
                            lubricant_rises_at(&contact->lubricant, contact->hertz_pressure)};
     }
@@ -459,6 +468,11 @@ static ehd_status build_model(reduced_model *model, trial_costs *costs, const ad
                              self->settings->discarded_energy, self->num_workers, &cause);
     if (status == EHD_INTERRUPTED)
         *error = cause;
+    else if (status && count < self->num_states)
+        status =
+            ehd_fail(error, EHD_NOT_CONVERGED,
+                     "%s: found %zu of %zu points not converged, and no model of the others: %s",
+                     self->plan_path, self->num_states - count, self->num_states, cause.text);
     else if (status)
         ehd_fail(error, status, "%s: model of %zu points: %s", self->plan_path, count, cause.text);
     free(solved);
@@ -475,6 +489,8 @@ static void tell_costs(const adaptive *self, const trial_costs *costs) {
     stage_expect(here, "basis", costs->basis);
     stage_expect(here, "residuals", costs->residuals);
     stage_expect(here, "rows", costs->rows);
+    // of other parts of the region
+    stage_expect(here, "training", program_seconds() - self->started);
 }
 
 /* Lets the present model judge what is left. */
@@ -557,6 +573,66 @@ static ehd_status take_pieces(adaptive *self, const adaptive_task *task, ehd_err
     return status;
 }
 
+// ---- parts of the region
+
+/* States that came in a round. */
+static size_t count_round(const adaptive *self, size_t round) {
+    size_t count = 0;
+
+    for (size_t s = 0; s < self->num_states; s++)
+        count += self->states[s].round == round;
+    return count;
+}
+
+/* Estimates how many points one model needs for the wanted accuracy: a line is fitted to the logarithms of the worst
+ * error that each of the last four rounds indicated, over the points, and continued to the accuracy. Infinite where the
+ * line does not fall, or where candidates have no solution. */
+static double expected_points(const adaptive *self) {
+    const size_t count = smaller(self->num_rounds, 4), first = self->num_rounds - count;
+    double mean_points = 0, mean_worst = 0, slope = 0, spread = 0;
+
+    for (size_t r = first; r < self->num_rounds; r++) {
+        mean_points += (double)self->rounds[r].num_points / (double)count;
+        mean_worst += log(self->rounds[r].indicated) / (double)count;
+    }
+    for (size_t r = first; r < self->num_rounds; r++) {
+        const double points = (double)self->rounds[r].num_points - mean_points;
+        slope += points * log(self->rounds[r].indicated);
+        spread += points * points;
+    }
+    slope /= spread;
+    if (!(slope < 0) || !isfinite(mean_worst)) return INFINITY;
+    return fmax((double)self->num_states,
+                mean_points + (log(self->settings->accuracy) - mean_worst) / slope);
+}
+
+/* Whether one model would take more points than one for each of two parts. */
+static bool is_too_wide(const adaptive *self) {
+    const double of_part = WIDE * (double)count_round(self, 0);
+
+    return parts_span(self->set) > NARROW && (double)self->num_states >= of_part &&
+           !is_good(self, self->num_rounds - 1) && !(expected_points(self) <= 2 * of_part);
+}
+
+/* Two parts with half of the points each: these are where the training is hard. */
+static ehd_status divide(adaptive *self, const adaptive_task *task, ehd_error *error) {
+    size_t *points = malloc((self->num_states + 1) * sizeof *points);
+    const parts_request request = {.plan_path = self->plan_path,
+                                   .set = self->set,
+                                   .points = points,
+                                   .num_points = self->num_states,
+                                   .num_parts = 2,
+                                   .force = self->caller->force};
+
+    if (!points) return ehd_fail(error, EHD_MEMORY, "%s: found no memory", self->plan_path);
+    for (size_t s = 0; s < self->num_states; s++)
+        points[s] = self->states[s].point;
+    const ehd_status status = parts_write(&request, task->parts, error);
+    free(points);
+    self->divided = !status;
+    return status;
+}
+
 // ---- rounds
 
 /* Whether the last round was a check, and a good one: its points were within the accuracy before
@@ -592,6 +668,10 @@ static ehd_status run_rounds(adaptive *self, const adaptive_task *task, ehd_erro
         if (!status) status = judge_round(self, error);
         self->ended = !status && is_finished(self);
         if (status || self->ended) break;
+        if (task->parts && is_too_wide(self)) {
+            status = divide(self, task, error);
+            if (status != EHD_DATA) return status; // else the points have too few different M
+        }
         status = add_next_round(self, error);
     }
     for (size_t r = 0; r < self->num_rounds; r++)
@@ -625,15 +705,6 @@ static ehd_status open_file(adaptive *self, bool resume, ehd_error *error) {
         if (status != EHD_NOINPUT) return status;
     }
     return adaptive_file_create(&self->file, self->caller, self->set, self->plan_path, error);
-}
-
-/* States that came in a round. */
-static size_t count_round(const adaptive *self, size_t round) {
-    size_t count = 0;
-
-    for (size_t s = 0; s < self->num_states; s++)
-        count += self->states[s].round == round;
-    return count;
 }
 
 /* Points are used up before a check was good: where it was hard, and what helps. */
@@ -706,7 +777,8 @@ static ehd_status begin(adaptive *self, const program *caller, const adaptive_ta
     if (task->set->num_trajectories > 0)
         status =
             ehd_fail(error, EHD_DATA,
-                     "%s: found %zu transient scenes with --adaptive, expected stationary ones",
+                     "%s: found %zu transient scenes with --adaptive or a region, expected a plan "
+                     "without them, and one of them alone",
                      task->plan_path, task->set->num_trajectories);
     if (!status) status = add_text(task->set, task->plan_path, task->settings, error);
     return status ? status : adaptive_init(self, error);
@@ -718,7 +790,10 @@ ehd_status adaptive_train(const program *caller, const adaptive_task *task, ehd_
 
     if (!status) status = open_file(&self, task->resume, error);
     if (!status) status = run_rounds(&self, task, error);
-    if (!status && !self.ended)
+    if (!status && self.divided)
+        printf("%zu points do not make one model yet, two parts are in %s\n", self.num_states,
+               task->parts);
+    else if (!status && !self.ended)
         printf("round %zu: %zu points are to be solved, after %zu\n", self.num_rounds + 1,
                count_open(&self), self.points.num_done);
     if (!status && self.ended) {

@@ -29,6 +29,7 @@ typedef struct adaptive_task {
     bool only_choose;          // end where points are to be solved, without solving them
     const char *const *pieces; // [num_pieces] outputs of adaptive_solve
     size_t num_pieces;
+    const char *parts;     // file for a list of parts (parts_write); NULL: always one model
     const char *chosen_in; // for adaptive_solve: the .partial with the points that are to be solved
     shard piece;           // the same: which of them
 } adaptive_task;
@@ -41,7 +42,9 @@ typedef struct adaptive_task {
  * there are. When the model that judged them is found to be as accurate as wanted there, training
  * ends with them; else it goes on. Written to caller->output, which grows and can be resumed. The
  * points that are chosen and their solutions do not depend on num_workers, on interruptions, or on
- * who solved them: what the pieces hold of the last round is taken as it is. EHD_NOT_CONVERGED: more
+ * who solved them: what the pieces hold of the last round is taken as it is. With `parts` a training
+ * that one model is not expected to end soon is left, and the list of its parts is written in place
+ * of the output (README.md). EHD_NOT_CONVERGED: more
  * points than allowed failed in the full model, or all; EHD_DATA: trajectories in the plan, a piece
  * of another training or round; EHD_INTERRUPTED; else as snapshots_create and snapshots_resume. */
 ehd_status adaptive_train(const program *caller, const adaptive_task *task, ehd_error *error);

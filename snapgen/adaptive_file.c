@@ -80,15 +80,17 @@ ehd_status adaptive_file_add(artefact *file, const training_set *set, const adap
 static ehd_status read_choice(adaptive_state *state, artefact *file, size_t place,
                               size_t num_points, ehd_error *error) {
     int64_t point = 0, round = 0;
-    ehd_status status = artefact_get_integers_part(file, "training_point", place, 1, &point, error);
+    ehd_status status =
+        artefact_get_integers_part(file, "training_point", place, 1, &point, 1, error);
 
     if (!status)
-        status = artefact_get_integers_part(file, "training_round", place, 1, &round, error);
+        status = artefact_get_integers_part(file, "training_round", place, 1, &round, 1, error);
     for (int f = 0; f < NUM_FILMS && !status; f++) {
         trial_verdict *verdict = &state->verdict;
-        status = artefact_get_part(file, bound_fields[f], place, 1, &verdict->bound[f], error);
+        status = artefact_get_part(file, bound_fields[f], place, 1, &verdict->bound[f], 1, error);
         if (!status)
-            status = artefact_get_part(file, guess_fields[f], place, 1, &verdict->film[f], error);
+            status =
+                artefact_get_part(file, guess_fields[f], place, 1, &verdict->film[f], 1, error);
     }
     if (!status && (point < 0 || (size_t)point >= num_points || round < 0))
         status = ehd_fail(error, EHD_DATA,
@@ -108,11 +110,12 @@ static ehd_status restore_state(training *points, double (*films)[NUM_FILMS], ar
                                 ehd_error *error) {
     int64_t outcome = -1;
     bool whole = false;
-    ehd_status status = artefact_get_integers_part(file, "status", place, 1, &outcome, error);
+    ehd_status status = artefact_get_integers_part(file, "status", place, 1, &outcome, 1, error);
 
     if (status || outcome < 0) return status;
     for (int f = 0; f < NUM_FILMS && !status; f++)
-        status = artefact_get_part(file, film_fields[f], place, 1, &films[state->point][f], error);
+        status =
+            artefact_get_part(file, film_fields[f], place, 1, &films[state->point][f], 1, error);
     if (status) return status;
     status = snapshots_restore(&whole, points, state->point, file, place, outcome, error);
     return !status && !whole && !of_last_round ? EHD_DATA : status;
@@ -231,10 +234,11 @@ static ehd_status copy_entry(artefact *to, size_t to_state, artefact *from, size
         status = ehd_fail(error, EHD_DATA, "%s: %s: found another length, expected %zu",
                           artefact_path(from), field->name, length);
     if (!status && field->type == ARTEFACT_REAL) {
-        status = artefact_get_part(from, field->name, from_state, 1, reals, error);
+        status = artefact_get_part(from, field->name, from_state, 1, reals, length, error);
         if (!status) status = artefact_put_part(to, field->name, to_state, 1, reals, error);
     } else if (!status) {
-        status = artefact_get_integers_part(from, field->name, from_state, 1, integers, error);
+        status =
+            artefact_get_integers_part(from, field->name, from_state, 1, integers, length, error);
         if (!status)
             status = artefact_put_integers_part(to, field->name, to_state, 1, integers, error);
     }
@@ -282,7 +286,7 @@ static ehd_status take_state(artefact *file, training *points, double (*films)[N
         return ehd_fail(error, EHD_DATA,
                         "%s: state %zu: found point %zu of round %zu, expected one that was chosen",
                         artefact_path(piece), place, state.point, state.round);
-    status = artefact_get_integers_part(piece, outcome_field, place, 1, &outcome, error);
+    status = artefact_get_integers_part(piece, outcome_field, place, 1, &outcome, 1, error);
     if (status || outcome < 0 || points->points[state.point].done) return status;
     status = copy_state(file, to, piece, place, outcome, error);
     return status ? status : restore_state(points, films, piece, &state, place, false, error);

@@ -68,7 +68,7 @@ void kept_states_consider(kept_states *self, const march_step *step, const ehd_c
                               .moes_M = contact.moes_M,
                               .moes_L = contact.moes_L,
                               .alpha_p_H = contact.alpha_p_H,
-                              .thinning = traction_thinning_rate(&contact),
+                              .thinning = traction_thinning(&contact),
                               .hertz_pressure = contact.hertz_pressure,
                               .rises =
                                   lubricant_rises_at(&contact.lubricant, contact.hertz_pressure),

@@ -5,6 +5,7 @@
 #ifndef EHD_KEPT_STATES_H
 #define EHD_KEPT_STATES_H
 
+#include "common/physics/traction.h"
 #include "common/time/march.h"
 #include <stdbool.h>
 
@@ -18,7 +19,8 @@ typedef struct kept_state {
     double time;
     double rate;      // of change of the contact, of all (frame_rates)
     double load_rate; // largest of the load on the trajectory so far
-    double moes_M, moes_L, alpha_p_H, thinning, hertz_pressure;
+    double moes_M, moes_L, alpha_p_H, hertz_pressure;
+    flow_thinning thinning;
     lubricant_rises rises;
     contact_scalars scalars; // in the current frame
     size_t iterations;

@@ -4,12 +4,15 @@
 #include "common/output/grid_file.h"
 #include "common/output/print.h"
 #include "common/output/vtk.h"
+#include "common/program/output_file.h"
 #include "common/program/program.h"
+#include "common/settings/part_list.h"
 #include "common/settings/scene.h"
 #include "common/training/pool.h"
 #include "fullrun/training.h"
 #include "podbuild/readers.h"
 #include "snapgen/adaptive.h"
+#include "snapgen/region_parts.h"
 #include "snapgen/residuals.h"
 #include "snapgen/snapshots.h"
 #include "snapgen/trajectory.h"
@@ -32,6 +35,8 @@ typedef struct snapgen_options {
     adaptive_settings how;
     bool only_choose;
     const char *chosen_in;
+    const char *parts;
+    size_t num_parts;
 } snapgen_options;
 
 static ehd_status read_shard(void *member, const char *text, ehd_error *error) {
@@ -71,7 +76,8 @@ static const program_option own_options[] = {
      OPTION_TEXT(basis)},
     {"adaptive", 0, NULL, "Train on as many points of the plan as are needed, where they are needed, until a "
      "reduced model is accurate at all others, and at some that are solved as a check; with --basis: only on the "
-     "points that the basis was made of. A plan with a region is trained so anyway",
+     "points that the basis was made of. A plan with a region is trained so anyway, one of histories alone on "
+     "all of them",
      OPTION_FLAG(adaptive)},
     {"accuracy", 0, "X", "Adaptive: wanted relative deviation of central and minimum film; default 1e-3",
      OPTION_REAL(how.accuracy, 1e-12, 1)},
@@ -88,6 +94,10 @@ static const program_option own_options[] = {
      "choose the points of the next one, for --chosen-in, or end", OPTION_FLAG(only_choose)},
     {"chosen-in", 0, "FILE", "Adaptive: solve what --choose has left in FILE, a SNAPSHOTS.h5.partial, or the --shard k/N "
      "of it, as a PIECE", OPTION_TEXT(chosen_in)},
+    {"parts", 0, "LIST", "Adaptive: where the region is too wide for one model, leave its training, and write plans for two "
+     "parts of it, and their list, in place of the output", OPTION_TEXT(parts)},
+    {"num-parts", 0, "N", "Solve nothing: write plans for N parts of the region, and their list as the output",
+     OPTION_COUNT(num_parts, 2, MAX_PARTS)},
     {0}};
 // clang-format on
 
@@ -200,8 +210,8 @@ static ehd_status train_all(const program *self, const training_set *set,
 
 /* An option that needs --adaptive and was given, or NULL. */
 static const char *option_of_adaptive(const program *self) {
-    static const char *const names[] = {"accuracy", "start",  "batch",    "max-points",
-                                        "energy",   "choose", "chosen-in"};
+    static const char *const names[] = {"accuracy", "start",  "batch",     "max-points",
+                                        "energy",   "choose", "chosen-in", "parts"};
 
     for (size_t i = 0; i < sizeof names / sizeof *names; i++)
         if (program_was_given(self, names[i])) return names[i];
@@ -253,12 +263,36 @@ static ehd_status train_adaptively(const program *self, training_set *set,
                                 .only_choose = options->only_choose,
                                 .pieces = self->arguments + 1,
                                 .num_pieces = self->num_arguments - 1,
+                                .parts = options->parts,
                                 .chosen_in = options->chosen_in,
                                 .piece = options->piece};
 
     how.cold = options->cold;
+    if (options->parts) {
+        const ehd_status status = output_file_check(options->parts, self->force, error);
+        if (status) return status;
+    }
     return options->chosen_in ? adaptive_solve(self, &task, error)
                               : adaptive_train(self, &task, error);
+}
+
+/* Plans for parts with equally many candidates. */
+static ehd_status write_parts(const program *self, const training_set *set, size_t num_parts,
+                              ehd_error *error) {
+    size_t *points = malloc((set->num_points + 1) * sizeof *points);
+    const parts_request request = {.plan_path = self->arguments[0],
+                                   .set = set,
+                                   .points = points,
+                                   .num_points = set->num_points,
+                                   .num_parts = num_parts,
+                                   .force = self->force};
+
+    if (!points) return ehd_fail(error, EHD_MEMORY, "%s: found no memory", self->arguments[0]);
+    for (size_t i = 0; i < set->num_points; i++)
+        points[i] = i;
+    const ehd_status status = parts_write(&request, self->output, error);
+    free(points);
+    return status;
 }
 
 /* First mode: the plan with the full model, all of it or points chosen as they are needed. */
@@ -273,6 +307,17 @@ static ehd_status train(const program *self, const snapgen_options *options, ehd
     if (!status)
         status = load_set(&set, &adaptive, self, any_piece ? whole : options->piece, error);
     if (!status) status = check_training(self, options, adaptive, error);
+    if (!status && options->num_parts > 0) {
+        status = write_parts(self, &set, options->num_parts, error);
+        training_set_free(&set);
+        return status;
+    }
+    if (!status && adaptive && set.num_points == 0 && !options->only_choose &&
+        !options->chosen_in) {
+        program_note(self, "%s: all %zu histories are solved; points are chosen of stationary ones",
+                     plan_path, set.num_trajectories);
+        adaptive = false;
+    }
     if (!status && options->cold) status = training_set_make_cold(&set, plan_path, error);
     if (!status) status = training_check_memory(&set, self, plan_path, options->num_jobs, error);
     if (!status)
@@ -292,6 +337,9 @@ static ehd_status repeat(const program *self, const snapgen_options *options, eh
     ehd_status status = EHD_OK;
 
     if (self->num_arguments > 1) return check_parts(self, options, error);
+    if (options->num_parts > 0)
+        return ehd_fail(error, EHD_USAGE,
+                        "--num-parts: found with --basis, expected one of them: it solves nothing");
     if (options->piece.total > 1)
         return ehd_fail(error, EHD_USAGE,
                         "--basis: found with --shard, expected one of them: the whole plan is one "
@@ -312,7 +360,7 @@ static ehd_status repeat(const program *self, const snapgen_options *options, eh
     status = load_set(&set, &adaptive, self, options->piece, error);
     if (!status)
         status = residuals_run(&num_failed, self, &set, self->arguments[0], options->basis,
-                               adaptive, options->num_jobs, error);
+                               adaptive && set.num_points > 0, options->num_jobs, error);
     const size_t num_points = set.num_points + set.num_trajectories;
     if (!status)
         printf("%zu points with the projected system, %zu converged, %.1f s\n", num_points,

@@ -65,7 +65,8 @@ static size_t corners_in_plane(hull self) {
 
 static bool is_plane(const hull *self) {
     for (size_t i = 1; i < self->num_points; i++)
-        if (self->places[i][RANGE_AXES - 1] != self->places[0][RANGE_AXES - 1]) return false;
+        for (int axis = 2; axis < RANGE_AXES; axis++)
+            if (self->places[i][axis] != self->places[0][axis]) return false;
     return true;
 }
 

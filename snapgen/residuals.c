@@ -47,6 +47,13 @@ typedef struct tracer {
     point_trace *trace;
 } tracer;
 
+static void free_iterations(point_trace *trace) {
+    free(trace->residual);
+    free(trace->step);
+    trace->residual = trace->step = NULL;
+    trace->num_iterations = 0;
+}
+
 static ehd_status keep_iteration(void *context, const double *residual, const double *step,
                                  ehd_error *error) {
     tracer *self = context;
@@ -63,6 +70,14 @@ static ehd_status keep_iteration(void *context, const double *residual, const do
     memcpy(trace->residual + count * width, residual, width * sizeof(double));
     memcpy(trace->step + count * width, step, width * sizeof(double));
     trace->num_iterations++;
+    return EHD_OK;
+}
+
+static ehd_status end_iterations(void *context, const reduced_info *info, ehd_error *error) {
+    tracer *self = context;
+    (void)error;
+
+    if (info->status) free_iterations(self->trace);
     return EHD_OK;
 }
 
@@ -90,16 +105,9 @@ static ehd_status begin_tracer(void **worker, void *shared, ehd_error *error) {
         end_tracer(self);
         return status;
     }
-    reduced_solver_observe(self->solver, keep_iteration, self);
+    reduced_solver_observe(self->solver, keep_iteration, end_iterations, self);
     *worker = self;
     return EHD_OK;
-}
-
-static void free_iterations(point_trace *trace) {
-    free(trace->residual);
-    free(trace->step);
-    trace->residual = trace->step = NULL;
-    trace->num_iterations = 0;
 }
 
 /* From another trained solution than its own, which most iterations of the online solver are like. Where
@@ -117,7 +125,6 @@ static ehd_status trace_point(void *shared, void *worker, size_t point, size_t p
     ehd_status status =
         reduced_solve(&trace->info, &self->state, self->solver, contact, NULL, error);
     if (!status && trace->info.status) {
-        free_iterations(trace);
         reduced_guess(&self->state, training->model, contact_place_of(contact));
         status = reduced_solve(&trace->info, &self->state, self->solver, contact, NULL, error);
     }
@@ -159,7 +166,6 @@ static ehd_status finish_point(void *shared, void *worker, size_t point, size_t 
             training->caller,
             "%s: found the projected system not converged (%s); its iterations are left out", name,
             trace->info.reason);
-        free_iterations(trace);
     }
     progress_show(&training->progress, ++training->num_done, name);
     trace->is_finished = true;

@@ -12,6 +12,17 @@
 
 // ---- creating
 
+/* Where any flow of the file is thinned. */
+static ehd_status put_thinning(artefact *file, size_t state, flow_thinning thinning,
+                               ehd_error *error) {
+    if (!artefact_has(file, "thinning")) return EHD_OK;
+    const ehd_status status =
+        artefact_put_part(file, "thinning", state, 1, &thinning.sliding, error);
+    return status
+               ? status
+               : artefact_put_part(file, "gradient_thinning", state, 1, &thinning.gradient, error);
+}
+
 ehd_status snapshots_put_contact(artefact *file, size_t state, const ehd_contact *contact,
                                  ehd_error *error) {
     ehd_status status = artefact_put_part(file, "moes_M", state, 1, &contact->moes_M, error);
@@ -22,9 +33,7 @@ ehd_status snapshots_put_contact(artefact *file, size_t state, const ehd_contact
     if (!status)
         status =
             artefact_put_part(file, "hertz_pressure", state, 1, &contact->hertz_pressure, error);
-    const double thinning = traction_thinning_rate(contact);
-    if (!status && artefact_has(file, "thinning"))
-        status = artefact_put_part(file, "thinning", state, 1, &thinning, error);
+    if (!status) status = put_thinning(file, state, traction_thinning(contact), error);
     const lubricant_rises rises = lubricant_rises_at(&contact->lubricant, contact->hertz_pressure);
     for (int r = 0; r < NUM_RISES && !status; r++)
         status = artefact_put_part(file, lubricant_rise_names[r], state, 1, &rises.of[r], error);
@@ -80,7 +89,7 @@ ehd_status snapshots_declare(artefact *file, const training_set *set, bool adapt
         bool applies = (in_time || !begins_with(field->name, "trajectory")) &&
                        (adaptive || !begins_with(field->name, "training")) &&
                        (estimated || !is_effect(field->name)) &&
-                       (thinned || strcmp(field->name, "thinning") != 0);
+                       (thinned || !strstr(field->name, "thinning"));
         if (strcmp(field->axes[0], "state") == 0 && applies)
             status = artefact_declare(file, field->name, error);
     }
@@ -224,8 +233,7 @@ static ehd_status put_kept_state(artefact *file, const ehd_grid *grid, size_t pl
 
     for (size_t i = 0; i < sizeof reals / sizeof *reals && !status && !failed; i++)
         status = artefact_put_part(file, reals[i].name, place, 1, reals[i].values, error);
-    if (!status && artefact_has(file, "thinning"))
-        status = artefact_put_part(file, "thinning", place, 1, &state->thinning, error);
+    if (!status) status = put_thinning(file, place, state->thinning, error);
     for (int r = 0; r < NUM_RISES && !status && !failed; r++)
         status =
             artefact_put_part(file, lubricant_rise_names[r], place, 1, &state->rises.of[r], error);
@@ -287,10 +295,13 @@ static ehd_status restore(training *points, size_t point, artefact *file, size_t
     exits = calloc(grid->inner_lines, sizeof *exits);
     if (!pressure || !exits)
         status = ehd_fail(error, EHD_MEMORY, "%s: found no memory", artefact_path(file));
-    if (!status) status = artefact_get_part(file, "pressure", state, 1, pressure, error);
     if (!status)
-        status = artefact_get_part(file, "rigid_approach", state, 1, &rigid_approach, error);
-    if (!status) status = artefact_get_integers_part(file, "exit_node", state, 1, exits, error);
+        status = artefact_get_part(file, "pressure", state, 1, pressure, grid->num_inner, error);
+    if (!status)
+        status = artefact_get_part(file, "rigid_approach", state, 1, &rigid_approach, 1, error);
+    if (!status)
+        status = artefact_get_integers_part(file, "exit_node", state, 1, exits, grid->inner_lines,
+                                            error);
     for (size_t l = 0; l < grid->inner_lines && !status; l++)
         if (exits[l] < 0 || (size_t)exits[l] > grid->inner_x)
             status = ehd_fail(error, EHD_DATA, "%s: exit_node: found %lld, expected 0 to %zu",
@@ -311,17 +322,21 @@ static ehd_status restore(training *points, size_t point, artefact *file, size_t
 /* Whether a state is of the contact that the plan has there. */
 static ehd_status check_contact(artefact *file, size_t state, const ehd_contact *contact,
                                 ehd_error *error) {
+    const flow_thinning thinning = traction_thinning(contact);
     const struct {
         const char *name;
         double expected;
     } numbers[] = {{"moes_M", contact->moes_M},
                    {"alpha_p_H", contact->alpha_p_H},
-                   {"thinning", traction_thinning_rate(contact)}};
+                   {"thinning", thinning.sliding},
+                   {"gradient_thinning", thinning.gradient}};
 
     for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++) {
-        double found;
-        if (!artefact_has(file, numbers[i].name)) continue; // thinning of none
-        ehd_status status = artefact_get_part(file, numbers[i].name, state, 1, &found, error);
+        double found = 0; // missing where no flow is thinned
+        ehd_status status =
+            artefact_has(file, numbers[i].name)
+                ? artefact_get_part(file, numbers[i].name, state, 1, &found, 1, error)
+                : EHD_OK;
         if (status) return status;
         if (!(fabs(found - numbers[i].expected) <= 1e-12 * numbers[i].expected))
             return ehd_fail(error, EHD_DATA, "%s: %s: found %.10g of state %zu, expected %.10g",
@@ -348,7 +363,7 @@ static ehd_status restore_points(training *points, artefact *file, ehd_error *er
     ehd_status status = EHD_OK;
 
     if (!outcomes) status = ehd_fail(error, EHD_MEMORY, "%s: found no memory", artefact_path(file));
-    if (!status) status = artefact_get_integers(file, "status", outcomes, error);
+    if (!status) status = artefact_get_integers(file, "status", outcomes, num_states(set), error);
     for (size_t i = 0; i < set->num_points && !status; i++) {
         if (outcomes[i] < 0) continue;
         status = snapshots_restore(&whole, points, i, file, i, outcomes[i], error);

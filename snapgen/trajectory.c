@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "snapgen/trajectory.h"
 
+#include "common/program/arena.h"
 #include "common/training/pool.h"
 #include "fullrun/full_march.h"
 #include "romrun/online/reduced_march.h"
@@ -38,6 +39,8 @@ typedef struct trajectory_run {
     full_march *full;       // or
     reduced_march *reduced; // the one of the two that is used
     snapshot_compressor *first, *second;
+    double *iterations[2]; // [num_iterations, rows] D f and D J dz of the present solution
+    size_t num_iterations;
 } trajectory_run;
 
 void trajectories_free(trajectories *self) {
@@ -91,12 +94,34 @@ static ehd_status store_reduced(void *sink, const march_step *step, size_t index
     return EHD_OK;
 }
 
+/* Keeps an iteration until its solution has ended. */
 static ehd_status observe(void *context, const double *residual, const double *step,
                           ehd_error *error) {
     trajectory_run *self = context;
-    ehd_status status = compressor_add(self->first, residual, 1, error);
+    const double *const found[] = {residual, step};
+    const size_t width = self->owner->model->rows.num_rows, count = self->num_iterations;
 
-    return status ? status : compressor_add(self->second, step, 1, error);
+    for (int i = 0; i < 2; i++) {
+        double *longer = array_resize(self->iterations[i], count + 1, width, sizeof *longer);
+        if (!longer) return ehd_fail(error, EHD_MEMORY, "trajectories: found no memory");
+        self->iterations[i] = longer;
+        memcpy(longer + count * width, found[i], width * sizeof *longer);
+    }
+    self->num_iterations++;
+    return EHD_OK;
+}
+
+/* Leaves out the iterations of a step that is not solved, and made again with a shorter one. */
+static ehd_status end_solution(void *context, const reduced_info *info, ehd_error *error) {
+    trajectory_run *self = context;
+    const size_t count = info->status == EHD_NOT_CONVERGED ? 0 : self->num_iterations;
+    ehd_status status = EHD_OK;
+
+    if (count > 0) status = compressor_add(self->first, self->iterations[0], count, error);
+    if (count > 0 && !status)
+        status = compressor_add(self->second, self->iterations[1], count, error);
+    self->num_iterations = 0;
+    return status;
 }
 
 static ehd_status begin_full(trajectory_run *self, const scene *given, ehd_error *error) {
@@ -128,7 +153,8 @@ static ehd_status begin_reduced(trajectory_run *self, const scene *given, ehd_er
     if (!status)
         status = kept_states_init(&owner->result->kept[self->number], 0,
                                   owner->model->band.num_lines, given->transient.end_time, error);
-    if (!status) reduced_solver_observe(reduced_march_inner(self->reduced), observe, self);
+    if (!status)
+        reduced_solver_observe(reduced_march_inner(self->reduced), observe, end_solution, self);
     return status;
 }
 
@@ -137,6 +163,8 @@ static void end_run(trajectory_run *self) {
     reduced_march_free(self->reduced);
     compressor_free(self->first);
     compressor_free(self->second);
+    free(self->iterations[0]);
+    free(self->iterations[1]);
 }
 
 /* Marches to the end; *reason tells why it did not get there, "" when it did. */
@@ -165,19 +193,33 @@ static ehd_status march_to_end(char reason[MARCH_REASON], trajectory_run *self, 
     return status;
 }
 
+enum { TRAJECTORY_NAME = 128 };
+
+/* "M=12 L=7, load sine, speed step" */
+static void name_trajectory(char name[TRAJECTORY_NAME], const trajectory_run *self,
+                            const scene *given) {
+    training_point_name(name, reference_of(self));
+    for (int i = 0; i < NUM_VARY; i++) {
+        const char *law = given->transient.vary[i].law;
+        const size_t used = strlen(name);
+        if (*law && strcmp(law, "constant") != 0)
+            snprintf(name + used, TRAJECTORY_NAME - used, ", %s %s", vary_names[i], law);
+    }
+}
+
 static ehd_status solve_trajectory(void *shared, void *worker, size_t number, size_t parent,
                                    ehd_error *error) {
     task *owner = shared;
     const scene *given = &owner->set->trajectories[number].scene;
     trajectory_run self = {.owner = owner, .number = number};
-    char reason[MARCH_REASON], name[POINT_NAME];
+    char reason[MARCH_REASON], name[TRAJECTORY_NAME];
     (void)worker, (void)parent;
 
     ehd_status status =
         owner->model ? begin_reduced(&self, given, error) : begin_full(&self, given, error);
     if (!status) status = march_to_end(reason, &self, given, error);
     if (!status && reason[0]) {
-        training_point_name(name, reference_of(&self));
+        name_trajectory(name, &self, given);
         owner->result->failed[number] = true;
         program_warn(owner->caller, "trajectory %zu (%s): not converged: %s", number + 1, name,
                      reason);

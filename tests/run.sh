@@ -10,7 +10,7 @@ set -u
 
 # Runs one test: its TAP output goes to LOG_FOLDER/NAME.tap, its counts to LOG_FOLDER/NAME.count, and
 # to stdout what failed. A crash, a sanitizer's report, a hang or a wrong number of cases is a failed
-# case too.
+# case too. TIMEOUT (seconds) only ends a test that hangs, so it leaves room for a busy machine.
 run_one() {
     local logs=$1 test=$2 name log code command passed failed planned skipped trouble=''
     name=$(basename "$test")
@@ -18,7 +18,7 @@ run_one() {
     command=("$test")
     [[ $test == *.bats ]] && command=(bats --tap ${FILTER:+--filter "$FILTER"} "$test")
 
-    CMOCKA_MESSAGE_OUTPUT=TAP timeout "${TIMEOUT:-1200}" "${command[@]}" >"$log" 2>&1 </dev/null
+    CMOCKA_MESSAGE_OUTPUT=TAP timeout "${TIMEOUT:-3600}" "${command[@]}" >"$log" 2>&1 </dev/null
     code=$?
 
     passed=$(grep -ciE '^ok [0-9]+' "$log")
@@ -46,6 +46,7 @@ run_one() {
 }
 
 if [[ ${1-} == --one ]]; then
+    unset JOBS # of the tests, not of the pipelines that they run
     run_one "$2" "$3"
     exit 0
 fi

@@ -5,7 +5,7 @@
 
 #include <stddef.h>
 
-enum { HULL_AXES = 3 }; // at most
+enum { HULL_AXES = 4 }; // at most
 
 /* About how far a place lies outside of the convex hull of points: |p - sum x_i p_i| and
  * |1 - sum x_i| together, with x >= 0 that makes this least. Infinite where there is no memory, and

@@ -1,11 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "common/algebra/nnls.h"
 
-#include "common/algebra/lapack.h"
+#include "common/algebra/qr.h"
+#include "common/algebra/vectors.h"
 #include "common/program/arena.h"
 
-#include <cblas.h>
-#include <lapacke.h>
 #include <math.h>
 #include <stdbool.h>
 #include <stdlib.h>
@@ -27,7 +26,7 @@ typedef struct active_set {
     bool *refused;   // [num_columns] depends on those in use
     double *value;   // [num_used] x of the columns of unit length
     double *next;    // [num_used] where the least squares of those in use lead
-    double *factor;  // [num_rows] of a reflection; [num_columns + 1] of the compression
+    double *factor;  // [num_rows] of a reflection
 } active_set;
 
 struct nnls_space {
@@ -71,19 +70,15 @@ static double *right_of(const active_set *self) {
 }
 
 /* Q^T [A b] in place of [A b], where that has fewer rows. */
-static ehd_status compress(active_set *self, ehd_error *error) {
+static void compress(active_set *self) {
     const size_t rows = self->num_rows, columns = self->num_columns + 1;
-    if (rows <= columns) return EHD_OK;
+    if (rows <= columns) return;
 
-    const int info = LAPACKE_dgeqrf(LAPACK_COL_MAJOR, (int)rows, (int)columns, self->columns,
-                                    (int)rows, self->factor);
-    for (size_t j = 0; j < columns && info == 0; j++) {
-        double *target = self->columns + j * columns;
-        memmove(target, self->columns + j * rows, columns * sizeof *target);
-        memset(target + j + 1, 0, (columns - j - 1) * sizeof *target);
-    }
+    qr_reduce(self->columns, self->factor, rows, columns);
+    for (size_t j = 0; j < columns; j++)
+        memmove(self->columns + j * columns, self->columns + j * rows,
+                columns * sizeof *self->columns);
     self->num_rows = columns;
-    return lapack_outcome("dgeqrf", info, error);
 }
 
 static ehd_status begin(active_set *self, const double *matrix, const double *right,
@@ -98,7 +93,7 @@ static ehd_status begin(active_set *self, const double *matrix, const double *ri
         double *target = column_of(self, j);
         for (size_t i = 0; i < rows && j < columns; i++)
             target[i] = matrix[i * columns + j];
-        const double length = cblas_dnrm2((int)rows, target, 1);
+        const double length = vector_norm(target, rows);
         if (!isfinite(length))
             return ehd_fail(error, EHD_DATA,
                             "least squares: found %g as the length of column %zu, expected a "
@@ -106,9 +101,10 @@ static ehd_status begin(active_set *self, const double *matrix, const double *ri
                             length, j);
         if (j == columns) continue;
         self->length[j] = length;
-        if (length > 0) cblas_dscal((int)rows, 1 / length, target, 1);
+        if (length > 0) vector_scale(target, 1 / length, rows);
     }
-    return compress(self, error);
+    compress(self);
+    return EHD_OK;
 }
 
 /* The column that falls the most steeply; num_columns: none does. */
@@ -119,7 +115,7 @@ static size_t steepest(const active_set *self, double least) {
 
     for (size_t j = 0; j < self->num_columns; j++) {
         if (self->in_use[j] || self->refused[j] || self->length[j] == 0) continue;
-        const double descent = cblas_ddot((int)left, column_of(self, j) + first, 1, residual, 1);
+        const double descent = dot(column_of(self, j) + first, residual, left);
         if (!(descent > least)) continue;
         least = descent;
         best = j;
@@ -131,22 +127,18 @@ static size_t steepest(const active_set *self, double least) {
  * depends on those in use. */
 static bool take(active_set *self, size_t taken) {
     const size_t first = self->num_used;
-    const int left = (int)(self->num_rows - first);
-    double *factor = self->factor, *column = column_of(self, taken) + first;
-    const double length = cblas_dnrm2(left, column, 1);
+    const size_t left = self->num_rows - first;
+    double *column = column_of(self, taken) + first;
+    const double length = vector_norm(column, left);
     if (!(length > DEPENDENT)) return false;
 
-    const double end = column[0] > 0 ? -length : length;
-    memcpy(factor, column, (size_t)left * sizeof *factor);
-    factor[0] -= end;
-    const double scale = -1 / (length * fabs(factor[0])); // -2/|factor|^2
+    const reflection by = reflection_of(self->factor, column, left, length);
     for (size_t j = 0; j <= self->num_columns; j++) {
         if (j < self->num_columns && (self->in_use[j] || j == taken)) continue;
-        double *other = column_of(self, j) + first;
-        cblas_daxpy(left, scale * cblas_ddot(left, factor, 1, other, 1), factor, 1, other, 1);
+        reflect(column_of(self, j) + first, &by, left);
     }
-    memset(column, 0, (size_t)left * sizeof *column);
-    column[0] = end;
+    memset(column, 0, left * sizeof *column);
+    column[0] = by.end;
     self->value[first] = 0;
     self->used[self->num_used++] = taken;
     self->in_use[taken] = true;
@@ -160,11 +152,15 @@ static void drop(active_set *self, size_t place) {
     for (size_t i = place; i < self->num_used; i++) {
         self->used[i] = self->used[i + 1];
         self->value[i] = self->value[i + 1];
-        double above = column_of(self, self->used[i])[i];
-        double below = column_of(self, self->used[i])[i + 1], cosine, sine;
-        cblas_drotg(&above, &below, &cosine, &sine);
-        for (size_t j = 0; j <= self->num_columns; j++)
-            cblas_drot(1, column_of(self, j) + i, 1, column_of(self, j) + i + 1, 1, cosine, sine);
+        const double *corner = column_of(self, self->used[i]) + i;
+        const double length = hypot(corner[0], corner[1]);
+        const double cosine = corner[0] / length, sine = corner[1] / length;
+        for (size_t j = 0; j <= self->num_columns && length > 0; j++) {
+            double *pair = column_of(self, j) + i;
+            const double above = pair[0];
+            pair[0] = cosine * above + sine * pair[1];
+            pair[1] = cosine * pair[1] - sine * above;
+        }
         column_of(self, self->used[i])[i + 1] = 0;
     }
 }
@@ -203,7 +199,7 @@ static void settle(active_set *self) {
 
 /* |A x - b| of the least squares of those in use. */
 static double residual_of(const active_set *self) {
-    return cblas_dnrm2((int)(self->num_rows - self->num_used), right_of(self) + self->num_used, 1);
+    return vector_norm(right_of(self) + self->num_used, self->num_rows - self->num_used);
 }
 
 static ehd_status improve(active_set *self, double tolerance, ehd_error *error) {

@@ -66,7 +66,7 @@ const char *artefact_path(const artefact *file) {
 
 ehd_status artefact_identity(artefact *file, char identity[65], ehd_error *error) {
     ehd_status status = EHD_OK;
-    if (!file->identity[0]) status = sha256_file(file->identity, file->path, error);
+    if (!file->identity[0]) status = artefact_file_identity(file->identity, file->path, error);
     memcpy(identity, file->identity, sizeof file->identity);
     return status;
 }
@@ -202,45 +202,66 @@ static bool select_entries(hid_t file_space, hid_t *memory_space, size_t first, 
     return *memory_space >= 0;
 }
 
-ehd_status transfer(artefact *file, const char *name, artefact_type type, size_t first,
-                    size_t count, void *read_into, const void *write_from, ehd_error *error) {
-    hid_t memory_type = type == ARTEFACT_REAL ? H5T_NATIVE_DOUBLE : H5T_NATIVE_INT64;
-    hid_t memory_space = -1;
-    hid_t file_space = -1;
-    herr_t outcome;
-    ehd_status status = EHD_OK;
+/* Entries of a dataset that are going to be read or written. */
+typedef struct selection {
+    hid_t dataset, file_space, memory_space;
+} selection;
 
+static void release_selection(selection *of) {
+    hdf5_release(of->memory_space);
+    hdf5_release(of->file_space);
+    hdf5_release(of->dataset);
+}
+
+static ehd_status select_part(selection *of, artefact *file, const char *name, size_t first,
+                              size_t count, ehd_error *error) {
+    of->file_space = H5Dget_space(of->dataset);
+    if (select_entries(of->file_space, &of->memory_space, first, count)) return EHD_OK;
+    // of an unfinished file, also one that is resumed, a dataset may be shorter than its axis
+    const bool foreign = (file->growing && !file->partial) || file->history_line;
+    return ehd_fail(error, foreign ? EHD_DATA : EHD_INTERNAL,
+                    "%s: %s: found entries %zu to %zu, expected fewer", shown_name(file), name,
+                    first, first + count);
+}
+
+static hid_t memory_type(artefact_type type) {
+    return type == ARTEFACT_REAL ? H5T_NATIVE_DOUBLE : H5T_NATIVE_INT64;
+}
+
+ehd_status read_entries(artefact *file, const char *name, artefact_type type, size_t first,
+                        size_t count, void *data, size_t room, ehd_error *error) {
     hdf5_start();
-    hid_t dataset = open_dataset(file, name);
-    if (dataset < 0) {
-        status = hdf5_read_failed(file, name, error);
-        goto done;
-    }
-    if (write_from && count != WHOLE_FIELD && grows(file, name) &&
-        !extend_dataset(dataset, first + count)) {
-        status = hdf5_write_failed(file, name, error);
-        goto done;
-    }
-    file_space = H5Dget_space(dataset);
-    if (!select_entries(file_space, &memory_space, first, count)) {
-        // of an unfinished file, also one that is resumed, a dataset may be shorter than its axis
-        const bool foreign = (file->growing && !file->partial) || file->history_line;
-        status = ehd_fail(error, foreign ? EHD_DATA : EHD_INTERNAL,
-                          "%s: %s: found entries %zu to %zu, expected fewer", shown_name(file),
-                          name, first, first + count);
-        goto done;
-    }
-    if (read_into) {
-        outcome = H5Dread(dataset, memory_type, memory_space, file_space, H5P_DEFAULT, read_into);
-        if (outcome < 0) status = hdf5_read_failed(file, name, error);
-    } else {
-        outcome = H5Dwrite(dataset, memory_type, memory_space, file_space, H5P_DEFAULT, write_from);
-        if (outcome < 0) status = hdf5_write_failed(file, name, error);
-    }
+    selection of = {open_dataset(file, name), -1, -1};
+    ehd_status status = of.dataset < 0 ? hdf5_read_failed(file, name, error)
+                                       : select_part(&of, file, name, first, count, error);
 
-done:
-    hdf5_release(memory_space);
-    hdf5_release(file_space);
-    hdf5_release(dataset);
+    if (!status) {
+        // of the dataset itself, whatever its axes are said to be
+        const hssize_t found = H5Sget_select_npoints(of.file_space);
+        if (found < 0 || (size_t)found != room)
+            status = ehd_fail(error, EHD_DATA, "%s: %s: found %lld numbers, expected %zu",
+                              shown_name(file), name, (long long)found, room);
+    }
+    if (!status && H5Dread(of.dataset, memory_type(type), of.memory_space, of.file_space,
+                           H5P_DEFAULT, data) < 0)
+        status = hdf5_read_failed(file, name, error);
+    release_selection(&of);
+    return status;
+}
+
+ehd_status write_entries(artefact *file, const char *name, artefact_type type, size_t first,
+                         size_t count, const void *data, ehd_error *error) {
+    hdf5_start();
+    selection of = {open_dataset(file, name), -1, -1};
+    const bool may_grow = count != WHOLE_FIELD && grows(file, name);
+    ehd_status status = of.dataset < 0 ? hdf5_read_failed(file, name, error) : EHD_OK;
+
+    if (!status && may_grow && !extend_dataset(of.dataset, first + count))
+        status = hdf5_write_failed(file, name, error);
+    if (!status) status = select_part(&of, file, name, first, count, error);
+    if (!status && H5Dwrite(of.dataset, memory_type(type), of.memory_space, of.file_space,
+                            H5P_DEFAULT, data) < 0)
+        status = hdf5_write_failed(file, name, error);
+    release_selection(&of);
     return status;
 }

@@ -268,6 +268,9 @@ const char *artefact_path(const artefact *file);
 /* SHA-256 of the opened file, 64 hexadecimal digits; computed at the first call. */
 ehd_status artefact_identity(artefact *file, char identity[65], ehd_error *error);
 
+/* The same of a file that is not opened. EHD_NOINPUT, EHD_IO. */
+ehd_status artefact_file_identity(char identity[65], const char *path, ehd_error *error);
+
 /* What is known of the content of a file: "digest checked", "digest not checked" where that is switched
  * off, or content_without_digest; NULL when it is none of ours. */
 const char *artefact_content(const char *path);
@@ -283,17 +286,20 @@ size_t artefact_axes(const char *axes[ARTEFACT_MAX_RANK], const artefact *file,
 /* Whether artefact_get_axis has values to give. */
 bool artefact_has_scale(const artefact *file, const char *axis);
 
-/* Reads into the caller's memory; lengths are those of the axes. A checksum that fails, and an
+/* Reads into the caller's memory, which has room for `room` numbers: EHD_DATA where the file has more
+ * or fewer, such as one whose axes do not fit each other. A checksum that fails, and an
  * optional field, attribute or scale that the file does not have, are EHD_DATA. A foreign file need
  * not have scales: then artefact_length still works, and artefact_get_axis is EHD_DATA. */
-ehd_status artefact_get_axis(artefact *file, const char *axis, double *values, ehd_error *error);
-ehd_status artefact_get(artefact *file, const char *field, double *data, ehd_error *error);
-ehd_status artefact_get_integers(artefact *file, const char *field, int64_t *data,
+ehd_status artefact_get_axis(artefact *file, const char *axis, double *values, size_t room,
+                             ehd_error *error);
+ehd_status artefact_get(artefact *file, const char *field, double *data, size_t room,
+                        ehd_error *error);
+ehd_status artefact_get_integers(artefact *file, const char *field, int64_t *data, size_t room,
                                  ehd_error *error);
 ehd_status artefact_get_part(artefact *file, const char *field, size_t first, size_t count,
-                             double *data, ehd_error *error);
+                             double *data, size_t room, ehd_error *error);
 ehd_status artefact_get_integers_part(artefact *file, const char *field, size_t first, size_t count,
-                                      int64_t *data, ehd_error *error);
+                                      int64_t *data, size_t room, ehd_error *error);
 ehd_status artefact_get_real(artefact *file, const char *attribute, double *value,
                              ehd_error *error);
 ehd_status artefact_get_integer(artefact *file, const char *attribute, int64_t *value,

@@ -39,7 +39,7 @@ static ehd_status copy_axis(artefact *to, artefact *from, const char *name, size
     bool scale = artefact_has_scale(from, name), index = true;
     ehd_status status = values ? EHD_OK : no_memory(to, name, error);
 
-    if (!status && scale) status = artefact_get_axis(from, name, values, error);
+    if (!status && scale) status = artefact_get_axis(from, name, values, length, error);
     for (size_t i = 0; i < length && scale && !status; i++)
         index = index && values[i] == (double)i;
     if (!status) status = artefact_put_axis(to, name, length, index ? NULL : values, error);
@@ -64,14 +64,14 @@ static ehd_status copy_field(artefact *to, artefact *from, const artefact_field 
     bool integer = field->type == ARTEFACT_INTEGER;
     ehd_status status;
 
-    int64_t *integers =
-        array_new(num_entries(from, field), entry_size(from, field), sizeof *integers);
-    double *reals = array_new(num_entries(from, field), entry_size(from, field), sizeof *reals);
+    const size_t length = num_entries(from, field), each = entry_size(from, field);
+    int64_t *integers = array_new(length, each, sizeof *integers);
+    double *reals = array_new(length, each, sizeof *reals);
     if (!integers || !reals)
         status = no_memory(to, field->name, error);
     else
-        status = integer ? artefact_get_integers(from, field->name, integers, error)
-                         : artefact_get(from, field->name, reals, error);
+        status = integer ? artefact_get_integers(from, field->name, integers, length * each, error)
+                         : artefact_get(from, field->name, reals, length * each, error);
     if (!status)
         status = integer ? artefact_put_integers(to, field->name, integers, error)
                          : artefact_put(to, field->name, reals, error);

@@ -124,6 +124,8 @@ ehd_status hdf5_blame(ehd_status status, const char *path, ehd_error *error) {
 ehd_status hdf5_write_failed(artefact *file, const char *object, ehd_error *error) {
     hdf5_reason reason = hdf5_last_reason();
     file->failed = true;
+    // a part is read before it is written; what an earlier run left may be damaged
+    if (file->history_line && !reason.system) return hdf5_read_failed(file, object, error);
     ehd_fail(error, EHD_IO, "%s: %s: found a write failure (%s), expected it to be written",
              file->partial, object, reason.text);
     return hdf5_blame(EHD_IO, file->partial, error);
@@ -166,13 +168,13 @@ static bool switch_on(hid_t access, const char *name) {
 
 /* Of metadata whose checksum fails because a writer is at it. HDF5 waits twice as long each time,
  * from 1 ns on: 33 ms in all, where its default of 100 attempts would never end on a damaged
- * file. */
+ * file. Where no other process writes, a failed checksum means damage. */
 enum { READ_ATTEMPTS = 25 };
 
 static bool set_opening(hid_t access, unsigned flags, bool clear_flags) {
+    const bool beside_writer = flags & H5F_ACC_SWMR_READ && !clear_flags;
     return set_access(access) && (!(flags & H5F_ACC_RDWR) || write_through(access)) &&
-           (!(flags & H5F_ACC_SWMR_READ) ||
-            H5Pset_metadata_read_attempts(access, READ_ATTEMPTS) >= 0) &&
+           H5Pset_metadata_read_attempts(access, beside_writer ? READ_ATTEMPTS : 1) >= 0 &&
            // what h5clear uses
            (!clear_flags ||
             (switch_on(access, "clear_status_flags") && switch_on(access, "skip_eof_check")));
@@ -188,7 +190,7 @@ hid_t hdf5_open(const char *path, unsigned flags, bool clear_flags) {
     hdf5_release(access);
     // what a killed writer added lies behind the end that the superblock knows, and must not be
     // reused
-    if (file >= 0 && clear_flags && H5Fincrement_filesize(file, 0) < 0) {
+    if (file >= 0 && clear_flags && flags & H5F_ACC_RDWR && H5Fincrement_filesize(file, 0) < 0) {
         hdf5_release(file);
         return -1;
     }

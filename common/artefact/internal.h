@@ -27,7 +27,7 @@ struct artefact {
     bool on_copy;  // that is what is open
     char *saved;   // the name of a copy of some time ago
     double saved_at, save_seconds; // when that was made, by program_seconds, and what it took
-    char *history_line; // of the run that resumed the file, added at the end; NULL otherwise
+    char *history_line; // of the run that resumes the file, added at the end; NULL otherwise
     char *digests;      // content_sha256 of a file being read; NULL: not to be checked
     bool *checked;      // [number of the schema's fields] read by parts, and their digest checked
     int64_t *outcomes;  // `status` of the entries of outcome_axis; NULL: none
@@ -72,14 +72,15 @@ void hdf5_note_failure(void);
 /* Closes whatever the id stands for and keeps the last reason; accepts negative ids. */
 void hdf5_release(hid_t id);
 
-/* EHD_IO for a failed write, which is remembered; EHD_DATA (damaged) or EHD_IO for a failed read.
- * To be called right after the failed call. */
+/* The status of a failed write, which is remembered: EHD_IO, or EHD_DATA where the file was resumed and the
+ * system reports no error, since it is then damaged. Of a failed read: EHD_DATA or EHD_IO. Call them right after
+ * the failed call. */
 ehd_status hdf5_write_failed(artefact *file, const char *object, ehd_error *error);
 ehd_status hdf5_read_failed(const artefact *file, const char *object, ehd_error *error);
 
-/* Opens an existing file. `flags` as for H5Fopen; `clear_flags` also clears what a killed writer
- * left in the superblock, and takes in all that it wrote behind the end that it noted there, as
- * h5clear does. Negative on failure. */
+/* Opens an existing file, with `flags` as for H5Fopen. `clear_flags` is for a file that no other process writes: it
+ * clears the marks that a killed writer left in the superblock, and includes what was written behind the end of
+ * file that is noted there, as h5clear does. Negative on failure. */
 hid_t hdf5_open(const char *path, unsigned flags, bool clear_flags);
 enum { HDF5_PAGE_BYTES = 4096 };
 hid_t hdf5_create(const char *path);
@@ -176,9 +177,6 @@ const char *digest_outcome(hid_t file);
 /* SHA-256 as 64 hexadecimal digits. */
 void sha256_end(struct sha256_ctx *context, char text[65]);
 
-/* That of a file. EHD_NOINPUT, EHD_IO. */
-ehd_status sha256_file(char identity[65], const char *path, ehd_error *error);
-
 /* "2026-01-31T12:00:00Z fullrun 0.1.0: fullrun scene.yml -o result.h5", or NULL (memory); free().
  */
 char *history_line(const program *caller);
@@ -259,11 +257,14 @@ bool set_dataset_length(hid_t dataset, size_t length);
 /* Makes it longer where it is too short. */
 bool extend_dataset(hid_t dataset, size_t length);
 
-/* Reads or writes `count` entries along the first axis; one of the two buffers is NULL. `count`
- * WHOLE_FIELD: all of them. What is on the growing axis grows to take what is written. */
+/* Reads `count` entries along the first axis, WHOLE_FIELD: all of them, into `data`, which has room
+ * for `room` numbers. EHD_DATA: they are more numbers, or fewer. */
 #define WHOLE_FIELD ((size_t)-1)
-ehd_status transfer(artefact *file, const char *name, artefact_type type, size_t first,
-                    size_t count, void *read_into, const void *write_from, ehd_error *error);
+ehd_status read_entries(artefact *file, const char *name, artefact_type type, size_t first,
+                        size_t count, void *data, size_t room, ehd_error *error);
+/* Writes them; what is on the growing axis grows to take them. */
+ehd_status write_entries(artefact *file, const char *name, artefact_type type, size_t first,
+                         size_t count, const void *data, ehd_error *error);
 
 // ---- read.c
 

@@ -161,7 +161,8 @@ static const struct {
     int64_t min;
     const char *finished;
 } resumable[] = {{&schema_snapshots, "status", 0, "solved points"},
-                 {&schema_result, "restart_entries", 1, "a restart slot"}};
+                 {&schema_result, "restart_entries", 1, "a restart slot"},
+                 {&schema_cases, "status", 0, "solved cases"}};
 
 bool is_finished_by_entry(const artefact *file, const artefact_field *field) {
     for (size_t i = 0; i < sizeof resumable / sizeof *resumable; i++) {
@@ -184,9 +185,11 @@ static bool has_entry(hid_t file, const char *name, int64_t min) {
     const hid_t scalar = H5Screate(H5S_SCALAR);
     const bool is_list = H5Sget_simple_extent_ndims(space) == 1;
     const hssize_t count = is_list ? H5Sget_simple_extent_npoints(space) : 0;
+    // no more than are stored: a damaged file may claim any number
+    const hsize_t stored = H5Dget_storage_size(dataset) / sizeof(int64_t);
     bool found = false;
 
-    for (hsize_t i = 0; i < (hsize_t)count && !found; i++) {
+    for (hsize_t i = 0; i < (hsize_t)count && i < stored && !found; i++) {
         int64_t value = -1;
         H5Sselect_elements(space, H5S_SELECT_SET, 1, &i);
         found = H5Dread(dataset, H5T_NATIVE_INT64, scalar, space, H5P_DEFAULT, &value) >= 0 &&
@@ -203,8 +206,8 @@ static ehd_status check_unfinished(const artefact *file, ehd_error *error) {
     const char *finished = NULL;
 
     if (file->force) return EHD_OK;
-    // a reader beside a writer, because a killed writer did not sign off
-    const hid_t partial = hdf5_open(file->partial, H5F_ACC_RDONLY | H5F_ACC_SWMR_READ, false);
+    // a killed writer has left its mark, so the file opens only as beside a writer
+    const hid_t partial = hdf5_open(file->partial, H5F_ACC_RDONLY | H5F_ACC_SWMR_READ, true);
     char *kind = partial >= 0 ? hdf5_get_string(partial, "schema_name") : NULL;
     for (size_t i = 0; kind && i < sizeof resumable / sizeof *resumable; i++)
         if (strcmp(kind, resumable[i].schema->name) == 0 &&

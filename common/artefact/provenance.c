@@ -15,7 +15,7 @@ void sha256_end(struct sha256_ctx *context, char text[65]) {
         snprintf(text + 2 * i, 3, "%02x", digest[i]);
 }
 
-ehd_status sha256_file(char identity[65], const char *path, ehd_error *error) {
+ehd_status artefact_file_identity(char identity[65], const char *path, ehd_error *error) {
     identity[0] = '\0';
     FILE *stream = program_open(path);
     if (!stream && errno == ENOMEM) {
@@ -45,29 +45,10 @@ ehd_status sha256_file(char identity[65], const char *path, ehd_error *error) {
 
 // ---- text
 
-/* Bytes of the UTF-8 character that starts here, 0 when there is none. */
-static size_t character_length(const unsigned char *text) {
-    size_t length = text[0] < 0x80   ? 1
-                    : text[0] < 0xC2 ? 0
-                    : text[0] < 0xE0 ? 2
-                    : text[0] < 0xF0 ? 3
-                    : text[0] < 0xF5 ? 4
-                                     : 0;
-    for (size_t i = 1; i < length; i++) {
-        if ((text[i] & 0xC0) != 0x80) return 0;
-    }
-    // overlong forms, surrogates and what lies beyond Unicode
-    if ((text[0] == 0xE0 && text[1] < 0xA0) || (text[0] == 0xED && text[1] > 0x9F) ||
-        (text[0] == 0xF0 && text[1] < 0x90) || (text[0] == 0xF4 && text[1] > 0x8F)) {
-        return 0;
-    }
-    return length;
-}
-
 char *utf8_copy(const char *text) {
     char *copy = strdup(text);
     for (char *at = copy; copy && *at;) {
-        size_t length = character_length((const unsigned char *)at);
+        const size_t length = text_character(at);
         if (length == 0) *at = '?';
         at += length ? length : 1;
     }
@@ -198,7 +179,7 @@ static bool put_inputs(hid_t root, const char *const *inputs, ehd_status *status
     char identity[65];
     char name[64];
     for (int i = 0; inputs && inputs[i]; i++) {
-        *status = sha256_file(identity, inputs[i], error);
+        *status = artefact_file_identity(identity, inputs[i], error);
         if (*status != EHD_OK) return true;
         snprintf(name, sizeof name, "input_%d_path", i + 1);
         if (!hdf5_put_text(root, name, inputs[i])) return false;

@@ -479,8 +479,8 @@ static ehd_status read_slice(artefact *file, const artefact_field *field, size_t
                              size_t count, void *numbers, content_digest *digest,
                              ehd_error *error) {
     if (field->by_entry && count == 1 && !is_stored(file, field->name, first)) return EHD_OK;
-    ehd_status status =
-        transfer(file, field->name, field->type, first, count, numbers, NULL, error);
+    ehd_status status = read_entries(file, field->name, field->type, first, count, numbers,
+                                     count * entry_size(file, field), error);
     if (!status) status = check_values(file, field, first, count, numbers, error);
     if (!status && digest) digest_add(digest, first, count, numbers);
     return status;
@@ -550,7 +550,7 @@ static ehd_status verify_once(artefact *file, const artefact_field *field, ehd_e
 // ---- content
 
 static ehd_status get(artefact *file, const char *name, artefact_type type, size_t first,
-                      size_t count, void *data, ehd_error *error) {
+                      size_t count, void *data, size_t room, ehd_error *error) {
     const artefact_field *field = find_field(file, name);
     if (!field || field->type != type) {
         return ehd_fail(error, EHD_INTERNAL,
@@ -565,30 +565,32 @@ static ehd_status get(artefact *file, const char *name, artefact_type type, size
     const size_t all = num_entries(file, field), entries = count == WHOLE_FIELD ? all : count;
     ehd_status status = check_memory(file, field, entries, error);
     if (status == EHD_OK && entries < all) status = verify_once(file, field, error);
-    if (status == EHD_OK) status = transfer(file, name, type, first, entries, data, NULL, error);
+    if (status == EHD_OK)
+        status = read_entries(file, name, type, first, entries, data, room, error);
     if (status == EHD_OK && slice_of(file, field) < entries)
         status = check_interrupted(file, error);
     if (status == EHD_OK) status = check_values(file, field, first, entries, data, error);
     return status != EHD_OK || entries < all ? status : check_content(file, field, data, error);
 }
 
-ehd_status artefact_get(artefact *file, const char *field, double *data, ehd_error *error) {
-    return get(file, field, ARTEFACT_REAL, 0, WHOLE_FIELD, data, error);
+ehd_status artefact_get(artefact *file, const char *field, double *data, size_t room,
+                        ehd_error *error) {
+    return get(file, field, ARTEFACT_REAL, 0, WHOLE_FIELD, data, room, error);
 }
 
-ehd_status artefact_get_integers(artefact *file, const char *field, int64_t *data,
+ehd_status artefact_get_integers(artefact *file, const char *field, int64_t *data, size_t room,
                                  ehd_error *error) {
-    return get(file, field, ARTEFACT_INTEGER, 0, WHOLE_FIELD, data, error);
+    return get(file, field, ARTEFACT_INTEGER, 0, WHOLE_FIELD, data, room, error);
 }
 
 ehd_status artefact_get_part(artefact *file, const char *field, size_t first, size_t count,
-                             double *data, ehd_error *error) {
-    return get(file, field, ARTEFACT_REAL, first, count, data, error);
+                             double *data, size_t room, ehd_error *error) {
+    return get(file, field, ARTEFACT_REAL, first, count, data, room, error);
 }
 
 ehd_status artefact_get_integers_part(artefact *file, const char *field, size_t first, size_t count,
-                                      int64_t *data, ehd_error *error) {
-    return get(file, field, ARTEFACT_INTEGER, first, count, data, error);
+                                      int64_t *data, size_t room, ehd_error *error) {
+    return get(file, field, ARTEFACT_INTEGER, first, count, data, room, error);
 }
 
 /* A bare netCDF dimension is a scale without values, and says so in its name. */
@@ -603,15 +605,16 @@ bool artefact_has_scale(const artefact *file, const char *axis) {
     return values;
 }
 
-ehd_status artefact_get_axis(artefact *file, const char *axis, double *values, ehd_error *error) {
+ehd_status artefact_get_axis(artefact *file, const char *axis, double *values, size_t room,
+                             ehd_error *error) {
     if (!artefact_has_scale(file, axis)) {
         ehd_fail(error, EHD_DATA, "%s: found no values of axis %s, expected its scale",
                  shown_name(file), axis);
         return hdf5_blame(EHD_DATA, shown_name(file), error);
     }
     // the axis of a file that is being written may have grown since
-    const ehd_status status =
-        transfer(file, axis, ARTEFACT_REAL, 0, artefact_length(file, axis), values, NULL, error);
+    const ehd_status status = read_entries(file, axis, ARTEFACT_REAL, 0,
+                                           artefact_length(file, axis), values, room, error);
     const artefact_axis named = {.name = axis};
     const artefact_field scale = field_of_axis(&named);
     return status != EHD_OK ? status : check_content(file, &scale, values, error);

@@ -103,25 +103,30 @@ enum {
 // what the grid does to the films of a state
 #define EFFECT_FIELDS(prefix)                                                                      \
     REAL(prefix "step_effect", "1", NEED_OPTIONAL, VALUES_ANY,                                     \
-         "estimated relative change of the central film with ever smaller steps; infinite where "  \
-         "a grid of twice the step has no solution; this and the next three NaN where not known",  \
+         "error estimate of the central film by the step, relative; this and the next five are "   \
+         "not negative, infinite where the grid is too coarse to tell, NaN where not known",       \
          "state"),                                                                                 \
         REAL(prefix "inlet_effect", "1", NEED_OPTIONAL, VALUES_ANY,                                \
-             "estimated relative change of the central film with an inlet of any length",          \
-             "state"),                                                                             \
+             "error estimate of the central film by the length of the inlet or domain", "state"),  \
         REAL(prefix "step_effect_minimum", "1", NEED_OPTIONAL, VALUES_ANY,                         \
              "the first of the minimum film", "state"),                                            \
         REAL(prefix "inlet_effect_minimum", "1", NEED_OPTIONAL, VALUES_ANY,                        \
-             "the second of the minimum film", "state")
+             "the second of the minimum film", "state"),                                           \
+        REAL(prefix "step_effect_rolling", "1", NEED_OPTIONAL, VALUES_ANY,                         \
+             "the first of the rolling resistance", "state"),                                      \
+        REAL(prefix "inlet_effect_rolling", "1", NEED_OPTIONAL, VALUES_ANY,                        \
+             "the second of the rolling resistance", "state")
 
-// the lubricant of a state
-#define RISE_FIELDS(prefix)                                                                        \
+// a lubricant
+#define RISE_FIELDS(prefix, axis)                                                                  \
     REAL(prefix "viscosity_rise", "1", NEED_OPTIONAL, VALUES_KNOWN,                                \
          "logarithm of the viscosity at the Hertz pressure over that at zero; NaN where not "      \
-         "known, as of states on a trajectory",                                                    \
-         "state"),                                                                                 \
+         "known",                                                                                  \
+         axis),                                                                                    \
         REAL(prefix "density_rise", "1", NEED_OPTIONAL, VALUES_KNOWN, "the same of the density",   \
-             "state")
+             axis),                                                                                \
+        REAL(prefix "viscosity_rise_half", "1", NEED_OPTIONAL, VALUES_KNOWN,                       \
+             "the first at half the Hertz pressure", axis)
 
 // how much its flow is thinned
 #define THINNING_FIELD(prefix)                                                                     \
@@ -129,7 +134,11 @@ enum {
         prefix "thinning", "1", NEED_OPTIONAL, VALUES_NOT_NEGATIVE,                                \
         "Newtonian shear stress of the sliding over Eyring's stress, of the viscosity at zero "    \
         "pressure in a film H = 1, where the sliding thins the flow of the film; 0 where missing", \
-        "state")
+        "state"),                                                                                  \
+        REAL(prefix "gradient_thinning", "1", NEED_OPTIONAL, VALUES_NOT_NEGATIVE,                  \
+             "h/(2 tau0) dp/dx with Eyring's stress tau0 in a film H = 1 where dP/dX = 1, where "  \
+             "the flow is thinned; 0 where missing",                                               \
+             "state")
 
 // training solutions in the coordinates of a basis
 #define STATE_PRESSURE_FIELD                                                                       \
@@ -163,7 +172,7 @@ enum {
              "largest rate of change of ln a on their trajectories up to the training solutions; " \
              "as state_rate where missing",                                                        \
              "state"),                                                                             \
-        THINNING_FIELD("state_"), RISE_FIELDS("state_"), EFFECT_FIELDS("state_")
+        THINNING_FIELD("state_"), RISE_FIELDS("state_", "state"), EFFECT_FIELDS("state_")
 #define STATE_FIELDS STATE_PRESSURE_FIELD, STATE_DEFORMATION_FIELD, STATE_OTHER_FIELDS
 
 // ---- result
@@ -350,6 +359,10 @@ static const artefact_attribute result_attributes[] = {
     ATTRIBUTE("thinning", ARTEFACT_REAL, "1", NEED_OPTIONAL, VALUES_NOT_NEGATIVE,
               "Newtonian shear stress of the sliding over Eyring's stress, of the viscosity at "
               "zero pressure in a film H = 1; where the sliding thins the flow of the film"),
+    ATTRIBUTE(
+        "gradient_thinning", ARTEFACT_REAL, "1", NEED_OPTIONAL, VALUES_NOT_NEGATIVE,
+        "h/(2 tau0) dp/dx with Eyring's stress tau0 in a film H = 1 where dP/dX = 1, where the "
+        "flow is thinned"),
     ATTRIBUTE("thermal_loading", ARTEFACT_REAL, "1", NEED_OPTIONAL, VALUES_POSITIVE,
               "thermal loading parameter of the inlet, eta0 beta u^2/k; of a scene that gives the "
               "lubricant's conductivity, when stationary"),
@@ -368,17 +381,20 @@ static const artefact_attribute result_attributes[] = {
               "the rest of it"),
     ATTRIBUTE(
         "inlet_effect", ARTEFACT_REAL, "1", NEED_OPTIONAL, VALUES_ANY,
-        "estimated relative change of the central film with an inlet of any length, not from "
-        "x_min on, of a point contact of the domain, when stationary; this and the next three "
-        "of a reduced solution are interpolated between those of its training"),
+        "error estimate of the central film by the length of the inlet, of a point contact of the "
+        "domain, relative, when stationary; this and the next five are sizes without a sign, "
+        "missing where the grid is too coarse to tell, and of a reduced solution interpolated "
+        "between those of its training"),
     ATTRIBUTE("step_effect", ARTEFACT_REAL, "1", NEED_OPTIONAL, VALUES_ANY,
-              "estimated relative change of the central film with ever smaller steps of x; not "
-              "where a grid of twice the step has no solution; there none of the inlet of a point "
-              "contact either"),
+              "error estimate of the central film by the step"),
     ATTRIBUTE("inlet_effect_minimum", ARTEFACT_REAL, "1", NEED_OPTIONAL, VALUES_ANY,
               "the first of the minimum film"),
     ATTRIBUTE("step_effect_minimum", ARTEFACT_REAL, "1", NEED_OPTIONAL, VALUES_ANY,
               "the second of the minimum film"),
+    ATTRIBUTE("inlet_effect_rolling", ARTEFACT_REAL, "1", NEED_OPTIONAL, VALUES_ANY,
+              "the first of the rolling resistance and its moment"),
+    ATTRIBUTE("step_effect_rolling", ARTEFACT_REAL, "1", NEED_OPTIONAL, VALUES_ANY,
+              "the second of the rolling resistance and its moment"),
     ATTRIBUTE("observed_order", ARTEFACT_REAL, "1", NEED_OPTIONAL, VALUES_ANY,
               "order of convergence of the central film over this grid and those of twice and four "
               "times the step; not where there is none; of the full model, when stationary, like "
@@ -455,7 +471,7 @@ static const artefact_field snapshots_fields[] = {
          "at any node of a stationary point",
          "state"),
     THINNING_FIELD(""),
-    RISE_FIELDS(""),
+    RISE_FIELDS("", "state"),
     EFFECT_FIELDS(""),
     INTEGER("trajectory", NEED_OPTIONAL, VALUES_INDEX_OR_NONE,
             "index of the trajectory that the state was kept of, -1 for a stationary point",
@@ -524,7 +540,7 @@ static const artefact_attribute snapshots_attributes[] = {
 
 const artefact_schema schema_snapshots = {"ehdrom-snapshots",
                                           2,
-                                          6,
+                                          7,
                                           "Training solutions of an elastohydrodynamic contact",
                                           snapshots_axes,
                                           snapshots_fields,
@@ -574,7 +590,7 @@ static const artefact_attribute basis_attributes[] = {
 
 const artefact_schema schema_basis = {"ehdrom-basis",
                                       2,
-                                      6,
+                                      7,
                                       "Reduced bases of an elastohydrodynamic contact",
                                       basis_axes,
                                       basis_fields,
@@ -610,7 +626,7 @@ static const artefact_attribute part_attributes[] = {
 const artefact_schema schema_part = {
     "ehdrom-part",
     1,
-    1,
+    2,
     "Compressed part of a training of an elastohydrodynamic contact",
     part_axes,
     part_fields,
@@ -701,6 +717,7 @@ static const artefact_axis model_axes[] = {
          "what is indicated: central film, minimum film, central pressure, exit position, load, "
          "pressure, film, friction; of a model of before schema 2.6 without the last"),
     AXIS("part_in_time", "1", MAX_FEW, "part of the trajectories that indicate no more"),
+    AXIS("shown", "1", MAX_STATES, "index of the scene or trajectory of the calibration"),
     {0}};
 
 /* Measured at a size of the model, over the scenes that it solved. */
@@ -905,6 +922,14 @@ static const artefact_field model_fields[] = {
             "trajectories with a step that did not converge or was not to be trusted; they count "
             "nowhere else",
             "position"),
+    REAL("shown_alpha_p_H", "1", NEED_OPTIONAL, VALUES_NOT_NEGATIVE,
+         "pressure-viscosity coefficient times Hertz pressure of the scenes that the sizes were "
+         "measured on; this and the next four say of which lubricants estimates are known, besides "
+         "those of the training",
+         "shown"),
+    RISE_FIELDS("shown_", "shown"),
+    INTEGER("shown_in_time", NEED_OPTIONAL, VALUES_COUNT, "1: a trajectory, 0: a stationary scene",
+            "shown"),
     {0}};
 
 static const artefact_attribute model_attributes[] = {
@@ -946,7 +971,7 @@ static const artefact_attribute model_attributes[] = {
 
 const artefact_schema schema_model = {"ehdrom-model",
                                       2,
-                                      7,
+                                      8,
                                       "Reduced model of an elastohydrodynamic contact",
                                       model_axes,
                                       model_fields,

@@ -37,21 +37,6 @@ static ehd_status check_attributes_written(const artefact *file, bool own, ehd_e
     return EHD_OK;
 }
 
-ehd_status artefact_begin_streaming(artefact *file, ehd_error *error) {
-    if (file->streaming) return EHD_OK;
-    ehd_status status = check_fields_written(file, error);
-    if (status == EHD_OK) status = check_attributes_written(file, false, error);
-    if (status != EHD_OK) return hdf5_blame(status, file->path, error);
-    if (H5Fstart_swmr_write(file->id) < 0) return hdf5_write_failed(file, "file", error);
-    status = sync_file(file, error);
-    if (status == EHD_OK && file->on_copy) status = keep_copy(file, error);
-    if (status != EHD_OK) return status;
-    file->streaming = true;
-    file->keep = true;
-    artefact_save(file);
-    return EHD_OK;
-}
-
 ehd_status artefact_flush(artefact *file, ehd_error *error) {
     hdf5_start();
     if (H5Fflush(file->id, H5F_SCOPE_GLOBAL) < 0) return hdf5_write_failed(file, "file", error);
@@ -61,6 +46,33 @@ ehd_status artefact_flush(artefact *file, ehd_error *error) {
 ehd_status artefact_sync(artefact *file, ehd_error *error) {
     const ehd_status status = artefact_flush(file, error);
     return status == EHD_OK ? sync_file(file, error) : status;
+}
+
+/* Opens the file anew for streaming. H5Fstart_swmr_write would do it without, but then HDF5 reads damaged metadata a
+ * hundred times, with waits that never end (READ_ATTEMPTS). Everything is on disk before the file is closed. */
+static ehd_status reopen_streaming(artefact *file, ehd_error *error) {
+    const ehd_status status = artefact_sync(file, error);
+    if (status != EHD_OK) return status;
+    const herr_t outcome = H5Fclose(file->id);
+    file->id = -1;
+    if (outcome >= 0)
+        file->id = hdf5_open(written_name(file), H5F_ACC_RDWR | H5F_ACC_SWMR_WRITE, false);
+    return file->id < 0 ? hdf5_write_failed(file, "file", error) : EHD_OK;
+}
+
+ehd_status artefact_begin_streaming(artefact *file, ehd_error *error) {
+    if (file->streaming) return EHD_OK;
+    ehd_status status = check_fields_written(file, error);
+    if (status == EHD_OK) status = check_attributes_written(file, false, error);
+    if (status != EHD_OK) return hdf5_blame(status, file->path, error);
+    status = reopen_streaming(file, error);
+    if (status == EHD_OK) status = sync_file(file, error);
+    if (status == EHD_OK && file->on_copy) status = keep_copy(file, error);
+    if (status != EHD_OK) return status;
+    file->streaming = true;
+    file->keep = true;
+    artefact_save(file);
+    return EHD_OK;
 }
 
 ehd_status artefact_end_streaming(artefact *file, ehd_error *error) {
@@ -107,6 +119,10 @@ static ehd_status resume_streaming(artefact *file, const program *caller, const 
                         "%s: found nothing to continue, expected what an "
                         "interrupted run left",
                         file->partial);
+    file->history_line = history_line(caller);
+    if (!file->history_line)
+        return ehd_fail(error, EHD_MEMORY, "%s: found too little memory, expected more",
+                        file->path);
     ehd_status status = use_copy(file, error);
     if (status != EHD_OK) return status;
     file->id = hdf5_open(file->copy, H5F_ACC_RDWR, true);
@@ -120,11 +136,6 @@ static ehd_status resume_streaming(artefact *file, const program *caller, const 
     // a run whose last rename failed left 1
     if (completeness(file) != 0 && !put_complete(file->id, 0)) {
         return hdf5_write_failed(file, "complete", error);
-    }
-    file->history_line = history_line(caller);
-    if (!file->history_line) {
-        return ehd_fail(error, EHD_MEMORY, "%s: found too little memory, expected more",
-                        file->path);
     }
     return file->growing ? EHD_OK : artefact_begin_streaming(file, error);
 }
@@ -147,7 +158,7 @@ ehd_status artefact_check_input(artefact *file, const char *what, const char *pa
     char identity[65];
     char found[512];
     hdf5_start();
-    ehd_status status = sha256_file(identity, path, error);
+    ehd_status status = artefact_file_identity(identity, path, error);
     if (status != EHD_OK || had_input(file->id, path, identity)) return status;
     snprintf(found, sizeof found, "a run with another %s than %s is now", what, path);
     return hdf5_blame(not_resumable(file, found, error), file->partial, error);
@@ -236,7 +247,11 @@ ehd_status artefact_finish(artefact **file, ehd_error *error) {
         return EHD_INTERRUPTED;
     }
     ehd_status status = hdf5_blame(write_last(*file, error), (*file)->path, error);
-    if (status == EHD_OK) status = give_final_name(*file, error);
+    if (status != EHD_OK) {
+        artefact_close(file); // removes a partial file that cannot be resumed
+        return status;
+    }
+    status = give_final_name(*file, error);
     artefact_delete(*file);
     *file = NULL;
     return status;

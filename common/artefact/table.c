@@ -10,6 +10,8 @@
 /* As of a history that turns a contact's load for months. */
 enum { TABLE_MAX_ROWS = 100000000 };
 
+enum { LISTED_NAMES = 20 }; // of what a file has, in a message
+
 static ehd_status status_of(const hdf5_reason *reason) {
     if (reason->memory) return EHD_MEMORY;
     return reason->system ? EHD_IO : EHD_DATA;
@@ -28,8 +30,8 @@ static hssize_t count_entries(hid_t dataset) {
     return count;
 }
 
-static ehd_status read_entries(double **values, size_t *count, hid_t dataset, const char *path,
-                               const char *name, ehd_error *error) {
+static ehd_status read_values(double **values, size_t *count, hid_t dataset, const char *path,
+                              const char *name, ehd_error *error) {
     const hssize_t found = count_entries(dataset);
 
     if (found < 0)
@@ -61,22 +63,41 @@ static const char *find_name(hid_t file, const char *const *names) {
     return *names ? *names : "";
 }
 
+/* Says what the file has at its root in place of a column. */
+static ehd_status fail_missing(const table_column *column, hid_t file, const char *path,
+                               ehd_error *error) {
+    char shown[SHOWN_TEXT], names[LISTED_NAMES][SHOWN_TEXT], all[NAMES_TEXT];
+    char *listed[LISTED_NAMES];
+    H5G_info_t root = {0};
+    size_t count = 0;
+
+    H5Gget_info(file, &root);
+    for (; count < LISTED_NAMES && count < root.nlinks; count++) {
+        listed[count] = names[count];
+        if (H5Lget_name_by_idx(file, ".", H5_INDEX_NAME, H5_ITER_INC, count, names[count],
+                               SHOWN_TEXT, H5P_DEFAULT) < 0)
+            break;
+    }
+    table_show_names(shown, column->names);
+    table_show_columns(all, listed, count);
+    return ehd_fail(error, EHD_DATA, "%s: found no dataset %s among %s, expected one", path, shown,
+                    count > 0 ? all : "none");
+}
+
 static ehd_status read_column(table_column *column, size_t *count, hid_t file, const char *path,
                               ehd_error *error) {
     char shown[SHOWN_TEXT];
     const char *name = find_name(file, column->names);
 
     if (!*name && column->optional) return EHD_OK;
-    if (*name)
-        text_show(shown, name);
-    else
-        table_show_names(shown, column->names);
-    ehd_status status = *name ? hdf5_check_own(file, path, name, error) : EHD_OK;
+    if (!*name) return fail_missing(column, file, path, error);
+    text_show(shown, name);
+    ehd_status status = hdf5_check_own(file, path, name, error);
     if (status) return status;
-    const hid_t dataset = *name ? H5Dopen2(file, name, H5P_DEFAULT) : -1;
+    const hid_t dataset = H5Dopen2(file, name, H5P_DEFAULT);
     if (dataset < 0)
         return ehd_fail(error, EHD_DATA, "%s: found no dataset %s, expected one", path, shown);
-    status = read_entries(&column->values, count, dataset, path, shown, error);
+    status = read_values(&column->values, count, dataset, path, shown, error);
     hdf5_release(dataset);
     return status;
 }
@@ -91,13 +112,8 @@ static ehd_status open_table(hid_t *file, const char *path, ehd_error *error) {
                     path, reason.text);
 }
 
-bool artefact_is_table(const char *path) {
-    const char *ending = strrchr(path, '.');
-    return ending && (strcmp(ending, ".h5") == 0 || strcmp(ending, ".hdf5") == 0);
-}
-
-ehd_status artefact_read_table(const char *path, table_column *columns, size_t num_columns,
-                               size_t *count, ehd_error *error) {
+static ehd_status read_hdf5(const char *path, table_column *columns, size_t num_columns,
+                            size_t *count, ehd_error *error) {
     hid_t file = -1;
 
     *count = 0;
@@ -120,4 +136,15 @@ ehd_status artefact_read_table(const char *path, table_column *columns, size_t n
     }
     hdf5_release(file);
     return status;
+}
+
+ehd_status table_read(const char *path, table_column *columns, size_t num_columns, size_t *count,
+                      ehd_error *error) {
+    return (artefact_is_table(path) ? read_hdf5 : csv_read_table)(path, columns, num_columns, count,
+                                                                  error);
+}
+
+bool artefact_is_table(const char *path) {
+    const char *ending = strrchr(path, '.');
+    return ending && (strcmp(ending, ".h5") == 0 || strcmp(ending, ".hdf5") == 0);
 }

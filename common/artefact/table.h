@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Columns of numbers from any HDF5 file, such as a multibody program or a script writes. */
+/* Tables of numbers from outside, such as a multibody program or a script writes: the one reader for
+ * histories, surfaces and rows. */
 #ifndef EHD_ARTEFACT_TABLE_H
 #define EHD_ARTEFACT_TABLE_H
 
@@ -11,14 +12,16 @@
 /* Whether a file of this name is read as HDF5: it ends with .h5 or .hdf5. */
 bool artefact_is_table(const char *path);
 
-/* Reads datasets of numbers along one axis, all of equal length; what the numbers are is not looked
- * at. EHD_NOINPUT: no such file; EHD_DATA: no HDF5, or a dataset missing, damaged or of another
- * kind; EHD_IO; EHD_MEMORY. */
-ehd_status artefact_read_table(
+/* Reads columns by their names. The ending of the file's name decides whether it is HDF5 or CSV.
+ * HDF5: a column is a dataset of numbers along one axis, and all have the same length. If a column
+ * has several possible names, the first name that the file has is used. CSV: as csv_read_table.
+ * EHD_NOINPUT: no such file. EHD_DATA: no such table, or a missing column; the text lists the
+ * columns that the file has. EHD_IO, EHD_MEMORY. */
+ehd_status table_read(
     // input:
     const char *path,
     // in and out:
-    table_column *columns, size_t num_columns, // each with names
+    table_column *columns, size_t num_columns,
     // output:
     size_t *count, ehd_error *error);
 

@@ -235,8 +235,8 @@ ehd_status learn_outcomes(artefact *file, ehd_error *error) {
     file->outcome_axis = field->axes[0];
     if (!file->outcomes)
         return ehd_fail(error, EHD_MEMORY, "%s: found no memory", shown_name(file));
-    return transfer(file, field->name, ARTEFACT_INTEGER, 0, WHOLE_FIELD, file->outcomes, NULL,
-                    error);
+    return read_entries(file, field->name, ARTEFACT_INTEGER, 0, WHOLE_FIELD, file->outcomes, count,
+                        error);
 }
 
 // ---- sizes

@@ -270,7 +270,7 @@ static ehd_status put(artefact *file, const char *name, artefact_type type, size
         status = declare(file, field, LAYOUT_PLAIN, error);
     }
     if (status != EHD_OK) return status;
-    return transfer(file, name, type, first, count, NULL, data, error);
+    return write_entries(file, name, type, first, count, data, error);
 }
 
 ehd_status artefact_put(artefact *file, const char *field, const double *data, ehd_error *error) {
@@ -323,7 +323,7 @@ ehd_status artefact_put_axis_part(artefact *file, const char *name, size_t first
         if (status == EHD_OK) status = artefact_flush(file, error);
     }
     if (status == EHD_OK) {
-        status = transfer(file, name, ARTEFACT_REAL, first, count, NULL, values, error);
+        status = write_entries(file, name, ARTEFACT_REAL, first, count, values, error);
     }
     if (status == EHD_OK && first + count > *length) *length = first + count;
     return status;

@@ -7,12 +7,17 @@
 #include "common/physics/inlet_heating.h"
 #include "common/program/arena.h"
 #include "common/program/output_file.h"
+#include "common/program/text.h"
+#include "common/settings/csv.h"
+#include "common/settings/yaml_tree.h"
 
+#include <errno.h>
 #include <inttypes.h>
 #include <math.h>
 #include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 /* The columns; units and scales are those of the schema's rows. */
 static const struct {
@@ -135,17 +140,34 @@ static int64_t integer_of(const case_row *row, size_t column) {
     return value;
 }
 
-/* Whether a column that is only there where it applies says anything of a row, and is of this kind of
- * contact. */
-static bool applies(size_t column, const case_row *rows, size_t count, const contact_kind *kind) {
-    const char *other = kind->dimensions > 1 ? "line_" : "point_";
-    bool any = false;
+struct case_table {
+    const program *caller;
+    const case_list *list;
+    bool expected[NUM_COLUMNS]; // some row will have a value
+    size_t num_expected;
+    bool written[NUM_COLUMNS];
+    int units[NUM_COLUMNS]; // columns of the units, by unit_of
+    size_t num_rows;        // written
+    artefact *file;         // HDF5, or
+    output_file out;        // CSV, or
+    FILE *stream;           // CSV: that of `out`, or stdout
+    char *identity;         // CSV: path of the file that identifies the run
+    csv_file done;          // CSV: what an interrupted run left, read row by row
+    size_t status_column, next_status;
+};
 
-    if (field_of(column)->need != NEED_OPTIONAL) return true;
-    for (size_t i = 0; i < count && !any; i++)
-        any = field_of(column)->type == ARTEFACT_INTEGER ? integer_of(&rows[i], column) != NO_PART
-                                                         : !isnan(real_of(&rows[i], column));
-    return any && strncmp(columns[column].name, other, strlen(other)) != 0;
+static bool is_known(size_t column, const case_row *row) {
+    return field_of(column)->type == ARTEFACT_INTEGER ? integer_of(row, column) != NO_PART
+                                                      : !isnan(real_of(row, column));
+}
+
+/* Whether the table has a column. It has an optional one if some row needs it, unless the column belongs to the other
+ * kind of contact. */
+static bool applies(const case_table *self, size_t column, const contact_kind *kind) {
+    const char *other = kind->dimensions > 1 ? "line_" : "point_";
+
+    return field_of(column)->need != NEED_OPTIONAL ||
+           (self->expected[column] && strncmp(columns[column].name, other, strlen(other)) != 0);
 }
 
 /* The column that holds a column's unit; NOT_WRITTEN: it has none, or that one is not written. */
@@ -159,13 +181,7 @@ static int unit_of(size_t column, const bool *written) {
 
 // ---- CSV
 
-typedef struct csv_table {
-    const case_list *list;
-    bool written[NUM_COLUMNS];
-    int units[NUM_COLUMNS]; // unit_of
-} csv_table;
-
-static void print_header(const csv_table *self, FILE *stream) {
+static void print_header(const case_table *self, FILE *stream) {
     for (size_t c = 0; c < case_list_num_columns(self->list); c++)
         fprintf(stream, "%s,", case_list_key(self->list, c));
     for (size_t c = 0; c < NUM_COLUMNS; c++) {
@@ -181,9 +197,10 @@ static void print_header(const csv_table *self, FILE *stream) {
     fputs("reason\n", stream);
 }
 
-static void print_row(const csv_table *self, const case_row *row, size_t index, FILE *stream) {
+static void print_row(const case_table *self, const case_row *row, const case_texts *texts,
+                      FILE *stream) {
     for (size_t c = 0; c < case_list_num_columns(self->list); c++) {
-        print_csv_text(case_list_text(self->list, c, index), stream);
+        print_csv_text(texts->texts[c], stream);
         fputc(',', stream);
     }
     for (size_t c = 0; c < NUM_COLUMNS; c++) {
@@ -203,81 +220,340 @@ static void print_row(const csv_table *self, const case_row *row, size_t index, 
     fputc('\n', stream);
 }
 
-static void print_rows(const case_row *rows, const case_list *list, const contact_kind *kind,
-                       FILE *stream) {
-    const size_t count = case_list_count(list);
-    csv_table self = {.list = list};
-
-    for (size_t c = 0; c < NUM_COLUMNS; c++)
-        self.written[c] = applies(c, rows, count, kind);
-    for (size_t c = 0; c < NUM_COLUMNS; c++)
-        self.units[c] = unit_of(c, self.written);
-    print_header(&self, stream);
-    for (size_t i = 0; i < count; i++)
-        print_row(&self, &rows[i], i, stream);
+static ehd_status no_memory(const case_table *self, ehd_error *error) {
+    return ehd_fail(error, EHD_MEMORY, "%s: found no memory for a table",
+                    self->caller->output ? self->caller->output : "stdout");
 }
 
-static ehd_status write_csv(const case_row *rows, const case_list *list, const contact_kind *kind,
-                            const program *caller, ehd_error *error) {
-    output_file out;
-    ehd_status status = output_file_create(&out, caller->output, caller->force, error);
-    if (status) return status;
+static ehd_status not_resumable(const case_table *self, const char *found, ehd_error *error) {
+    return ehd_fail(
+        error, EHD_DATA,
+        "%s.partial: found %s, expected what an interrupted run of the same settings and "
+        "inputs left (or --force, without --resume)",
+        self->caller->output, found);
+}
 
-    print_rows(rows, list, kind, out.stream);
-    return output_file_finish(&out, error);
+/* Makes the text that identifies a run: program, settings, and checksums of the input files. Free with free(). */
+static ehd_status describe(char **text, const case_table *self, const char *settings_text,
+                           const char *const *inputs, ehd_error *error) {
+    char identity[65];
+    size_t size;
+    FILE *stream = open_memstream(text, &size);
+    ehd_status status = stream ? EHD_OK : no_memory(self, error);
+
+    if (!stream) *text = NULL;
+    if (stream) fprintf(stream, "%s\n%s\n", program_build(), settings_text);
+    for (; *inputs && !status; inputs++) {
+        status = artefact_file_identity(identity, *inputs, error);
+        if (!status) fprintf(stream, "%s\n", identity);
+    }
+    if (stream && fclose(stream) != 0 && !status) status = no_memory(self, error);
+    return status;
+}
+
+static char *header_of(const case_table *self) {
+    char *text;
+    size_t size;
+    FILE *stream = open_memstream(&text, &size);
+
+    if (!stream) return NULL;
+    print_header(self, stream);
+    if (fclose(stream) == 0) return text;
+    free(text);
+    return NULL;
+}
+
+static char *read_whole(const char *path) {
+    size_t length;
+    char *text = NULL;
+    ehd_error ignored;
+
+    return tree_read_text(&text, &length, path, &ignored) ? NULL : text;
+}
+
+static ehd_status write_identity(const case_table *self, const char *text, ehd_error *error) {
+    FILE *stream = fopen(self->identity, "w");
+
+    if (!stream)
+        return ehd_fail(error, EHD_CANTCREATE, "%s: found %s, expected to create it",
+                        self->identity, strerror(errno));
+    const bool whole = fputs(text, stream) >= 0;
+    if (fclose(stream) == 0 && whole) return EHD_OK;
+    return ehd_fail(error, EHD_IO, "%s: found a failed write, expected the whole file",
+                    self->identity);
+}
+
+/* Whether PATH.partial begins with the header of this table. */
+static bool has_header(const char *partial, const char *header) {
+    const size_t length = strlen(header);
+    FILE *stream = fopen(partial, "r");
+    char *found = malloc(length + 1);
+    const bool same = stream && found && fread(found, 1, length, stream) == length &&
+                      memcmp(found, header, length) == 0;
+
+    if (stream) fclose(stream);
+    free(found);
+    return same;
+}
+
+static ehd_status open_done(case_table *self, const char *partial, ehd_error *error) {
+    csv_close(&self->done);
+    ehd_status status = csv_open_rows(&self->done, partial, error);
+
+    for (size_t i = 0; i < self->done.width && !status; i++)
+        if (strcmp(self->done.names[i], "status") == 0) self->status_column = i;
+    return status;
+}
+
+/* Counts the whole rows of PATH.partial and their bytes, up to the first row that is incomplete. */
+static ehd_status measure_done(case_table *self, const char *partial, size_t *bytes,
+                               ehd_error *error) {
+    ehd_error torn;
+    bool found = true;
+    ehd_status status = open_done(self, partial, error);
+
+    if (status) return status;
+    *bytes = self->done.bytes;
+    while (!(status = csv_next_row(&found, &self->done, &torn)) && found && self->done.ended) {
+        *bytes = self->done.bytes;
+        self->num_rows++;
+    }
+    return status == EHD_MEMORY || status == EHD_IO ? ehd_fail(error, status, "%s", torn.text)
+                                                    : open_done(self, partial, error);
+}
+
+/* Finds the rows that an interrupted run left, and their bytes. A table with other columns counts as none. */
+static ehd_status find_done(case_table *self, size_t *bytes, ehd_error *error) {
+    char *partial = NULL, *header = header_of(self);
+    ehd_status status = EHD_OK;
+
+    if (!header || asprintf(&partial, "%s.partial", self->caller->output) < 0) {
+        partial = NULL;
+        status = no_memory(self, error);
+    }
+    if (!status && access(self->identity, F_OK) == 0 && has_header(partial, header))
+        status = measure_done(self, partial, bytes, error);
+    free(partial);
+    free(header);
+    return status;
+}
+
+/* EHD_DATA: the rows that were left are of another run. EHD_CANTCREATE: there are some, without --resume. */
+static ehd_status check_done(const case_table *self, const char *text, bool resume,
+                             ehd_error *error) {
+    char *found = resume ? read_whole(self->identity) : NULL;
+    const bool same = found && strcmp(found, text) == 0;
+
+    free(found);
+    if (resume) return same ? EHD_OK : not_resumable(self, "other settings or inputs", error);
+    return ehd_fail(error, EHD_CANTCREATE,
+                    "%s.partial: found an interrupted run with %zu cases, expected --resume to "
+                    "continue it or --force to replace it",
+                    self->caller->output, self->num_rows);
+}
+
+static ehd_status begin_csv_file(case_table *self, const char *settings_text,
+                                 const char *const *inputs, bool resume, ehd_error *error) {
+    const program *caller = self->caller;
+    char *text = NULL;
+    size_t bytes = 0;
+
+    if (asprintf(&self->identity, "%s.resume", caller->output) < 0) self->identity = NULL;
+    ehd_status status = self->identity ? describe(&text, self, settings_text, inputs, error)
+                                       : no_memory(self, error);
+    if (!status && (resume || !caller->force)) status = find_done(self, &bytes, error);
+    if (!status && self->num_rows > 0) status = check_done(self, text, resume, error);
+    if (status || self->num_rows == 0) bytes = 0;
+    if (!status)
+        status = output_file_continue(&self->out, caller->output, caller->force, bytes, error);
+    if (!status && bytes == 0) status = write_identity(self, text, error);
+    free(text);
+    self->stream = self->out.stream;
+    if (!status && bytes == 0) print_header(self, self->stream);
+    return status;
+}
+
+static ehd_status begin_csv(case_table *self, const char *settings_text, const char *const *inputs,
+                            bool resume, ehd_error *error) {
+    if (self->caller->output) return begin_csv_file(self, settings_text, inputs, resume, error);
+    self->stream = stdout; // program_finish says where that fails
+    print_header(self, self->stream);
+    return EHD_OK;
+}
+
+static ehd_status put_csv(case_table *self, const case_row *rows, const case_texts *texts,
+                          size_t count, ehd_error *error) {
+    for (size_t i = 0; i < count; i++)
+        print_row(self, &rows[i], &texts[i], self->stream);
+    if (fflush(self->stream) == 0) return EHD_OK;
+    return ehd_fail(error, EHD_IO, "%s: found a failed write (%s), expected space",
+                    self->caller->output ? self->caller->output : "stdout", strerror(errno));
 }
 
 // ---- HDF5
 
-static ehd_status put_column(artefact *file, size_t column, const case_row *rows, size_t count,
+/* Creates the file with everything that is known before the first row. */
+static ehd_status create_hdf5(case_table *self, const contact_kind *kind, const ehd_grid *grid,
+                              const char *settings_text, const char *const *inputs,
+                              ehd_error *error) {
+    ehd_status status = artefact_create_growing(&self->file, self->caller->output, &schema_cases,
+                                                "case", self->caller, settings_text, inputs, error);
+
+    if (!status) status = grid_write_attributes(self->file, kind, grid, error);
+    for (size_t c = 0; c < NUM_COLUMNS && !status; c++)
+        if (self->written[c]) status = artefact_declare(self->file, columns[c].name, error);
+    return status ? status : artefact_begin_streaming(self->file, error);
+}
+
+/* Goes on with a file whose inputs have not changed. EHD_NOINPUT: nothing was left. */
+static ehd_status resume_hdf5(case_table *self, const char *settings_text,
+                              const char *const *inputs, ehd_error *error) {
+    ehd_status status = artefact_resume(&self->file, self->caller->output, &schema_cases,
+                                        self->caller, settings_text, error);
+
+    for (; !status && *inputs; inputs++)
+        status = artefact_check_input(self->file, "input", *inputs, error);
+    for (size_t c = 0; c < NUM_COLUMNS && !status; c++)
+        if (self->written[c] != artefact_has(self->file, columns[c].name))
+            status = not_resumable(self, "other columns", error);
+    if (!status) self->num_rows = artefact_length(self->file, "case");
+    if (!status) status = artefact_cut_axis(self->file, "case", self->num_rows, error);
+    return status;
+}
+
+static ehd_status begin_hdf5(case_table *self, const contact_kind *kind, const ehd_grid *grid,
+                             const char *settings_text, const char *const *inputs, bool resume,
+                             ehd_error *error) {
+    const size_t most = schema_cases.axes->max;
+
+    if (self->num_expected > most)
+        return ehd_fail(error, EHD_DATA,
+                        "%s: found %zu cases, expected at most %zu, or a CSV table",
+                        self->caller->output, self->num_expected, most);
+    if (resume) {
+        const ehd_status status = resume_hdf5(self, settings_text, inputs, error);
+        if (status != EHD_NOINPUT) return status;
+    }
+    return create_hdf5(self, kind, grid, settings_text, inputs, error);
+}
+
+static ehd_status put_column(case_table *self, size_t column, const case_row *rows, size_t count,
                              void *work, ehd_error *error) {
     const char *name = columns[column].name;
 
     if (field_of(column)->type == ARTEFACT_INTEGER) {
         for (size_t i = 0; i < count; i++)
             ((int64_t *)work)[i] = integer_of(&rows[i], column);
-        return artefact_put_integers(file, name, work, error);
+        return artefact_put_integers_part(self->file, name, self->num_rows, count, work, error);
     }
     for (size_t i = 0; i < count; i++)
         ((double *)work)[i] = real_of(&rows[i], column);
-    return artefact_put(file, name, work, error);
+    return artefact_put_part(self->file, name, self->num_rows, count, work, error);
 }
 
-static ehd_status put_columns(artefact *file, const case_row *rows, size_t count,
-                              const contact_kind *kind, ehd_error *error) {
+static ehd_status put_hdf5(case_table *self, const case_row *rows, size_t count, ehd_error *error) {
     double *work = array_new(count, 1, sizeof *work); // or as many integers
-    ehd_status status = work ? EHD_OK
-                             : ehd_fail(error, EHD_MEMORY, "%s: found no memory for %zu cases",
-                                        artefact_path(file), count);
+    ehd_status status = work ? EHD_OK : no_memory(self, error);
 
     for (size_t c = 0; c < NUM_COLUMNS && !status; c++)
-        if (applies(c, rows, count, kind)) status = put_column(file, c, rows, count, work, error);
+        if (self->written[c]) status = put_column(self, c, rows, count, work, error);
+    for (size_t i = 0; i < count && !status; i++)
+        work[i] = (double)(self->num_rows + i);
+    if (!status)
+        status = artefact_put_axis_part(self->file, "case", self->num_rows, count, work, error);
     free(work);
+    if (!status) status = artefact_flush(self->file, error);
+    if (!status) artefact_save(self->file);
     return status;
 }
 
-static ehd_status write_hdf5(const case_row *rows, size_t count, const contact_kind *kind,
-                             const ehd_grid *grid, const program *caller, const char *settings_text,
-                             const char *const *inputs, ehd_error *error) {
-    artefact *file = NULL;
-    ehd_status status =
-        artefact_create(&file, caller->output, &schema_cases, caller, settings_text, inputs, error);
+// ---- both
 
-    if (!status) status = grid_write_attributes(file, kind, grid, error);
-    if (!status) status = artefact_put_axis(file, "case", count, NULL, error);
-    if (!status) status = put_columns(file, rows, count, kind, error);
-    if (!status) return artefact_finish(&file, error);
-    artefact_close(&file);
-    return status;
-}
+ehd_status case_table_new(case_table **table, const program *caller, ehd_error *error) {
+    case_table *self = *table = calloc(1, sizeof *self);
 
-ehd_status case_table_write(const case_row *rows, const case_list *list, const contact_kind *kind,
-                            const ehd_grid *grid, const program *caller, const char *settings_text,
-                            const char *const *inputs, ehd_error *error) {
-    if (caller->output && !is_csv(caller->output))
-        return write_hdf5(rows, case_list_count(list), kind, grid, caller, settings_text, inputs,
-                          error);
-    if (caller->output) return write_csv(rows, list, kind, caller, error);
-    print_rows(rows, list, kind, stdout); // program_finish says where that fails
+    if (!self) return ehd_fail(error, EHD_MEMORY, "--cases: found no memory for a table");
+    self->caller = caller;
     return EHD_OK;
+}
+
+void case_table_expect(case_table *self, const case_row *row) {
+    self->num_expected++;
+    for (size_t c = 0; c < NUM_COLUMNS; c++)
+        self->expected[c] = self->expected[c] || is_known(c, row);
+}
+
+ehd_status case_table_begin(case_table *self, size_t *num_done, const case_list *list,
+                            const contact_kind *kind, const ehd_grid *grid,
+                            const char *settings_text, const char *const *inputs, bool resume,
+                            ehd_error *error) {
+    self->list = list;
+    for (size_t c = 0; c < NUM_COLUMNS; c++)
+        self->written[c] = applies(self, c, kind);
+    for (size_t c = 0; c < NUM_COLUMNS; c++)
+        self->units[c] = unit_of(c, self->written);
+    const ehd_status status =
+        self->caller->output && !is_csv(self->caller->output)
+            ? begin_hdf5(self, kind, grid, settings_text, inputs, resume, error)
+            : begin_csv(self, settings_text, inputs, resume, error);
+    *num_done = self->num_rows;
+    return status;
+}
+
+ehd_status case_table_status(int64_t *status, case_table *self, ehd_error *error) {
+    bool found = false;
+    double value = 0;
+
+    if (self->file)
+        return artefact_get_integers_part(self->file, "status", self->next_status++, 1, status, 1,
+                                          error);
+    const ehd_status outcome = csv_next_row(&found, &self->done, error);
+    if (outcome) return outcome;
+    if (!found || !number_read(&value, self->done.fields[self->status_column]))
+        return not_resumable(self, "a row without status", error);
+    *status = (int64_t)value;
+    return EHD_OK;
+}
+
+ehd_status case_table_put(case_table *self, const case_row *rows, const case_texts *texts,
+                          size_t count, ehd_error *error) {
+    const ehd_status status =
+        self->file ? put_hdf5(self, rows, count, error) : put_csv(self, rows, texts, count, error);
+
+    if (!status) self->num_rows += count;
+    return status;
+}
+
+static void release(case_table **table) {
+    csv_close(&(*table)->done);
+    free((*table)->identity);
+    free(*table);
+    *table = NULL;
+}
+
+ehd_status case_table_finish(case_table **table, ehd_error *error) {
+    case_table *self = *table;
+    ehd_status status = EHD_OK;
+
+    if (self->file) status = artefact_finish(&self->file, error);
+    if (self->out.stream) {
+        status = output_file_finish(&self->out, error);
+        unlink(self->identity);
+    }
+    release(table);
+    return status;
+}
+
+void case_table_close(case_table **table) {
+    case_table *self = *table;
+
+    if (!self) return;
+    artefact_close(&self->file);
+    if (self->num_rows > 0) {
+        output_file_leave(&self->out);
+    } else if (self->out.stream) {
+        output_file_drop(&self->out);
+        unlink(self->identity);
+    }
+    release(table);
 }

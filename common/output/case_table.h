@@ -42,14 +42,48 @@ case_row case_row_of(const ehd_contact *contact);
 /* EHD_USAGE unless a name ends with .csv, .h5 or .hdf5; EHD_CANTCREATE as output_file_check. */
 ehd_status case_table_check(const program *caller, ehd_error *error);
 
-/* Writes caller->output, or CSV to stdout where there is none. In CSV the columns of the list come
+/* A table that is being written, some rows at a time. */
+typedef struct case_table case_table;
+
+/* Makes an empty table. case_table_expect then collects its columns, before case_table_begin. */
+ehd_status case_table_new(
+    // output:
+    case_table **table, // give to case_table_finish or case_table_close
+    // input:
+    const program *caller, ehd_error *error);
+
+/* Tells of a row to come: the table has a column for each of its values that is not NaN. */
+void case_table_expect(case_table *table, const case_row *row);
+
+/* Begins to write caller->output, or CSV to stdout where there is none. In CSV the columns of the list come
  * first, then those of schemas/cases.md, those of them that SI units can be made of again with the unit
- * behind the name, where a scene is given in these, and last the reason of a status. EHD_CANTCREATE,
- * EHD_IO, EHD_MEMORY. */
-ehd_status case_table_write(const case_row *rows, // [case_list_count]
-                            const case_list *list, const contact_kind *kind, const ehd_grid *grid,
-                            const program *caller, const char *settings_text,
-                            const char *const *inputs, // paths, NULL at the end
-                            ehd_error *error);
+ * behind the name, where a scene is given in these, and last the reason of a status. With `resume` it goes on with
+ * what an interrupted run of the same settings and inputs left, if there is any. *num_done: rows that are already there.
+ * EHD_CANTCREATE, EHD_IO, EHD_MEMORY; EHD_DATA: what was left is of another run. */
+ehd_status case_table_begin(
+    // in and out:
+    case_table *table,
+    // output:
+    size_t *num_done,
+    // input:
+    const case_list *list, const contact_kind *kind, const ehd_grid *grid,
+    const char *settings_text,
+    const char *const *inputs, // paths, NULL at the end
+    bool resume, ehd_error *error);
+
+/* Reads the status of the rows that were already there, one row a call. EHD_DATA, EHD_IO. */
+ehd_status case_table_status(int64_t *status, case_table *table, ehd_error *error);
+
+/* Appends rows. They are kept if the process is killed later. */
+ehd_status case_table_put(case_table *table,
+                          const case_row *rows,    // [count]
+                          const case_texts *texts, // [count] of the list
+                          size_t count, ehd_error *error);
+
+/* Gives the table its name, and frees it. EHD_IO. */
+ehd_status case_table_finish(case_table **table, ehd_error *error);
+
+/* Frees an unfinished table. If it has rows, its partial file stays, to be resumed. Does nothing without a table. */
+void case_table_close(case_table **table);
 
 #endif

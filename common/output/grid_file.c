@@ -227,11 +227,19 @@ ehd_status carriage_read(ehd_carriage *carriage, artefact *file, ehd_error *erro
 ehd_status grid_of_file(ehd_grid *grid, const contact_kind **kind, const char *path,
                         ehd_error *error) {
     static const artefact_schema *const schemas[] = {&schema_snapshots, &schema_basis,
-                                                     &schema_model, NULL};
+                                                     &schema_model, &schema_result, NULL};
     artefact *file = NULL;
     ehd_status status = artefact_open(&file, path, schemas, error);
 
+    if (!status && artefact_length(file, "x") == 0)
+        status = ehd_fail(error, EHD_DATA, "%s: x: found none, expected a file with fields", path);
     if (!status) status = grid_read(grid, kind, file, error);
+    // a result has both halves
+    if (!status && grid->inner_lines > 1 && artefact_kind(file) == &schema_result) {
+        ehd_grid half = *grid;
+        half.half = true;
+        *grid = grid_like(&half, grid->x_min, grid->step, grid->inner_x, grid->inner_lines / 2 + 1);
+    }
     artefact_close(&file);
     return status;
 }

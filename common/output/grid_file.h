@@ -68,7 +68,7 @@ ehd_status carriage_write(artefact *file, const ehd_carriage *carriage, ehd_erro
 /* Reads them; upwind where the first is missing, NaN where the second is. EHD_DATA: not known. */
 ehd_status carriage_read(ehd_carriage *carriage, artefact *file, ehd_error *error);
 
-/* The grid of a file of snapshots, a basis or a model. Errors as artefact_open. */
+/* The grid of a file of snapshots, a basis, a model or a result with fields. Errors as artefact_open. */
 ehd_status grid_of_file(ehd_grid *grid, const contact_kind **kind, const char *path,
                         ehd_error *error);
 

@@ -33,17 +33,21 @@ typedef struct entries {
 
 // ---- text
 
+/* Character by character, for which no memory is taken. */
 void print_csv_text(const char *text, FILE *stream) {
-    if (!text[strcspn(text, ",\"\r\n")]) {
-        fputs(text, stream);
-        return;
+    // what begins with # would be a comment
+    const char *quote = *text == '#' || text[strcspn(text, ",\"\n")] ? "\"" : "";
+    fputs(quote, stream);
+    for (size_t length; *text; text += length) {
+        char shown[5] = "";
+        length = text_character(text);
+        if (length == 0) length = 1;
+        memcpy(shown, text, length);
+        text_make_printable(shown, "\n\t");
+        if (*shown == '"') fputc('"', stream);
+        fputs(shown, stream);
     }
-    fputc('"', stream);
-    for (; *text; text++) {
-        if (*text == '"') fputc('"', stream);
-        fputc(*text, stream);
-    }
-    fputc('"', stream);
+    fputs(quote, stream);
 }
 
 void print_csv_real(double value, FILE *stream) {
@@ -251,7 +255,7 @@ static ehd_status read_axis(column *axis, artefact *file, ehd_error *error) {
     axis->reals = array_new(length, 1, sizeof *axis->reals);
     if (!axis->reals) return no_memory(file, error);
     if (artefact_has_scale(file, axis->name) && length > 0)
-        return artefact_get_axis(file, axis->name, axis->reals, error);
+        return artefact_get_axis(file, axis->name, axis->reals, length, error);
     for (size_t i = 0; i < length; i++)
         axis->reals[i] = (double)i;
     return EHD_OK;
@@ -278,16 +282,16 @@ static ehd_status prepare(column *columns, size_t num_columns, artefact *file, s
 }
 
 static ehd_status read_slice(column *columns, size_t num_columns, artefact *file, size_t first,
-                             size_t count, ehd_error *error) {
+                             size_t count, size_t size, ehd_error *error) {
     ehd_status status = EHD_OK;
 
     for (size_t i = 0; i < num_columns && !status; i++) {
         const column *one = &columns[i];
         if (one->integers)
-            status =
-                artefact_get_integers_part(file, one->name, first, count, one->integers, error);
+            status = artefact_get_integers_part(file, one->name, first, count, one->integers, size,
+                                                error);
         else if (one->field)
-            status = artefact_get_part(file, one->name, first, count, one->reals, error);
+            status = artefact_get_part(file, one->name, first, count, one->reals, size, error);
     }
     return status;
 }
@@ -370,7 +374,7 @@ static ehd_status print_lines(column *columns, size_t num_columns, artefact *fil
     if (!status) print_header(columns, num_columns, stream);
     for (size_t first = 0; first < length && !status; first += slice) {
         const size_t count = length - first < slice ? length - first : slice;
-        status = read_slice(columns, num_columns, file, first, count, error);
+        status = read_slice(columns, num_columns, file, first, count, count * inner, error);
         for (size_t i = 0; i < count * inner && !status; i++) {
             if (first + i > 0) print_gap(all, index, stream);
             print_line(columns, num_columns, all, i, index, stream);

@@ -31,8 +31,11 @@ ehd_status result_put_contact(artefact *file, const ehd_contact *contact, ehd_er
     for (size_t i = 0; i < sizeof units / sizeof *units && !status; i++)
         if (isfinite(units[i].value))
             status = artefact_put_real(file, units[i].name, units[i].value, error);
+    const flow_thinning thinning = traction_thinning(contact);
     if (!status && traction_thins_flow(contact))
-        status = artefact_put_real(file, "thinning", traction_thinning_rate(contact), error);
+        status = artefact_put_real(file, "thinning", thinning.sliding, error);
+    if (!status && traction_thins_flow(contact))
+        status = artefact_put_real(file, "gradient_thinning", thinning.gradient, error);
     if (!status && contact_has_traction(contact)) status = traction_put_units(file, contact, error);
     return status;
 }
@@ -127,6 +130,14 @@ static ehd_status put_scalars(artefact *file, const run_result *result, ehd_erro
     return status;
 }
 
+void result_judge_grid(run_result *result, const ehd_grid *grid) {
+    if (result->status || !result->effects || !film_effects_are_infinite(result->effects)) return;
+    result->status = EHD_UNTRUSTED;
+    snprintf(result->reason, RESULT_REASON,
+             "a grid from X = %g on by %g, too %s to estimate its error", grid->x_min, grid->step,
+             film_effects_inlet_is_short(result->effects) ? "short" : "coarse");
+}
+
 /* Those that are known. */
 static ehd_status put_effects(artefact *file, const film_effects *effects, ehd_error *error) {
     ehd_status status = EHD_OK;
@@ -156,7 +167,8 @@ ehd_status result_write(artefact **file, const run_result *result, const ehd_con
     if (!status) status = put_scalars(*file, result, error);
     if (!status && result->traction) status = traction_put(*file, result->traction, error);
     if (!status && result->traction && result->pressure && result->film)
-        status = traction_put_stresses(*file, 0, contact, result->pressure, result->film, error);
+        status = traction_put_stresses(*file, 0, contact, result->pressure, result->film,
+                                       result->rigid_approach, error);
     if (!status) status = put_effects(*file, result->effects, error);
     if (!status) status = put_heating(*file, contact, error);
     if (!status) status = result_put_seconds(*file, result, error);
@@ -174,12 +186,12 @@ static void print_value(const char *name, double value, double scale, const char
         printf("%-24s%.8g\n", name, value);
 }
 
-/* Adds one source of what a film may be off by to the line; NaN: nothing. */
-static void print_part(const char **separator, const char *name, double part) {
+/* Adds one source of what a film may be off by to the line; NaN: nothing, infinite: the grid's lack. */
+static void print_part(const char **separator, const char *name, double part, const char *lack) {
     if (isnan(part)) return;
     printf("%s%s ", *separator, name);
     if (isinf(part))
-        printf("too coarse to tell");
+        printf("too %s to tell", lack);
     else
         printf("%.2g %%", 100 * fabs(part));
     *separator = ", ";
@@ -187,14 +199,14 @@ static void print_part(const char **separator, const char *name, double part) {
 
 /* What of a film comes from the reduction, the grid's step and its inlet, where something is known
  * of the grid. */
-static void print_parts(double model, double step, double inlet) {
+static void print_parts(const char *head, double model, double step, double inlet) {
     const char *separator = "";
 
     if (isnan(step) && isnan(inlet)) return;
-    printf("%-24s", "  of this, about");
-    print_part(&separator, "the model", model);
-    print_part(&separator, "the grid", step);
-    print_part(&separator, "the inlet", inlet);
+    printf("%-24s", head);
+    print_part(&separator, "the model", model, "coarse");
+    print_part(&separator, "the grid", step, "coarse");
+    print_part(&separator, "the inlet", inlet, isinf(step) ? "coarse" : "short");
     putchar('\n');
 }
 
@@ -231,6 +243,7 @@ static void print_heating(const ehd_contact *contact) {
 }
 
 void result_print(const run_result *result, const ehd_contact *contact) {
+    const char *const of_this = "  of this, about";
     const double micro = 1e6;
     const double film = contact_film_scale(contact) * micro;
     const double width = contact->half_width * micro;
@@ -242,16 +255,21 @@ void result_print(const run_result *result, const ehd_contact *contact) {
     grid_print_equations(contact);
     grid_print(contact, "this M and L");
     print_value("central film thickness", result->central_film_thickness, film, "µm");
-    print_parts(result->indicated_deviation, effects.of[EFFECT_STEP], effects.of[EFFECT_INLET]);
+    print_parts(of_this, result->indicated_deviation, effects.of[EFFECT_STEP],
+                effects.of[EFFECT_INLET]);
     print_value("minimum film thickness", result->minimum_film_thickness, film, "µm");
-    print_parts(result->indicated_deviation_minimum, effects.of[EFFECT_STEP_MINIMUM],
+    print_parts(of_this, result->indicated_deviation_minimum, effects.of[EFFECT_STEP_MINIMUM],
                 effects.of[EFFECT_INLET_MINIMUM]);
     print_heating(contact);
     print_value("central pressure", result->central_pressure, pressure, "GPa");
     print_value("rigid approach", result->rigid_approach, film, "µm");
     print_value("exit position", result->exit_position, width, "µm");
     print_value("load", result->load, contact->load, contact->kind->dimensions > 1 ? "N" : "N/m");
-    if (result->traction) traction_print(result->traction, contact);
+    if (result->traction) {
+        traction_print(result->traction, contact, &effects);
+        print_parts("  of rolling, about", NAN, effects.of[EFFECT_STEP_ROLLING],
+                    effects.of[EFFECT_INLET_ROLLING]);
+    }
     printf("%-24s%zu, residual %.1e\n", "Newton iterations", result->newton_iterations,
            result->residual);
     if (!isnan(result->indicated_deviation))
@@ -292,7 +310,9 @@ ehd_status result_get_contact(stored_result *stored, artefact *file, const conta
     if (!status && artefact_has(file, "moes_L"))
         status = artefact_get_real(file, "moes_L", &stored->moes_L, error);
     if (!status && artefact_has(file, "thinning"))
-        status = artefact_get_real(file, "thinning", &stored->thinning, error);
+        status = artefact_get_real(file, "thinning", &stored->thinning.sliding, error);
+    if (!status && artefact_has(file, "gradient_thinning"))
+        status = artefact_get_real(file, "gradient_thinning", &stored->thinning.gradient, error);
     return status;
 }
 
@@ -303,7 +323,7 @@ static ehd_status get_exit(stored_result *stored, artefact *file, ehd_error *err
     double *exits = array_new(stored->num_lines, each, sizeof *exits);
     if (!exits) return ehd_fail(error, EHD_MEMORY, "%s: found no memory", artefact_path(file));
 
-    ehd_status status = artefact_get(file, "exit_position", exits, error);
+    ehd_status status = artefact_get(file, "exit_position", exits, stored->num_lines * each, error);
     if (!status) stored->exit_position = exits[stored->num_lines / 2 * each];
     free(exits);
     return status;
@@ -322,10 +342,10 @@ static ehd_status get_scalars(stored_result *stored, artefact *file, ehd_error *
     // those that everybody writes are there, or the file would not have been opened
     for (size_t i = 0; i < sizeof reals / sizeof *reals && !status; i++)
         if (artefact_has(file, reals[i].name))
-            status = artefact_get(file, reals[i].name, reals[i].value, error);
+            status = artefact_get(file, reals[i].name, reals[i].value, 1, error);
     if (!status) status = get_exit(stored, file, error);
     if (!status && artefact_has(file, "status"))
-        status = artefact_get_integers(file, "status", &stored->status, error);
+        status = artefact_get_integers(file, "status", &stored->status, 1, error);
     return status;
 }
 
@@ -336,7 +356,7 @@ static ehd_status get_field(double **field, size_t num_inner, artefact *file, co
     if (!*field)
         return ehd_fail(error, EHD_MEMORY, "%s: %s: found no memory for %zu nodes",
                         artefact_path(file), name, num_inner);
-    return artefact_get(file, name, *field, error);
+    return artefact_get(file, name, *field, num_inner, error);
 }
 
 static ehd_status check_finite(const stored_result *stored, const char *path, ehd_error *error) {

@@ -43,6 +43,9 @@ typedef struct run_result {
     double seconds_rows, seconds_linear, seconds_exit; // parts of it; NaN: not measured apart
 } run_result;
 
+/* Sets EHD_UNTRUSTED of a solved result whose grid is too coarse to estimate its error. */
+void result_judge_grid(run_result *result, const ehd_grid *grid);
+
 /* Starts caller->output, before the solution is known, so that an output that cannot be written is
  * refused before the work. `inputs`: paths, NULL at the end. Errors as artefact_create. */
 ehd_status result_create(
@@ -79,8 +82,8 @@ typedef struct stored_result {
     size_t num_inner; // nodes of a field; 0: neither fields nor an axis x
     size_t num_lines; // of them, across; 1 of a line contact
     double moes_M, moes_L, alpha_p_H;
-    double thinning;       // of the flow (contact_place.h); 0: not
-    double hertz_pressure; // Pa
+    flow_thinning thinning; // of the flow
+    double hertz_pressure;  // Pa
     double central_film_thickness;
     double minimum_film_thickness;
     double central_pressure;

@@ -64,7 +64,8 @@ static ehd_status read_frame(si_units *self, artefact *file, const char *name, c
     if (!self->frame)
         return ehd_fail(error, EHD_MEMORY, "%s: found too little memory, expected more",
                         artefact_path(file));
-    return artefact_get_part(file, frame, 0, self->num_frames, self->frame, error);
+    return artefact_get_part(file, frame, 0, self->num_frames, self->frame, self->num_frames,
+                             error);
 }
 
 ehd_status si_units_read(si_units *self, artefact *file, const char *name, bool frames,

@@ -170,8 +170,9 @@ static ehd_status put_fields(artefact *file, const time_entry *entry, const ehd_
     if (!status && entry->film)
         status = grid_put_field(file, "film_thickness", index, entry->film, grid, true, error);
     if (!status && entry->pressure && entry->film && entry->frame)
-        status =
-            traction_put_stresses(file, index, entry->frame, entry->pressure, entry->film, error);
+        // in the frame, of a point contact; a line has no far field that needs it
+        status = traction_put_stresses(file, index, entry->frame, entry->pressure, entry->film,
+                                       entry->rigid_approach / entry->frame_film_unit, error);
     return status;
 }
 
@@ -204,8 +205,8 @@ static ehd_status get_slots(int64_t num_entries[NUM_SLOTS], artefact *file, ehd_
     ehd_status status = EHD_OK;
 
     for (size_t slot = 0; slot < NUM_SLOTS && !status; slot++) {
-        status =
-            artefact_get_integers_part(file, "restart_entries", slot, 1, &num_entries[slot], error);
+        status = artefact_get_integers_part(file, "restart_entries", slot, 1, &num_entries[slot], 1,
+                                            error);
         if (status != EHD_DATA) continue;
         num_entries[slot] = SLOT_INVALID;
         status = EHD_OK;
@@ -267,7 +268,7 @@ static ehd_status get_restart(double *restart, size_t *num_entries, artefact *fi
     memset(restart, 0, restart_size * sizeof *restart);
     if (found[slot] <= 0) return EHD_OK;
     *num_entries = (size_t)found[slot];
-    return artefact_get_part(file, "restart", slot, 1, restart, error);
+    return artefact_get_part(file, "restart", slot, 1, restart, restart_size, error);
 }
 
 ehd_status time_result_resume(artefact **file, double *restart, size_t *num_entries,
@@ -352,7 +353,7 @@ static ehd_status allocate(time_series *series, const char *path, ehd_error *err
 static ehd_status get_time(time_series *series, artefact *file, ehd_error *error) {
     // a stationary file need not have a scale
     if (series->num_times == 1 && !artefact_has_scale(file, "time")) return EHD_OK;
-    ehd_status status = artefact_get_axis(file, "time", series->time, error);
+    ehd_status status = artefact_get_axis(file, "time", series->time, series->num_times, error);
 
     for (size_t i = 0; i < series->num_times && !status; i++) {
         double before = i > 0 ? series->time[i - 1] : -INFINITY;
@@ -372,7 +373,7 @@ static ehd_status get_real(double *values, size_t num_times, artefact *file, con
     double *all = array_new(num_times, each, sizeof *all);
     if (!all) return ehd_fail(error, EHD_MEMORY, "%s: found no memory", artefact_path(file));
 
-    ehd_status status = artefact_get(file, name, all, error);
+    ehd_status status = artefact_get(file, name, all, num_times * each, error);
     for (size_t t = 0; t < num_times && !status; t++)
         values[t] = all[t * each + place];
     free(all);
@@ -400,7 +401,8 @@ static ehd_status get_integers(int64_t *values, size_t num_times, artefact *file
                                ehd_error *error) {
     for (size_t t = 0; t < num_times; t++)
         values[t] = -1;
-    return artefact_has(file, name) ? artefact_get_integers(file, name, values, error) : EHD_OK;
+    return artefact_has(file, name) ? artefact_get_integers(file, name, values, num_times, error)
+                                    : EHD_OK;
 }
 
 static ehd_status get_series(time_series *series, artefact *file, const contact_kind *kind,

@@ -101,7 +101,8 @@ ehd_status time_result_finish(artefact **file, const time_summary *summary, ehd_
  * foreign file need not have are NaN where they are missing, integers -1. */
 typedef struct time_series {
     ehd_grid grid; // whole; no nodes: a line without fields, of which not all is known
-    double moes_M, moes_L, alpha_p_H, thinning;
+    double moes_M, moes_L, alpha_p_H;
+    flow_thinning thinning;
     double hertz_pressure; // Pa
     size_t num_times;
     double *time; // [num_times], as all that follow; 0 when stationary

@@ -88,10 +88,13 @@ static ehd_status trace_read(time_trace *trace, artefact *file, size_t num_entri
                              ehd_error *error) {
     ehd_status status = trace_reserve(trace, num_entries, error);
 
-    if (!status) status = artefact_get_axis(file, "time", trace->time, error);
+    if (!status) status = artefact_get_axis(file, "time", trace->time, num_entries, error);
     if (!status)
-        status = artefact_get(file, "central_film_thickness", trace->central_film_thickness, error);
-    if (!status) status = artefact_get(file, "central_pressure", trace->central_pressure, error);
+        status = artefact_get(file, "central_film_thickness", trace->central_film_thickness,
+                              num_entries, error);
+    if (!status)
+        status =
+            artefact_get(file, "central_pressure", trace->central_pressure, num_entries, error);
     if (!status) trace->count = num_entries;
     return status;
 }
@@ -442,18 +445,26 @@ static ehd_status finish(runner *self, const run_totals *totals, ehd_error *erro
 static ehd_status judge(const runner *self, ehd_status outcome, ehd_error *error) {
     const time_run_task *task = self->task;
     const char *path = task->caller->arguments[0];
-    bool written = task->caller->output != NULL;
+    const bool written = task->caller->output && task->again == AGAIN_NEVER;
 
     if (outcome == EHD_NOT_CONVERGED)
         return ehd_fail(error, EHD_NOT_CONVERGED, "%s: not converged: %s%s%s%s", path,
                         self->march.reason, written ? "; results up to there are in " : "",
                         written ? task->caller->output : "", written ? ".partial" : "");
-    if (!isnan(self->march.state.untrusted_since) && !task->allow_untrusted)
+    if (!isnan(self->march.state.untrusted_since) &&
+        (!task->allow_untrusted || task->again == AGAIN_IF_POOR))
         return ehd_fail(error, EHD_UNTRUSTED,
                         "%s: found %s, first at T = %g, expected a result to be trusted%s", path,
                         self->march.untrusted, self->march.state.untrusted_since,
                         task->advice ? task->advice : "");
     return EHD_OK;
+}
+
+static bool is_taken_again(const runner *self, ehd_status outcome) {
+    const time_run_again again = self->task->again;
+
+    if (outcome == EHD_NOT_CONVERGED) return again != AGAIN_NEVER;
+    return again == AGAIN_IF_POOR && !isnan(self->march.state.untrusted_since);
 }
 
 static ehd_status conclude(runner *self, ehd_status outcome, ehd_error *error) {
@@ -462,6 +473,7 @@ static ehd_status conclude(runner *self, ehd_status outcome, ehd_error *error) {
         self->march.state.untrusted_since = 0;
         snprintf(self->march.untrusted, MARCH_REASON, "%s", self->task->untrusted);
     }
+    if (is_taken_again(self, outcome)) return judge(self, outcome, error);
     ehd_status status = outcome == EHD_OK ? finish(self, &totals, error) : EHD_OK;
 
     if (status) return status;

@@ -17,6 +17,13 @@ typedef struct time_run_share {
     const char *reason;                   // why
 } time_run_share;
 
+/* Where another run follows, in place of this one: nothing is printed, and the output stays unfinished. */
+typedef enum time_run_again {
+    AGAIN_NEVER,
+    AGAIN_IF_LOST, // it ends early
+    AGAIN_IF_POOR  // also where a step is not to be trusted
+} time_run_again;
+
 /* What a run asks for. */
 typedef struct time_run_task {
     const program *caller; // its output may be NULL: nothing is written
@@ -29,6 +36,7 @@ typedef struct time_run_task {
     march_solver solver;
     double accuracy; // indicated to deviate by more, a step is not to be trusted; 0: it is
     bool with_fields, resume, allow_untrusted;
+    time_run_again again;  // where another run follows
     const char *advice;    // behind the line that says so, what would help; NULL: nothing
     const char *untrusted; // why no entry is to be trusted; NULL: that is so of single ones only
     /* Seconds that this solver spent on parts of the work so far; NaN: not measured apart. */
@@ -46,8 +54,8 @@ void time_trace_free(time_trace *trace);
 
 /* Runs the scene and prints the short result, of the whole trajectory where an earlier run is
  * resumed. Where the march ends early, what it found so far stays in NAME.partial:
- * EHD_NOT_CONVERGED. EHD_UNTRUSTED: done and written, but a step was not to be trusted. `trace` may
- * be NULL. Errors also as artefact_create, time_result_resume and histories_init. */
+ * EHD_NOT_CONVERGED. EHD_UNTRUSTED: done and written (unless another run follows), but a step was not to
+ * be trusted. `trace` may be NULL. Errors also as artefact_create, time_result_resume and histories_init. */
 ehd_status time_run(
     // output:
     time_trace *trace, // free with time_trace_free, also after a failure

@@ -4,6 +4,7 @@
 #include "common/output/grid_file.h"
 #include "common/program/arena.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -50,7 +51,8 @@ ehd_status traction_put(artefact *file, const contact_traction *traction, ehd_er
 }
 
 ehd_status traction_put_stresses(artefact *file, size_t index, const ehd_contact *contact,
-                                 const double *pressure, const double *film, ehd_error *error) {
+                                 const double *pressure, const double *film, double rigid_approach,
+                                 ehd_error *error) {
     const ehd_grid *grid = &contact->grid;
     double *on_1 = array_new(grid->num_nodes, 2, sizeof *on_1);
 
@@ -58,14 +60,27 @@ ehd_status traction_put_stresses(artefact *file, size_t index, const ehd_contact
         return ehd_fail(error, EHD_MEMORY, "%s: shear_stress_1: found no memory for %zu nodes",
                         artefact_path(file), grid->num_nodes);
     double *on_2 = on_1 + grid->num_nodes;
-    contact_surface_stresses(on_1, on_2, contact, pressure, film);
+    contact_surface_stresses(on_1, on_2, contact, pressure, film, rigid_approach);
     ehd_status status = grid_put_field(file, "shear_stress_1", index, on_1, grid, true, error);
     if (!status) status = grid_put_field(file, "shear_stress_2", index, on_2, grid, true, error);
     free(on_1);
     return status;
 }
 
-void traction_print(const contact_traction *traction, const ehd_contact *contact) {
+/* Digits of a number that may be off by this share, the last two of them uncertain. */
+static int digits_of(double error, int most) {
+    return error > 0 ? (int)fmin(fmax(ceil(-log10(error)) + 1, 1), most) : most;
+}
+
+/* Friction coefficient of a lubricant that the pressure thickens, above which a line says that its law of
+ * shear stress does not hold: the largest that the law `limiting` takes. */
+static const double MUCH_FRICTION = 1;
+
+void traction_print(const contact_traction *traction, const ehd_contact *contact,
+                    const film_effects *effects) {
+    const double off = film_effects_of_rolling(effects);
+    const double rolled = 2 * traction->rolling_resistance * contact->far_speed / traction->power;
+    const double errors[NUM_TRACTION] = {0, 0, off, off, off * fabs(rolled), 0, 0};
     const double load = contact->load, stress = contact->hertz_pressure * 1e-6;
     const double scales[NUM_TRACTION] = {
         1, load, load, load * contact->half_width, load * contact->speed, stress, stress};
@@ -75,8 +90,12 @@ void traction_print(const contact_traction *traction, const ehd_contact *contact
     for (size_t i = 0; i < NUM_TRACTION; i++) {
         const char *unit = units[contact->kind->dimensions > 1][i];
         const double value = value_of(traction, i);
-        printf("%-24s%-*.8g", traction_entries[i].text, *unit ? 14 : 0, value);
-        if (*unit) printf("%.6g %s", value * scales[i], unit);
+        printf("%-24s%-*.*g", traction_entries[i].text, *unit ? 14 : 0, digits_of(errors[i], 8),
+               value);
+        if (*unit) printf("%.*g %s", digits_of(errors[i], 6), value * scales[i], unit);
         putchar('\n');
     }
+    if (fabs(traction->coefficient) > MUCH_FRICTION && contact->alpha_p_H > 1)
+        printf("  of friction           more than lubricants carry, whose shear stress is below "
+               "the pressure: see lubricant.shear.law\n");
 }

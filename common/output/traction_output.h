@@ -4,6 +4,7 @@
 #define EHD_TRACTION_OUTPUT_H
 
 #include "common/artefact/artefact.h"
+#include "common/output/film_effects.h"
 #include "common/physics/traction.h"
 
 enum { NUM_TRACTION = 7 };
@@ -28,9 +29,13 @@ ehd_status traction_put(artefact *file, const contact_traction *traction, ehd_er
 ehd_status traction_put_stresses(artefact *file, size_t index, const ehd_contact *contact,
                                  const double *pressure, // [num_nodes]
                                  const double *film,     // [num_nodes]
+                                 double rigid_approach,  // in the contact's frame
                                  ehd_error *error);
 
-/* A line each, in units of the contact and SI units. */
-void traction_print(const contact_traction *traction, const ehd_contact *contact);
+/* Prints a line for each, in units of the contact and SI units. Rolling resistance, rolling moment and
+ * power loss have only the digits that the error estimate of the rolling resistance allows. A further line
+ * where the friction is more than a lubricant carries. */
+void traction_print(const contact_traction *traction, const ehd_contact *contact,
+                    const film_effects *effects); // of the grid
 
 #endif

@@ -41,7 +41,7 @@ static ehd_status read_axis(double **values, const images *self, const char *nam
                             ehd_error *error) {
     *values = array_new(length, 1, sizeof **values);
     if (!*values) return no_memory(self, error);
-    return artefact_get_axis(self->file, name, *values, error);
+    return artefact_get_axis(self->file, name, *values, length, error);
 }
 
 static ehd_status read_axes(images *self, ehd_error *error) {
@@ -109,7 +109,7 @@ static ehd_status read_time(bool *any, images *self, size_t time, ehd_error *err
         field *one = &self->fields[f];
         if (!one->values) continue;
         const double factor = si_units_at(&one->si, time);
-        status = artefact_get_part(self->file, one->name, time, 1, one->values, error);
+        status = artefact_get_part(self->file, one->name, time, 1, one->values, count, error);
         for (size_t i = 0; i < count && !status; i++) {
             *any = *any || !isnan(one->values[i]);
             one->values[i] *= factor;

@@ -157,11 +157,16 @@ static double point_dry_gap(const contact_shape *shape, double x) {
     return ((x * x - 2) * acos(1 / fabs(x)) + sqrt(x * x - 1)) / M_PI;
 }
 
-/* That of the circle with the same Hertz pressure, R_x and L, whose radius is a/(k compliance). */
+/* The fit that is made for R_y >= R_x. Of a narrow ellipse it has down to half of the film, from which
+ * Newton's iteration does not start; that of the circle with the same Hertz pressure, R_x and L, whose
+ * radius is a/(k compliance), has more. */
 static double point_central_film(const contact_shape *shape, double moes_M, double moes_L) {
     const double k = shape->ellipticity, ratio = k * shape->compliance; // a over that radius
+    const double width = cbrt(shape->compliance); // a over that of a circle under the same load
 
-    return film_nijenbanning(moes_M / (k * ratio * ratio), moes_L) / (ratio * ratio);
+    if (k < 1) return film_nijenbanning(moes_M / (k * ratio * ratio), moes_L) / (ratio * ratio);
+    return film_nijenbanning_ellipse(moes_M, moes_L, k * k / shape->gap_across) /
+           (pow(1.5 * moes_M, 2. / 3) * width * width);
 }
 
 static double point_physical_M(double load_number, double speed_number) {
@@ -262,7 +267,7 @@ ehd_status carriage_check(const ehd_carriage *found, const char *found_in,
         return ehd_fail(error, EHD_DATA, "%s%stransport: found %s, expected %s, as in %s", in,
                         colon, transport_name(found->transport),
                         transport_name(expected->transport), expected_in);
-    if (fabs(found->smoothing - expected->smoothing) > rounding) // neither is NaN
+    if (isgreater(fabs(found->smoothing - expected->smoothing), rounding)) // neither is NaN
         return ehd_fail(error, EHD_DATA, "%s%stransient.smoothing: found %g, expected %g, as in %s",
                         in, colon, found->smoothing, expected->smoothing, expected_in);
     return EHD_OK;
@@ -347,6 +352,14 @@ double grid_square_distance(const ehd_grid *grid, size_t node) {
 
 bool grid_is_dry(const ehd_grid *grid, size_t node) {
     return grid_square_distance(grid, node) <= 1;
+}
+
+double grid_dry_share(const ehd_grid *grid, size_t node) {
+    const double x = fabs(grid_x(grid, node)), y = fabs(grid_y(grid, node)), r = hypot(x, y);
+    const double width =
+        r > 0 ? (x * grid->step + y * grid_step_across(grid)) / r : grid->step; // along the radius
+
+    return fmin(fmax(0.5 + (1 - r) / width, 0), 1);
 }
 
 size_t grid_node_of_row(const ehd_grid *grid, size_t row) {
@@ -483,7 +496,17 @@ static ehd_status contact_from_physical(ehd_contact *contact, const contact_sett
     contact->viscosity = viscosity;
     contact->half_width =
         contact->kind->half_width(&contact->grid.shape, given->load, given->radius, given->modulus);
-    return EHD_OK;
+    if (contact->half_width > contact->radius)
+        return ehd_fail(error, EHD_DATA,
+                        "physical: found a half width of %.3g m by load, radius and modulus, "
+                        "expected it below the radius of %.3g m",
+                        contact->half_width, contact->radius);
+    if (contact->moes_M >= MIN_MOES_M && contact->moes_M <= MAX_MOES_M &&
+        contact->moes_L <= MAX_MOES_L)
+        return EHD_OK;
+    return ehd_fail(error, EHD_DATA,
+                    "physical: found M = %g and L = %g, expected M of %g to %g and L up to %g",
+                    contact->moes_M, contact->moes_L, MIN_MOES_M, MAX_MOES_M, (double)MAX_MOES_L);
 }
 
 /* What the factor of the inlet's heating needs, where a scene asks for it. */

@@ -136,6 +136,9 @@ double contact_gap(const contact_shape *shape, double x, double y);
 /* X^2 + Y^2, and whether that is at most 1: a node of the dry contact. */
 double grid_square_distance(const ehd_grid *grid, size_t node);
 bool grid_is_dry(const ehd_grid *grid, size_t node);
+/* Share of a node's cell within the dry contact, as if its edge were straight and square to the radius:
+ * sums with it are integrals over the dry contact, of second order in the step. */
+double grid_dry_share(const ehd_grid *grid, size_t node);
 
 /* Number of nodes on a line, of lines, and of boundary lines before the first inner line. */
 size_t grid_width(const ehd_grid *grid);
@@ -198,6 +201,12 @@ typedef struct contact_closure {
     double by_approach, by_load, value;
 } contact_closure;
 
+/* What an endless inlet carries before the grid of a line contact. */
+typedef struct inlet_tail {
+    double pressure; // P at the boundary node
+    double load;     // int P before the cell of the first inner node
+} inlet_tail;
+
 /* One contact in its dimensionless frame. */
 typedef struct ehd_contact {
     const contact_kind *kind;
@@ -207,6 +216,7 @@ typedef struct ehd_contact {
     double lambda;      // 1, in the Reynolds equation, eq. 7 of Maier et al. 2015
     double entrainment; // 1, U there; 1 when stationary
     double far_speed;   // 1, U of the far field: where films are carried along their paths too
+    inlet_tail tail;    // of a line contact, before its grid; zero: none
     contact_closure closure;
     ehd_transport transport; // in time
     double smoothing;        // half widths, of films carried along their paths; NaN: as usual
@@ -255,12 +265,18 @@ typedef struct contact_settings {
     double approach_length;
 } contact_settings;
 
+/* What a scene may ask for, in Moes numbers or in SI units. */
+#define MIN_MOES_M 0.1
+#define MAX_MOES_M 1e5
+#define MAX_MOES_L 100
+
 /* 10 half widths: where the approach of a line contact is given, farther off than half of most
  * grids. */
 extern const double far_approach_length;
 
 /* A contact without grid. Returns EHD_OK, or EHD_DATA: lubricant constants, Hertz pressure beyond
- * the viscosity law's limit, viscosity that contradicts the law. */
+ * the viscosity law's limit, viscosity that contradicts the law, SI units whose M or L is outside of
+ * the bounds above. */
 ehd_status contact_init(
     // output:
     ehd_contact *contact,

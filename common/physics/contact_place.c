@@ -1,19 +1,30 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "common/physics/contact_place.h"
 
-#include "common/physics/traction.h"
-
 #include <math.h>
 
 contact_place contact_place_of(const ehd_contact *contact) {
     return (contact_place){.moes_M = contact->moes_M,
                            .alpha_p_H = contact->alpha_p_H,
-                           .thinning = traction_thinning_rate(contact),
+                           .thinning = traction_thinning(contact),
                            .lubricant = &contact->lubricant};
 }
 
-double thinning_coordinate(double thinning) {
+contact_place contact_place_of_any(const ehd_contact *contact) {
+    contact_place place = contact_place_of(contact);
+
+    place.lubricant = NULL;
+    return place;
+}
+
+double thinning_coordinate(double sliding) {
     const double least = 1e-6;
 
-    return thinning > least ? log(thinning) : log(least);
+    return sliding > least ? log(sliding) : log(least);
+}
+
+double gradient_coordinate(double gradient) {
+    const double least = 1e-2;
+
+    return gradient > least ? log(gradient) : log(least);
 }

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "common/physics/far_angle.h"
 
-#include <lapacke.h>
+#include "common/algebra/qr.h"
+
 #include <math.h>
 #include <string.h>
 
@@ -79,8 +80,8 @@ static double driven_slope(double ratio, double chi) {
 /* The even solution h, 1 at LAST: one equation at each zero of the next even polynomial in 0 ... 1
  * but the last, which stands for h(LAST) = 1. */
 static void solve_growth(double term[FAR_TERMS], double ratio) {
-    double matrix[FAR_TERMS * FAR_TERMS]; // by columns
-    lapack_int pivots[FAR_TERMS];
+    double matrix[(FAR_TERMS + 1) * FAR_TERMS] = {0},
+                                    work[FAR_TERMS]; // by columns, the last the right side
 
     for (int i = 0; i < FAR_TERMS - 1; i++) {
         const double theta = M_PI_2 * (i + 0.5) / (FAR_TERMS - 1), t = cos(theta), s = sin(theta);
@@ -91,12 +92,11 @@ static void solve_growth(double term[FAR_TERMS], double ratio) {
             matrix[i + FAR_TERMS * j] =
                 second / (LAST * LAST) + at.c1 * first / LAST - at.c0 * value;
         }
-        term[i] = 0;
     }
     for (int j = 0; j < FAR_TERMS; j++)
         matrix[FAR_TERMS - 1 + FAR_TERMS * j] = 1;
-    term[FAR_TERMS - 1] = 1;
-    LAPACKE_dgesv(LAPACK_COL_MAJOR, FAR_TERMS, 1, matrix, FAR_TERMS, pivots, term, FAR_TERMS);
+    matrix[FAR_TERMS * FAR_TERMS + FAR_TERMS - 1] = 1;
+    qr_solve(term, matrix, work, FAR_TERMS, FAR_TERMS);
 }
 
 /* chi where driven + b h touches zero: -driven/h, which b has to be, is largest. Between the middle,

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "common/physics/far_field.h"
 
+#include "common/algebra/gauss.h"
 #include <math.h>
 
 bool far_field_is_there(const ehd_grid *grid) {
@@ -67,12 +68,7 @@ far_value far_field_pressure(const ehd_contact *contact, double rigid_approach, 
 
 // ---- the load beyond
 
-// abscissas and weights of Gauss on 0 ... 1
-enum { NUM_GAUSS = FAR_RAYS / 4 };
-static const double abscissa[NUM_GAUSS] = {0.06943184420297371, 0.33000947820757187,
-                                           0.66999052179242813, 0.93056815579702629};
-static const double weight[NUM_GAUSS] = {0.17392742256872693, 0.32607257743127307,
-                                         0.32607257743127307, 0.17392742256872693};
+_Static_assert(FAR_RAYS == 4 * GAUSS_4, "Gauss' rule in each of four parts");
 
 /* Ends of what the sum over the inner nodes counts, half a step beyond them, in half widths along:
  * against the flow, with it, and beside. */
@@ -92,14 +88,18 @@ static inner_ends ends_of(const ehd_grid *grid, bool backwards) {
 /* Adds the directions between two, given by the stretched angle. */
 static void add_rays(far_rays *self, const inner_ends *ends, const far_angle *far, double from,
                      double to) {
-    for (int i = 0; i < NUM_GAUSS; i++) {
+    if (to <= from) return; // none between
+    for (int i = 0; i < GAUSS_4; i++) {
         double slope;
-        const double phi = far_angle_direction(far, from + abscissa[i] * (to - from), &slope);
+        const double phi = far_angle_direction(far, from + gauss_4_place[i] * (to - from), &slope);
         const double along = cos(phi) > 0 ? ends->upstream : ends->downstream;
         const double end = fmin(along / fabs(cos(phi)), ends->beside / sin(phi));
         self->inverse_end[self->num] = 1 / end;
         self->per_rise[self->num] = 1 / far_angle_rise(far, phi);
-        self->weight[self->num++] = weight[i] * ((to - from) * slope) * far_angle_shape(far, phi);
+        self->upstream[self->num] = cos(phi);
+        self->angle[self->num] = gauss_4_weight[i] * ((to - from) * slope);
+        self->weight[self->num] = self->angle[self->num] * far_angle_shape(far, phi);
+        self->num++;
     }
 }
 
@@ -126,10 +126,11 @@ static far_value load_on(const far_rays *rays, const ehd_contact *contact, doubl
     far_value sum = {0, 0};
 
     for (size_t k = 0; k < rays->num; k++)
-        for (int i = 0; i < NUM_GAUSS; i++)
-            add(&sum, over_square(rays->weight[k] * weight[i] * rays->inverse_end[k],
-                                  film_ratio(rigid_approach, abscissa[i] * rays->inverse_end[k],
-                                             rays->per_rise[k], shape)));
+        for (int i = 0; i < GAUSS_4; i++)
+            add(&sum,
+                over_square(rays->weight[k] * gauss_4_weight[i] * rays->inverse_end[k],
+                            film_ratio(rigid_approach, gauss_4_place[i] * rays->inverse_end[k],
+                                       rays->per_rise[k], shape)));
     // on either side of Y = 0, in cells of X and Y
     return scaled(sum, 2 * contact->lambda * fabs(contact->far_speed) / shape->ellipticity);
 }
@@ -139,6 +140,73 @@ far_value far_field_load(const ehd_contact *contact, double rigid_approach) {
     const far_rays rays = rays_of(&contact->grid, contact->far_speed < 0);
 
     return load_on(&rays, contact, rigid_approach);
+}
+
+// ---- traction beyond
+
+/* r at which the gap q r^2/2 of half widths along has the slope R_x/a of the surfaces, that is one of
+ * lengths; not before the cells of the grid end. */
+static double rim_of(const far_rays *rays, size_t ray, const ehd_contact *contact) {
+    const double along = rays->upstream[ray], across = sqrt(fmax(0, 1 - along * along));
+    const double slope = hypot(along, contact->grid.shape.far.ratio * across);
+
+    return fmax(contact->radius / contact->half_width / slope, 1 / rays->inverse_end[ray]);
+}
+
+/* Of a ray from its end to the rim, in equal parts of ln r: the pressure's moment, and the shear. */
+static void add_ray(traction_sums *sums, const far_rays *rays, size_t ray,
+                    const ehd_contact *contact, double rigid_approach) {
+    const contact_shape *shape = &contact->grid.shape;
+    const double factor = contact->lambda * fabs(contact->entrainment);
+    const double inverse_end = rays->inverse_end[ray], per_rise = rays->per_rise[ray];
+    const double rim = rim_of(rays, ray, contact), length = log(rim * inverse_end);
+    // of P r^3, at the rim, and there over the volume within
+    const double moment = factor * rays->weight[ray] * rays->upstream[ray];
+
+    sums->rolling -=
+        over_square(moment, film_ratio(rigid_approach, 1 / rim, per_rise, shape)).value / 3;
+    for (int i = 0; i < GAUSS_4; i++) {
+        const double inverse = inverse_end * exp(-gauss_4_place[i] * length);
+        const far_value ratio = film_ratio(rigid_approach, inverse, per_rise, shape);
+        const double film = ratio.value / (2 * inverse * inverse * per_rise);
+        const double pressure =
+            over_square(factor * rays->weight[ray] / rays->angle[ray], ratio).value * inverse *
+            inverse * inverse;
+        sums->rolling += gauss_4_weight[i] * length * over_square(moment, ratio).value;
+        sums->friction += gauss_4_weight[i] * length / (inverse * inverse) * rays->angle[ray] *
+                          contact_shear_stress(contact, pressure, film, 0);
+    }
+}
+
+traction_sums far_field_traction(const ehd_contact *contact, double rigid_approach) {
+    traction_sums sums = {0};
+    const bool backwards = contact->entrainment < 0;
+
+    if (!far_field_is_there(&contact->grid) || contact->entrainment == 0) return sums;
+    const far_rays rays = rays_of(&contact->grid, backwards);
+    for (size_t k = 0; k < rays.num; k++)
+        add_ray(&sums, &rays, k, contact, rigid_approach);
+    // on either side of Y = 0, in cells of X and Y
+    const double areas = 2 / contact->grid.shape.ellipticity;
+    sums.rolling *= backwards ? -areas : areas;
+    sums.friction *= areas;
+    return sums;
+}
+
+double far_field_rolling_error(const ehd_contact *contact, double rigid_approach) {
+    const contact_shape *shape = &contact->grid.shape;
+    const far_rays rays = rays_of(&contact->grid, contact->entrainment < 0);
+    double sum = 0;
+
+    for (size_t k = 0; k < rays.num; k++) {
+        const double inverse = rays.inverse_end[k], per_rise = rays.per_rise[k];
+        const double deflection = 4 / (3 * M_PI * shape->compliance) * inverse;
+        const far_value with = film_ratio(rigid_approach, inverse, per_rise, shape);
+        const far_value without = film_ratio(rigid_approach - deflection, inverse, per_rise, shape);
+        const double moment = rays.weight[k] * rays.upstream[k];
+        sum += over_square(moment, without).value - over_square(moment, with).value;
+    }
+    return fabs(sum) * 2 * contact->lambda * fabs(contact->entrainment) / shape->ellipticity;
 }
 
 // ---- prepared for many states

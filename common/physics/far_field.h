@@ -5,6 +5,7 @@
 #define EHD_FAR_FIELD_H
 
 #include "common/physics/reynolds.h"
+#include "common/physics/traction.h"
 #include "common/program/arena.h"
 #include <stdbool.h>
 #include <stddef.h>
@@ -29,6 +30,15 @@ far_value far_field_pressure(const ehd_contact *contact, double rigid_approach, 
 /* The load that it carries beyond the cells of the inner nodes; 0 where there is none. */
 far_value far_field_load(const ehd_contact *contact, double rigid_approach);
 
+/* What it adds to the integrals of a traction beyond the cells of the inner nodes (README.md, traction
+ * beyond the grid): on to where the slope of the gap is one, where the film ends without pressure. Nothing
+ * where there is none; friction and rolling alone. */
+traction_sums far_field_traction(const ehd_contact *contact, double rigid_approach);
+
+/* What the rolling of far_field_traction may be off by what the far field leaves out: as much as its last
+ * term, the deflection, is of the pressure where the grid ends, over a factor e of the distance. */
+double far_field_rolling_error(const ehd_contact *contact, double rigid_approach);
+
 /* Whether a node of a grid with lines is a boundary node. */
 bool far_field_is_at(const ehd_grid *grid, size_t node);
 
@@ -40,7 +50,9 @@ typedef struct far_rays {
     size_t num;
     double inverse_end[FAR_RAYS]; // 1 over the distance at which the inner nodes' cells end
     double per_rise[FAR_RAYS];    // 1/q
+    double upstream[FAR_RAYS];    // cos(phi)
     double weight[FAR_RAYS];      // with S
+    double angle[FAR_RAYS];       // without: of phi
 } far_rays;
 
 /* The boundary nodes in a list of nodes, and what lies beyond. */

@@ -12,7 +12,8 @@ double inlet_heating_factor(double loading, double ratio, double slide_roll) {
     const double sliding = fabs(slide_roll);
     const double load_term = 13.2 * ratio * pow(loading, 0.42);
 
-    if (!(load_term <= MAX_LOAD_TERM && sliding <= MAX_SLIDE_ROLL)) return NAN;
+    if (!(islessequal(load_term, MAX_LOAD_TERM) && islessequal(sliding, MAX_SLIDE_ROLL)))
+        return NAN;
     return (1 - load_term) / (1 + 0.213 * (1 + 2.23 * pow(sliding, 0.83)) * pow(loading, 0.64));
 }
 

@@ -163,12 +163,25 @@ double lubricant_density(const ehd_lubricant *lubricant, double pressure) {
     return lubricant->density->evaluate(lubricant, fmax(pressure, 0), &derivative);
 }
 
+/* In Pa. */
+static double pressure_of_laws(const ehd_lubricant *lubricant, double hertz_pressure,
+                               double pressure) {
+    return fmin(fmax(pressure, 0) * hertz_pressure, lubricant->pressure_limit);
+}
+
+double lubricant_viscous_stress(const ehd_lubricant *lubricant, double hertz_pressure,
+                                double isoviscous, double pressure) {
+    const double p = pressure_of_laws(lubricant, hertz_pressure, pressure);
+    double slope;
+
+    return isoviscous * exp(lubricant->viscosity->evaluate(lubricant, p, &slope));
+}
+
 double lubricant_shear_stress(const ehd_lubricant *lubricant, double hertz_pressure,
                               double isoviscous, double pressure) {
-    const double p = fmin(fmax(pressure, 0) * hertz_pressure, lubricant->pressure_limit);
-    double slope;
+    const double p = pressure_of_laws(lubricant, hertz_pressure, pressure);
     const double viscous =
-        fabs(isoviscous) * exp(lubricant->viscosity->evaluate(lubricant, p, &slope));
+        lubricant_viscous_stress(lubricant, hertz_pressure, fabs(isoviscous), pressure);
 
     if (!lubricant->shear->shear) return copysign(viscous, isoviscous);
     return copysign(lubricant->shear->shear(lubricant, viscous * hertz_pressure, p) /
@@ -176,21 +189,41 @@ double lubricant_shear_stress(const ehd_lubricant *lubricant, double hertz_press
                     isoviscous);
 }
 
-const char *const lubricant_rise_names[NUM_RISES] = {"viscosity_rise", "density_rise"};
-const char *const lubricant_rise_state_names[NUM_RISES] = {"state_viscosity_rise",
-                                                           "state_density_rise"};
+const char *const lubricant_rise_names[NUM_RISES] = {[RISE_VISCOSITY] = "viscosity_rise",
+                                                     [RISE_DENSITY] = "density_rise",
+                                                     [RISE_VISCOSITY_HALF] = "viscosity_rise_half"};
+const char *const lubricant_rise_state_names[NUM_RISES] = {
+    [RISE_VISCOSITY] = "state_viscosity_rise",
+    [RISE_DENSITY] = "state_density_rise",
+    [RISE_VISCOSITY_HALF] = "state_viscosity_rise_half"};
+const char *const lubricant_rise_shown_names[NUM_RISES] = {
+    [RISE_VISCOSITY] = "shown_viscosity_rise",
+    [RISE_DENSITY] = "shown_density_rise",
+    [RISE_VISCOSITY_HALF] = "shown_viscosity_rise_half"};
 
-lubricant_rises lubricant_rises_at(const ehd_lubricant *lubricant, double pressure) {
+double lubricant_rise_at(const ehd_lubricant *lubricant, int rise, double pressure) {
+    const double of = (rise == RISE_VISCOSITY_HALF ? 0.5 : 1) * fmax(pressure, 0);
     double slope;
 
-    if (!(pressure <= lubricant->pressure_limit)) return lubricant_rises_unknown();
-    return (lubricant_rises){
-        {[RISE_VISCOSITY] = lubricant->viscosity->evaluate(lubricant, fmax(pressure, 0), &slope),
-         [RISE_DENSITY] = log(lubricant_density(lubricant, pressure))}};
+    if (!(pressure <= lubricant->pressure_limit)) return NAN;
+    if (rise == RISE_DENSITY) return log(lubricant_density(lubricant, pressure));
+    return lubricant->viscosity->evaluate(lubricant, of, &slope);
+}
+
+lubricant_rises lubricant_rises_at(const ehd_lubricant *lubricant, double pressure) {
+    lubricant_rises found;
+
+    for (int r = 0; r < NUM_RISES; r++)
+        found.of[r] = lubricant_rise_at(lubricant, r, pressure);
+    return found;
 }
 
 lubricant_rises lubricant_rises_unknown(void) {
-    return (lubricant_rises){{[RISE_VISCOSITY] = NAN, [RISE_DENSITY] = NAN}};
+    lubricant_rises none;
+
+    for (int r = 0; r < NUM_RISES; r++)
+        none.of[r] = NAN;
+    return none;
 }
 
 void lubricant_evaluate(double *log_viscosity, double *log_viscosity_derivative, double *density,

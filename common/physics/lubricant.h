@@ -141,25 +141,35 @@ ehd_status lubricant_init(
 /* rho(p)/rho(0) at a pressure in Pa; 1 when incompressible. A negative pressure counts as zero. */
 double lubricant_density(const ehd_lubricant *lubricant, double pressure);
 
+/* Newtonian shear stress at a dimensionless pressure p / p_H, where a fluid of the viscosity at zero
+ * pressure has `isoviscous`, in the same unit. */
+double lubricant_viscous_stress(const ehd_lubricant *lubricant, double hertz_pressure, // Pa
+                                double isoviscous, double pressure);
+
 /* Shear stress over the Hertz pressure at a dimensionless pressure p / p_H, where a fluid of the
  * viscosity at zero pressure would have `isoviscous` of it, of either sign (README.md,
  * traction). */
 double lubricant_shear_stress(const ehd_lubricant *lubricant, double hertz_pressure, // Pa
                               double isoviscous, double pressure);
 
-/* How far viscosity and density rise to a pressure: ln(eta/eta(0)) and ln(rho/rho(0)). NaN where
- * that is not known. At the Hertz pressure they tell lubricants apart, beside alpha p_H. */
-enum { RISE_VISCOSITY, RISE_DENSITY, NUM_RISES };
+/* How far viscosity and density rise to a pressure, ln(eta/eta(0)) and ln(rho/rho(0)), and the viscosity
+ * to half of it. NaN where that is not known. At the Hertz pressure they distinguish lubricants of the
+ * same alpha p_H. */
+enum { RISE_VISCOSITY, RISE_DENSITY, RISE_VISCOSITY_HALF, NUM_RISES };
 typedef struct lubricant_rises {
     double of[NUM_RISES];
 } lubricant_rises;
 
 lubricant_rises lubricant_rises_at(const ehd_lubricant *lubricant, double pressure); // Pa
+/* One of these alone. */
+double lubricant_rise_at(const ehd_lubricant *lubricant, int rise, double pressure);
 lubricant_rises lubricant_rises_unknown(void);
 
-/* The names of their datasets, of snapshots and of the states of bases and models. */
+/* The names of their datasets: of snapshots, of the states of bases and models, and of a model's
+ * calibration. */
 extern const char *const lubricant_rise_names[NUM_RISES];
 extern const char *const lubricant_rise_state_names[NUM_RISES];
+extern const char *const lubricant_rise_shown_names[NUM_RISES];
 
 /* ln(eta/eta(0)) and relative density at num_nodes dimensionless pressures p / p_H, with their
  * derivatives with respect to the dimensionless pressure. Negative pressures count as zero. */

@@ -18,7 +18,7 @@ static double minimum_of_five(const double *value) {
     for (int i = 0; i < 20; i++) {
         double slope = first + t * (2 * second + t * (3 * third + t * 4 * fourth));
         double curvature = 2 * second + t * (6 * third + t * 12 * fourth);
-        if (!(curvature > 0)) return NAN;
+        if (!isgreater(curvature, 0)) return NAN;
         t -= slope / curvature;
         if (!(fabs(t) <= 2)) return NAN;
         if (fabs(slope) < 1e-14 * curvature) break;

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "common/physics/reynolds.h"
 
+#include "common/physics/eyring_flow.h"
 #include "common/physics/traction.h"
 
 #include <math.h>
@@ -80,9 +81,15 @@ reynolds_stencil reynolds_stencil_reversed(const ehd_grid *grid, size_t node) {
 
 // ---- fluid
 
+/* Of second differences from line to line, over the step's square: (a/b)^2 in the grid's cells. */
+static inline double flow_across(const contact_shape *shape) {
+    return shape->flow_across / (shape->cell * shape->cell);
+}
+
 reynolds_fluid reynolds_fluid_in(double *memory, size_t num_nodes, const ehd_contact *contact) {
     const bool compressible = contact->lubricant.density != NULL;
     const bool accurate = contact->grid.discretization != DISCRETIZATION_PUBLISHED;
+    const flow_thinning thinning = traction_thinning(contact);
 
     return (reynolds_fluid){
         .mobility = memory,
@@ -92,7 +99,9 @@ reynolds_fluid reynolds_fluid_in(double *memory, size_t num_nodes, const ehd_con
         .density_slope = compressible ? memory + 4 * num_nodes : NULL,
         .between = accurate && !contact->lubricant.viscosity->exponential ? contact : NULL,
         .thinned = traction_thins_flow(contact) ? contact : NULL,
-        .thinning = traction_thinning_rate(contact) / contact->lambda};
+        .thinning = thinning.sliding / contact->lambda,
+        .gradient_thinning = thinning.gradient / contact->grid.step,
+        .gradient_across = sqrt(flow_across(&contact->grid.shape))};
 }
 
 reynolds_fluid reynolds_fluid_from(const reynolds_fluid *fluid, size_t first_node) {
@@ -193,11 +202,6 @@ static inline void add_mean_flow(reynolds_row *row, int a, int b, double scale,
     row->by_film[a] += scale * eps[a].by_film / 2 * drop;
 }
 
-/* Of second differences from line to line, over the step's square: (a/b)^2 in the grid's cells. */
-static inline double flow_across(const contact_shape *shape) {
-    return shape->flow_across / (shape->cell * shape->cell);
-}
-
 static inline void add_published_row(reynolds_row *row, const ehd_grid *grid, double entrainment,
                                      const row_nodes *at) {
     const double step = grid->step, flow = 1 / (step * step);
@@ -241,7 +245,8 @@ static void add_published_flux(reynolds_row *flux, double step, double entrainme
 typedef struct mobility {
     double value, slope, logarithm, pressure;
     double density, density_slope; // of a flow that is thinned
-    double log_by_film;            // of that, derivative of the logarithm by the film
+    // of that, derivatives of the logarithm by the film, and by the logarithm of the gradient
+    double log_by_film, log_by_gradient;
 } mobility;
 
 static inline mobility mobility_at(const row_nodes *at, int a) {
@@ -263,7 +268,7 @@ static inline reynolds_link logarithmic_link(const mobility *before, const mobil
     double mean, by_log_a, by_log_b;
 
     // a viscosity so large that the mobility is zero in floating point lets nothing through
-    if (!(a > 0 && b > 0)) return (reynolds_link){0, 0, 0, 0};
+    if (!(a > 0 && b > 0)) return (reynolds_link){0};
     if (fabs(logarithm) < 1) {
         // sqrt(a b) sinh(y)/y with y = ln(a/b)/2, by the series of sinh
         double y = logarithm / 2, s = y * y, geometric = a * sqrt(b / a);
@@ -287,7 +292,9 @@ static inline reynolds_link logarithmic_link(const mobility *before, const mobil
     return (reynolds_link){
         mean * drop, -mean + by_log_a / a * before->slope * drop,
         mean + by_log_b / b * after->slope * drop,
-        thinned ? (by_log_a * before->log_by_film + by_log_b * after->log_by_film) * drop : 0};
+        thinned ? (by_log_a * before->log_by_film + by_log_b * after->log_by_film) * drop : 0,
+        thinned ? (by_log_a * before->log_by_gradient + by_log_b * after->log_by_gradient) * drop
+                : 0};
 }
 
 static reynolds_link exponential_link(const mobility *before, const mobility *after) {
@@ -330,6 +337,7 @@ static inline reynolds_link link_with_middle(const mobility *before, const mobil
         (4 * (first.by_before + by_middle) - whole.by_before) / 3,
         (4 * (second.by_after + by_middle) - whole.by_after) / 3,
         thinned ? (4 * (first.by_film + second.by_film) - whole.by_film) / 3 : 0,
+        thinned ? (4 * (first.by_gradient + second.by_gradient) - whole.by_gradient) / 3 : 0,
     };
 }
 
@@ -354,39 +362,50 @@ static inline mobility thinned_mobility_at(const row_nodes *at, int a) {
     return found;
 }
 
-/* Makes it the mobility of a flow that the sliding thins, through a film; but for the logarithm. */
-static inline void thin(mobility *self, const reynolds_fluid *fluid, double film, bool along) {
+/* Makes it the mobility of a flow that an Eyring fluid thins, through a film; but for the logarithm. */
+static inline void thin(mobility *self, const reynolds_fluid *fluid, double film,
+                        const eyring_gradient *gradient, bool along) {
     // a viscosity that is infinite in floating point: nothing flows, and nothing is thinned
     if (!(self->value > 0)) return;
     // ln eta = ln rho - ln mobility
     const double viscosity_slope = self->density_slope / self->density - self->slope / self->value;
-    const flow_thinning by =
-        traction_thinning(fluid->thinning * self->density / (self->value * film), along);
+    const double rate = fluid->thinning * self->density / (self->value * film);
+    const eyring_factor by = along ? eyring_along(gradient, rate) : eyring_across(gradient, rate);
 
-    self->slope = by.factor * (self->slope + self->value * by.by_log_rate * viscosity_slope);
-    self->value *= by.factor;
-    self->log_by_film = -by.by_log_rate / film;
+    self->slope = by.value * (self->slope + self->value * by.by_log_rate * viscosity_slope);
+    self->value *= by.value;
+    self->log_by_film = (by.by_log_gradient - by.by_log_rate) / film;
+    self->log_by_gradient = by.by_log_gradient;
 }
 
-/* The link of a flow that the sliding thins, along it or across: with the mobilities of both nodes and
- * between them through the film of the half node. The logarithms are those of ratios, two in place of
- * one for each mobility and factor. */
+/* The link of a flow that an Eyring fluid thins, along the sliding or across: with the mobilities of both
+ * nodes and between them, at the gradient between the nodes and through the film of the half node. The
+ * logarithms are those of ratios, two in place of one for each mobility and factor. */
 static reynolds_link thinned_link(const row_nodes *at, int before, int after, double film,
                                   bool along) {
     const reynolds_fluid *fluid = at->fluid;
     mobility a = thinned_mobility_at(at, before), b = thinned_mobility_at(at, after);
+    const double drop = b.pressure - a.pressure;
+    const double of_drop = fluid->gradient_thinning * film * (along ? 1 : fluid->gradient_across);
+    const eyring_gradient gradient = eyring_gradient_of(fabs(of_drop * drop));
 
     // mostly behind the exit, where the search for it looks
-    if (a.pressure == b.pressure && a.value == b.value) {
-        thin(&a, fluid, film, along);
-        return (reynolds_link){0, -a.value, a.value, 0};
+    if (drop == 0 && a.value == b.value) {
+        thin(&a, fluid, film, &gradient, along);
+        return (reynolds_link){.by_before = -a.value, .by_after = a.value};
     }
     mobility middle = mobility_between(&a, &b, fluid->thinned, false);
-    thin(&a, fluid, film, along);
-    thin(&b, fluid, film, along);
-    thin(&middle, fluid, film, along);
+    thin(&a, fluid, film, &gradient, along);
+    thin(&b, fluid, film, &gradient, along);
+    thin(&middle, fluid, film, &gradient, along);
     const double first = log(a.value / middle.value), second = log(middle.value / b.value);
-    return link_with_middle(&a, &middle, &b, (mobility_falls){first, second, first + second}, true);
+    reynolds_link link =
+        link_with_middle(&a, &middle, &b, (mobility_falls){first, second, first + second}, true);
+    if (drop != 0) {
+        link.by_before -= link.by_gradient / drop;
+        link.by_after += link.by_gradient / drop;
+    }
+    return link;
 }
 
 /* Stencil nodes around a half node: i - 2 … i + 2 about the one between i and i + 1. Across, where
@@ -734,3 +753,64 @@ reynolds_link reynolds_link_ahead(const reynolds_stencil *stencil, const reynold
         return thinned_link(&at, NODE_HERE, NODE_AHEAD, film[stencil->node[NODE_HERE]], true);
     return link_between(&at, NODE_HERE, NODE_AHEAD);
 }
+
+// ---- how far thinned flows hold
+
+/* Pressure flow of the central difference between two nodes of a stencil, times the step, and the square
+ * of the Eyring fluid's gradient. */
+typedef struct nodal_flow {
+    double flow, square;
+} nodal_flow;
+
+/* `own`: at the node between them, not thinned. */
+static nodal_flow thinned_flow_at(const mobility *own, const row_nodes *at, int before, int after,
+                                  bool along) {
+    const size_t *node = at->stencil->node;
+    const double film = at->film[node[NODE_HERE]], to_side = at->fluid->gradient_across;
+    const double drop = (at->pressure[node[after]] - at->pressure[node[before]]) / 2;
+    const double change = fabs(drop) * (along ? 1 : to_side); // over the step along
+    const eyring_gradient gradient =
+        eyring_gradient_of(at->fluid->gradient_thinning * film * change);
+    mobility found = *own;
+
+    thin(&found, at->fluid, film, &gradient, along);
+    return (nodal_flow){found.value * film * film * film * change, gradient.square};
+}
+
+/* At the HERE of a stencil. */
+static double flow_doubt_at(const ehd_contact *contact, const row_nodes *at) {
+    const size_t here = at->stencil->node[NODE_HERE];
+    const mobility pressure_only = {.pressure = at->pressure[here]};
+    const mobility own = mobility_between(&pressure_only, &pressure_only, contact, false);
+    const nodal_flow along = thinned_flow_at(&own, at, NODE_BACK, NODE_AHEAD, true);
+    const nodal_flow across = thinned_flow_at(&own, at, NODE_LEFT, NODE_RIGHT, false);
+    const double off =
+        EYRING_DOUBT_ALONG * across.square * along.flow +
+        (EYRING_DOUBT_ACROSS * along.square + EYRING_DOUBT_ACROSS_OWN * across.square) *
+            across.flow;
+    const double entrained =
+        fabs(contact->far_speed) * contact->grid.step * own.density * at->film[here];
+
+    return off > 0 ? off / fmax(entrained, hypot(along.flow, across.flow)) : 0;
+}
+
+double reynolds_flow_doubt(const ehd_contact *contact, const reynolds_stencil *stencils,
+                           const size_t *node, size_t num_rows, const double *pressure,
+                           const double *film) {
+    double memory[NUM_FLUID_ARRAYS], most = 0;
+
+    if (!traction_thins_flow(contact) || contact->kind->dimensions == 1) return 0;
+    const reynolds_fluid fluid = reynolds_fluid_in(memory, 1, contact);
+    for (size_t r = 0; r < num_rows; r++) {
+        const row_nodes at = {&stencils[r], &fluid, pressure, film};
+        const bool before = grid_x(&contact->grid, node[r]) * contact->far_speed <= 0;
+        if (before && pressure[stencils[r].node[NODE_HERE]] > 0)
+            most = fmax(most, flow_doubt_at(contact, &at));
+    }
+    return most;
+}
+
+const double flow_doubt_most = 0.01;
+const char flow_doubt_reason[] =
+    "a thinned flow whose pressure gradients along and across affect each "
+    "other by more than 1 % of the flow in the inlet";

@@ -54,8 +54,11 @@ typedef struct reynolds_fluid {
     double *density_slope;
     const ehd_contact *between; // whose mobility is evaluated between two nodes too; NULL where the
                                 // mean of theirs is enough
-    const ehd_contact *thinned; // whose flow is thinned by the sliding; NULL: not
+    const ehd_contact *thinned; // whose flow an Eyring fluid thins; NULL: not
     double thinning;            // of that, its rate at film 1 and rho over mobility 1
+    double
+        gradient_thinning;  // and its gradient at film 1 and a change of pressure by 1 along a step
+    double gradient_across; // of that across, over that along
 } reynolds_fluid;
 
 enum { NUM_FLUID_ARRAYS = 5 };
@@ -112,6 +115,20 @@ void reynolds_rows(
     const double *pressure,      // [num_nodes]
     const double *film);         // [num_nodes]
 
+/* Returns a bound of the error of thinned rows of a point contact or ellipse, the largest before the
+ * centre, where the film is made. It is relative to the entrained flow or, where that is more, to the
+ * pressure flow. Rows along the entrainment do not count the gradient across, and rows across do not
+ * count the gradient along (README.md, thinned flow). 0 where rows are exact, as those of lines. */
+double reynolds_flow_doubt(const ehd_contact *contact,
+                           const reynolds_stencil *stencils, // [num_rows]
+                           const size_t *node,               // [num_rows] of the grid
+                           size_t num_rows, const double *pressure,
+                           const double *film); // [num_nodes]
+
+/* Beyond this doubt results are not to be trusted, for this reason. */
+extern const double flow_doubt_most;
+extern const char flow_doubt_reason[];
+
 /* Flux U rho H - eps dP/dx along the entrainment through the half node between the BACK and the
  * HERE of a stencil, as residual, and its derivatives. */
 reynolds_row reynolds_flux(const ehd_grid *grid, double entrainment,
@@ -125,7 +142,9 @@ reynolds_row reynolds_flux(const ehd_grid *grid, double entrainment,
  * accurate discretisation. */
 typedef struct reynolds_link {
     double value, by_before, by_after; // derivatives by the pressures
-    double by_film;                    // by the film at the half node; 0 but where flow is thinned
+    // of a thinned flow, else 0: by the film at the half node, and what the parts of a link have by
+    // the logarithm of the gradient
+    double by_film, by_gradient;
 } reynolds_link;
 
 /* From the HERE to the AHEAD of a stencil, where flow is thinned with the film at HERE. */

@@ -1,6 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "common/physics/traction.h"
 
+#include "common/algebra/gauss.h"
+#include "common/physics/eyring_flow.h"
+#include "common/physics/far_field.h"
+
 #include <math.h>
 
 bool contact_has_traction(const ehd_contact *contact) {
@@ -22,43 +26,104 @@ static double viscous_stress(const ehd_contact *contact, double viscosity, doubl
            viscosity / film;
 }
 
-double contact_shear_stress(const ehd_contact *contact, double pressure, double film) {
-    return lubricant_shear_stress(&contact->lubricant, contact->hertz_pressure,
-                                  viscous_stress(contact, 1, film), pressure);
+double contact_shear_stress(const ehd_contact *contact, double pressure, double film,
+                            double gradient) {
+    const double viscous = viscous_stress(contact, 1, film);
+
+    if (!traction_thins_flow(contact))
+        return lubricant_shear_stress(&contact->lubricant, contact->hertz_pressure, viscous,
+                                      pressure);
+    const double eyring = contact->lubricant.thinning_stress / contact->hertz_pressure;
+    const eyring_gradient of =
+        eyring_gradient_of(fabs(traction_thinning(contact).gradient * film * gradient));
+    // of the sliding at the same viscosity, less what the gradient does to it
+    const double newtonian = lubricant_viscous_stress(&contact->lubricant, contact->hertz_pressure,
+                                                      fabs(viscous), pressure);
+    return copysign(eyring * eyring_stress(&of, newtonian / eyring), viscous);
 }
 
 /* Pressures and films. With 1e-4 the friction of a limit has derivatives that are 6e-5 off, with
  * 1e-5 1e-6. */
 static const double DISTANCE = 1e-5;
 
-stress_slopes contact_stress_slopes(const ehd_contact *contact, double pressure, double film) {
+stress_slopes contact_stress_slopes(const ehd_contact *contact, double pressure, double film,
+                                    double gradient) {
     const double thickness = DISTANCE * film;
-    const double by_pressure = contact_shear_stress(contact, pressure + DISTANCE, film) -
-                               contact_shear_stress(contact, pressure - DISTANCE, film);
-    const double by_film = contact_shear_stress(contact, pressure, film + thickness) -
-                           contact_shear_stress(contact, pressure, film - thickness);
+    const double by_pressure = contact_shear_stress(contact, pressure + DISTANCE, film, gradient) -
+                               contact_shear_stress(contact, pressure - DISTANCE, film, gradient);
+    const double by_film = contact_shear_stress(contact, pressure, film + thickness, gradient) -
+                           contact_shear_stress(contact, pressure, film - thickness, gradient);
+    const double by_gradient =
+        traction_thins_flow(contact)
+            ? contact_shear_stress(contact, pressure, film, gradient + DISTANCE) -
+                  contact_shear_stress(contact, pressure, film, gradient - DISTANCE)
+            : 0;
 
-    return (stress_slopes){by_pressure / (2 * DISTANCE), by_film / (2 * thickness)};
+    return (stress_slopes){by_pressure / (2 * DISTANCE), by_film / (2 * thickness),
+                           by_gradient / (2 * DISTANCE)};
 }
 
 bool traction_thins_flow(const ehd_contact *contact) {
     return contact->lubricant.thinning_stress > 0 && contact_has_traction(contact);
 }
 
-double traction_thinning_rate(const ehd_contact *contact) {
-    if (!traction_thins_flow(contact)) return 0;
-    return fabs(viscous_stress(contact, 1, 1)) * contact->hertz_pressure /
-           contact->lubricant.thinning_stress;
+flow_thinning traction_thinning(const ehd_contact *contact) {
+    if (!traction_thins_flow(contact)) return (flow_thinning){0, 0};
+    const double of_stress = contact->hertz_pressure / contact->lubricant.thinning_stress;
+
+    return (flow_thinning){fabs(viscous_stress(contact, 1, 1)) * of_stress,
+                           slope_of(contact) / 2 * of_stress};
 }
 
 double contact_traction_behind(const ehd_contact *contact, const ehd_grid *grid, size_t node,
                                double stress, const double film[2], double exit) {
     const double beside = (exit - grid_x(grid, node)) / grid->step;
-    const double place = beside >= 0 && beside <= 1 ? beside : 1;
+    const double place = isgreaterequal(beside, 0) && islessequal(beside, 1) ? beside : 1;
     const double there = (1 - place) * film[0] + place * film[1];
 
-    return grid->step / 2 * (place * (stress + contact_shear_stress(contact, 0, there)) - stress);
+    return grid->step / 2 *
+           (place * (stress + contact_shear_stress(contact, 0, there, 0)) - stress);
 }
+
+// ---- beyond the grid
+
+/* H far before a line, with the deflection by the whole load in X = 0. */
+static double film_before_line(const contact_scalars *scalars, double distance) {
+    return scalars->rigid_approach + distance * distance / 2 - scalars->load / 2 * log(distance);
+}
+
+/* From the boundary node to infinity, X = first/s, of a fluid as thin as without pressure:
+ * dP/dX = lambda U (H - H_e)/H^3. H_e, the film that is carried through, is about the central one; what
+ * this is off, up to a fifth, counts by H_e/X^2. P falls with X^-3, so it is a third of |X dP/dX|. */
+static traction_sums beyond_line(const ehd_contact *contact, const contact_scalars *scalars) {
+    const ehd_grid *grid = &contact->grid;
+    const bool backwards = contact->entrainment < 0;
+    const double first = fabs(grid_x(grid, backwards ? grid_width(grid) - 1 : 0));
+    const double speed = contact->lambda * contact->entrainment;
+    // the sum over the inner nodes begins half a step later
+    traction_sums sums = {
+        .friction =
+            grid->step / 2 * contact_shear_stress(contact, 0, film_before_line(scalars, first), 0)};
+
+    for (int i = 0; i < GAUSS_8; i++) {
+        const double distance = first / gauss_8_place[i];
+        const double film = film_before_line(scalars, distance);
+        const double slope =
+            speed * (film - scalars->central_film_thickness) / (film * film * film);
+        const double length = gauss_8_weight[i] * distance / gauss_8_place[i];
+        sums.rolling += length * film * slope;
+        sums.friction +=
+            length * contact_shear_stress(contact, distance * fabs(slope) / 3, film, slope);
+    }
+    return sums;
+}
+
+traction_sums contact_traction_beyond(const ehd_contact *contact, const contact_scalars *scalars) {
+    return contact->kind->dimensions == 1 ? beyond_line(contact, scalars)
+                                          : far_field_traction(contact, scalars->rigid_approach);
+}
+
+// ---- sums over the grid
 
 contact_traction contact_traction_from(const ehd_contact *contact, const traction_sums *sums,
                                        double load) {
@@ -77,6 +142,11 @@ contact_traction contact_traction_from(const ehd_contact *contact, const tractio
     return traction;
 }
 
+/* dP/dX at an inner node. */
+static double gradient_at(const ehd_grid *grid, const double *pressure, size_t node) {
+    return (pressure[node + 1] - pressure[node - 1]) / (2 * grid->step);
+}
+
 contact_traction contact_traction_of(const ehd_contact *contact, const double *pressure,
                                      const double *film, const contact_scalars *scalars) {
     const ehd_grid *grid = &contact->grid;
@@ -86,44 +156,59 @@ contact_traction contact_traction_of(const ehd_contact *contact, const double *p
 
     for (size_t r = 0; r < grid->num_inner; r++) {
         const size_t k = grid_node_of_row(grid, r);
-        const double weight = grid_weight(grid, k);
-        const bool in_dry = grid_is_dry(grid, k);
+        const double weight = grid_weight(grid, k), in_dry = weight * grid_dry_share(grid, k);
         // of the cell from the node before to this one, and at the end of the line to the next
         rolling += weight * (film[k - 1] + film[k]) / 2 * (pressure[k] - pressure[k - 1]);
         if (r % grid->inner_x == grid->inner_x - 1)
             rolling += weight * (film[k] + film[k + 1]) / 2 * (pressure[k + 1] - pressure[k]);
         moment += weight * grid_x(grid, k) * pressure[k];
-        if (in_dry) dry_area += weight;
+        dry_area += in_dry;
         if (!(pressure[k] > 0)) continue;
-        const double stress = contact_shear_stress(contact, pressure[k], film[k]);
+        const double stress =
+            contact_shear_stress(contact, pressure[k], film[k], gradient_at(grid, pressure, k));
         friction += weight * stress * cell;
         if (!(pressure[k + 1] > 0))
             friction += weight * cell / grid->step *
                         contact_traction_behind(contact, grid, k, stress, film + k,
                                                 on_line ? scalars->exit_position : NAN);
-        if (in_dry) dry += weight * fabs(stress);
+        dry += in_dry * fabs(stress);
         largest = fmax(largest, fabs(stress));
     }
-    const traction_sums sums = {.friction = friction,
-                                .rolling = rolling * cell / grid->step,
-                                .moment = moment * cell,
+    const traction_sums beyond = contact_traction_beyond(contact, scalars);
+    const traction_sums sums = {.friction = friction + beyond.friction,
+                                .rolling = rolling * cell / grid->step + beyond.rolling,
+                                .moment = moment * cell - beyond.rolling,
                                 .mean_stress = dry / dry_area,
                                 .largest_stress = largest};
 
     return contact_traction_from(contact, &sums, scalars->load);
 }
 
-void contact_surface_stresses(double *on_1, double *on_2, const ehd_contact *contact,
-                              const double *pressure, const double *film) {
+/* At a node, where it is one of the boundary with the pressure of the far field. */
+static double pressure_at(const ehd_contact *contact, const double *pressure, double rigid_approach,
+                          size_t node) {
     const ehd_grid *grid = &contact->grid;
 
+    if (!far_field_is_there(grid) || !far_field_is_at(grid, node)) return pressure[node];
+    return far_field_pressure(contact, rigid_approach, grid_x(grid, node), grid_y(grid, node))
+        .value;
+}
+
+void contact_surface_stresses(double *on_1, double *on_2, const ehd_contact *contact,
+                              const double *pressure, const double *film, double rigid_approach) {
+    const ehd_grid *grid = &contact->grid;
+    ehd_contact around = *contact;
+
+    around.far_speed = contact->entrainment; // whatever the speed of the sliding is in units of
     for (size_t k = 0; k < grid->num_nodes; k++)
         on_1[k] = on_2[k] = 0;
     for (size_t r = 0; r < grid->num_inner; r++) {
         const size_t k = grid_node_of_row(grid, r);
         if (!(pressure[k] > 0)) continue;
-        const double gradient = (pressure[k + 1] - pressure[k - 1]) / (2 * grid->step);
-        const double stress = contact_shear_stress(contact, pressure[k], film[k]);
+        const double gradient = (pressure_at(&around, pressure, rigid_approach, k + 1) -
+                                 pressure_at(&around, pressure, rigid_approach, k - 1)) /
+                                (2 * grid->step);
+        const double stress = contact_shear_stress(contact, pressure[k], film[k], gradient);
         const double rolling = slope_of(contact) * film[k] / 2 * gradient;
         on_1[k] = -stress - rolling;
         on_2[k] = stress - rolling;

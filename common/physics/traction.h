@@ -27,38 +27,28 @@ bool contact_has_traction(const ehd_contact *contact);
 /* Nothing known: all NaN. */
 contact_traction contact_traction_unknown(void);
 
-/* Shear stress tau over p_H, in the middle between the surfaces, at a dimensionless pressure and
- * film: positive where surface 1 is the faster one. */
-double contact_shear_stress(const ehd_contact *contact, double pressure, double film);
+/* Shear stress tau over p_H, in the middle between the surfaces, at a dimensionless pressure, film and
+ * gradient of pressure along X: positive where surface 1 is the faster one. The gradient counts where
+ * the law thins the flow too. */
+double contact_shear_stress(const ehd_contact *contact, double pressure, double film,
+                            double gradient);
 
-/* Its derivatives by both, of any law by differences: to 1e-5 of them where it is smooth. */
+/* Its derivatives, of any law by differences: to 1e-5 of them where it is smooth. */
 typedef struct stress_slopes {
-    double by_pressure, by_film;
+    double by_pressure, by_film, by_gradient;
 } stress_slopes;
-stress_slopes contact_stress_slopes(const ehd_contact *contact, double pressure, double film);
+stress_slopes contact_stress_slopes(const ehd_contact *contact, double pressure, double film,
+                                    double gradient);
 
-/* By what the sliding of an Eyring fluid thins the pressure flow (README.md, thinned flow): the factor
- * on its mobility, along the sliding or across, and its derivative by the logarithm of viscosity over
- * film, over the factor. `rate`: of the Newtonian stress over the law's, sinh(tau/tau0), which is that
- * of traction_thinning_rate times viscosity over film. */
+/* By what the flow of an Eyring fluid is thinned: besides M, the Hertz pressure and the lubricant all
+ * that it depends on. Both are 0 where the flow is not thinned. */
 typedef struct flow_thinning {
-    double factor, by_log_rate;
+    double
+        sliding; // Newtonian shear stress of the sliding over Eyring's, of a fluid as viscous as at
+                 // zero pressure in a film H = 1
+    double gradient; // h/(2 tau0) dp/dx in a film H = 1 where dP/dX = 1
 } flow_thinning;
-static inline flow_thinning traction_thinning(double rate, bool along) {
-    const double root = rate < 1e8 ? sqrt(1 + rate * rate) : rate;
-
-    if (along) return (flow_thinning){root, rate / root * (rate / root)};
-    if (rate < 1e-4) return (flow_thinning){1 + rate * rate / 6, rate * rate / 3};
-    // asinh by that root, to rounding
-    const double stress = rate < 0.5 ? log1p(rate + rate * rate / (1 + root)) : log(rate + root);
-    return (flow_thinning){rate / stress, 1 - rate / (root * stress)};
-}
-
-/* Newtonian shear stress of the sliding over Eyring's, of a fluid as viscous as at zero pressure in
- * a film H = 1: besides M, the Hertz pressure and the lubricant all that a thinned flow depends on,
- * of the slide-roll ratio and of Eyring's stress over the Hertz pressure. 0 where the flow is not
- * thinned. */
-double traction_thinning_rate(const ehd_contact *contact);
+flow_thinning traction_thinning(const ehd_contact *contact);
 
 /* Whether the law of shear stress counts in the flow too: its in_film is true. */
 bool traction_thins_flow(const ehd_contact *contact);
@@ -73,6 +63,13 @@ typedef struct traction_sums {
 contact_traction contact_traction_from(const ehd_contact *contact, const traction_sums *sums,
                                        double load); // over that of the frame
 
+/* What lies beyond the grid adds to the friction and the rolling of these sums: before a line to minus
+ * infinity, around a point contact or ellipse by far_field_traction (README.md, traction beyond the
+ * grid). */
+traction_sums
+contact_traction_beyond(const ehd_contact *contact,
+                        const contact_scalars *scalars); // approach, load, central film
+
 /* int tau dX of the half cell behind the last node with pressure of a line, in place of half a
  * cell: up to the exit, where the pressure is zero; an exit that is not in the cell (NaN: not
  * known): to the next node. */
@@ -81,20 +78,22 @@ double contact_traction_behind(const ehd_contact *contact, const ehd_grid *grid,
                                const double film[2], // there and at the next node
                                double exit);         // X
 
-/* All of it from pressure and film at the nodes of the contact's grid, where there is pressure. Behind
- * the last node with pressure of a line contact it goes on to the exit, else to the next node. */
+/* All of it from pressure and film at the nodes of the contact's grid, where there is pressure, and from
+ * what lies beyond. Behind the last node with pressure of a line contact it goes on to the exit, else to
+ * the next node. */
 contact_traction
 contact_traction_of(const ehd_contact *contact,
                     const double *pressure,          // [num_nodes]
                     const double *film,              // [num_nodes]
-                    const contact_scalars *scalars); // of the same state: load and exit are used
+                    const contact_scalars *scalars); // of the same state: load, approach,
+                                                     // central film and exit
 
 /* What the fluid does to each surface along X, over p_H: -tau - h/2 dp/dx and tau - h/2 dp/dx; 0
- * where there is no pressure. */
+ * where there is no pressure. At boundary nodes the pressure is that of the far field. */
 void contact_surface_stresses(
     // output:
     double *on_1, double *on_2, // [num_nodes]
     // input:
-    const ehd_contact *contact, const double *pressure, const double *film);
+    const ehd_contact *contact, const double *pressure, const double *film, double rigid_approach);
 
 #endif

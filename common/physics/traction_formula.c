@@ -19,11 +19,12 @@ traction_estimate traction_at_mean_pressure(const ehd_contact *contact, double f
     ehd_contact sliding = *contact;
 
     sliding.slide_roll = slide_roll;
+    sliding.lubricant.thinning_stress = 0; // at mean conditions the pressure does not change
     if (contact->lubricant.shear != &shear_eyring || !contact_has_traction(&sliding))
         return (traction_estimate){NAN, NAN};
-    const double stress = contact_shear_stress(&sliding, pressure, film);
+    const double stress = contact_shear_stress(&sliding, pressure, film, 0);
     sliding.lubricant.shear = &shear_newtonian;
-    const double viscous = contact_shear_stress(&sliding, pressure, film);
+    const double viscous = contact_shear_stress(&sliding, pressure, film, 0);
     return (traction_estimate){.coefficient = stress / pressure,
                                .excess = fabs(viscous) * contact->hertz_pressure /
                                          contact->lubricant.shear_constants[0]};

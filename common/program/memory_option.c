@@ -3,13 +3,19 @@
 
 #include "common/program/text.h"
 
+#include <math.h>
 #include <string.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 double memory_option_default(void) {
     const long pages = sysconf(_SC_PHYS_PAGES), page = sysconf(_SC_PAGE_SIZE);
+    double bytes = pages > 0 && page > 0 ? (double)pages * (double)page : 8e9;
+    struct rlimit limit;
 
-    return pages > 0 && page > 0 ? 0.5 * (double)pages * (double)page : 4e9;
+    if (getrlimit(RLIMIT_AS, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY)
+        bytes = fmin(bytes, (double)limit.rlim_cur);
+    return 0.5 * bytes;
 }
 
 ehd_status memory_option_read(void *member, const char *argument, ehd_error *error) {

@@ -5,8 +5,8 @@
 
 #include "common/program/status.h"
 
-/* Bytes without the option: half of what the machine has, the same on each run, and room for the files
- * that are read. */
+/* Returns the default in bytes: half of the memory that the machine has, or half of the limit that
+ * `ulimit -v` sets where it is lower. The other half is for the files that are read. */
 double memory_option_default(void);
 
 /* "2G", "500M", "1.5G" into bytes, a double, as program_option reads. EHD_USAGE: anything else. */

@@ -1,52 +1,96 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What OpenBLAS asks of its environment when it is loaded. These functions stand in for its own
- * (driver/others/openblas_env.c of 0.3.21), also for those of the shared library, so that it begins
- * no threads: ours are enough, more only slow down small matrices, and where memory is limited they
- * wait for it without end. Debian's OpenBLAS without threads is no way out: it has no lock around its
- * work space, and of 2 million small products in each of four threads one in 200 was wrong.
- * All of them, since a static library brings them together. */
+/* What OpenBLAS asks of its environment when it is loaded, which is before main begins. */
 #include "common/program/openblas.h"
 
+#include "common/program/status.h"
+
 #include <cblas.h>
+#include <errno.h>
+#include <pthread.h>
+#include <stdbool.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/mman.h>
+#include <unistd.h>
 
-int openblas_verbose(void);
-unsigned openblas_block_factor(void);
-unsigned openblas_thread_timeout(void);
-int openblas_omp_adaptive_env(void);
-int openblas_goto_num_threads_env(void);
-int openblas_num_threads_env(void);
-int openblas_omp_num_threads_env(void);
-void openblas_read_env(void);
+#ifdef __x86_64__
+static bool has_avx2(void) {
+    __builtin_cpu_init();
+    return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
+}
+#else
+static bool has_avx2(void) {
+    return false;
+}
+#endif
 
-int openblas_verbose(void) {
-    return 0;
+// of OpenBLAS: one buffer, kept for later calls when it is given back
+void *blas_memory_alloc(int unused);
+void blas_memory_free(void *buffer);
+
+static const size_t BUFFER = (size_t)OPENBLAS_BUFFER_MB << 20;
+
+/* Whether this much can be had now. */
+static bool has_room(size_t bytes) {
+    void *room = mmap(NULL, bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+    if (room == MAP_FAILED) return false;
+    munmap(room, bytes);
+    return true;
 }
 
-unsigned openblas_block_factor(void) {
-    return 0; // its own
+size_t openblas_take_buffers(size_t num_threads) {
+    void **buffers = malloc((num_threads + 1) * sizeof *buffers);
+    pthread_attr_t attributes;
+    size_t stack = 0, count = 0;
+
+    if (!buffers) return 0;
+    if (pthread_attr_init(&attributes) == 0) {
+        pthread_attr_getstacksize(&attributes, &stack);
+        pthread_attr_destroy(&attributes);
+    }
+    // room for the stacks of all threads so far too, which come afterwards
+    while (count < num_threads && has_room(BUFFER + (count + 1) * stack))
+        buffers[count++] = blas_memory_alloc(0);
+    for (size_t i = 0; i < count; i++)
+        blas_memory_free(buffers[i]);
+    free(buffers);
+    return count;
 }
 
-unsigned openblas_thread_timeout(void) {
-    return 0; // its own
+/* Ends the process where OpenBLAS, while it is loaded, would ask for its first buffer for ever (0.3.29). */
+static void check_room_while_loaded(void) {
+    char line[256];
+
+    if (has_room(BUFFER)) return;
+    const int length =
+        snprintf(line, sizeof line, "%s: OpenBLAS: found too little memory, expected %d MB\n",
+                 program_invocation_short_name, OPENBLAS_BUFFER_MB);
+    if (length > 0 && write(STDERR_FILENO, line, (size_t)length) < 0) _exit(EHD_IO);
+    _exit(EHD_MEMORY);
 }
 
-int openblas_omp_adaptive_env(void) {
-    return 0;
-}
+/* Replaces the C library's getenv in the programs. It differs for two variables of OpenBLAS:
+ * - OPENBLAS_NUM_THREADS is 1, whatever the user has set. Our own threads are enough, more only
+ *   slow down small matrices, and where memory is limited they wait for it without end.
+ *   Debian's OpenBLAS without threads is no way out: it has no lock around its work space, and
+ *   of 2 million small products in each of four threads one in 200 was wrong.
+ * - OPENBLAS_CORETYPE is Haswell where the user has set none and the processor has AVX2.
+ *   OpenBLAS 0.3.21 takes an Intel processor later than itself for a Prescott of 2004, and then
+ *   has a quarter of the speed. The environment itself stays as it is, so that programs started
+ *   from here choose for the processor on which they run. */
+char *getenv(const char *name) {
+    static char one_thread[] = "1", haswell[] = "Haswell";
+    const size_t length = strlen(name);
 
-int openblas_goto_num_threads_env(void) {
-    return 1;
-}
-
-int openblas_num_threads_env(void) {
-    return 1;
-}
-
-int openblas_omp_num_threads_env(void) {
-    return 1;
-}
-
-void openblas_read_env(void) {
+    if (strcmp(name, "OPENBLAS_NUM_THREADS") == 0) {
+        check_room_while_loaded();
+        return one_thread;
+    }
+    for (char **entry = environ; entry && *entry; entry++)
+        if (strncmp(*entry, name, length) == 0 && (*entry)[length] == '=')
+            return *entry + length + 1;
+    return strcmp(name, "OPENBLAS_CORETYPE") == 0 && has_avx2() ? haswell : NULL;
 }
 
 void openblas_one_thread(void) {

@@ -3,17 +3,30 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <libgen.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
+/* Can a file be made beside this one? */
+static ehd_status check_folder(const char *path, ehd_error *error) {
+    char *copy = strdup(path);
+
+    if (!copy) return ehd_fail(error, EHD_MEMORY, "%s: found no memory, expected some", path);
+    const int cause = access(dirname(copy), W_OK | X_OK) == 0 ? 0 : errno;
+    free(copy);
+    if (!cause) return EHD_OK;
+    return ehd_fail(error, EHD_CANTCREATE, "%s: found %s, expected to create it", path,
+                    strerror(cause));
+}
+
 ehd_status output_file_check(const char *path, bool force, ehd_error *error) {
     struct stat found;
 
     if (lstat(path, &found) != 0) {
-        if (errno == ENOENT) return EHD_OK;
+        if (errno == ENOENT) return check_folder(path, error);
         return ehd_fail(error, EHD_CANTCREATE, "%s: found %s, expected to create it", path,
                         strerror(errno));
     }
@@ -23,7 +36,7 @@ ehd_status output_file_check(const char *path, bool force, ehd_error *error) {
     if (!S_ISREG(found.st_mode)) // a rename would replace a device, too
         return ehd_fail(error, EHD_CANTCREATE, "%s: found no regular file, expected one or none",
                         path);
-    if (force) return EHD_OK;
+    if (force) return check_folder(path, error);
     return ehd_fail(error, EHD_CANTCREATE, "%s: found an existing file, expected none (or --force)",
                     path);
 }
@@ -40,8 +53,9 @@ ehd_status output_file_check_inputs(const char *path, const char *const *inputs,
     return EHD_OK;
 }
 
-/* Opened and locked, its former content gone. NULL with errno; EWOULDBLOCK: another is writing. */
-static FILE *open_partial(const char *path) {
+/* Opens and locks a file and keeps the first `kept` bytes of its content. NULL with errno; EWOULDBLOCK: another
+ * process writes it. */
+static FILE *open_partial(const char *path, size_t kept) {
     const int descriptor =
         open(path, O_WRONLY | O_CREAT | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, 0666);
     FILE *stream = NULL;
@@ -50,7 +64,8 @@ static FILE *open_partial(const char *path) {
     if (descriptor < 0) return NULL;
     if (flock(descriptor, LOCK_EX | LOCK_NB) == 0 && fstat(descriptor, &found) == 0) {
         errno = ENOTSUP;
-        if (S_ISREG(found.st_mode) && ftruncate(descriptor, 0) == 0)
+        if (S_ISREG(found.st_mode) && ftruncate(descriptor, (off_t)kept) == 0 &&
+            lseek(descriptor, (off_t)kept, SEEK_SET) >= 0)
             stream = fdopen(descriptor, "w");
     }
     if (stream) return stream;
@@ -67,6 +82,11 @@ static void release(output_file *self) {
 }
 
 ehd_status output_file_create(output_file *self, const char *path, bool force, ehd_error *error) {
+    return output_file_continue(self, path, force, 0, error);
+}
+
+ehd_status output_file_continue(output_file *self, const char *path, bool force, size_t kept,
+                                ehd_error *error) {
     *self = (output_file){.path = strdup(path)};
     ehd_status status = output_file_check(path, force, error);
 
@@ -75,7 +95,7 @@ ehd_status output_file_create(output_file *self, const char *path, bool force, e
         status = ehd_fail(error, EHD_MEMORY, "%s: found no memory, expected some", path);
     }
     if (!status) {
-        self->stream = open_partial(self->partial);
+        self->stream = open_partial(self->partial, kept);
         if (!self->stream && errno == EWOULDBLOCK)
             status = ehd_fail(error, EHD_CANTCREATE,
                               "%s: found another process writing it, expected none", self->partial);
@@ -102,6 +122,11 @@ ehd_status output_file_finish(output_file *self, ehd_error *error) {
     fclose(self->stream); // on the disk already
     release(self);
     return EHD_OK;
+}
+
+void output_file_leave(output_file *self) {
+    if (self->stream) fclose(self->stream);
+    release(self);
 }
 
 void output_file_drop(output_file *self) {

@@ -13,7 +13,8 @@ typedef struct output_file {
     char *path, *partial;
 } output_file;
 
-/* EHD_CANTCREATE where the name exists and `force` is not set, or may not be the program's. */
+/* EHD_CANTCREATE where the name exists and `force` is not set, may not be the program's, or lies in a folder that is not
+ * there or not to be written; EHD_MEMORY. To be called before the work. */
 ehd_status output_file_check(const char *path, bool force, ehd_error *error);
 
 /* EHD_CANTCREATE where the output is one of the inputs (NULL at the end, or for none), by whatever name:
@@ -28,8 +29,15 @@ ehd_status output_file_create(
     // input:
     const char *path, bool force, ehd_error *error);
 
+/* The same, but keeps the first `kept` bytes that output_file_leave has left, and appends to them. */
+ehd_status output_file_continue(output_file *self, const char *path, bool force, size_t kept,
+                                ehd_error *error);
+
 /* Writes what is left, to the disk, and gives the file its name; EHD_IO, and no file. Frees. */
 ehd_status output_file_finish(output_file *self, ehd_error *error);
+
+/* Leaves PATH.partial with what was written, and frees; nothing where there is none. */
+void output_file_leave(output_file *self);
 
 /* Removes what was written, and frees; nothing where there is none. */
 void output_file_drop(output_file *self);

@@ -2,6 +2,7 @@
 #include "common/program/program.h"
 
 #include "common/program/openblas.h"
+#include "common/program/processor.h"
 
 #include <argp.h>
 #include <cblas.h>
@@ -119,40 +120,6 @@ ehd_status program_check_memory(const char *object, const char *part, size_t cou
                     object, part, count, things, bytes / megabyte, with, there / megabyte);
 }
 
-/* What OpenBLAS takes at once for each thread that is in it, on x86-64 (0.3.21, strace). */
-static const size_t BLAS_BUFFER = (size_t)32 << 22;
-
-// of OpenBLAS: one such buffer, kept for later calls when it is given back
-void *blas_memory_alloc(int unused);
-void blas_memory_free(void *buffer);
-
-/* Whether this much can be had now. */
-static bool has_room(size_t bytes) {
-    void *room = mmap(NULL, bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
-    if (room == MAP_FAILED) return false;
-    munmap(room, bytes);
-    return true;
-}
-
-size_t program_take_buffers(size_t num_threads) {
-    void **buffers = malloc((num_threads + 1) * sizeof *buffers);
-    pthread_attr_t attributes;
-    size_t stack = 0, count = 0;
-
-    if (!buffers) return 0;
-    if (pthread_attr_init(&attributes) == 0) {
-        pthread_attr_getstacksize(&attributes, &stack);
-        pthread_attr_destroy(&attributes);
-    }
-    // room for the stacks of all threads so far too, which come afterwards
-    while (count < num_threads && has_room(BLAS_BUFFER + (count + 1) * stack))
-        buffers[count++] = blas_memory_alloc(0);
-    for (size_t i = 0; i < count; i++)
-        blas_memory_free(buffers[i]);
-    free(buffers);
-    return count;
-}
-
 bool program_interrupted(void) {
     return interrupted != 0;
 }
@@ -245,13 +212,12 @@ static void set_signals(void) {
 
 /* Prints "name: text" as one line, whatever the text contains. */
 static void print_line(const program *self, const char *text) {
-    char line[sizeof((ehd_error *)NULL)->text + 1];
-    size_t length = 0;
-    for (; text[length] && length + 1 < sizeof line; length++)
-        line[length] = (text[length] >= 0 && text[length] < ' ') ? '?' : text[length];
-    line[length] = '\0';
+    ehd_error line;
+    snprintf(line.text, sizeof line.text, "%s", text);
+    text_make_printable(line.text, "");
     // on a terminal it replaces a progress line
-    fprintf(stderr, "%s%s: %s\n", isatty(STDERR_FILENO) == 1 ? "\r\033[K" : "", self->name, line);
+    fprintf(stderr, "%s%s: %s\n", isatty(STDERR_FILENO) == 1 ? "\r\033[K" : "", self->name,
+            line.text);
 }
 
 static void print_arguments(const program *self, const char *format, va_list arguments) {
@@ -589,16 +555,18 @@ void program_start(program *self, int argc, char **argv, const program_options *
     *self = (program){.name = argc > 0 ? base_name(argv[0]) : "ehdrom", .argc = argc, .argv = argv};
     setlocale(LC_ALL, "C"); // numbers are written and read with a decimal point
     name_of_program = self->name;
+    processor_check(argc, argv,
+                    NULL); // has run as a constructor; the call makes the linker include it
     set_signals();
     self->stage = stage_here();
     set_last_resort();
     openblas_one_thread();
 
     ehd_status status = parse_arguments(self, options, &done, &error);
-    const bool no_buffer = !status && !done && program_take_buffers(1) < 1;
+    const bool no_buffer = !status && !done && openblas_take_buffers(1) < 1;
     if (no_buffer)
-        status = ehd_fail(&error, EHD_MEMORY, "OpenBLAS: found too little memory, expected %zu MB",
-                          BLAS_BUFFER >> 20);
+        status = ehd_fail(&error, EHD_MEMORY, "OpenBLAS: found too little memory, expected %d MB",
+                          OPENBLAS_BUFFER_MB);
     if (status || done) {
         const int code = program_finish(self, status, &error);
         // at exit OpenBLAS waits for its threads, which wait for memory as long as there is none

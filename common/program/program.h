@@ -98,16 +98,19 @@ void program_detail(const program *program, const char *format, ...)
 void program_warn(const program *program, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
 
-/* Progress of long work: "name: 37/120 M=12 L=7, 4 s left", and in a pipeline "; stage 1 of 5, about
- * 9 s in all" as far as that is known (stage.h). On a terminal one line that is rewritten; otherwise a
- * line at most every two seconds, and the last one. Silent with --quiet. */
+/* Shows the progress of long work: "name: 37/120 M=12 L=7, 4 s left", and in a pipeline "; stage 1 of 5, about
+ * 9 s in all" as far as that is known (stage.h). The time left is that of the items left, each as long as the mean
+ * item, and at least the wait since the last item. On a terminal one line is rewritten; elsewhere a
+ * line comes at most every two seconds, and one at the end. Nothing is shown with --quiet. */
 typedef struct progress {
     const program *program;
     size_t total;
     double
         rest; // s, what comes behind it in the same stage; NAN: as the stage expects. 0 at the start
     bool more;         // behind that there may be more
+    size_t done;       // as last told
     double started;    // s, monotonic
+    double advanced;   // s, monotonic, when that last grew
     double last_shown; // s, monotonic; -inf before the first line
     bool terminal;
 } progress;
@@ -126,10 +129,6 @@ double program_memory(void);
 ehd_status program_check_memory(const char *object, const char *part, size_t count,
                                 const char *things, const char *with, double bytes,
                                 ehd_error *error);
-
-/* Has OpenBLAS take the work space of so many threads, since it asks for ever where that is refused.
- * Returns for how many there is memory. */
-size_t program_take_buffers(size_t num_threads);
 
 /* Monotonic seconds. */
 double program_seconds(void);

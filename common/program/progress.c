@@ -9,9 +9,12 @@
 static const double terminal_pause = 0.1, file_pause = 2.0;
 
 void progress_start(progress *self, const program *owner, size_t total) {
+    const double now = program_seconds();
+
     *self = (progress){.program = owner,
                        .total = total,
-                       .started = program_seconds(),
+                       .started = now,
+                       .advanced = now,
                        .last_shown = -INFINITY,
                        .terminal = isatty(STDERR_FILENO) == 1};
 }
@@ -51,9 +54,13 @@ void progress_show(progress *self, size_t done, const char *current) {
     const double now = program_seconds(), elapsed = now - self->started;
     const double pause = self->terminal ? terminal_pause : file_pause;
     const bool last = done >= self->total;
-    double left = done > 0 ? elapsed / (double)done * (double)(self->total - done) : NAN;
     char time[64] = "", of_stage[128];
 
+    if (done > self->done) self->advanced = now;
+    self->done = done;
+    const double items_left = (double)(self->total - done);
+    const double left =
+        done > 0 ? fmax(elapsed / (double)done * items_left, now - self->advanced) : NAN;
     if (self->program->quiet) return;
     if (!last && now - self->last_shown < pause) return;
     if (last)

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "common/program/status.h"
 
+#include "common/program/text.h"
+
 #include <stdarg.h>
 #include <stdio.h>
 
@@ -11,6 +13,7 @@ ehd_status ehd_fail(ehd_error *error, ehd_status status, const char *format, ...
         va_start(arguments, format);
         vsnprintf(error->text, sizeof error->text, format, arguments);
         va_end(arguments);
+        text_make_printable(error->text, "");
     }
     return status;
 }

@@ -38,6 +38,55 @@ void text_show(char shown[SHOWN_TEXT], const char *text) {
     strcpy(shown + kept, length < SHOWN_TEXT ? "" : "...");
 }
 
+size_t text_character(const char *text) {
+    const unsigned char *byte = (const unsigned char *)text;
+    const size_t length = byte[0] < 0x80   ? 1
+                          : byte[0] < 0xC2 ? 0
+                          : byte[0] < 0xE0 ? 2
+                          : byte[0] < 0xF0 ? 3
+                          : byte[0] < 0xF5 ? 4
+                                           : 0;
+    for (size_t i = 1; i < length; i++)
+        if ((byte[i] & 0xC0) != 0x80) return 0;
+    // overlong forms, surrogates and what lies beyond Unicode
+    if ((byte[0] == 0xE0 && byte[1] < 0xA0) || (byte[0] == 0xED && byte[1] > 0x9F) ||
+        (byte[0] == 0xF0 && byte[1] < 0x90) || (byte[0] == 0xF4 && byte[1] > 0x8F))
+        return 0;
+    return length;
+}
+
+static bool is_printable(const char *text, size_t length) {
+    const unsigned char *byte = (const unsigned char *)text;
+    if (length == 1) return byte[0] >= ' ' && byte[0] != 0x7F;
+    if (length == 2) return byte[0] != 0xC2 || byte[1] >= 0xA0;
+    if (length == 3 && byte[0] == 0xEF) // U+FFFE and U+FFFF, which are no characters
+        return byte[1] != 0xBF || byte[2] < 0xBE;
+    if (length == 3 && byte[0] == 0xE2) // U+2028 to U+202E, U+2066 to U+2069
+        return !(byte[1] == 0x80 && byte[2] >= 0xA8 && byte[2] <= 0xAE) &&
+               !(byte[1] == 0x81 && byte[2] >= 0xA6 && byte[2] <= 0xA9);
+    return length > 0;
+}
+
+void text_make_printable(char *text, const char *kept) {
+    char *to = text;
+    for (size_t length; *text; text += length) {
+        if (*text >= ' ' && *text < 0x7F) { // most are; errors may come with each step in time
+            length = 1;
+            *to++ = *text;
+            continue;
+        }
+        length = text_character(text);
+        if (is_printable(text, length) || (length == 1 && strchr(kept, *text))) {
+            memmove(to, text, length);
+            to += length;
+        } else {
+            *to++ = '?';
+            if (length == 0) length = 1;
+        }
+    }
+    *to = '\0';
+}
+
 /* "a number from 0 to 1"; infinite bounds are left out. */
 static void show_range(char shown[SHOWN_TEXT], double min, double max) {
     if (isfinite(min) && isfinite(max))

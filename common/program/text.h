@@ -20,6 +20,14 @@ void number_show(char shown[NUMBER_TEXT], double value);
  * end of a long text "...", and an empty one "nothing". */
 void text_show(char shown[SHOWN_TEXT], const char *text);
 
+/* Bytes of the UTF-8 character that begins here; 0: there is none. */
+size_t text_character(const char *text);
+
+/* Makes foreign text printable, in place: each control character ('\n' too, U+0080 to U+009F, line separators
+ * and marks that change the direction of text) and each byte that is not UTF-8 becomes '?', except the ASCII
+ * characters in `kept`. All errors and messages pass through it. */
+void text_make_printable(char *text, const char *kept);
+
 /* A strict number within min..max (infinite: no bound), else `refusal` (EHD_USAGE or EHD_DATA);
  * `object` leads the message. */
 ehd_status parse_real(

@@ -1,68 +1,130 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "common/settings/case_list.h"
 
+#include "common/settings/csv.h"
 #include "common/settings/scene_source.h"
 #include "common/settings/variation.h"
 
 #include <stdlib.h>
 #include <string.h>
 
+/* The only column that is not a setting. */
+static const char name_column[] = "name";
+
 struct case_list {
     scene_source base; // keeps the paths below
-    char *scene_path;
-    variation table;
+    char *scene_path, *table_path;
+    csv_file table;
+    const setting **rows; // [table.width] settings of the columns; NULL: the names of the cases
+    bool any;             // a row was found
 };
 
-ehd_status case_list_read(case_list **list, const char *scene_path, const char *table_path,
+static ehd_status check_overrides(const case_list *self, ehd_error *error) {
+    for (size_t i = 0; i < self->table.width; i++)
+        if (self->rows[i] && source_is_overridden(&self->base, self->rows[i]))
+            return place_fail(error, (place){"--set", 0},
+                              "%s: found a key that %s varies, expected another one",
+                              self->rows[i]->key, self->table_path);
+    return EHD_OK;
+}
+
+ehd_status case_list_rewind(case_list *self, ehd_error *error) {
+    csv_close(&self->table);
+    free(self->rows);
+    self->rows = NULL;
+    self->any = false;
+    ehd_status status = csv_open_rows(&self->table, self->table_path, error);
+    if (status) return status;
+    self->rows = calloc(self->table.width, sizeof(const setting *));
+    if (!self->rows) return place_no_memory(error, self->table_path);
+    return table_settings(self->rows, &self->table, name_column, error);
+}
+
+ehd_status case_list_open(case_list **list, const char *scene_path, const char *table_path,
                           const char *const *overrides, size_t num_overrides, ehd_error *error) {
     case_list *self = *list = calloc(1, sizeof *self);
     ehd_status status = EHD_OK;
 
-    if (!self || !(self->scene_path = strdup(scene_path)))
+    if (!self || !(self->scene_path = strdup(scene_path)) ||
+        !(self->table_path = strdup(table_path)))
         status = place_no_memory(error, scene_path);
     if (!status) {
         source_init(&self->base, self->scene_path, self->scene_path);
         status = source_apply_file(&self->base, self->scene_path, error);
     }
     if (!status) status = source_apply_overrides(&self->base, overrides, num_overrides, error);
-    if (!status) status = variation_read_table(&self->table, table_path, error);
-    if (!status) status = variation_check_overrides(&self->table, &self->base, table_path, error);
+    if (!status) status = case_list_rewind(self, error);
+    if (!status) status = check_overrides(self, error);
     if (!status) return EHD_OK;
     case_list_free(self);
     *list = NULL;
     return status;
 }
 
-size_t case_list_count(const case_list *self) {
-    return self->table.num_points;
+/* Copies the fields of the present row into one block of memory. */
+static ehd_status keep_texts(case_texts *row, const case_list *self, ehd_error *error) {
+    const csv_file *table = &self->table;
+    size_t bytes = table->width * sizeof *row->texts;
+
+    for (size_t i = 0; i < table->width; i++)
+        bytes += strlen(table->fields[i]) + 1;
+    row->line = table->where.line;
+    row->texts = malloc(bytes);
+    if (!row->texts) return place_no_memory(error, self->table_path);
+    char *to = (char *)(row->texts + table->width);
+    for (size_t i = 0; i < table->width; i++) {
+        row->texts[i] = to;
+        to = stpcpy(to, table->fields[i]) + 1;
+    }
+    return EHD_OK;
 }
 
-ehd_status case_list_scene(scene *one, const case_list *self, size_t index, ehd_error *error) {
-    scene_source source = self->base;
-    ehd_status status = variation_apply(&self->table, index, &source, error);
+ehd_status case_list_next(case_texts *row, bool *found, case_list *self, ehd_error *error) {
+    *row = (case_texts){0};
+    const ehd_status status = csv_next_row(found, &self->table, error);
+    if (status) return status;
+    if (!*found && !self->any)
+        return place_fail(error, (place){self->table_path, 0},
+                          "found a header only, expected a row for each scene");
+    self->any = true;
+    return *found ? keep_texts(row, self, error) : EHD_OK;
+}
 
+void case_texts_free(case_texts *row) {
+    free(row->texts);
+    *row = (case_texts){0};
+}
+
+ehd_status case_list_scene(scene *one, const case_list *self, const case_texts *row,
+                           ehd_error *error) {
+    const place where = {self->table_path, row->line};
+    scene_source source = self->base;
+    ehd_status status = EHD_OK;
+
+    for (size_t i = 0; i < self->table.width && !status; i++) {
+        if (!self->rows[i]) continue;
+        source.places[setting_index(self->rows[i])] = where;
+        status =
+            source_assign(&source, self->rows[i], row->texts[i], self->table_path, where, error);
+    }
     if (status) return status; // names the line
     status = source_finish(&source, error);
     *one = source.values;
-    return status == EHD_DATA ? case_list_fail(self, index, error) : status;
+    return status == EHD_DATA ? case_list_fail(self, row->line, error) : status;
 }
 
-ehd_status case_list_fail(const case_list *self, size_t index, ehd_error *error) {
+ehd_status case_list_fail(const case_list *self, size_t line, ehd_error *error) {
     const ehd_error cause = *error;
 
-    return place_fail(error, self->table.columns[0].places[index], "%s", cause.text);
+    return place_fail(error, (place){self->table_path, line}, "%s", cause.text);
 }
 
 size_t case_list_num_columns(const case_list *self) {
-    return self->table.num_columns;
+    return self->table.width;
 }
 
 const char *case_list_key(const case_list *self, size_t column) {
-    return self->table.columns[column].row->key;
-}
-
-const char *case_list_text(const case_list *self, size_t column, size_t index) {
-    return self->table.columns[column].texts[index];
+    return self->rows[column] ? self->rows[column]->key : name_column;
 }
 
 char *case_list_settings(const case_list *self) {
@@ -71,7 +133,9 @@ char *case_list_settings(const case_list *self) {
 
 void case_list_free(case_list *self) {
     if (!self) return;
-    variation_free(&self->table);
+    csv_close(&self->table);
+    free(self->rows);
     free(self->scene_path);
+    free(self->table_path);
     free(self);
 }

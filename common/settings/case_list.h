@@ -1,34 +1,54 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Scenes that a table makes of one: a column for each setting that varies, a row for each scene. */
+/* Variants of one scene from a table, which has a column for each setting that varies and a row for each variant. It is
+ * read row by row, so that memory does not grow with its length. */
 #ifndef EHD_CASE_LIST_H
 #define EHD_CASE_LIST_H
 
 #include "common/settings/scene.h"
+#include <stdbool.h>
 #include <stdio.h>
 
 typedef struct case_list case_list;
 
-/* Reads the scene, which need not be complete without the table, and the table, CSV as the `points` of
- * a plan. EHD_DATA, EHD_NOINPUT, EHD_IO, EHD_MEMORY. */
-ehd_status case_list_read(
+/* The fields of one row of the table. */
+typedef struct case_texts {
+    size_t line;  // of the table
+    char **texts; // [case_list_num_columns]
+} case_texts;
+
+/* Opens a table of cases. The scene may lack settings that the table gives. The table is CSV, as for `points` of a plan, and
+ * may have a column `name`. EHD_DATA, EHD_NOINPUT, EHD_IO, EHD_MEMORY. */
+ehd_status case_list_open(
     // output:
     case_list **list, // free with case_list_free
     // input:
     const char *scene_path, const char *table_path, const char *const *overrides,
     size_t num_overrides, ehd_error *error);
 
-size_t case_list_count(const case_list *list);
+/* Reads the next row; *found is false after the last one. EHD_DATA, with the line: a row that is wrong, or a table
+ * without rows. */
+ehd_status case_list_next(
+    // output:
+    case_texts *row, // free with case_texts_free, also after a failure
+    bool *found,
+    // in and out:
+    case_list *list, ehd_error *error);
 
-/* One of them, complete and valid. EHD_DATA with the line of the table. */
-ehd_status case_list_scene(scene *one, const case_list *list, size_t index, ehd_error *error);
+/* Back to the first row. */
+ehd_status case_list_rewind(case_list *list, ehd_error *error);
 
-/* EHD_DATA with the line of the table before the text of a case's error. */
-ehd_status case_list_fail(const case_list *list, size_t index, ehd_error *error);
+void case_texts_free(case_texts *row);
 
-/* The columns, and what a row has there, as in the table. */
+/* The scene of a row, complete and valid. EHD_DATA with the line of the table. */
+ehd_status case_list_scene(scene *one, const case_list *list, const case_texts *row,
+                           ehd_error *error);
+
+/* Puts the table's name and a line number in front of an error's text. EHD_DATA. */
+ehd_status case_list_fail(const case_list *list, size_t line, ehd_error *error);
+
+/* The columns in the order of the table; case_list_key has the full key where the table has a short one. */
 size_t case_list_num_columns(const case_list *list);
 const char *case_list_key(const case_list *list, size_t column);
-const char *case_list_text(const case_list *list, size_t column, size_t index);
 
 /* The settings of the scene, as far as they are given without the table; free with free(). NULL: no
  * memory. */

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Files of comma-separated values, without quotes. Spaces around fields are dropped; blank lines
- * and lines that start with # are skipped. */
+/* Tables as files of comma-separated values: a header with the names of the columns, then one row a line. If the header has no
+ * commas, semicolons or tabs separate the columns. A name or value may stand in double quotes (RFC 4180), which may span
+ * lines. Spaces around fields are dropped; blank lines and lines that start with # are skipped. */
 #ifndef EHD_CSV_H
 #define EHD_CSV_H
 
@@ -9,50 +10,73 @@
 #include "common/settings/place.h"
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdio.h>
 
 typedef struct csv_file {
     char *path;
-    char *text;  // of the whole file; separators become zeros as it is read
-    char *rest;  // the part of text not yet read
-    place where; // of the line read last
+    FILE *stream; // read row by row; NULL: the whole file is in `text`
+    char *text;   // the whole file, or the row read last; `names` and `fields` point into it
+    size_t length, room,
+        at;     // of `text`: bytes in it, bytes allocated, and the first one not yet parsed
+    char *line; // buffer for getline
+    size_t line_room;
+    char *header;   // what `names` point into where the file is read row by row
+    size_t lines;   // parsed so far
+    size_t bytes;   // of the file, parsed so far
+    bool ended;     // the last row ended with a line break, not with the file
+    place where;    // first line of the last row
+    char separator; // of columns
+    size_t width;   // columns
+    char **names;   // [width], "" where a column has no name
+    char **
+        fields; // [width], values of the row read last, valid until csv_close, or the next row (csv_open_rows)
 } csv_file;
 
-/* Reads the file into memory. EHD_NOINPUT, EHD_IO, EHD_DATA (too large, a zero byte),
- * EHD_MEMORY. */
+/* Reads the file into memory, and its header. EHD_NOINPUT, EHD_IO, EHD_MEMORY, EHD_DATA: too large,
+ * a zero byte, no header, or a name twice. */
 ehd_status csv_open(
     // output:
     csv_file *self, // free with csv_close, also after a failure
     // input:
     const char *path, ehd_error *error);
 
+/* The same for a file of any length: only one row is in memory, and its values are valid until the next is read. */
+ehd_status csv_open_rows(csv_file *self, const char *path, ehd_error *error);
+
 void csv_close(csv_file *self);
 
-/* An upper bound on the number of lines left. */
-size_t csv_count_lines(const csv_file *self);
+/* An upper bound on the number of rows left, after csv_open. */
+size_t csv_count_rows(const csv_file *self);
 
-/* The next line that is not skipped, NULL at the end. It is valid until csv_close. */
-char *csv_next_line(csv_file *self);
-
-/* The next field of a line, NULL after the last one; *rest moves on to the rest of the line. */
-char *csv_next_field(char **rest);
-
-/* EHD_DATA unless a line had as many fields as the header. */
-ehd_status csv_check_width(const csv_file *self, size_t found, size_t expected, ehd_error *error);
+/* Reads the next row into `fields`. *found is false after the last one. EHD_DATA: the row has not as
+ * many values as there are columns, or a quote does not end. */
+ehd_status csv_next_row(
+    // output:
+    bool *found,
+    // in and out:
+    csv_file *self,
+    // output:
+    ehd_error *error);
 
 /* A column that is wanted of a table of numbers, CSV or HDF5 (artefact/table.h). */
 typedef struct table_column {
-    const char *const *names; // the first of these that there is, NULL at the end; NULL: the first
-                              // column of the file
+    const char *const *names; // the first of these that there is, NULL at the end
     bool optional;
+    bool alone;     // in CSV: refused where another of the names is there too
     double *values; // [count] as read, free with free(); NULL: not there, or after a failure
 } table_column;
+
+enum { NAMES_TEXT = 320 }; // bytes, with the closing zero
+
+/* Lists the columns of a table for messages: "T, load, speed", the end of a long list as "...". */
+void table_show_columns(char shown[NAMES_TEXT], char *const *names, size_t count);
 
 /* "row|rows", for messages. */
 void table_show_names(char shown[SHOWN_TEXT], const char *const *names);
 
-/* Reads columns of a file of numbers below a header; of other columns nothing is looked at.
- * EHD_DATA: no header or no such column, lines of other lengths, anything that is no number; and as
- * csv_open. */
+/* Reads columns of a file of numbers by their names; the values of other columns are ignored.
+ * EHD_DATA: no such column, or several; a value that is no finite number; and as csv_open and
+ * csv_next_row. */
 ehd_status csv_read_table(
     // input:
     const char *path,

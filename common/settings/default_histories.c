@@ -246,8 +246,12 @@ ehd_status default_histories_apply(const default_histories *self, size_t number,
     const setting *end = setting_find("transient.end_time");
     choice chosen = {shapes, {0, 0}};
     char text[NUMBER_TEXT];
+    const char *regime = source->values.regime;
     ehd_status status = clear(source, self->where, error);
 
+    if (!status && *regime && strcmp(regime, "transient") != 0)
+        return place_fail(error, self->where, "histories: found the regime %s, expected transient",
+                          regime);
     choose(&chosen, self, number);
     for (size_t i = 0; i < MOST_VARYING && i < chosen.shape->num_varying && !status; i++)
         status = apply_shape(source, self, chosen.quantity[i], &chosen.shape->of[i], error);

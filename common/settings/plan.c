@@ -6,6 +6,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+// of plans that are parts of parts
+enum { MAX_DEPTH = 16 };
+
 /* The arguments of plan_read. */
 typedef struct plan_reader {
     plan *plan;
@@ -13,6 +16,7 @@ typedef struct plan_reader {
     const char *const *overrides;
     size_t num_overrides;
     ehd_error *error;
+    double times; // as many candidates as the groups say
 } plan_reader;
 
 static place place_in(const plan_reader *self, const tree_node *node) {
@@ -161,7 +165,7 @@ static ehd_status read_group(const plan_reader *self, const tree_node *node, siz
         status = place_fail(self->error, place_in(self, node),
                             "scene: found nothing, expected a file or a map of settings");
     if (!status) status = read_base(self, &base, &scene_path, scene_node);
-    if (!status) status = variation_read(&varied, node, self->path, self->error);
+    if (!status) status = variation_read(&varied, node, self->times, self->path, self->error);
     if (!status) status = variation_check_overrides(&varied, &base, self->path, self->error);
     if (varied.num_ranges > 0) self->plan->has_region = true;
     if (!status) status = read_where(self, tree_find(node, "where"), &self->plan->where[group]);
@@ -183,6 +187,69 @@ static ehd_status read_single(const plan_reader *self, const tree_node *root) {
     return status ? status : add_points(self, &base, &unvaried, 0);
 }
 
+// ---- a part of another plan
+
+static ehd_status read_plan(const plan_reader *self, const tree_node *root, int depth);
+
+static ehd_status read_file(const plan_reader *self, int depth) {
+    tree_node *root = NULL;
+    char *text;
+    size_t length;
+    ehd_status status = tree_read_text(&text, &length, self->path, self->error);
+
+    if (!status) status = tree_parse(&root, text, length, self->path, self->error);
+    if (!status) status = read_plan(self, root, depth);
+    tree_free(root);
+    free(text);
+    return status;
+}
+
+static ehd_status read_times(const plan_reader *self, const tree_node *node, double *times) {
+    if (!node) return EHD_OK;
+    ehd_status status = read_bound(self, node, "candidates_times", times);
+    if (!status && !(*times >= 1 && *times <= MAX_POINTS))
+        status = place_fail(self->error, place_in(self, node),
+                            "candidates_times: found %g, expected a number from 1 to %d", *times,
+                            MAX_POINTS);
+    return status;
+}
+
+/* Leaves nothing outside of further bounds. */
+static void narrow(plan_where *where, const plan_where *further) {
+    for (int w = 0; w < NUM_WHERE; w++) {
+        where->bounds[w][0] = fmax(where->bounds[w][0], further->bounds[w][0]);
+        where->bounds[w][1] = fmin(where->bounds[w][1], further->bounds[w][1]);
+    }
+}
+
+/* The groups of the whole, within further bounds. */
+static ehd_status read_part(const plan_reader *self, const tree_node *root, int depth) {
+    static const char *const keys[] = {"part_of", "where", "candidates_times", NULL};
+    const tree_node *name = tree_find(root, "part_of");
+    plan_reader whole = *self;
+    plan_where further;
+    double times = 1;
+    char shown[SHOWN_TEXT];
+    ehd_status status = check_keys(self, root, "plan", keys, "part_of, where or candidates_times");
+
+    if (!status && (name->kind != TREE_SCALAR || !*name->value || depth == MAX_DEPTH))
+        status = place_fail(self->error, place_in(self, name),
+                            "part_of: found %s, expected the name of a plan%s",
+                            tree_show(shown, name), depth == MAX_DEPTH ? ", not in a circle" : "");
+    if (!status) status = read_where(self, tree_find(root, "where"), &further);
+    if (!status) status = read_times(self, tree_find(root, "candidates_times"), &times);
+    if (status) return status;
+    char *path = path_beside(self->path, name->value);
+    if (!path) return place_no_memory(self->error, self->path);
+    whole.path = path;
+    whole.times *= times;
+    status = read_file(&whole, depth + 1);
+    for (size_t g = 0; g < self->plan->num_groups && !status; g++)
+        narrow(&self->plan->where[g], &further);
+    free(path);
+    return status;
+}
+
 static ehd_status read_groups(const plan_reader *self, const tree_node *root) {
     static const char *const keys[] = {"groups", NULL};
     const tree_node *groups = tree_find(root, "groups");
@@ -200,6 +267,10 @@ static ehd_status read_groups(const plan_reader *self, const tree_node *root) {
     for (const tree_node *node = groups->first; node && !status; node = node->next)
         status = read_group(self, node, group++);
     return status;
+}
+
+static ehd_status read_plan(const plan_reader *self, const tree_node *root, int depth) {
+    return tree_find(root, "part_of") ? read_part(self, root, depth) : read_groups(self, root);
 }
 
 // ---- equal points
@@ -252,19 +323,12 @@ static ehd_status drop_equal_points(plan *of, const char *path, ehd_error *error
 
 ehd_status plan_read(plan *of, const char *path, const char *const *overrides, size_t num_overrides,
                      ehd_error *error) {
-    const plan_reader self = {of, path, overrides, num_overrides, error};
-    tree_node *root = NULL;
-    char *text;
-    size_t length;
+    const plan_reader self = {of, path, overrides, num_overrides, error, 1};
     *of = (plan){0};
-    ehd_status status = tree_read_text(&text, &length, path, error);
-    if (!status) status = tree_parse(&root, text, length, path, error);
-    if (!status) status = read_groups(&self, root);
+    ehd_status status = read_file(&self, 0);
     if (!status) status = drop_equal_points(of, path, error);
     if (!status) status = plan_write_text(of, path, error);
     if (status) plan_free(of);
-    tree_free(root);
-    free(text);
     return status;
 }
 

@@ -53,6 +53,12 @@ static void set_transport(ehd_contact *contact, const scene *given) {
 }
 
 ehd_status scene_contact(ehd_contact *contact, const scene *given, ehd_error *error) {
+    const ehd_status status = scene_contact_begin(contact, given, error);
+
+    return status ? status : scene_contact_end(contact, given, error);
+}
+
+ehd_status scene_contact_begin(ehd_contact *contact, const scene *given, ehd_error *error) {
     const bool approach_given = strcmp(given->closure, "approach") == 0;
 
     *contact = (ehd_contact){0};
@@ -80,14 +86,22 @@ ehd_status scene_contact(ehd_contact *contact, const scene *given, ehd_error *er
     ehd_status status = contact_init(contact, &settings, error);
     if (status) return status;
     contact->slide_roll = scene_slide_roll(given);
-    contact->grid.half = given->grid.half != 0;
+    contact->grid.half = given->grid.half != 0 && contact->kind->dimensions > 1;
     discretization_find(&contact->grid.discretization, given->discretization); // a choice
     boundary_find(&contact->grid.boundary, given->boundary); // a choice, or none of a line
     contact->grid_given =
         (grid_extent){given->grid.x_min, given->grid.x_max, given->grid.step, given->grid.y_max};
-    const grid_extent needed =
-        contact_has_chosen_grid(contact) ? grid_extent_needed(contact) : contact->grid_given;
-    status = scene_set_grid(contact, &needed, error);
+    if (contact_has_chosen_grid(contact)) return EHD_OK;
+    return scene_set_grid(contact, &contact->grid_given, error);
+}
+
+ehd_status scene_contact_end(ehd_contact *contact, const scene *given, ehd_error *error) {
+    ehd_status status = EHD_OK;
+
+    if (contact->grid.num_inner == 0) {
+        const grid_extent needed = grid_extent_needed(contact);
+        status = scene_set_grid(contact, &needed, error);
+    }
     set_transport(contact, given);
     return status ? status : scene_check_approach(given, contact, error);
 }

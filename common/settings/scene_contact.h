@@ -16,6 +16,11 @@ ehd_status scene_contact(
     // input:
     const scene *given, ehd_error *error);
 
+/* The same in two steps. Between them a contact whose scene leaves the grid open may take one of a model
+ * (contact_take_grid). The choice of a grid, which takes most of the time, is then left out. */
+ehd_status scene_contact_begin(ehd_contact *contact, const scene *given, ehd_error *error);
+ehd_status scene_contact_end(ehd_contact *contact, const scene *given, ehd_error *error);
+
 /* Before it, where the contact has to be of the kind of the model in `path`: EHD_DATA. Else what
  * follows from another kind, such as a grid of too many nodes, would be told first. */
 ehd_status scene_check_kind(const scene *given, const contact_kind *kind, const char *path,

@@ -300,17 +300,17 @@ static double nearest_step(double extent, double step) {
 
 static ehd_status check_extent(const scene_source *source, ehd_error *error) {
     const scene *of = &source->values;
-    if (of->grid.x_min >= -1)
+    if (isgreaterequal(of->grid.x_min, -1))
         return place_fail(error, place_of_key(source, "grid.x_min"),
                           "grid.x_min: found %g, expected less than -1, so that the dry contact "
                           "lies inside",
                           of->grid.x_min);
-    if (of->grid.x_max <= 1)
+    if (islessequal(of->grid.x_max, 1))
         return place_fail(error, place_of_key(source, "grid.x_max"),
                           "grid.x_max: found %g, expected more than 1, so that the dry contact "
                           "lies inside",
                           of->grid.x_max);
-    if (is_point(of) && of->grid.y_max <= 1)
+    if (is_point(of) && islessequal(of->grid.y_max, 1))
         return place_fail(error, place_of_key(source, "grid.y_max"),
                           "grid.y_max: found %g, expected more than 1, so that the dry contact "
                           "lies inside",

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "common/settings/settings_table.h"
 
+#include "common/physics/contact.h"
+
 #include <ctype.h>
 #include <math.h>
 #include <pthread.h>
@@ -45,9 +47,9 @@ static const setting contact_rows[] = {
     {"approach_length", REAL(approach_length), NULL, NULL, 1e-3, 1e6, "1",
      "How far from a line contact its approach is measured, in reference half widths; default 10 "
      "with closure approach, else 1 as in stationary scenes", IN_TIME, false},
-    {"moes.M", REAL(moes.M), NULL, NULL, 0.1, 1e5, "1",
+    {"moes.M", REAL(moes.M), NULL, NULL, MIN_MOES_M, MAX_MOES_M, "1",
      "Moes load number, of the sum velocity", ALWAYS, false},
-    {"moes.L", REAL(moes.L), NULL, NULL, 0, 100, "1",
+    {"moes.L", REAL(moes.L), NULL, NULL, 0, MAX_MOES_L, "1",
      "Moes lubricant number, of the sum velocity", ALWAYS, false},
     {"physical.load", REAL(physical.load), NULL, NULL, 1e-6, 1e9, "N/m|N",
      "Load, of a line contact per length", ALWAYS, false},
@@ -91,15 +93,15 @@ static const setting run_rows[] = {
     {"transport", CHOICE(transport), NULL, "path|upwind", 0, 0, "1",
      "How films that vary in time are carried through the contact: along the path of the fluid, or by "
      "the rows at fixed places; default path, upwind with published", IN_TIME, false},
-    {"grid.x_min", REAL(grid.x_min), NULL, NULL, -1e3, -1, "1",
+    {"grid.x_min", REAL(grid.x_min), NULL, NULL, -1e5, -1, "1",
      "First inner node, in contact half widths; below -1; default by M and L, -4 with published", ALWAYS, false},
-    {"grid.x_max", REAL(grid.x_max), NULL, NULL, 1, 1e3, "1",
-     "Last inner node, in contact half widths; above 1; default 2, of a point contact by M and L up to "
-     "11", ALWAYS, false},
-    {"grid.step", REAL(grid.step), NULL, NULL, 1e-6, 0.25, "1",
+    {"grid.x_max", REAL(grid.x_max), NULL, NULL, 1, 1e5, "1",
+     "Last inner node, in contact half widths; above 1; default by M and L, 2 where films are thin and with "
+     "published", ALWAYS, false},
+    {"grid.step", REAL(grid.step), NULL, NULL, 1e-6, 1e3, "1",
      "Distance of the nodes, in contact half widths; a whole number of steps fits; default by M and "
      "L, with published 0.005, of a point contact 0.0625; across, of an ellipse over the cube root of b/a", ALWAYS, false},
-    {"grid.y_max", REAL(grid.y_max), NULL, NULL, 1, 1e3, "1",
+    {"grid.y_max", REAL(grid.y_max), NULL, NULL, 1, 1e5, "1",
      "Last inner line across the entrainment, in contact half widths, and the first one at -y_max; "
      "above 1, of an ellipse the next one outside; default by M and L, 3 with published", ON_A_POINT, false},
     {"grid.half", FLAG(grid.half), "true", NULL, 0, 0, "1",
@@ -139,11 +141,13 @@ static const setting surface_rows[] = {
      "Of its lengths and heights: reference half widths a and film units a^2/R, or metres in a scene "
      "with physical", ON_A_SURFACE("sine|dent|file"), false},
     {"surface.speed", REAL(surface.speed), "1", NULL, -MAX_FACTOR, MAX_FACTOR, "1",
-     "Speed of that surface, a factor on the mean of both; 1 in pure rolling; not 0",
+     "Speed of that surface, a factor on the mean of both; 1 in pure rolling; with 0 it rests in the "
+     "contact and the start is the stationary film with it",
      ON_A_SURFACE("sine|dent|file"), false},
     {"surface.position", REAL(surface.position), NULL, NULL, -1e9, 1e9, "1",
-     "Where it is at T = 0, in front of the grid: the end of a waviness, the middle of a dent, x = 0 "
-     "of a table; default such that it is about to come in", ON_A_SURFACE("sine|dent|file"), false},
+     "Where it is at T = 0, in front of the grid unless it rests: the end of a waviness, the middle of "
+     "a dent, x = 0 of a table; default such that it is about to come in, of one that rests 0",
+     ON_A_SURFACE("sine|dent|file"), false},
     {"surface.amplitude", REAL(surface.amplitude), NULL, NULL, -1e3, 1e3, "1",
      "Of the height amplitude sin(2 pi x/wavelength + phase), by which the gap grows, with x from "
      "the waviness's end, over the first wavelength growing in", ON_A_SURFACE("sine"), true},
@@ -156,8 +160,8 @@ static const setting surface_rows[] = {
     {"surface.radius", REAL(surface.radius), NULL, NULL, 1e-9, 1e3, "1",
      "R of the dent depth cos(pi r/(2.4 R)) exp(-2 (r/(1.2 R))^2)", ON_A_SURFACE("dent"), true},
     {"surface.file", FILE_NAME(surface.file), NULL, NULL, 0, 0, "1",
-     "CSV or HDF5 file (.h5, .hdf5) with a table of heights over x, the first column or dataset x; "
-     "smooth where it ends", ON_A_SURFACE("file"), true},
+     "CSV or HDF5 file (.h5, .hdf5) with a table of heights over x, its column or dataset x; "
+     "zero at its ends", ON_A_SURFACE("file"), true},
     {"surface.column", WORD(surface.column), NULL, NULL, 0, 0, "1",
      "Column or dataset of the heights, by which the gap grows", ON_A_SURFACE("file"), true},
     {"surface.across", WORD(surface.across), NULL, NULL, 0, 0, "1",

@@ -63,33 +63,58 @@ static ehd_status read_vary(variation *self, const tree_node *vary, const char *
 
 // ---- CSV
 
-static ehd_status read_csv_header(variation *self, char *line, ehd_error *error) {
-    const size_t room = csv_count_lines(&self->points);
-    ehd_status status = EHD_OK;
-    for (char *field; !status && (field = csv_next_field(&line));)
-        status = add_column(self, field, self->points.where, room, error);
+static ehd_status find_settings(const setting **rows, const csv_file *table, const char *beside,
+                                ehd_error *error) {
+    for (size_t i = 0; i < table->width; i++) {
+        const char *name = table->names[i];
+        rows[i] = NULL;
+        if (beside && strcmp(name, beside) == 0) continue;
+        if (!*name)
+            return place_fail(error, table->where,
+                              "found a column without a name, such as an index, expected settings");
+        rows[i] = setting_find_short(name);
+        if (!rows[i]) return setting_unknown(error, table->where, name);
+        for (size_t k = 0; k < i; k++)
+            if (rows[k] == rows[i])
+                return place_fail(error, table->where, "%s: found again, expected only once",
+                                  rows[i]->key);
+    }
+    return EHD_OK;
+}
+
+ehd_status table_settings(const setting **rows, const csv_file *table, const char *beside,
+                          ehd_error *error) {
+    char all[NAMES_TEXT];
+    ehd_error cause = {""};
+    const ehd_status status = find_settings(rows, table, beside, &cause);
+    if (!status) return EHD_OK;
+    table_show_columns(all, table->names, table->width);
+    return ehd_fail(error, status, "%s; found the columns %s", cause.text, all);
+}
+
+static ehd_status read_csv_header(variation *self, ehd_error *error) {
+    const csv_file *points = &self->points;
+    const size_t room = csv_count_rows(points);
+    const setting **rows = calloc(points->width, sizeof *rows);
+    ehd_status status =
+        rows ? table_settings(rows, points, NULL, error) : place_no_memory(error, points->path);
+    for (size_t i = 0; i < points->width && !status; i++)
+        status = add_column(self, rows[i]->key, points->where, room, error);
+    free(rows);
     return status;
 }
 
-static ehd_status read_csv_row(variation *self, char *line, size_t row, ehd_error *error) {
-    size_t num_fields = 0;
-    for (char *field; (field = csv_next_field(&line)); num_fields++) {
-        if (num_fields >= self->num_columns) continue;
-        self->columns[num_fields].texts[row] = field;
-        self->columns[num_fields].places[row] = self->points.where;
-    }
-    return csv_check_width(&self->points, num_fields, self->num_columns, error);
-}
-
-static ehd_status read_csv_lines(variation *self, ehd_error *error) {
+static ehd_status read_csv_rows(variation *self, ehd_error *error) {
     size_t num_rows = 0;
-    char *line = csv_next_line(&self->points);
-    if (!line)
-        return place_fail(error, (place){self->points.path, 0},
-                          "found an empty file, expected a header such as moes.M,moes.L");
-    ehd_status status = read_csv_header(self, line, error);
-    while (!status && (line = csv_next_line(&self->points)))
-        status = read_csv_row(self, line, num_rows++, error);
+    bool found = true;
+    ehd_status status = read_csv_header(self, error);
+    while (!status && !(status = csv_next_row(&found, &self->points, error)) && found) {
+        for (size_t i = 0; i < self->num_columns; i++) {
+            self->columns[i].texts[num_rows] = self->points.fields[i];
+            self->columns[i].places[num_rows] = self->points.where;
+        }
+        num_rows++;
+    }
     for (size_t i = 0; i < self->num_columns; i++)
         self->columns[i].num_values = num_rows;
     if (!status && num_rows == 0)
@@ -109,22 +134,35 @@ static ehd_status read_csv(variation *self, const tree_node *points, const char 
     if (!csv_path) return place_no_memory(error, path);
     const ehd_status status = csv_open(&self->points, csv_path, error);
     free(csv_path);
-    return status ? status : read_csv_lines(self, error);
+    return status ? status : read_csv_rows(self, error);
 }
 
 // ---- regions
 
+/* A bound is a value that the setting may have. */
+static ehd_status check_bound(double *bound, const setting *row, const char *text, place where,
+                              ehd_error *error) {
+    scene any;
+
+    scene_defaults(&any);
+    const ehd_status status = setting_assign(&any, row, text, where, error);
+    if (!status) number_read(bound, text);
+    return status;
+}
+
 static ehd_status read_bounds(variation_range *range, const tree_node *list, ehd_error *error) {
     const setting *row = range->row;
+    ehd_status status = EHD_OK;
     const bool pair = list->kind == TREE_LIST && list->num_children == 2;
     if (row->type != SETTING_REAL)
         return place_fail(error, range->where,
                           "region: found %s, expected a setting that is a number", row->key);
-    if (!pair || list->first->kind != TREE_SCALAR || list->last->kind != TREE_SCALAR ||
-        !number_read(&range->low, list->first->value) ||
-        !number_read(&range->high, list->last->value))
+    if (!pair || list->first->kind != TREE_SCALAR || list->last->kind != TREE_SCALAR)
         return place_fail(error, range->where,
                           "%s: found something else, expected [lowest, highest]", row->key);
+    status = check_bound(&range->low, row, list->first->value, range->where, error);
+    if (!status) status = check_bound(&range->high, row, list->last->value, range->where, error);
+    if (status) return status;
     if (!(range->low < range->high))
         return place_fail(error, range->where, "%s: found %s to %s, expected [lowest, highest]",
                           row->key, list->first->value, list->last->value);
@@ -194,8 +232,8 @@ static ehd_status fill_candidates(variation *self, const char *path, ehd_error *
     return EHD_OK;
 }
 
-static ehd_status read_candidates(variation *self, const tree_node *node, const char *path,
-                                  ehd_error *error) {
+static ehd_status read_candidates(variation *self, const tree_node *node, double times,
+                                  const char *path, ehd_error *error) {
     const size_t fewest = (size_t)2 << self->num_ranges;
     char shown[SHOWN_TEXT];
     double wanted = DEFAULT_CANDIDATES;
@@ -204,12 +242,12 @@ static ehd_status read_candidates(variation *self, const tree_node *node, const 
         return place_fail(error, (place){path, node->line},
                           "candidates: found %s, expected a number from %zu to %d",
                           tree_show(shown, node), fewest, MAX_POINTS);
-    self->num_candidates = (size_t)wanted;
+    self->num_candidates = (size_t)fmin(ceil(times * wanted), MAX_POINTS + 1.0);
     return EHD_OK;
 }
 
-static ehd_status read_region(variation *self, const tree_node *group, const char *path,
-                              ehd_error *error) {
+static ehd_status read_region(variation *self, const tree_node *group, double times,
+                              const char *path, ehd_error *error) {
     const tree_node *region = tree_find(group, "region");
     const tree_node *candidates = tree_find(group, "candidates");
     char shown[SHOWN_TEXT];
@@ -224,12 +262,12 @@ static ehd_status read_region(variation *self, const tree_node *group, const cha
                           region->kind == TREE_MAP ? "nothing" : tree_show(shown, region));
     for (const tree_node *node = region->first; node && !status; node = node->next)
         status = add_range(self, node, path, error);
-    if (!status) status = read_candidates(self, candidates, path, error);
-    if (!status) status = fill_candidates(self, path, error);
+    if (!status) status = read_candidates(self, candidates, times, path, error);
     if (!status && self->num_points > MAX_POINTS / self->num_candidates)
         status =
             place_fail(error, (place){path, region->line},
                        "region: found more than %d candidates in all, expected less", MAX_POINTS);
+    if (!status) status = fill_candidates(self, path, error);
     if (!status) self->num_points *= self->num_candidates;
     return status;
 }
@@ -325,8 +363,8 @@ static ehd_status count_list(variation *self, place where, ehd_error *error) {
     return EHD_OK;
 }
 
-ehd_status variation_read(variation *self, const tree_node *group, const char *plan_path,
-                          ehd_error *error) {
+ehd_status variation_read(variation *self, const tree_node *group, double times,
+                          const char *plan_path, ehd_error *error) {
     const tree_node *vary = tree_find(group, "vary"), *points = tree_find(group, "points");
     const place where = {plan_path, group->line};
     *self = (variation){0};
@@ -341,15 +379,8 @@ ehd_status variation_read(variation *self, const tree_node *group, const char *p
         status = self->grid ? count_grid(self, where, error) : count_list(self, where, error);
     else
         self->num_points = 1;
-    if (!status) status = read_region(self, group, plan_path, error);
+    if (!status) status = read_region(self, group, times, plan_path, error);
     return status ? status : read_histories(self, group, plan_path, error);
-}
-
-ehd_status variation_read_table(variation *self, const char *path, ehd_error *error) {
-    *self = (variation){0};
-    ehd_status status = csv_open(&self->points, path, error);
-    if (!status) status = read_csv_lines(self, error);
-    return status ? status : count_list(self, (place){path, 0}, error);
 }
 
 ehd_status variation_check_overrides(const variation *self, const scene_source *base,

@@ -43,20 +43,22 @@ typedef struct variation {
 /* Reads `vary` and `combine`, or `points`, and `region` with its `candidates` or `histories`, of a
  * group; one without them has one point. Candidates are the corners of the region, places along its
  * edges, and inside of it Sobol's sequence (gsl_qrng_sobol), which leaves no gaps however long it
- * is. `plan_path` is the plan's file, named in errors; `points` is relative to its folder.
+ * is; they are `times` as many as the group says. `plan_path` is the plan's file, named in errors;
+ * `points` is relative to its folder.
  * EHD_DATA, EHD_NOINPUT, EHD_IO, EHD_MEMORY. */
 ehd_status variation_read(
     // output:
     variation *self, // free with variation_free
     // input:
-    const tree_node *group, const char *plan_path, ehd_error *error);
+    const tree_node *group, double times, const char *plan_path, ehd_error *error);
 
-/* The same of a CSV file alone, a point a row. */
-ehd_status variation_read_table(
+/* Finds the setting of each column of a table. `beside` names a column that is not a setting and gets NULL (NULL: there is no
+ * such column). EHD_DATA, with a list of all columns: a column without a name, an unknown setting, or one twice. */
+ehd_status table_settings(
     // output:
-    variation *self, // free with variation_free
+    const setting **rows, // [table->width]
     // input:
-    const char *path, ehd_error *error);
+    const csv_file *table, const char *beside, ehd_error *error);
 
 /* EHD_DATA where --set gives a setting that varies; `path` is where that is said. */
 ehd_status variation_check_overrides(const variation *self, const scene_source *base,

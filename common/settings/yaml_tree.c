@@ -41,18 +41,24 @@ static ehd_status read_stream(char **text, size_t *length, FILE *file, const cha
     return EHD_OK;
 }
 
-ehd_status tree_read_text(char **text, size_t *length, const char *path, ehd_error *error) {
-    *text = NULL;
-    FILE *file = program_open(path);
-    if (!file && errno == ENOMEM) return place_no_memory(error, path);
-    if (!file && errno == EISDIR)
+ehd_status tree_open(FILE **file, const char *path, ehd_error *error) {
+    *file = program_open(path);
+    if (*file) return EHD_OK;
+    if (errno == ENOMEM) return place_no_memory(error, path);
+    if (errno == EISDIR)
         return ehd_fail(error, EHD_NOINPUT, "%s: found a folder, expected a file", path);
-    if (!file && errno == ENOTSUP)
+    if (errno == ENOTSUP)
         return ehd_fail(error, EHD_NOINPUT, "%s: found no regular file, expected one", path);
-    if (!file)
-        return ehd_fail(error, EHD_NOINPUT, "%s: found nothing (%s), expected a readable file",
-                        path, strerror(errno));
-    ehd_status status = read_stream(text, length, file, path, error);
+    return ehd_fail(error, EHD_NOINPUT, "%s: found nothing (%s), expected a readable file", path,
+                    strerror(errno));
+}
+
+ehd_status tree_read_text(char **text, size_t *length, const char *path, ehd_error *error) {
+    FILE *file = NULL;
+    *text = NULL;
+    ehd_status status = tree_open(&file, path, error);
+    if (status) return status;
+    status = read_stream(text, length, file, path, error);
     fclose(file);
     if (status) {
         free(*text);

@@ -8,6 +8,7 @@
 #include "common/program/status.h"
 #include "common/settings/place.h"
 #include <stddef.h>
+#include <stdio.h>
 
 typedef enum tree_kind { TREE_SCALAR, TREE_MAP, TREE_LIST } tree_kind;
 
@@ -21,6 +22,9 @@ typedef struct tree_node {
     struct tree_node *last;  // child
     struct tree_node *next;  // sibling
 } tree_node;
+
+/* Opens a file to read. EHD_NOINPUT (missing, a folder, unreadable), EHD_MEMORY. */
+ehd_status tree_open(FILE **file, const char *path, ehd_error *error);
 
 /* Reads a whole file of at most 16 MiB into memory, with a zero after it (free with free()).
  * EHD_NOINPUT (missing, a folder, unreadable), EHD_IO, EHD_DATA (too large), EHD_MEMORY. */

@@ -1,39 +1,92 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "common/time/bdf.h"
 
+#include <math.h>
+#include <stdbool.h>
 #include <string.h>
 
-/* Weights of the polynomial through the previous states, taken a step later. */
-static void set_predictor(bdf_formula *formula, const double *ago, size_t num_previous) {
-    for (size_t i = 0; i < num_previous; i++) {
-        formula->predictor[i] = 1;
-        for (size_t j = 0; j < num_previous; j++)
-            if (j != i) formula->predictor[i] *= ago[j] / (ago[j] - ago[i]);
+const double bdf_most_growth = 1 + 1.4142135623730951;
+
+/* Largest sum of the magnitudes of a predictor's weights, by which it enlarges errors of the states.
+ * Steps that each grow by bdf_most_growth have this sum. */
+static const double MOST_ENLARGED = 46;
+
+/* Largest ratio of a step of first order to the time that the known states span, up to which their
+ * slope predicts the step. Iterations leave errors of 1e-8 to 1e-5 of a film, so that the slope of states closer
+ * together is that of their errors; a longer step is then predicted not to change the film. */
+static const double MOST_EXTRAPOLATED = 100;
+
+/* Weights of the polynomial through some of the previous states, taken a step later. */
+static void set_predictor(bdf_formula *formula, const double *ago, const size_t *chosen,
+                          size_t count) {
+    memset(formula->predictor, 0, sizeof formula->predictor);
+    formula->degree = count - 1;
+    for (size_t k = 0; k < count; k++) {
+        double *weight = &formula->predictor[chosen[k]];
+        *weight = 1;
+        for (size_t m = 0; m < count; m++)
+            if (m != k) *weight *= ago[chosen[m]] / (ago[chosen[m]] - ago[chosen[k]]);
     }
 }
 
+static double enlarged(const bdf_formula *formula) {
+    double sum = 0;
+
+    for (size_t i = 0; i < BDF_PREVIOUS; i++)
+        sum += fabs(formula->predictor[i]);
+    return sum;
+}
+
+/* First order, with a prediction along the slope of the states or, for long steps, of no change. */
+static void set_first_order(bdf_formula *formula, double step, const double *ago,
+                            size_t num_previous) {
+    const size_t oldest = num_previous - 1, chosen[] = {0, oldest};
+    const bool has_slope = oldest > 0 && step <= MOST_EXTRAPOLATED * (ago[oldest] - step);
+
+    formula->order = formula->num_weighted = 1;
+    formula->rate = 1 / step;
+    formula->weight[0] = -1 / step;
+    set_predictor(formula, ago, chosen, has_slope ? 2 : 1);
+    formula->error = has_slope ? step / ago[oldest] : oldest > 0 ? 1 : 0;
+}
+
+/* Second order, with the last state and the state `second` before it. Formula and prediction both leave
+ * out a third derivative, so the error of one follows from that of the other. Without a usable third
+ * state the prediction leaves out a second derivative, which makes the error larger than it is. */
+static void set_second_order(bdf_formula *formula, double step, const double *ago, size_t second,
+                             double interval, size_t num_previous) {
+    const double ratio = step / interval;
+    size_t chosen[BDF_PREVIOUS] = {0, second};
+
+    formula->order = 2;
+    formula->num_weighted = second + 1;
+    formula->interval = interval;
+    formula->rate = (1 + 2 * ratio) / ((1 + ratio) * step);
+    formula->weight[0] = -(1 + ratio) / step;
+    formula->weight[second] = ratio * ratio / ((1 + ratio) * step);
+    for (size_t third = second + 1; third < num_previous; third++) {
+        chosen[2] = third;
+        set_predictor(formula, ago, chosen, 3);
+        formula->error = step * ago[second] / ((step + ago[second]) * ago[third]);
+        if (enlarged(formula) <= MOST_ENLARGED) return;
+    }
+    set_predictor(formula, ago, chosen, 2);
+    formula->error = step / ago[second];
+}
+
 bdf_formula bdf_step(double step, const double *intervals, size_t num_previous) {
-    bdf_formula formula = {.order = num_previous > 1 ? 2 : 1};
+    bdf_formula formula = {.order = 0};
     double ago[BDF_PREVIOUS] = {step}; // of the previous states, seen from the new time
+    double interval = 0;               // to the last state
 
     for (size_t i = 1; i < num_previous; i++)
         ago[i] = ago[i - 1] + intervals[i - 1];
-    set_predictor(&formula, ago, num_previous);
-    if (formula.order == 1) {
-        formula.rate = 1 / step;
-        formula.weight[0] = -1 / step;
-        return formula;
+    for (size_t i = 1; i < num_previous && formula.order == 0; i++) {
+        interval += intervals[i - 1];
+        if (step <= bdf_most_growth * interval)
+            set_second_order(&formula, step, ago, i, interval, num_previous);
     }
-    double ratio = step / intervals[0];
-    formula.rate = (1 + 2 * ratio) / ((1 + ratio) * step);
-    formula.weight[0] = -(1 + ratio) / step;
-    formula.weight[1] = ratio * ratio / ((1 + ratio) * step);
-    // what the formula leaves out, by what the prediction does: third derivatives both; with one
-    // state less the first-order formula's second derivatives, which is on the safe side
-    if (num_previous > 2)
-        formula.error = step * ago[1] / ((step + ago[1]) * ago[2]);
-    else
-        formula.error = step / ago[1];
+    if (formula.order == 0) set_first_order(&formula, step, ago, num_previous);
     return formula;
 }
 

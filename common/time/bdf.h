@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Backward differences of order one and two with variable step (BDF2: Hairer, Norsett, Wanner,
  * Solving Ordinary Differential Equations I, section III.5), and the few states that they look
- * at. */
+ * at. Steps may have any lengths, in any order (README.md, BDF2). */
 #ifndef EHD_BDF_H
 #define EHD_BDF_H
 
@@ -16,14 +16,23 @@ enum {
  * … The local error is `error` times y minus its prediction, the sum of predictor[i] y_i. */
 typedef struct bdf_formula {
     size_t order;
+    size_t num_weighted;            // states from the last one on, up to the last with a weight
+    size_t degree;                  // of the prediction, a polynomial in time
     double rate;                    // 1 / time
-    double weight[BDF_PREVIOUS];    // 1 / time, zero beyond the order
+    double weight[BDF_PREVIOUS];    // 1 / time
     double predictor[BDF_PREVIOUS]; // 1
     double error;                   // 1; 0 where there are too few previous states to tell
+    double interval;                // time between the two states of second order; 0: first order
 } bdf_formula;
 
+/* Largest ratio r of a step of BDF2 to the distance in time of the two states before it. With y' = 0 a
+ * step multiplies the difference of these states by r^2 / (1 + 2 r), which is at most 1 up to
+ * r = 1 + sqrt(2). */
+extern const double bdf_most_growth;
+
 /* Formula for a step of length `step` from the last state, which `num_previous` (1 … BDF_PREVIOUS)
- * states lead up to: intervals[i] lies between states i and i + 1. */
+ * states lead up to: intervals[i] lies between states i and i + 1. It is of second order with the
+ * latest state that is far enough from the last one for the step, or else of first order. */
 bdf_formula bdf_step(double step, const double *intervals, size_t num_previous);
 
 /* Which of BDF_PREVIOUS + 1 states is which: place[0] is the one being solved, place[i] the i-th

@@ -5,8 +5,6 @@
 
 #include <math.h>
 
-static const double MAX_MOES_M = 1e5;
-
 contact_frame frame_at(const contact_kind *kind, double time, const double *values,
                        double approach) {
     contact_frame frame = {.time = time,
@@ -93,8 +91,30 @@ frame_rates frame_rates_between(const contact_frame *now, const contact_frame *b
     const double step = now->time - before->time;
     const double load = fabs(log(now->half_width / before->half_width));
 
+    if (step == 0) return (frame_rates){0, 0};
     return (frame_rates){.all = (load + fabs(now->speed - before->speed)) / step,
                          .load = load / step};
+}
+
+const double frame_most_cut_load = 0.01;
+
+closing_gap frame_closing_gap(const contact_frame *now, const contact_frame *before,
+                              const ehd_contact *reference, double end) {
+    const double growth = log(now->radius / before->radius) / (now->time - before->time);
+    closing_gap gap = {.begin = INFINITY};
+    ehd_contact contact;
+
+    if (!(growth > 0)) return gap;
+    frame_contact(&contact, now, reference);
+    const double speed = fabs(contact.entrainment);
+    const bool line = contact.kind->dimensions == 1;
+    const double closes = growth * end / 2 - speed; // -D(X^2/2)/DT there, over X
+    gap.begin = fmax(2 * speed / growth, 1);
+    gap.load = 3. / 8 * contact.lambda * growth / contact.kind->load * (line ? 1 / gap.begin : 2);
+    if (closes > 0)
+        gap.beyond =
+            8. / 3 * contact.lambda * closes / (end * contact.kind->load) * (line ? 1 / end : 2);
+    return gap;
 }
 
 contact_scalars frame_to_reference(const contact_scalars *current, const contact_frame *frame,
@@ -110,6 +130,21 @@ contact_scalars frame_to_reference(const contact_scalars *current, const contact
     scalars.exit_position *= frame->half_width;
     scalars.load *= frame->load;
     return scalars;
+}
+
+contact_scalars frame_from_reference(const contact_scalars *scalars, const contact_frame *frame,
+                                     const ehd_contact *reference) {
+    contact_scalars current = *scalars;
+
+    current.central_film_thickness /= frame->film_scale;
+    current.minimum_film_thickness /= frame->film_scale;
+    current.minimum_position /= frame->half_width;
+    current.central_pressure /= frame->hertz_pressure;
+    current.exit_position /= frame->half_width;
+    current.load /= frame->load;
+    current.rigid_approach = scalars->rigid_approach / frame->film_scale -
+                             approach_shift(frame, reference) * current.load;
+    return current;
 }
 
 contact_traction frame_traction_to_reference(contact_traction current, const contact_frame *frame) {

@@ -3,7 +3,6 @@
 
 #include "common/algebra/spline.h"
 #include "common/artefact/table.h"
-#include "common/settings/csv.h"
 
 #include <gsl/gsl_interp.h>
 #include <gsl/gsl_poly.h>
@@ -154,14 +153,11 @@ static double step_next_kink(const history *self, double time, bool *jump) {
 
 // ---- table
 
-/* Of a CSV file the first column is the time, whatever its name. */
 static ehd_status read_table(history *self, ehd_error *error) {
-    static const char *const time_name[] = {"time", NULL};
-    const char *path = self->given.file, *const value_name[] = {self->given.column, NULL};
-    const bool hdf5 = artefact_is_table(path);
-    table_column columns[] = {{.names = hdf5 ? time_name : NULL}, {.names = value_name}};
-    ehd_status status =
-        (hdf5 ? artefact_read_table : csv_read_table)(path, columns, 2, &self->count, error);
+    static const char *const time_names[] = {"time", "T", "t", NULL};
+    const char *const value_names[] = {self->given.column, NULL};
+    table_column columns[] = {{.names = time_names, .alone = true}, {.names = value_names}};
+    const ehd_status status = table_read(self->given.file, columns, 2, &self->count, error);
     self->time = columns[0].values;
     self->values = columns[1].values;
     return status;
@@ -315,17 +311,18 @@ static ehd_status check_history(const history *self, int quantity, double end_ti
                                 ehd_error *error) {
     const minimum_value minimum = self->law->minimum(self, end_time);
     // any finite value; that of the speed is checked below
-    if (quantity == VARY_APPROACH || quantity == VARY_SPEED || minimum.value > 0) return EHD_OK;
+    if (quantity == VARY_APPROACH || quantity == VARY_SPEED || isgreater(minimum.value, 0))
+        return EHD_OK;
     return ehd_fail(error, EHD_DATA, "transient.%s: found %.6g at T = %.6g, expected more than 0",
                     vary_names[quantity], minimum.value, minimum.time);
 }
 
 /* Where the speed may not be below 0, for the reason given. */
 static ehd_status check_forward(const ehd_histories *self, const char *reason, ehd_error *error) {
-    if (self->start_speed < 0)
+    if (isless(self->start_speed, 0))
         return ehd_fail(error, EHD_DATA, "transient.start_speed: found %.6g, expected at least 0%s",
                         self->start_speed, reason);
-    if (self->slowest.value >= -ROUNDING) return EHD_OK;
+    if (isgreaterequal(self->slowest.value, -ROUNDING)) return EHD_OK;
     return ehd_fail(error, EHD_DATA,
                     "transient.speed: found %.6g at T = %.6g, expected at least 0%s",
                     self->slowest.value, self->slowest.time, reason);
@@ -364,7 +361,7 @@ ehd_status histories_init_forward(ehd_histories **self, const scene *given, ehd_
 }
 
 bool histories_reverse(const ehd_histories *self) {
-    return self->slowest.value < -ROUNDING || self->start_speed < 0;
+    return isless(self->slowest.value, -ROUNDING) || isless(self->start_speed, 0);
 }
 
 ehd_histories *histories_free(ehd_histories *self) {

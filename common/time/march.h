@@ -7,6 +7,7 @@
 #include "common/physics/traction.h"
 #include "common/program/status.h"
 #include "common/settings/scene.h"
+#include "common/time/bdf.h"
 #include "common/time/frame.h"
 #include "common/time/history.h"
 #include <stdbool.h>
@@ -18,6 +19,7 @@ typedef struct march_step {
     const char *reason; // why it is not EHD_OK, or ""
     contact_frame frame;
     double step;             // 0 at the start
+    bdf_formula formula;     // of the step
     double local_error;      // largest of rho H, relative to the central film; along the path what
                              // a film takes up on its way; 0: cannot be told
     contact_scalars scalars; // in the current frame
@@ -40,9 +42,10 @@ typedef struct march_step {
  * in 18 steps; with it 0.14 % off in 396, of a tolerance of 0.15 %. */
 extern const double march_short_path;
 
-/* Along the path a step whose film before the centre misses its prediction by more than this part of
- * the central film is repeated: in the paper's transient case no step misses more than 0.014; another
- * solution, ruptured in the inlet as after a load step by a half, 0.2 and more. */
+/* Along the path, a step is repeated where the film before the centre is farther from its prediction
+ * than this part of the central film: the iteration has then found another solution. In the paper's
+ * transient case no step is more than 0.014 off; solutions that rupture in the inlet, as after a load
+ * step by a half, are 0.2 and more off. Steps that are predicted not to change the film are not checked. */
 extern const double march_most_missed;
 
 /* An error that steps of equal length add to a film one after the other, as what the filter changes,
@@ -98,10 +101,11 @@ typedef struct march_settings {
 /* Where a march stands: everything that it needs to go on, with the solver's states. */
 typedef struct march_state {
     double time, step;                    // of the next attempt
-    double last_step, step_before;        // accepted ones since the start or a jump, 0: none
+    double last_step;                     // the accepted one since the start or a jump, 0: none
     double rejected_step, rejected_error; // of the last attempt rejected at this step, 0: none
-    double noise;   // of the solver's local errors, as far as it was met lately
-    double at_kink; // 1 where the histories have a kink at `time`, else 0
+    double noise;      // of the solver's local errors, as far as it was met lately
+    double at_kink;    // 1 where the histories have a kink at `time`, else 0
+    double last_event; // of the histories that is one with `time`, else `time`
     double load, load_rate;
     double num_steps, num_rejected,
         num_iterations;     // whole; all members are numbers of one type, so
@@ -122,6 +126,7 @@ typedef struct march {
     void *sink;
     char deviation[MARCH_REASON]; // that of the last step, where it was above the accuracy
     char reason[MARCH_REASON];    // why it ended before end_time, or ""
+    char rejected[MARCH_REASON];  // why the last step that was rejected was
     char untrusted[MARCH_REASON]; // why the first untrusted step was not to be trusted, or ""
 } march;
 
@@ -141,8 +146,10 @@ ehd_status march_check_start(double speed, bool approach_given, ehd_error *error
  * is indicated (NaN), nor with an accuracy of 0. */
 bool march_deviates(char reason[MARCH_REASON], double central, double minimum, double accuracy);
 
-/* The load to scale the next frame with where it is an outcome: any near it would do. */
-double march_expected_load(double load, double load_rate, double step);
+/* Guesses the load after the next step, to scale its frame where the load is an outcome; any value near it will do. The load
+ * rate is extrapolated at most bdf_most_growth times the last step (0: no limit), since a much shorter one tells
+ * little about it. */
+double march_expected_load(double load, double load_rate, double step, double last_step);
 
 /* Takes the march to its start, time 0. Not converged is an outcome: then nothing else may follow.
  * In self->settings the reference approach NaN is replaced by that of the start. */

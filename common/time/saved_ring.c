@@ -36,7 +36,7 @@ ehd_status ring_restore(bdf_ring *ring, void *self, const double *saved, const s
     const double count = *saved++;
 
     ring->num_previous = 0;
-    if (!(count >= 1 && count <= BDF_PREVIOUS && count == floor(count)))
+    if (!(isgreaterequal(count, 1) && count <= BDF_PREVIOUS && count == floor(count)))
         return ehd_fail(error, EHD_DATA, "saved state: found %g previous states, expected 1 to %d",
                         count, BDF_PREVIOUS);
     for (size_t i = 0; i < (size_t)count; i++, saved += NUM_FRAME + states->size) {

@@ -14,6 +14,9 @@ static const double PART_OF_LENGTH = 0.5;
 /* And steps of the grid, which does not carry more. */
 static const double PART_OF_STEP = 0.25;
 
+/* Steps of the grid that it takes at least to see a wave: measured in README.md. */
+static const double STEPS_PER_WAVE = 4;
+
 enum { MIN_ROWS = 3 };                                // of a table
 static const double MAX_X = 1e9, MIN_DISTANCE = 1e-9; // of a table's x, half widths
 
@@ -42,7 +45,7 @@ struct surface_kind {
 
 // ---- waviness
 
-/* Without end behind the front, which is its place. */
+/* Without end behind the front, which is its place, and at rest without any. */
 static ehd_status prepare_sine(ehd_surface *self, double of_length, double of_height,
                                ehd_error *error) {
     (void)error;
@@ -50,15 +53,15 @@ static ehd_status prepare_sine(ehd_surface *self, double of_length, double of_he
     self->given.amplitude *= of_height;
     self->length = self->given.wavelength / (2 * M_PI);
     self->front = self->given.speed > 0 ? 0 : INFINITY;
-    self->rear = self->given.speed > 0 ? -INFINITY : 0;
+    self->rear = self->given.speed < 0 ? 0 : -INFINITY;
     return EHD_OK;
 }
 
-/* Grows in over a wavelength, with continuous slope and curvature. */
+/* Grows in over a wavelength, with continuous slope and curvature, unless it rests. */
 static double sine_height(const ehd_surface *self, double x, double y) {
     const surface_settings *given = &self->given;
     const double behind = (given->speed > 0 ? -x : x) / given->wavelength;
-    const double part = fmin(fmax(behind, 0), 1);
+    const double part = given->speed == 0 ? 1 : fmin(fmax(behind, 0), 1);
     (void)y;
 
     return given->amplitude * part * part * part * (10 - part * (15 - 6 * part)) *
@@ -127,6 +130,35 @@ static bool is_at_edge(const ehd_surface *self, size_t i) {
            (self->y && (line == 0 || line + 1 == self->num_lines));
 }
 
+static double highest_of(const ehd_surface *self) {
+    double highest = 0;
+
+    for (size_t i = 0; i < self->count; i++)
+        highest = fmax(highest, fabs(self->values[i]));
+    return highest;
+}
+
+/* Heights that are the same to the rounding of whoever wrote the table. */
+static double rounding_of(const ehd_surface *self) {
+    return 1e-9 * highest_of(self);
+}
+
+/* Sets heights at the edge, which are 0 to rounding, to 0. */
+static ehd_status check_edge(ehd_surface *self, ehd_error *error) {
+    const double rounding = rounding_of(self);
+
+    for (size_t i = 0; i < self->count; i++) {
+        if (!is_at_edge(self, i)) continue;
+        if (!(fabs(self->values[i]) <= rounding))
+            return ehd_fail(error, EHD_DATA,
+                            "%s: %s: found %g in row %zu, at the edge of the table, expected 0 as "
+                            "beyond, or at most 1e-9 of the largest height",
+                            self->given.file, self->given.column, self->values[i], i + 1);
+        self->values[i] = 0;
+    }
+    return EHD_OK;
+}
+
 static ehd_status check_table(ehd_surface *self, ehd_error *error) {
     const char *path = self->given.file;
     ehd_status status = EHD_OK;
@@ -152,25 +184,13 @@ static ehd_status check_table(ehd_surface *self, ehd_error *error) {
                             "%s: found x = %.10g%s in row %zu, expected increasing x%s", path,
                             self->x[i], self->y ? " out of order" : "", i + 1,
                             self->y ? ", the same in lines of increasing y" : "");
-        if (is_at_edge(self, i) && self->values[i] != 0)
-            return ehd_fail(error, EHD_DATA,
-                            "%s: %s: found %g in row %zu, expected 0, as beyond the table", path,
-                            self->given.column, self->values[i], i + 1);
     }
-    return EHD_OK;
+    return check_edge(self, error);
 }
 
-static double highest_of(const ehd_surface *self) {
-    double highest = 0;
-
-    for (size_t i = 0; i < self->count; i++)
-        highest = fmax(highest, fabs(self->values[i]));
-    return highest;
-}
-
-/* Half a contact is that of a surface whose halves are alike, to rounding. */
+/* Half a contact is that of a surface whose halves are alike. */
 static ehd_status check_halves(const ehd_surface *self, ehd_error *error) {
-    const double rounding = 1e-9 * highest_of(self);
+    const double rounding = rounding_of(self);
 
     for (size_t i = 0; i < self->count; i++) {
         const size_t line = self->num_lines - 1 - i / self->num_x;
@@ -186,16 +206,14 @@ static ehd_status check_halves(const ehd_surface *self, ehd_error *error) {
     return EHD_OK;
 }
 
-/* Of a CSV file the first column is x, whatever its name. */
 static ehd_status read_table(ehd_surface *self, ehd_error *error) {
-    static const char *const x_name[] = {"x", NULL};
-    const char *path = self->given.file, *const value_name[] = {self->given.column, NULL};
-    const char *const y_name[] = {self->given.across, NULL};
-    const bool hdf5 = artefact_is_table(path);
+    static const char *const x_names[] = {"x", "X", NULL};
+    const char *const value_names[] = {self->given.column, NULL};
+    const char *const y_names[] = {self->given.across, NULL};
     table_column columns[] = {
-        {.names = hdf5 ? x_name : NULL}, {.names = value_name}, {.names = y_name}};
-    ehd_status status = (hdf5 ? artefact_read_table : csv_read_table)(
-        path, columns, self->given.across[0] ? 3 : 2, &self->count, error);
+        {.names = x_names, .alone = true}, {.names = value_names}, {.names = y_names}};
+    const ehd_status status =
+        table_read(self->given.file, columns, self->given.across[0] ? 3 : 2, &self->count, error);
 
     self->x = columns[0].values;
     self->values = columns[1].values;
@@ -295,12 +313,14 @@ static double last_x(const ehd_grid *grid) {
     return grid_x(grid, grid_width(grid) - 1);
 }
 
-/* In front of the grid, on the side that it comes in from. */
+/* In front of the grid, on the side that it comes in from; at rest in the contact's centre. */
 static void set_position(ehd_surface *self, double of_length, const ehd_grid *grid) {
     surface_settings *given = &self->given;
 
     if (!isnan(given->position))
         given->position *= of_length;
+    else if (given->speed == 0)
+        given->position = 0;
     else
         given->position =
             given->speed > 0 ? first_x(grid) - self->front : last_x(grid) - self->rear;
@@ -326,9 +346,6 @@ ehd_status surface_init(ehd_surface **result, const scene *given, const ehd_cont
 
     *result = NULL;
     if (!kind) return EHD_OK;
-    if (given->surface.speed == 0)
-        return ehd_fail(error, EHD_DATA,
-                        "surface.speed: found 0, expected another one: at rest it never comes in");
     if (si && isnan(reference->half_width))
         return ehd_fail(error, EHD_DATA,
                         "surface.units: found si, expected contact in a scene without physical");
@@ -360,6 +377,10 @@ ehd_surface *surface_free(ehd_surface *self) {
     return NULL;
 }
 
+bool surface_rests(const ehd_surface *self) {
+    return self && self->given.speed == 0;
+}
+
 ehd_status surface_check_start(const ehd_surface *self, const contact_frame *frame,
                                const ehd_grid *grid, ehd_error *error) {
     const bool forwards = self->given.speed > 0;
@@ -367,12 +388,40 @@ ehd_status surface_check_start(const ehd_surface *self, const contact_frame *fra
     const double most = end - (forwards ? self->front : self->rear);
     const double slack = 1e-9 * fabs(end);
 
+    if (surface_rests(self)) return EHD_OK;
     if (forwards ? self->given.position <= most + slack : self->given.position >= most - slack)
         return EHD_OK;
     return ehd_fail(error, EHD_DATA,
                     "surface.position: found %.6g half widths, expected %s %.6g, in front of the "
                     "grid: the start is smooth",
                     self->given.position, forwards ? "at most" : "at least", most);
+}
+
+/* The grid sees waves as long as those of the largest curvature, along and across. */
+static ehd_status check_step(const ehd_surface *self, const ehd_grid *grid, ehd_error *error) {
+    const bool varies_across =
+        grid->inner_lines > 1 && (self->y || self->kind->height == dent_height);
+    const double across = varies_across ? grid_step_across(grid) * self->ellipticity : 0;
+    const double wave = 2 * M_PI * self->length;
+    const double most = wave / STEPS_PER_WAVE * grid->step / fmax(grid->step, across);
+
+    if (grid->step <= most * (1 + 1e-9)) return EHD_OK;
+    return ehd_fail(error, EHD_DATA,
+                    "grid.step: found %.6g half widths, expected at most %.6g to see the surface, "
+                    "whose shortest waves are %.3g long",
+                    grid->step, most, wave);
+}
+
+ehd_status surface_check_grid(const ehd_surface *self, const ehd_grid *grid, ehd_error *error) {
+    const double position = self->given.position;
+
+    if (surface_rests(self) &&
+        (position + self->front <= first_x(grid) || position + self->rear >= last_x(grid)))
+        return ehd_fail(error, EHD_DATA,
+                        "surface.position: found %.6g half widths, expected a surface that rests "
+                        "on the grid, from %.6g to %.6g",
+                        position, first_x(grid), last_x(grid));
+    return check_step(self, grid, error);
 }
 
 // ---- in time
@@ -404,6 +453,7 @@ double surface_longest_path(const ehd_surface *self, const contact_frame *frame,
         fmax(PART_OF_LENGTH * self->length, PART_OF_STEP * grid->step * frame->half_width);
     double move = resolved;
 
+    if (surface_rests(self)) return INFINITY;
     if (front < first) move = to_larger ? fmax(move, first - front) : INFINITY;
     if (rear > last) move = to_larger ? INFINITY : fmax(move, rear - last);
     return move / fabs(speed);

@@ -13,8 +13,8 @@
 typedef struct ehd_surface ehd_surface;
 
 /* That of a valid scene; NULL: both surfaces are smooth. EHD_DATA or EHD_NOINPUT: a table as of a
- * history, or of another height than 0 where it ends; units si without physical; a speed of 0;
- * EHD_MEMORY. Reads HDF5, so only one at a time (artefact.h). */
+ * history, or of another height than 0 where it ends; units si without physical; EHD_MEMORY. Reads
+ * HDF5, so only one at a time (artefact.h). */
 ehd_status surface_init(
     // output:
     ehd_surface **self, // free with surface_free; NULL after a failure
@@ -23,9 +23,17 @@ ehd_status surface_init(
 
 ehd_surface *surface_free(ehd_surface *self); // accepts and returns NULL
 
-/* EHD_DATA where in the frame of a start some of it is on the grid already: the start is smooth. */
+/* Whether it has a speed of 0. Then it is part of the start. NULL: not. */
+bool surface_rests(const ehd_surface *self);
+
+/* EHD_DATA where in the frame of a start some of one that moves is on the grid already: the start is
+ * smooth. */
 ehd_status surface_check_start(const ehd_surface *self, const contact_frame *frame,
                                const ehd_grid *grid, ehd_error *error);
+
+/* EHD_DATA where the nodes of the reference's grid do not see the surface: one that rests outside of
+ * the grid, or one that is finer than the steps. */
+ehd_status surface_check_grid(const ehd_surface *self, const ehd_grid *grid, ehd_error *error);
 
 /* Height at a place of a frame, in its scales. */
 double surface_height(const ehd_surface *self, const contact_frame *frame, double x, double y);

@@ -1,9 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "common/training/pool.h"
 
+#include "common/program/arena.h"
+#include "common/program/openblas.h"
 #include "common/program/program.h"
 
 #include <pthread.h>
+#include <sched.h>
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
@@ -14,17 +17,26 @@ typedef struct pool {
     const pool_work *work;
     pthread_mutex_t lock; // guards everything below, and `start` and `finish` of the work
     pthread_cond_t changed;
-    bool *taken;       // [num_points]
-    bool *finished;    // [num_points]
-    size_t num_left;   // points not taken
-    size_t num_active; // workers that have not ended
-    ehd_status status; // the first failure
+    size_t next;   // place in the order up to which all points that wait for none are taken
+    size_t *ready; // [room] places of other points that may be taken: a heap, the lowest first
+    size_t num_ready;
+    size_t *place; // [num_points] of a point in the order; NULL: no point waits for another
+    size_t *first_child, *next_sibling; // [num_points] that wait for a point; NO_PARENT: none
+    size_t num_left;                    // points not taken
+    size_t num_active;                  // workers that have not ended
+    ehd_status status;                  // the first failure
     ehd_error error;
 } pool;
 
 size_t pool_default_workers(void) {
-    long online = sysconf(_SC_NPROCESSORS_ONLN);
-    return online > 0 ? (size_t)online : 1;
+    cpu_set_t allowed;
+    int count = 0;
+
+    // a container or `taskset` may allow fewer processors than the machine has
+    if (sched_getaffinity(0, sizeof allowed, &allowed) == 0) count = CPU_COUNT(&allowed);
+    // a machine with more processors than a cpu_set_t holds
+    if (count < 1) count = (int)sysconf(_SC_NPROCESSORS_ONLN);
+    return count > 0 ? (size_t)count : 1;
 }
 
 // ---- with the lock held
@@ -39,14 +51,59 @@ static size_t parent_of(const pool *self, size_t point) {
     return self->work->parent ? self->work->parent[point] : NO_PARENT;
 }
 
-/* The next point whose parent is finished, or NO_PARENT. */
-static size_t free_point(const pool *self) {
-    for (size_t i = 0; i < self->work->num_points; i++) {
-        size_t point = self->work->order ? self->work->order[i] : i;
-        size_t parent = parent_of(self, point);
-        if (!self->taken[point] && (parent == NO_PARENT || self->finished[parent])) return point;
+static bool is_done(const pool *self, size_t point) {
+    return self->work->done && self->work->done[point];
+}
+
+/* The point at a place of the order. */
+static size_t point_at(const pool *self, size_t place) {
+    return self->work->order ? self->work->order[place] : place;
+}
+
+/* Whether the point at a place waits for no other point. */
+static bool is_root(const pool *self, size_t place) {
+    const size_t point = point_at(self, place), parent = parent_of(self, point);
+
+    return !is_done(self, point) && (parent == NO_PARENT || is_done(self, parent));
+}
+
+static void add_ready(pool *self, size_t place) {
+    size_t i = self->num_ready++;
+
+    for (; i > 0 && self->ready[(i - 1) / 2] > place; i = (i - 1) / 2)
+        self->ready[i] = self->ready[(i - 1) / 2];
+    self->ready[i] = place;
+}
+
+static size_t take_ready(pool *self) {
+    const size_t lowest = self->ready[0], last = self->ready[--self->num_ready];
+    size_t i = 0;
+
+    for (size_t child; (child = 2 * i + 1) < self->num_ready; i = child) {
+        child += child + 1 < self->num_ready && self->ready[child + 1] < self->ready[child];
+        if (last <= self->ready[child]) break;
+        self->ready[i] = self->ready[child];
     }
-    return NO_PARENT;
+    self->ready[i] = last;
+    return lowest;
+}
+
+/* Takes the first point in the order whose parent is finished, or NO_PARENT. */
+static size_t free_point(pool *self) {
+    while (self->next < self->work->num_points && !is_root(self, self->next))
+        self->next++;
+    const bool root = self->next < self->work->num_points;
+    if (self->num_ready > 0 && (!root || self->ready[0] < self->next))
+        return point_at(self, take_ready(self));
+    return root ? point_at(self, self->next++) : NO_PARENT;
+}
+
+/* Lets the points be taken that have waited for this one. */
+static void release_children(pool *self, size_t point) {
+    if (!self->place) return;
+    for (size_t child = self->first_child[point]; child != NO_PARENT;
+         child = self->next_sibling[child])
+        if (!is_done(self, child)) add_ready(self, self->place[child]);
 }
 
 /* Waits for a point. NO_PARENT: nothing is left, or the pool stops. */
@@ -63,7 +120,6 @@ static size_t take_point(pool *self) {
         pthread_cond_wait(&self->changed, &self->lock);
     }
     if (point == NO_PARENT || self->status) return NO_PARENT;
-    self->taken[point] = true;
     self->num_left--;
     return point;
 }
@@ -75,7 +131,8 @@ static bool leaves_to_others(pool *self, ehd_status status) {
 }
 
 static void put_back(pool *self, size_t point) {
-    self->taken[point] = false;
+    // without a list of places a point's number is its place
+    add_ready(self, self->place ? self->place[point] : point);
     self->num_left++;
 }
 
@@ -115,7 +172,7 @@ static void *run_worker(void *argument) {
         bool solved = false;
         status = run_point(self, worker, point, &solved, &error);
         leaves = work->repeatable && !solved && leaves_to_others(self, status);
-        self->finished[point] = !status;
+        if (!status) release_children(self, point);
         if (leaves)
             put_back(self, point);
         else if (status)
@@ -154,7 +211,7 @@ static size_t workers_with_memory(size_t num_wanted, double worker_bytes) {
                          ? mmap(NULL, (size_t)bytes, PROT_NONE,
                                 MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0)
                          : MAP_FAILED;
-        const size_t found = room == MAP_FAILED ? num - 1 : program_take_buffers(num);
+        const size_t found = room == MAP_FAILED ? num - 1 : openblas_take_buffers(num);
         if (room != MAP_FAILED) munmap(room, (size_t)bytes);
         if (found == num) return num;
         num = found;
@@ -175,21 +232,41 @@ static void run_threads(pool *self) {
     free(threads);
 }
 
+/* Allocates. Memory grows with the points only if there is an order, or points wait for others. */
+static bool prepare(pool *self) {
+    const pool_work *work = self->work;
+    const size_t count = work->num_points;
+    const bool apart = work->parent || work->order;
+
+    self->ready = array_new((apart ? count : work->num_workers) + 1, 1, sizeof *self->ready);
+    if (!apart) return self->ready != NULL;
+    self->place = array_new(count + 1, 1, sizeof *self->place);
+    self->first_child = array_new(count + 1, 1, sizeof *self->first_child);
+    self->next_sibling = array_new(count + 1, 1, sizeof *self->next_sibling);
+    if (!self->ready || !self->place || !self->first_child || !self->next_sibling) return false;
+    for (size_t i = 0; i < count; i++) {
+        self->place[point_at(self, i)] = i;
+        self->first_child[i] = NO_PARENT;
+    }
+    for (size_t i = 0; i < count; i++) {
+        const size_t parent = parent_of(self, i);
+        if (parent == NO_PARENT) continue;
+        self->next_sibling[i] = self->first_child[parent];
+        self->first_child[parent] = i;
+    }
+    return true;
+}
+
 ehd_status pool_run(const pool_work *work, ehd_error *error) {
     pool self = {.work = work, .num_left = work->num_points};
     ehd_status status;
 
-    self.taken = calloc(work->num_points, sizeof *self.taken);
-    self.finished = calloc(work->num_points, sizeof *self.finished);
-    if (!self.taken || !self.finished) {
+    if (!prepare(&self)) {
         status = ehd_fail(error, EHD_MEMORY, "points: found no memory for %zu", work->num_points);
         goto done;
     }
-    for (size_t i = 0; i < work->num_points; i++) {
-        if (!work->done || !work->done[i]) continue;
-        self.taken[i] = self.finished[i] = true;
-        self.num_left--;
-    }
+    for (size_t i = 0; work->done && i < work->num_points; i++)
+        self.num_left -= work->done[i];
     pthread_mutex_init(&self.lock, NULL);
     pthread_cond_init(&self.changed, NULL);
     if (self.num_left > 0) run_threads(&self);
@@ -198,7 +275,9 @@ ehd_status pool_run(const pool_work *work, ehd_error *error) {
     status = self.status;
     if (status && error) *error = self.error;
 done:
-    free(self.taken);
-    free(self.finished);
+    free(self.ready);
+    free(self.place);
+    free(self.first_child);
+    free(self.next_sibling);
     return status;
 }

@@ -36,7 +36,7 @@ typedef struct pool_work {
  * EHD_MEMORY. */
 ehd_status pool_run(const pool_work *work, ehd_error *error);
 
-/* Processors that are online, at least 1. */
+/* Returns the number of processors that this process may use, at least 1. */
 size_t pool_default_workers(void);
 
 #endif

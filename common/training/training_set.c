@@ -238,10 +238,11 @@ void training_set_places(tree_point *places, const training_set *set) {
         // L where the Hertz pressure follows from it, else what would give the Hertz pressure
         double material =
             contact->alpha_p_H / contact->kind->alpha_p_H(&contact->grid.shape, contact->moes_M, 1);
-        places[i] = (tree_point){
-            .family = family_of(set, i),
-            .place = {log_M, material, thinning_coordinate(traction_thinning_rate(contact))},
-            .effort = fabs(log_M - log(12)) + 0.5 * material};
+        const flow_thinning thinning = traction_thinning(contact);
+        places[i] = (tree_point){.family = family_of(set, i),
+                                 .place = {log_M, material, thinning_coordinate(thinning.sliding),
+                                           gradient_coordinate(thinning.gradient)},
+                                 .effort = fabs(log_M - log(12)) + 0.5 * material};
     }
 }
 

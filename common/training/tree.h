@@ -8,7 +8,7 @@
 
 #define NO_PARENT ((size_t)-1)
 
-enum { TREE_AXES = 3 };
+enum { TREE_AXES = 4 };
 
 /* A point as the tree sees it. Points of different families are never neighbours. */
 typedef struct tree_point {

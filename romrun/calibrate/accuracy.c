@@ -47,6 +47,17 @@ ehd_status accuracy_choose(accuracy_choice *choice, const trade_table *table, do
                         name, num_measured, what);
     const trade_position *most_accurate = &table->positions[best];
     trade_name(sizes, &most_accurate->sizes);
+    choice->most_accurate = most_accurate->sizes;
+    // each step has its own error estimate, which may be smaller than those of the calibration
+    if (chosen == table->num_positions && in_time && most_accurate->factor_in_time > 0) {
+        choice->fastest = most_accurate->sizes;
+        snprintf(choice->note, sizeof choice->note,
+                 "%s, the most accurate of %zu sizes: on half of %zu trajectories its films were "
+                 "indicated to be at most %.3g off, more than that; each step is judged by its own",
+                 sizes, table->num_positions, table->num_trajectories,
+                 trade_price_of(most_accurate, true).deviation);
+        return EHD_OK;
+    }
     if (chosen == table->num_positions)
         return ehd_fail(error, EHD_DATA,
                         "--accuracy: found %g, expected at least %.3g, the best that %s was "
@@ -54,7 +65,6 @@ ehd_status accuracy_choose(accuracy_choice *choice, const trade_table *table, do
                         accuracy, rounding * trade_price_of(most_accurate, in_time).deviation, name,
                         sizes);
     choice->fastest = table->positions[chosen].sizes;
-    choice->most_accurate = most_accurate->sizes;
     explain(choice, table, &table->positions[chosen], accuracy, in_time);
     return EHD_OK;
 }
@@ -66,13 +76,13 @@ double accuracy_tolerance(double accuracy) {
 }
 
 double accuracy_limit(double accuracy) {
-    return accuracy > 0 ? accuracy : online_accuracy;
+    return isgreater(accuracy, 0) ? accuracy : online_accuracy;
 }
 
 void accuracy_judge(run_result *result, double accuracy) {
     const double central = result->indicated_deviation;
     const double minimum = result->indicated_deviation_minimum;
-    const bool of_minimum = minimum > central, given = accuracy > 0;
+    const bool of_minimum = isgreater(minimum, central), given = isgreater(accuracy, 0);
     const double larger = of_minimum ? minimum : central;
     const double limit = accuracy_limit(accuracy);
 
@@ -92,35 +102,52 @@ void accuracy_judge_peak(run_result *result, double accuracy, double peak) {
              peak, trade_pressures_allowed);
 }
 
+static const char rolling_name[] = "rolling_resistance";
+
+/* Where the limit of the quantity with this name is kept; NULL: there is none. */
+static double *limit_of(accuracy_limits *self, const char *name, size_t length) {
+    for (int q = 0; q < NUM_INDICATED; q++)
+        if (strlen(indicated_entries[q].name) == length &&
+            strncmp(indicated_entries[q].name, name, length) == 0)
+            return &self->of[q];
+    return strlen(rolling_name) == length && strncmp(rolling_name, name, length) == 0
+               ? &self->rolling
+               : NULL;
+}
+
 ehd_status accuracy_read_limit(void *limits, const char *argument, ehd_error *error) {
     accuracy_limits *self = limits;
     const char *equals = strchr(argument, '=');
     const size_t length = equals ? (size_t)(equals - argument) : strlen(argument);
     char names[ACCURACY_NOTE] = "", *end = NULL;
+    double *limit = limit_of(self, argument, length);
 
-    for (int q = 0; q < NUM_INDICATED; q++) {
-        const char *name = indicated_entries[q].name;
-        if (strlen(name) == length && strncmp(name, argument, length) == 0) {
-            const double limit = equals ? strtod(equals + 1, &end) : NAN;
-            if (!(limit > 0 && limit <= 1) || *end != '\0')
-                return ehd_fail(error, EHD_USAGE,
-                                "--accuracy-of: found %s, expected %s=X with X above 0, at most 1",
-                                argument, name);
-            self->of[q] = limit;
-            return EHD_OK;
-        }
-        snprintf(names + strlen(names), sizeof names - strlen(names), "%s%s", q > 0 ? ", " : "",
-                 name);
-    }
+    for (int q = 0; q < NUM_INDICATED && !limit; q++)
+        snprintf(names + strlen(names), sizeof names - strlen(names), "%s, ",
+                 indicated_entries[q].name);
+    if (!limit)
+        return ehd_fail(error, EHD_USAGE,
+                        "--accuracy-of: found %s, expected NAME=X with NAME one of %s%s", argument,
+                        names, rolling_name);
+    *limit = equals ? strtod(equals + 1, &end) : NAN;
+    if (end && *limit > 0 && *limit <= 1 && *end == '\0') return EHD_OK;
     return ehd_fail(error, EHD_USAGE,
-                    "--accuracy-of: found %s, expected NAME=X with NAME one of %s", argument,
-                    names);
+                    "--accuracy-of: found %s, expected %.*s=X with X above 0, at most 1", argument,
+                    (int)length, argument);
 }
 
 bool accuracy_limits_any(const accuracy_limits *limits) {
     for (int q = 0; q < NUM_INDICATED; q++)
         if (limits->of[q] > 0) return true;
-    return false;
+    return limits->rolling > 0;
+}
+
+void accuracy_write_limits(const accuracy_limits *limits, FILE *stream) {
+    for (int q = 0; q < NUM_INDICATED; q++)
+        if (limits->of[q] > 0)
+            fprintf(stream, "# accuracy of %s %.17g\n", indicated_entries[q].name, limits->of[q]);
+    if (limits->rolling > 0)
+        fprintf(stream, "# accuracy of rolling_resistance %.17g\n", limits->rolling);
 }
 
 void accuracy_judge_others(run_result *result, const accuracy_limits *limits) {
@@ -138,4 +165,28 @@ void accuracy_judge_others(run_result *result, const accuracy_limits *limits) {
                 "an indicated deviation of %.2g%s of the %s, more than the --accuracy-of %s=%g",
                 found, entry->unit, entry->text, entry->name, limits->of[q]);
     }
+}
+
+void accuracy_judge_rolling(run_result *result, const accuracy_limits *limits) {
+    if (!(limits->rolling > 0) || result->status) return;
+    const double central = result->indicated_deviation;
+    const double minimum = result->indicated_deviation_minimum;
+    double films = isnan(central + minimum) ? NAN : fmax(central, minimum);
+
+    // the full model has no other error than that of its grid
+    if (result->solved_by == SOLVED_BY_FULL) films = 0;
+    const double found = result->traction && result->effects && !isnan(films)
+                             ? film_effects_of_rolling(result->effects) + films
+                             : NAN;
+
+    if (found <= limits->rolling) return;
+    result->status = EHD_UNTRUSTED;
+    if (isnan(found))
+        snprintf(result->reason, sizeof result->reason,
+                 "no error estimate of the rolling resistance, for which --accuracy-of asks");
+    else
+        snprintf(result->reason, sizeof result->reason,
+                 "an error estimate of %.2g of the rolling resistance, more than the --accuracy-of "
+                 "%s=%g",
+                 found, rolling_name, limits->rolling);
 }

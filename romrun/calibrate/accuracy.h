@@ -14,8 +14,10 @@ typedef struct accuracy_choice {
     char note[ACCURACY_NOTE];  // the fastest sizes and their measured accuracy
 } accuracy_choice;
 
-/* Chooses the sizes for a relative deviation of the films, in time of the central one. `name`: of the model, for errors.
- * EHD_DATA: not calibrated in this regime, or no sizes are that accurate. */
+/* Chooses the sizes for a relative deviation of the films, in time without an indicator of the central
+ * one. In time, with an indicator, the most accurate ones where none are that accurate: each step is then
+ * judged by its own error estimate. `name`: of the model, for errors. EHD_DATA: not calibrated in this
+ * regime, or no sizes are that accurate. */
 ehd_status accuracy_choose(
     // output:
     accuracy_choice *choice,
@@ -40,6 +42,7 @@ void accuracy_judge_peak(run_result *result, double accuracy,
 /* Limits of --accuracy-of, by indicated_quantity; 0: none. */
 typedef struct accuracy_limits {
     double of[NUM_INDICATED];
+    double rolling; // of the rolling resistance
 } accuracy_limits;
 
 /* Reads "NAME=X" into one of them. EHD_USAGE: no such name, with those there are; X not between 0
@@ -49,7 +52,14 @@ ehd_status accuracy_read_limit(void *limits, const char *argument, ehd_error *er
 /* Whether there is one. */
 bool accuracy_limits_any(const accuracy_limits *limits);
 
+/* Writes them as comments of settings, a line each; nothing where there is none. */
+void accuracy_write_limits(const accuracy_limits *limits, FILE *stream);
+
 /* Sets EHD_UNTRUSTED where one of result->indicated is above its limit, or not known. */
 void accuracy_judge_others(run_result *result, const accuracy_limits *limits);
+
+/* Sets EHD_UNTRUSTED where the error estimate of the rolling resistance is above its limit, or not
+ * known. The estimate is the sum of result->effects and, of a reduced result, the films' larger one. */
+void accuracy_judge_rolling(run_result *result, const accuracy_limits *limits);
 
 #endif

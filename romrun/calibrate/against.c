@@ -110,18 +110,23 @@ static void print_heading(const char *path, const ehd_grid *grid, const ehd_grid
     printf("%s:\n", moved || discretized || bounded ? ": what it does is in the deviations)" : "");
 }
 
-ehd_status against_check(double moes_M, double alpha_p_H, double hertz_pressure, double thinning,
-                         const ehd_grid *grid, const char *path, const ehd_contact *contact,
-                         ehd_error *error) {
+ehd_status against_check(double moes_M, double alpha_p_H, double hertz_pressure,
+                         flow_thinning thinning, const ehd_grid *grid, const char *path,
+                         const ehd_contact *contact, ehd_error *error) {
     const double slack = 1e-6;
     const ehd_status status = grid_check_shape(grid, path, &contact->grid, "the scene", error);
 
-    const double expected = traction_thinning_rate(contact);
+    const flow_thinning expected = traction_thinning(contact);
     if (status) return status;
-    if (!(fabs(thinning - expected) <= slack * expected))
+    if (!(fabs(thinning.sliding - expected.sliding) <= slack * expected.sliding))
         return ehd_fail(error, EHD_DATA,
                         "%s: thinning: found %g, expected the scene's %g (lubricant.shear.in_film)",
-                        path, thinning, expected);
+                        path, thinning.sliding, expected.sliding);
+    if (!(fabs(thinning.gradient - expected.gradient) <= slack * expected.gradient))
+        return ehd_fail(error, EHD_DATA,
+                        "%s: gradient_thinning: found %g, expected the scene's %g "
+                        "(lubricant.shear.in_film)",
+                        path, thinning.gradient, expected.gradient);
     if (fabs(moes_M - contact->moes_M) <= slack * contact->moes_M &&
         fabs(hertz_pressure - contact->hertz_pressure) <=
             slack * fmax(contact->hertz_pressure, 1) &&

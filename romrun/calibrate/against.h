@@ -6,11 +6,12 @@
 #include "common/output/result.h"
 #include "common/output/time_result.h"
 #include "common/output/time_run.h"
+#include "common/physics/traction.h"
 
 /* EHD_DATA: a result with these numbers on a grid, read from `path`, is not one of the contact. */
-ehd_status against_check(double moes_M, double alpha_p_H, double hertz_pressure, double thinning,
-                         const ehd_grid *grid, const char *path, const ehd_contact *contact,
-                         ehd_error *error);
+ehd_status against_check(double moes_M, double alpha_p_H, double hertz_pressure,
+                         flow_thinning thinning, const ehd_grid *grid, const char *path,
+                         const ehd_contact *contact, ehd_error *error);
 
 /* Largest difference of a field at the nodes of a grid from one of another whole grid, which is
  * interpolated there with four nodes an axis; at the nodes that lie in both. */

@@ -19,7 +19,7 @@ static ehd_status choose_points(bool *keep, const training_set *set, const reduc
 
     for (size_t i = 0; i < set->num_points; i++) {
         const ehd_contact *contact = &set->contacts[i];
-        const char *outside = trained_range_check(range, NULL, contact_place_of(contact), NULL);
+        const char *outside = trained_range_check(range, NULL, contact_place_of_any(contact), NULL);
         training_point_name(name, contact);
         if (reduced_states_have(&model->states, contact))
             return ehd_fail(error, EHD_DATA,

@@ -57,7 +57,7 @@ static ehd_status keep_inside(training_set *set, const reduced_model *model, con
 
     for (size_t i = 0; i < set->num_points && !status; i++) {
         const ehd_contact *contact = &set->contacts[i];
-        keep[i] = !trained_range_check(range, NULL, contact_place_of(contact), NULL) &&
+        keep[i] = !trained_range_check(range, NULL, contact_place_of_any(contact), NULL) &&
                   !reduced_states_have(&model->states, contact);
     }
     if (!status) status = training_set_keep(set, keep, name, error);

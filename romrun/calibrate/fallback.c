@@ -51,7 +51,7 @@ static ehd_status solve_once(fallback *self, full_solver *solver, const full_sta
         status = full_solve(&self->info, &self->state, solver, contact, NULL, error);
         if (!status) self->status = full_judge(self->reason, &self->info, &self->state, contact);
     }
-    if (!status && self->status) {
+    if (!status && self->status == EHD_NOT_CONVERGED) {
         const full_info tried = self->info;
         self->from_reduced = false;
         full_state_fill(&self->state, grid);

@@ -15,7 +15,12 @@
 typedef struct standing {
     double full;        // 1 while steps are taken by the full model, else 0
     double full_states; // 1 where the full model holds the last accepted states too
-    double failed;      // attempts of the reduced model since these that did not converge
+    double pause,
+        left;    // full steps between two tries of the reduced model, and those until the next try
+    double held; // reduced steps since the last return
+    // Newton iterations of accepted steps, of attempts that became no step, and of the attempt that is not
+    // yet accepted or rejected
+    double useful, wasted, open;
     double full_steps, since, seconds_full, seconds_reduced; // as in time_run_share
 } standing;
 
@@ -24,8 +29,9 @@ _Static_assert(sizeof(standing) == NUM_STANDING * sizeof(double), "these are dou
 
 struct fallback_march {
     ehd_contact reference;
-    double accuracy;      // of the films that a reduced step indicates
-    double limit;         // of a reduced film's deviation from the full one, over the central film
+    // of what a reduced step indicates of its films, and of a reduced film's deviation from the full
+    // one over the central film
+    double limit;
     const char *distrust; // why all steps are the full model's; NULL: they are not
     parts_march *reduced;
     full_march *full;
@@ -33,12 +39,14 @@ struct fallback_march {
     standing now;
     char reason[MARCH_REASON]; // of the first full step
     // of the attempt:
-    bool by_full, returns; // solved by the full model; and by the reduced one as well
-    const char *doubt;     // why not by the reduced one
-    bool base_taken;       // the reduced model has the full one's base
-    full_state work;       // a reduced state on the grid
-    double *errors;        // [num_nodes]
-    size_t *exits;         // [lines of the grid]
+    bool by_full;      // the full model solved it
+    bool tried;        // the reduced model was given the full one's states
+    bool returns;      // and solved the step as well as the full one, so that it goes on
+    const char *doubt; // why the reduced model does not
+    bool base_taken;   // the reduced model has the full one's base
+    full_state work;   // a reduced state on the grid
+    double *errors;    // [num_nodes]
+    size_t *exits;     // [lines of the grid]
 };
 
 fallback_march *fallback_march_free(fallback_march *self) {
@@ -66,10 +74,10 @@ ehd_status fallback_march_create(fallback_march **created, parts_march *reduced,
     *created = NULL;
     if (!self) return ehd_fail(error, EHD_MEMORY, "full model: found no memory");
     self->reference = *reference;
-    self->accuracy = accuracy;
     self->limit = part * accuracy;
     self->distrust = distrust;
     self->now.since = NAN;
+    self->now.pause = 1;
     self->reduced = reduced;
     self->of_reduced = parts_march_solver(reduced);
     self->errors = malloc(grid->num_nodes * sizeof *self->errors);
@@ -181,10 +189,33 @@ static void collect_errors(fallback_march *self, double errors[NUM_ERROR_PLACES]
     }
 }
 
-static ehd_status to_reduced(fallback_march *self, reduced_march *part, const contact_frame *before,
-                             ehd_error *error) {
+/* Returns the largest deviation of a reduced state's film from that of a full state, over the larger of that film and
+ * the central film; infinite where a film is not a number. All nodes before the exits of the full state (self->exits)
+ * count. Those without pressure do too, because the fluid carries their film on. Leaves the reduced state in self->work. */
+static double deviation(fallback_march *self, const reduced_march *part,
+                        const reduced_state *reduced, const full_state *full, double central_film) {
+    const ehd_grid *grid = &self->reference.grid;
+    double largest = 0;
+
+    load(self, part, reduced);
+    for (size_t k = 0; k < grid->num_nodes; k++) {
+        if (k % grid_width(grid) >= self->exits[k / grid_width(grid)]) continue;
+        const double here =
+            fabs(self->work.film[k] - full->film[k]) / fmax(full->film[k], central_film);
+        largest = isnan(here) ? INFINITY : fmax(largest, here);
+    }
+    return largest;
+}
+
+/* Gives the full model's states to a part of the reduced model, which represents them by its modes. *off is the largest
+ * deviation of its films then. That of the last state is from now on part of the indicated error. */
+static ehd_status to_reduced(double *off, fallback_march *self, reduced_march *part,
+                             const contact_frame *before, double central_film, ehd_error *error) {
+    const ehd_grid *grid = &self->reference.grid;
     const contact_frame *frame;
-    double errors[NUM_ERROR_PLACES];
+    double errors[NUM_ERROR_PLACES], change[NUM_ERROR_PLACES];
+
+    *off = 0;
 
     if (is_along_path(self)) {
         if (!self->base_taken) {
@@ -202,32 +233,41 @@ static ehd_status to_reduced(fallback_march *self, reduced_march *part, const co
         const handed_state handed = hand(self, state, frame);
         const ehd_status status = reduced_march_take(part, i, &handed, before, error);
         if (status) return status;
+        const reduced_state taken = reduced_march_state_before(part, i, NULL);
+        *off = fmax(*off, deviation(self, part, &taken, state, central_film));
+        if (i > 1) continue;
+        film_errors_between(change, self->work.film, state->film, grid,
+                            self->exits[grid_central_line(grid) / grid_width(grid)]);
     }
+    reduced_march_take_indicated(part, NULL, change);
     return EHD_OK;
 }
 
-/* Largest deviation of the reduced attempt's film from the full one's before the exit, over the
- * central film. */
-static double deviation(fallback_march *self, double central_film) {
-    const full_state *full = full_march_state_before(self->full, 0, NULL);
+/* The same of the attempt. */
+static double deviation_of_attempt(fallback_march *self, double central_film) {
+    const contact_frame *frame;
+    const full_state *full = full_march_state_before(self->full, 0, &frame);
     const reduced_march *part =
         parts_march_part(self->reduced, parts_march_attempted(self->reduced));
     const reduced_state reduced = reduced_march_state_before(part, 0, NULL);
-    double largest = 0;
 
-    load(self, part, &reduced);
-    for (size_t k = 0; k < self->reference.grid.num_nodes; k++)
-        if (full_has_pressure(full, k))
-            largest = fmax(largest, fabs(self->work.film[k] - full->film[k]) / central_film);
-    return largest;
+    hand(self, full, frame); // its exits
+    return deviation(self, part, &reduced, full, central_film);
 }
 
-/* A step whose films are indicated to deviate by more than the accuracy is not trusted either. */
+/* A step whose films are indicated to deviate by more than the limit is not trusted either, because the full model
+ * would take over its error with the film. */
 static void judge_indicated(march_step *outcome, const fallback_march *self) {
-    if (outcome->status || !(fmax(outcome->indicated, outcome->indicated_minimum) > self->accuracy))
+    if (outcome->status || !(fmax(outcome->indicated, outcome->indicated_minimum) > self->limit))
         return;
     outcome->status = EHD_UNTRUSTED;
-    outcome->reason = "a film indicated to deviate by more than the accuracy";
+    outcome->reason = "a film indicated to deviate by more than a tenth of the accuracy";
+}
+
+/* Whether attempts that became no step have taken more iterations than the steps. Then the full model alone takes steps
+ * until they have not. So a march takes at most twice the iterations of its steps, and those of one more attempt. */
+static bool is_budget_spent(const fallback_march *self) {
+    return self->now.wasted > self->now.useful;
 }
 
 /* Whether the reduced model, from the full one's states as its modes have them, solves the step that
@@ -238,17 +278,23 @@ static ehd_status try_to_return(fallback_march *self, const march_step *solved,
     const contact_frame now = load_frame(self, 0), before = load_frame(self, 1);
     march_step outcome = {.status = EHD_OK};
 
-    if (self->distrust) return EHD_OK;
+    if (self->distrust || self->now.left > 0 || is_budget_spent(self)) return EHD_OK;
     const size_t part_before = parts_march_accepted(self->reduced);
     reduced_march *part = parts_march_choose(self->reduced, &now);
     if (parts_march_accepted(self->reduced) != part_before) self->base_taken = false;
     if (reduced_march_check_range(part, &now, &before)) return EHD_OK;
-    ehd_status status = to_reduced(self, part, &before, error);
+    self->tried = true;
+    const double film = solved->scalars.central_film_thickness;
+    double off;
+    ehd_status status = to_reduced(&off, self, part, &before, film, error);
+    if (!status && off > self->limit) return EHD_OK;
     if (!status)
         status = self->of_reduced.attempt(&outcome, self->of_reduced.self, frame, step, error);
-    if (!status) judge_indicated(&outcome, self);
-    if (status || outcome.status) return status;
-    self->returns = deviation(self, solved->scalars.central_film_thickness) <= self->limit;
+    if (status) return status;
+    self->now.wasted += (double)outcome.iterations; // the step is the full model's
+    judge_indicated(&outcome, self);
+    if (outcome.status) return EHD_OK;
+    self->returns = deviation_of_attempt(self, film) <= self->limit;
     return EHD_OK;
 }
 
@@ -261,11 +307,14 @@ static ehd_status start(march_step *outcome, void *solver, const contact_frame *
     ehd_status status = EHD_OK;
 
     self->now.full = self->now.full_states = 0;
+    self->now.useful = self->now.wasted = self->now.open = 0;
     if (!self->distrust) {
         status = self->of_reduced.start(outcome, self->of_reduced.self, frame, error);
         self->now.seconds_reduced += program_seconds() - begun;
+        if (status) return status;
         judge_indicated(outcome, self);
-        if (status || !outcome->status) return status;
+        self->now.useful = (double)outcome->iterations;
+        if (!outcome->status) return EHD_OK;
     }
     begun = program_seconds();
     snprintf(self->reason, sizeof self->reason, "%s",
@@ -276,54 +325,84 @@ static ehd_status start(march_step *outcome, void *solver, const contact_frame *
     status = self->of_full.start(outcome, self->of_full.self, frame, error);
     outcome->by_full_model = true;
     self->now.seconds_full += program_seconds() - begun;
+    if (!status) self->now.useful += (double)outcome->iterations;
     return status;
 }
 
-/* By the reduced model; *done: it is as good as it gets, or to be repeated with a shorter step. One
- * that does not converge is, once. */
-static ehd_status attempt_reduced(bool *done, march_step *outcome, fallback_march *self,
+/* By the reduced model. */
+static ehd_status attempt_reduced(march_step *outcome, fallback_march *self,
                                   const contact_frame *frame, double step, ehd_error *error) {
     const double begun = program_seconds();
     ehd_status status =
         self->of_reduced.attempt(outcome, self->of_reduced.self, frame, step, error);
 
     self->now.seconds_reduced += program_seconds() - begun;
+    if (status) return status;
+    self->now.open = (double)outcome->iterations;
     judge_indicated(outcome, self);
-    *done = status || !outcome->status ||
-            (outcome->status == EHD_NOT_CONVERGED && self->now.failed++ == 0);
     self->doubt = outcome->reason;
-    return status;
+    return EHD_OK;
+}
+
+/* Adds the iterations of the last attempt to a sum. */
+static void close_attempt(fallback_march *self, double *sum) {
+    *sum += self->now.open;
+    self->now.open = 0;
 }
 
 static ehd_status attempt(march_step *outcome, void *solver, const contact_frame *frame,
                           double step, ehd_error *error) {
     fallback_march *self = solver;
     const bool was_full = self->now.full == 1;
-    bool done = false;
     ehd_status status = EHD_OK;
 
-    self->by_full = self->returns = false;
-    if (!was_full) status = attempt_reduced(&done, outcome, self, frame, step, error);
-    if (status || done) return status;
+    self->by_full = self->tried = self->returns = false;
+    close_attempt(self, &self->now.wasted); // the last one was rejected
+    if (!was_full && is_budget_spent(self)) {
+        self->doubt = "more iterations of attempts in vain than of steps";
+    } else if (!was_full) {
+        status = attempt_reduced(outcome, self, frame, step, error);
+        if (status || !outcome->status) return status;
+        close_attempt(self, &self->now.wasted);
+    }
     const double begun = program_seconds();
     if (self->now.full_states != 1) status = to_full(self, error);
     if (!status) status = self->of_full.attempt(outcome, self->of_full.self, frame, step, error);
     outcome->by_full_model = self->by_full = true;
     const double solved = program_seconds();
     self->now.seconds_full += solved - begun;
+    if (!status) self->now.open = (double)outcome->iterations;
     if (!status && !outcome->status && was_full)
         status = try_to_return(self, outcome, frame, step, error);
     self->now.seconds_reduced += program_seconds() - solved;
     return status;
 }
 
+/* Sets when the reduced model is tried next. A try that fails, and a return that did not last as long as
+ * the pause before it, double the pause, so that what leads to nothing costs little. */
+static void set_pause(fallback_march *self) {
+    standing *now = &self->now;
+
+    if (now->full != 1)
+        now->pause = now->held >= now->pause ? 1 : 2 * now->pause;
+    else if (self->tried && !self->returns)
+        now->pause *= 2;
+    else if (!self->tried) {
+        now->left = fmax(now->left - 1, 0);
+        return;
+    }
+    now->left = now->pause - 1;
+    now->held = 0;
+}
+
 static void accept(void *solver) {
     fallback_march *self = solver;
     standing *now = &self->now;
 
-    now->failed = 0;
     now->full_states = self->by_full;
+    close_attempt(self, &now->useful);
     if (!self->by_full) {
+        now->held++;
         self->of_reduced.accept(self->of_reduced.self);
         return;
     }
@@ -335,6 +414,7 @@ static void accept(void *solver) {
         snprintf(self->reason, sizeof self->reason, "%s", self->doubt);
     }
     now->full_steps++;
+    set_pause(self);
     now->full = !self->returns;
     if (self->returns) self->of_reduced.accept(self->of_reduced.self);
 }

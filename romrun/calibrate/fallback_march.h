@@ -11,9 +11,9 @@
 typedef struct fallback_march fallback_march;
 
 /* `reduced` must outlive it; nothing else may use it.
- * `accuracy`: of the central film, within a tenth of which a reduced step has to agree with the full one
- * before steps are reduced again. `distrust`: why no reduced step is to be trusted, and all are the full
- * model's; NULL: single ones. EHD_MEMORY. */
+ * `accuracy`: of the films; to a tenth of it a reduced step has to indicate its films, and to agree with
+ * the full one before steps are reduced again. `distrust`: why no reduced step is to be trusted, and all
+ * are the full model's; NULL: single ones. EHD_MEMORY. */
 ehd_status fallback_march_create(
     // output:
     fallback_march **self, // free with fallback_march_free

@@ -147,7 +147,8 @@ const char *recording_check(const recording *self, const trained_range *range) {
         const bool jumped = i == 0 || self->steps[i - 1].jump;
         frame_rates rates = {0};
         if (!jumped) rates = frame_rates_between(now, &self->steps[i - 1].load_frame);
-        const char *reason = trained_range_check(range, NULL, contact_place_of(&contact), &rates);
+        const char *reason =
+            trained_range_check(range, NULL, contact_place_of_any(&contact), &rates);
         if (reason) return reason;
     }
     return NULL;

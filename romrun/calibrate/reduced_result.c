@@ -32,4 +32,5 @@ void reduced_result_judge(run_result *result, const char *unchecked, double accu
         snprintf(result->reason, sizeof result->reason, "%s", unchecked);
     }
     accuracy_judge_others(result, limits);
+    accuracy_judge_rolling(result, limits);
 }

@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "romrun/calibrate/trade.h"
 
+#include <float.h>
 #include <math.h>
+#include <stdint.h>
 #include <stdlib.h>
 
 // ---- the ladder
@@ -149,14 +151,18 @@ static indicator_shape best_line(const ratios *self) {
     return best;
 }
 
-/* The offset is the deviation of one of the scenes. */
+/* Fits an offset, the deviation of one of the scenes, and the share of the bound that is added to it.
+ * The share is at least what holds to first order, a deviation of one bound, or the largest ratio where
+ * that is less. Without it an offset may cover all scenes alone, and other scenes would be indicated to
+ * deviate by the offset whatever their residuals are. */
 static indicator_shape best_offset(const ratios *self, indicator_shape line) {
+    const double first_order = fmin(1, self->largest);
     indicator_shape best = line;
     double least = indicated_sum(self, best);
 
     for (size_t i = 0; i < self->count; i++) {
         const double offset = self->ratio[i] * self->bound[i];
-        double share = 0;
+        double share = first_order;
         for (size_t j = 0; j < self->count; j++)
             share = fmax(share, self->ratio[j] - offset / self->bound[j]);
         indicator_shape with = line;
@@ -188,7 +194,8 @@ ehd_status trade_indicator_shape(indicator_shape *shape, const double *deviation
 trade_price trade_price_of(const trade_position *position, bool in_time) {
     if (in_time && position->factor_in_time > 0) {
         const double half = position->indicated_in_time[0];
-        return (trade_price){half, position->step_seconds, half < 1 ? 0 : 1};
+        return (trade_price){half < 1 ? half : INFINITY, position->step_seconds,
+                             position->num_lost};
     }
     if (in_time)
         return (trade_price){position->worst_in_time[TRADE_CENTRAL_FILM], position->step_seconds,
@@ -201,15 +208,29 @@ trade_price trade_price_of(const trade_position *position, bool in_time) {
                          position->seconds, position->num_failures};
 }
 
+/* Whether a size may be chosen whatever it fails at: in time with an indicator, where after jumps all sizes may
+ * be lost. */
+static bool may_fail(const trade_position *position, bool in_time) {
+    return in_time && position->factor_in_time > 0;
+}
+
+/* Whether a size may be chosen that deviates by no more, apart from what others fail at. */
+static bool is_candidate(const trade_position *position, double deviation, bool in_time) {
+    const trade_price price = trade_price_of(position, in_time);
+
+    return (price.num_failures == 0 || may_fail(position, in_time)) && price.deviation <= deviation;
+}
+
 bool trade_is_dominated(const trade_table *table, size_t position, bool in_time) {
     const trade_price self = trade_price_of(&table->positions[position], in_time);
 
-    if (self.num_failures > 0) return true;
+    if (!is_candidate(&table->positions[position], DBL_MAX, in_time)) return true;
     for (size_t i = 0; i < table->num_positions; i++) {
         const trade_price other = trade_price_of(&table->positions[i], in_time);
-        if (other.num_failures == 0 && other.seconds <= self.seconds &&
+        if (other.num_failures <= self.num_failures && other.seconds <= self.seconds &&
             other.deviation <= self.deviation &&
-            (other.seconds < self.seconds || other.deviation < self.deviation))
+            (other.seconds < self.seconds || other.deviation < self.deviation ||
+             other.num_failures < self.num_failures))
             return true;
     }
     return false;
@@ -228,16 +249,38 @@ static double field_deviation(const trade_table *table, size_t position) {
     return table->positions[position].deviation[TRADE_PRESSURE][TRADE_WORST];
 }
 
+/* As few failures as a size has that deviates by no more. */
+static size_t least_failures(const trade_table *table, double deviation, bool in_time) {
+    size_t least = SIZE_MAX;
+
+    for (size_t i = 0; i < table->num_positions; i++) {
+        const size_t here = trade_price_of(&table->positions[i], in_time).num_failures;
+        if (is_candidate(&table->positions[i], deviation, in_time) && here < least) least = here;
+    }
+    return least;
+}
+
+/* Of the sizes with so few failures. */
+static double largest_part(const trade_table *table, double deviation, size_t num_failures) {
+    double most = 0;
+
+    for (size_t i = 0; i < table->num_positions; i++)
+        if (trade_price_of(&table->positions[i], true).num_failures <= num_failures)
+            most = fmax(most, trade_part_in_time(&table->positions[i], deviation));
+    return most;
+}
+
 size_t trade_cheapest(const trade_table *table, double deviation, bool in_time) {
     const double fields = trade_pressures_allowed * deviation;
+    const size_t failures = least_failures(table, deviation, in_time);
+    const double most = in_time ? largest_part(table, deviation, failures) : 0;
     size_t best = table->num_positions, smoothest = best;
-    double seconds = INFINITY, most = 0;
+    double seconds = INFINITY;
 
-    for (size_t i = 0; i < table->num_positions && in_time; i++)
-        most = fmax(most, trade_part_in_time(&table->positions[i], deviation));
     for (size_t i = 0; i < table->num_positions; i++) {
         const trade_price price = trade_price_of(&table->positions[i], in_time);
-        if (price.num_failures > 0 || !(price.deviation <= deviation)) continue;
+        if (!is_candidate(&table->positions[i], deviation, in_time)) continue;
+        if (price.num_failures > failures) continue;
         if (in_time && trade_part_in_time(&table->positions[i], deviation) < most) continue;
         if (!in_time && field_deviation(table, i) > fields) {
             if (smoothest == table->num_positions ||
@@ -251,15 +294,27 @@ size_t trade_cheapest(const trade_table *table, double deviation, bool in_time) 
     return best < table->num_positions ? best : smoothest;
 }
 
+/* By what the most accurate size is found: in time with an indicator the geometric mean of what is
+ * indicated on the parts of the trajectories, of which a lost one counts as 1. */
+static double inaccuracy(const trade_position *position, bool in_time) {
+    double sum = 0;
+
+    if (!may_fail(position, in_time)) return trade_price_of(position, in_time).deviation;
+    for (int i = 0; i < NUM_TIME_PARTS; i++)
+        sum += log(position->indicated_in_time[i]);
+    return exp(sum / NUM_TIME_PARTS);
+}
+
 size_t trade_most_accurate(const trade_table *table, bool in_time) {
     size_t best = table->num_positions;
-    double deviation = INFINITY;
+    double least = INFINITY;
 
     for (size_t i = 0; i < table->num_positions; i++) {
-        const trade_price price = trade_price_of(&table->positions[i], in_time);
-        if (price.num_failures > 0 || !(price.deviation < deviation)) continue;
+        const trade_position *position = &table->positions[i];
+        if (!is_candidate(position, DBL_MAX, in_time)) continue;
+        if (!(inaccuracy(position, in_time) < least)) continue;
         best = i;
-        deviation = price.deviation;
+        least = inaccuracy(position, in_time);
     }
     return best;
 }

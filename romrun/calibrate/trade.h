@@ -21,30 +21,34 @@ ehd_status trade_ladder(
 /* Quantile of the values (nearest rank), which are sorted; NaN: no values. */
 double trade_quantile_of(double *values, size_t count, double quantile);
 
-/* Whether a position is not Pareto-optimal: it has failures, or another one without failures is as
- * fast and as accurate in the worst central film and better in one of the two. `in_time`, here and
- * below: as measured on trajectories. */
+/* Whether a position is not Pareto-optimal: it may not be chosen, or another one has no more failures, is as
+ * fast and as accurate, and better in one of the three. `in_time`, here and below: as measured on
+ * trajectories. */
 bool trade_is_dominated(const trade_table *table, size_t position, bool in_time);
 
 /* The fastest position without failures whose films deviate by no more, and of which the pressures of all scenes
  * do by no more than three times that, in Hertz pressures: spikes may be false where films are right. Where none has such
  * pressures, the one with the best. num_positions: none has such films. In time, with an indicator, which marks the steps
- * that deviate by more, the fastest of the positions of which the most trajectories are indicated to deviate by no more, at
- * least half of them. Films that rupture in the inlet after a jump, or fill the outlet, are lost or off at all sizes, 5 of
- * 20 random histories (scenes/studies/silent-in-time). */
+ * that deviate by more, at least half of the trajectories are indicated to deviate by no more; of such positions those
+ * with the fewest lost trajectories, of these those with the most trajectories within the deviation, and of these the
+ * fastest. Films that rupture in the inlet after a jump, or fill the outlet, are lost or off at all sizes, 5 of 20 random
+ * histories (scenes/studies/silent-in-time). */
 size_t trade_cheapest(const trade_table *table, double deviation, bool in_time);
 
-/* The position without failures whose worst central film deviates least; num_positions: none. */
+/* The position without failures whose worst central film deviates least; num_positions: none. In time, with an
+ * indicator, of those that solve half of the trajectories the one with the least geometric mean of what is indicated on
+ * the parts of the trajectories, lost ones counting as 1. */
 size_t trade_most_accurate(const trade_table *table, bool in_time);
 
 /* Deviation and time by which these choose. With an indicator, which marks the scenes that deviate
  * by more, it is enough that 90 % of the scenes are solved and indicated to deviate by no more. */
 typedef struct trade_price {
     // of the films: worst or, with an indicator, the 90 % quantile of the indicated; in time that
-    // of half of the trajectories, without an indicator the worst, of the central film alone
+    // of half of the trajectories (infinite: more are lost), without an indicator the worst, of the
+    // central film alone
     double deviation;
     double seconds;      // of a solution or a step
-    size_t num_failures; // with an indicator 0 up to 10 % of the scenes
+    size_t num_failures; // with an indicator 0 up to 10 % of the scenes, in time lost trajectories
 } trade_price;
 trade_price trade_price_of(const trade_position *position, bool in_time);
 

@@ -109,11 +109,25 @@ static ehd_status make_ladder(trade_table *table, const char *model_path, ehd_er
     return status;
 }
 
+/* The lubricants of all that the sizes are measured on. */
+static ehd_status list_shown(shown_lubricants *shown, const validation *scenes, ehd_error *error) {
+    const size_t count = scenes->num_scenes + scenes->num_recordings;
+
+    shown->of = calloc(count + 1, sizeof *shown->of);
+    if (!shown->of) return ehd_fail(error, EHD_MEMORY, "calibration: found no memory");
+    for (size_t i = 0; i < scenes->num_scenes; i++)
+        shown->of[shown->count++] = shown_of(scenes->scenes[i].contact, false);
+    for (size_t t = 0; t < scenes->num_recordings; t++)
+        shown->of[shown->count++] = shown_of(scenes->recordings[t].reference, true);
+    return EHD_OK;
+}
+
 ehd_status validation_measure(trade_table *table, const validation *scenes, const program *caller,
                               const char *model_path, ehd_error *error) {
     progress shown;
     ehd_status status = make_ladder(table, model_path, error);
 
+    if (!status) status = list_shown(&table->shown, scenes, error);
     if (status) return status;
     table->num_scenes = scenes->num_scenes;
     table->num_trajectories = scenes->num_recordings;
@@ -125,6 +139,7 @@ ehd_status validation_measure(trade_table *table, const validation *scenes, cons
         trade_name(name, &position->sizes);
         progress_show(&shown, i, name);
         status = online_open(&model, model_path, &(part_sizes){{position->sizes}}, error);
+        if (!status) status = online_show(model, &table->shown, error);
         if (!status) status = online_prepare_fields(model, error);
         if (!status)
             status =
@@ -151,10 +166,13 @@ ehd_status validation_worst(const ehd_contact **worst, const validation *scenes,
                             const char *model_path, ehd_error *error) {
     online_model *model = NULL;
     online_solver *solver = NULL;
+    shown_lubricants shown = {0};
     double largest = -1;
     ehd_status status = online_open(&model, model_path, NULL, error);
 
     *worst = NULL;
+    if (!status) status = list_shown(&shown, scenes, error);
+    if (!status) status = online_show(model, &shown, error);
     if (!status) status = online_solver_create(&solver, model, error);
     for (size_t i = 0; i < scenes->num_scenes && !status; i++) {
         const solved_scene *solved = &scenes->scenes[i];
@@ -168,5 +186,6 @@ ehd_status validation_worst(const ehd_contact **worst, const validation *scenes,
     }
     online_solver_free(solver);
     online_close(model);
+    free(shown.of);
     return status;
 }

@@ -9,6 +9,13 @@
 
 const char fmu_identifier[] = "ehdrom_contact";
 
+// the newest symbols of the shared object: hypot (2.35), with newer headers fmod and strtoull (2.38)
+#if __GLIBC_PREREQ(2, 38)
+#define NEEDED_GLIBC "2.38"
+#else
+#define NEEDED_GLIBC "2.35"
+#endif
+
 static void put_escaped(FILE *file, const char *text) {
     for (; *text; text++)
         switch (*text) {
@@ -186,6 +193,7 @@ void fmu_describe(FILE *file, const fmu_description *of, int fmi) {
     fputs(
         "  <LogCategories>\n"
         "    <Category name=\"logStatusError\" description=\"Why a call failed\"/>\n"
+        "    <Category name=\"logStatusDiscard\" description=\"Why a step was discarded\"/>\n"
         "    <Category name=\"logAll\" description=\"When results are no longer to be trusted\"/>\n"
         "  </LogCategories>\n"
         "  <DefaultExperiment startTime=\"0\"",
@@ -216,7 +224,8 @@ void fmu_document(FILE *file, const fmu_description *of) {
             ", for co-simulation. A communication step is one step of BDF2 to the inputs that were "
             "set before it, which hold at its end; where that is too long it is halved inside. "
             "<b>trusted</b> says whether the result is to be relied on; the calls' status does "
-            "not. Linux, x86-64, glibc 2.35 or newer. Licences: folder licenses.</p>\n<table>\n"
+            "not. Linux, x86-64, glibc " NEEDED_GLIBC
+            " or newer. Licences: folder licenses.</p>\n<table>\n"
             "<tr><th>Variable</th><th>Unit</th><th>Kind</th><th>Start</th><th>Meaning</th></tr>\n",
             contents->ellipse ? "elliptical" : fmu_contact(contents));
     for (size_t i = 0; i < FMU_NUM_VARIABLES; i++) {

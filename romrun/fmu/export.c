@@ -269,8 +269,8 @@ static ehd_status write_contents(const export_job *job, ehd_error *error) {
     return close_written(file, "contact.txt", error);
 }
 
-static void keep_failure(void *to, bool wrong, const char *text) {
-    if (wrong) ehd_fail(to, EHD_INTERNAL, "fmu: %s", text);
+static void keep_failure(void *to, fmu_outcome of, const char *text) {
+    if (of != FMU_DONE) ehd_fail(to, EHD_INTERNAL, "fmu: %s", text);
 }
 
 /* As an importer does. What is read then was written just before. */
@@ -281,7 +281,7 @@ static ehd_status try_out(const export_job *job, ehd_error *error) {
     const ehd_status otherwise = trial ? EHD_NOT_CONVERGED : EHD_IO;
     const bool works = trial && fmu_setup(trial, 0, INFINITY, 0) &&
                        fmu_enter_initialization(trial) && fmu_exit_initialization(trial) &&
-                       fmu_step(trial, 0, job->step);
+                       fmu_step(trial, 0, job->step) == FMU_DONE;
     const bool refused = errno == ENOMEM;
 
     fmu_free(trial);
@@ -357,6 +357,7 @@ static ehd_status write_texts(export_job *job, time_t when, ehd_error *error) {
     snprintf(name, sizeof name, "%s", slash ? slash + 1 : job->caller->output);
     char *dot = strrchr(name, '.');
     if (dot && dot > name) *dot = '\0';
+    text_make_printable(name, ""); // XML allows no control characters
     if (when) strftime(generated, sizeof generated, "%Y-%m-%dT%H:%M:%SZ", gmtime_r(&when, &at));
     const fmu_description of = {.contents = &job->contents,
                                 .name = name,

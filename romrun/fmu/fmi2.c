@@ -18,6 +18,9 @@ typedef struct component {
     char name[128];
 } component;
 
+static const fmi2Status statuses[] = {
+    [FMU_DONE] = fmi2OK, [FMU_DISCARDED] = fmi2Discard, [FMU_FAILED] = fmi2Error};
+
 static fmi2Status outcome(bool good) {
     return good ? fmi2OK : fmi2Error;
 }
@@ -40,12 +43,11 @@ const char *fmi2GetVersion(void) {
 
 // ---- creation
 
-static void show(void *to, bool wrong, const char *text) {
+static void show(void *to, fmu_outcome of, const char *text) {
     const component *self = to;
 
     if (self->logger)
-        self->logger(self->environment, self->name, wrong ? fmi2Error : fmi2OK,
-                     wrong ? "logStatusError" : "logAll", "%s", text);
+        self->logger(self->environment, self->name, statuses[of], fmu_categories[of], "%s", text);
 }
 
 static int digit_of(char c) {
@@ -235,7 +237,7 @@ fmi2Status fmi2DeSerializeFMUstate(fmi2Component c, const fmi2Byte bytes[], size
 
 fmi2Status fmi2DoStep(fmi2Component c, fmi2Real time, fmi2Real step, fmi2Boolean no_state_before) {
     (void)no_state_before;
-    return outcome(fmu_step(contact_of(c), time, step));
+    return statuses[fmu_step(contact_of(c), time, step)];
 }
 
 fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReference unknowns[],

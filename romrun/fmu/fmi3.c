@@ -14,6 +14,9 @@ typedef struct component {
     fmi3InstanceEnvironment environment;
 } component;
 
+static const fmi3Status statuses[] = {
+    [FMU_DONE] = fmi3OK, [FMU_DISCARDED] = fmi3Discard, [FMU_FAILED] = fmi3Error};
+
 static fmi3Status outcome(bool good) {
     return good ? fmi3OK : fmi3Error;
 }
@@ -32,12 +35,10 @@ const char *fmi3GetVersion(void) {
 
 // ---- creation
 
-static void show(void *to, bool wrong, const char *text) {
+static void show(void *to, fmu_outcome of, const char *text) {
     const component *self = to;
 
-    if (self->log)
-        self->log(self->environment, wrong ? fmi3Error : fmi3OK,
-                  wrong ? "logStatusError" : "logAll", text);
+    if (self->log) self->log(self->environment, statuses[of], fmu_categories[of], text);
 }
 
 fmi3Instance
@@ -174,12 +175,12 @@ fmi3Status fmi3DeserializeFMUState(fmi3Instance instance, const fmi3Byte bytes[]
 fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 time, fmi3Float64 step,
                       fmi3Boolean no_state_before, fmi3Boolean *event_needed,
                       fmi3Boolean *terminate, fmi3Boolean *early_return, fmi3Float64 *last_time) {
-    const bool good = fmu_step(contact_of(instance), time, step);
+    const fmu_outcome of = fmu_step(contact_of(instance), time, step);
 
     (void)no_state_before;
     *event_needed = *terminate = *early_return = false;
     *last_time = fmu_time(contact_of(instance));
-    return outcome(good);
+    return statuses[of];
 }
 
 fmi3Status fmi3GetDirectionalDerivative(fmi3Instance instance, const fmi3ValueReference unknowns[],

@@ -3,15 +3,25 @@
  *
  * A communication step is one step of BDF2 (the first one of BDF1) to the inputs that were set before it, which
  * hold at its end. Where that does not converge, or has a larger local error than step_accuracy allows, or is more
- * than twice as long as the last one, which is what BDF2 is stable for, it is made of steps of a half, a quarter …
- * of it, with inputs in proportion. */
+ * than twice as long as the last one, it is made of steps of a half, a quarter … of it, with inputs in proportion.
+ * A local error that shorter steps do not reduce is noise of the solver; it is accepted. */
 #ifndef EHD_FMU_INSTANCE_H
 #define EHD_FMU_INSTANCE_H
 
 #include "romrun/fmu/variables.h"
 
-/* Shows what went wrong, or (`wrong` false) what a user may want to know. */
-typedef void (*fmu_log)(void *to, bool wrong, const char *text);
+/* Outcome of a call. */
+typedef enum fmu_outcome {
+    FMU_DONE,
+    FMU_DISCARDED, // a step that does not converge at any length; nothing has changed
+    FMU_FAILED
+} fmu_outcome;
+
+/* Log categories of these outcomes. */
+extern const char *const fmu_categories[];
+
+/* Receives why a call failed or was discarded or, with FMU_DONE, a remark for the user. */
+typedef void (*fmu_log)(void *to, fmu_outcome of, const char *text);
 
 typedef struct fmu_instance fmu_instance;
 
@@ -38,7 +48,8 @@ bool fmu_reset(fmu_instance *self);
 bool fmu_get(fmu_instance *self, unsigned reference, fmu_type type, double *value);
 bool fmu_set(fmu_instance *self, unsigned reference, fmu_type type, double value);
 
-bool fmu_step(fmu_instance *self, double time, double step);
+/* A step that is discarded or fails leaves the instance as it was before. */
+fmu_outcome fmu_step(fmu_instance *self, double time, double step);
 /* The end of the last step that could be done. */
 double fmu_time(const fmu_instance *self);
 
@@ -52,7 +63,7 @@ bool fmu_derivative(fmu_instance *self, const unsigned unknowns[], size_t num_un
 /* A state is a block of bytes, of this FMU's in any process: one of malloc, freed with free. *state is made anew where
  * it is NULL, and written over else. */
 bool fmu_state_get(fmu_instance *self, void **state);
-bool fmu_state_set(fmu_instance *self, const void *state);
+bool fmu_state_set(fmu_instance *self, void *state);
 /* Of its bytes; 0: there is none. */
 size_t fmu_state_size(const void *state);
 /* Its bytes: as many. */

@@ -19,15 +19,16 @@ static int by_name(const void *a, const void *b) {
 /* UTC, not in what zone the machine is. */
 static zip_fileinfo info_at(time_t when) {
     zip_fileinfo info = {0};
+    typedef __typeof__(info.tmz_date.tm_sec) number; // int from minizip 1.3 on, unsigned before
     struct tm at = {.tm_mday = 1, .tm_year = 80};
 
     if (when > 0) gmtime_r(&when, &at);
-    info.tmz_date.tm_sec = (uInt)at.tm_sec;
-    info.tmz_date.tm_min = (uInt)at.tm_min;
-    info.tmz_date.tm_hour = (uInt)at.tm_hour;
-    info.tmz_date.tm_mday = (uInt)at.tm_mday;
-    info.tmz_date.tm_mon = (uInt)at.tm_mon;
-    info.tmz_date.tm_year = (uInt)(at.tm_year + 1900);
+    info.tmz_date.tm_sec = (number)at.tm_sec;
+    info.tmz_date.tm_min = (number)at.tm_min;
+    info.tmz_date.tm_hour = (number)at.tm_hour;
+    info.tmz_date.tm_mday = (number)at.tm_mday;
+    info.tmz_date.tm_mon = (number)at.tm_mon;
+    info.tmz_date.tm_year = (number)(at.tm_year + 1900);
     info.external_fa = (uLong)(S_IFREG | 0644) << 16;
     return info;
 }

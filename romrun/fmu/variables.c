@@ -64,7 +64,7 @@ const fmu_variable fmu_variables[FMU_NUM_VARIABLES] = {
     [FMU_ACCURACY] = {"accuracy", FMU_PARAMETER, FMU_REAL, "1", "1", FMU_ALWAYS, NULL, NONE,
         "An indicated deviation above it is not trusted"},
     [FMU_STEP_ACCURACY] = {"step_accuracy", FMU_PARAMETER, FMU_REAL, "1", "1", FMU_ALWAYS, NULL, NONE,
-        "A step with a larger local_error is halved; 0: as long as the importer wants it. FMI's tolerance sets it"},
+        "A step with a larger local_error is halved, down to the solver's noise; 0: as long as the importer wants it. FMI's tolerance sets it"},
     [FMU_STIFFNESS] = {"stationary_stiffness", FMU_OUTPUT, FMU_REAL, "N/m2", "N/m", FMU_ALWAYS, NULL, NONE,
         "By how much the force of a stationary contact of these inputs rises as the bodies come nearer"},
     [FMU_DAMPING] = {"stationary_damping", FMU_OUTPUT, FMU_REAL, "N.s/m2", "N.s/m", FMU_ALWAYS, NULL, NONE,

@@ -194,7 +194,7 @@ static ehdrom_status set_part(ehdrom_contact *self, double *member, const char *
     const locale_t before = library_enter();
     ehd_status status = EHD_OK;
 
-    if (!(value > 0 && (infinite || value < 1)))
+    if (!(isgreater(value, 0) && (infinite || value < 1)))
         status = ehd_fail(&self->error, EHD_DATA, "%s: found %g, expected a number above 0%s", name,
                           value, infinite ? "" : " and below 1");
     else

@@ -88,7 +88,8 @@ typedef struct ehdrom_model_options {
 /* Opens a model of HDF5, or a flat one (romrun --export), which is there in milliseconds, has the sizes
  * that it was exported with, and must not be written into while it is open; or a list of models for parts of a region, a
  * file whose name ends with .yml (schemas/models.md), whole. `options` NULL: all of it. *model is to be
- * closed in any case, and tells the error; it is NULL where there was no memory even for that. EHDROM_DATA: no model, or
+ * closed in any case, and tells the error. It is NULL if there is no memory for it, or if the processor lacks instructions
+ * that the library was built with (EHDROM_INTERNAL). EHDROM_DATA: no model, or
  * one of HDF5 where libehdrom-hdf5.so.0 or HDF5 is missing. Checksums are looked at,
  * which is half of what opening a flat model takes, unless the environment has EHDROM_DIGEST=no. */
 EHDROM_API ehdrom_status ehdrom_model_open(ehdrom_model **model, const char *path,
@@ -236,9 +237,12 @@ EHDROM_API ehdrom_status ehdrom_solve(ehdrom_contact *contact, ehdrom_result *re
  *         ehdrom_accept(contact);
  *     }
  *
- * A step is BDF2, the first one BDF1. The settings are the reference: what conditions do not give
+ * A step is BDF2. The first one, and one much longer than those before it, are BDF1. Steps may have any lengths.
+ * The settings are the reference: what conditions do not give
  * stays as it is set. The approach of a line contact is measured from approach_length half widths, 10
- * unless set; where it is given they have to be at least half the grid's length. */
+ * unless set; where it is given they have to be at least half the grid's length. Bodies whose approach is given
+ * may part. The load is then 0 and the film is their gap; a result is untrusted where the model was not trained for
+ * loads that are small enough. */
 
 enum {
     EHDROM_LOAD = 1,

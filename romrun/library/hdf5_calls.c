@@ -44,13 +44,14 @@ size_t artefact_length(const artefact *file, const char *axis) {
     return calls->artefact_length(file, axis);
 }
 
-ehd_status artefact_get(artefact *file, const char *field, double *data, ehd_error *error) {
-    return calls->artefact_get(file, field, data, error);
+ehd_status artefact_get(artefact *file, const char *field, double *data, size_t room,
+                        ehd_error *error) {
+    return calls->artefact_get(file, field, data, room, error);
 }
 
-ehd_status artefact_get_integers(artefact *file, const char *field, int64_t *data,
+ehd_status artefact_get_integers(artefact *file, const char *field, int64_t *data, size_t room,
                                  ehd_error *error) {
-    return calls->artefact_get_integers(file, field, data, error);
+    return calls->artefact_get_integers(file, field, data, room, error);
 }
 
 ehd_status artefact_get_integer(artefact *file, const char *attribute, int64_t *value,

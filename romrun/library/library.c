@@ -4,6 +4,7 @@
 
 #include "common/artefact/artefact.h"
 #include "common/output/grid_file.h"
+#include "common/program/processor.h"
 
 #include <pthread.h>
 #include <stdlib.h>
@@ -105,7 +106,7 @@ static ehd_status open_model(ehdrom_model *self, const char *path,
     return status;
 }
 
-ehdrom_status ehdrom_model_open(ehdrom_model **model, const char *path,
+static ehdrom_status make_model(ehdrom_model **model, const char *path,
                                 const ehdrom_model_options *options) {
     const locale_t before = library_enter();
     ehdrom_model *self = calloc(1, sizeof *self);
@@ -116,13 +117,23 @@ ehdrom_status ehdrom_model_open(ehdrom_model **model, const char *path,
     return (ehdrom_status)status;
 }
 
+/* The first call of every user of the library, so that the processor is checked here. */
+ON_ANY_PROCESSOR ehdrom_status ehdrom_model_open(ehdrom_model **model, const char *path,
+                                                 const ehdrom_model_options *options) {
+    *model = NULL;
+    return processor_refusal() ? EHDROM_INTERNAL : make_model(model, path, options);
+}
+
 void ehdrom_model_close(ehdrom_model *self) {
     if (!self) return;
     online_close(self->online);
     free(self);
 }
 
-const char *ehdrom_model_error(const ehdrom_model *self) {
+ON_ANY_PROCESSOR const char *ehdrom_model_error(const ehdrom_model *self) {
+    const char *refusal = processor_refusal();
+
+    if (refusal) return refusal;
     return self ? self->error.text : "model: found no memory";
 }
 

@@ -53,6 +53,15 @@ static ehd_status give(ehdrom_contact *self, ehdrom_result *target, ehdrom_resul
 
 // ---- stationary
 
+/* Sets EHD_UNTRUSTED where the grid of the training is too coarse to estimate its error, as romrun does. */
+static void judge_grid(online_result *found, const ehdrom_contact *self) {
+    if (found->status) return;
+    const film_effects effects = online_effects(self->model->online, &self->solved);
+    if (!film_effects_are_infinite(&effects)) return;
+    found->status = EHD_UNTRUSTED;
+    found->reason = "a grid of the training that is too coarse to estimate its error";
+}
+
 static ehd_status solve(ehdrom_contact *self, ehdrom_result *result) {
     online_result found;
     ehd_status status = EHD_OK;
@@ -67,6 +76,7 @@ static ehd_status solve(ehdrom_contact *self, ehdrom_result *result) {
         online_solver_set_tolerance(self->solver, self->tolerance);
     if (!status) status = online_solve(&found, self->solver, &self->solved, &self->error);
     if (status) return status;
+    judge_grid(&found, self);
     ehdrom_result own = {.status = (ehdrom_status)found.status,
                          .indicated_deviation = found.indicated,
                          .indicated_deviation_minimum = found.indicated_minimum,
@@ -253,7 +263,7 @@ static ehd_status step_on(ehdrom_contact *self, const ehdrom_conditions *given, 
 
     self->can_accept = false;
     self->differentiable = OF_NOTHING;
-    if (!status && !(step > 0 && isfinite(step)))
+    if (!status && !(isgreater(step, 0) && isfinite(step)))
         status =
             ehd_fail(&self->error, EHD_DATA, "step: found %g, expected a number above 0", step);
     if (!status)
@@ -322,7 +332,7 @@ ehdrom_status ehdrom_restart(ehdrom_contact *self) {
 
 /* In front of a saved state: what it belongs to. */
 enum { SAVED_MARK, SAVED_COUNT, SAVED_M, SAVED_L, SAVED_ALPHA, SAVED_LENGTH, NUM_SAVED };
-static const double saved_mark = 3001; // of this version of the layout
+static const double saved_mark = 3003; // of this version of the layout
 
 static void head_of(double head[NUM_SAVED], const ehdrom_contact *self) {
     const ehd_contact *reference = &self->reference;

@@ -39,16 +39,15 @@ static void take_state(ehd_contact *contact, contact_scalars *scalars, const ehd
 
     if (of->solved) {
         *contact = self->solved;
+        *scalars = of->there;
     } else {
         frame_contact(contact, frame, &self->reference);
+        *scalars = frame_from_reference(&of->there, frame, &self->reference);
         // whatever the mean speed, which may be 0
         contact->far_speed = 1 / frame->half_width;
     }
     contact->grid = *library_grid(self); // a scene may leave it to the model
     contact->slide_roll = sliding;
-    *scalars = of->there;
-    scalars->load /= frame->load;
-    scalars->exit_position /= frame->half_width;
 }
 
 /* By the model's few nodes where it has them, else from the fields. */
@@ -57,7 +56,9 @@ static ehd_status find_traction(contact_traction *found, ehdrom_contact *self, c
     const bool few_nodes = online_has_traction(self->model->online);
     ehd_status status = EHD_OK;
 
-    if (few_nodes && of->solved) {
+    if (!of->solved && of->there.load == 0) { // the bodies are apart
+        *found = (contact_traction){0};
+    } else if (few_nodes && of->solved) {
         *found = online_traction(self->solver, contact);
     } else if (few_nodes && of->attempted) {
         *found = online_attempt_traction(self->in_time, contact, scalars);
@@ -180,7 +181,8 @@ static ehd_status surface_stresses(double *on_1, double *on_2, ehdrom_contact *s
     if (!status) status = library_fields(self);
     if (status) return status;
     take_state(&contact, &scalars, self, of, sliding / units_of(self, of)->speed);
-    contact_surface_stresses(on_1, on_2, &contact, self->pressure, self->film);
+    contact_surface_stresses(on_1, on_2, &contact, self->pressure, self->film,
+                             scalars.rigid_approach);
     return EHD_OK;
 }
 

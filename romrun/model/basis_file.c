@@ -2,6 +2,7 @@
 #include "romrun/model/basis_file.h"
 
 #include <math.h>
+#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -70,7 +71,7 @@ ehd_status modes_read(double **modes, artefact *file, const char *field, const e
     *modes = array_new(grid->num_nodes, num_modes, sizeof(double));
     ehd_status status = transposed && *modes ? EHD_OK : no_memory(file, error);
 
-    if (!status) status = artefact_get(file, field, transposed, error);
+    if (!status) status = artefact_get(file, field, transposed, length * num_modes, error);
     for (size_t j = 0; j < num_modes && !status; j++)
         for (size_t k = 0; k < length; k++)
             (*modes)[node_of(grid, k, inner) * num_modes + j] = transposed[j * length + k];
@@ -112,25 +113,62 @@ static ehd_status get_trajectory_marks(reduced_states *states, artefact *file, i
     ehd_status status = EHD_OK;
 
     if (artefact_has(file, "state_stationary"))
-        status = artefact_get_integers(file, "state_stationary", work, error);
+        status = artefact_get_integers(file, "state_stationary", work, states->num_states, error);
     for (size_t s = 0; s < states->num_states && !status; s++)
         if (artefact_has(file, "state_stationary")) states->stationary[s] = work[s] != 0;
     if (!status && artefact_has(file, "state_rate"))
-        status = artefact_get(file, "state_rate", states->rate, error);
+        status = artefact_get(file, "state_rate", states->rate, states->num_states, error);
     if (status) return status;
     if (artefact_has(file, "state_load_rate"))
-        return artefact_get(file, "state_load_rate", states->load_rate, error);
+        return artefact_get(file, "state_load_rate", states->load_rate, states->num_states, error);
     memcpy(states->load_rate, states->rate, states->num_states * sizeof *states->rate);
     return EHD_OK;
 }
 
-/* How much the flow of states is thinned, where it is of any. */
-static ehd_status put_thinning(artefact *file, const reduced_states *states, ehd_error *error) {
-    bool any = false;
+/* A column of flow_thinning. */
+typedef struct thinning_column {
+    const char *field;
+    bool by_gradient;
+} thinning_column;
 
-    for (size_t s = 0; s < states->num_states; s++)
-        any = any || states->thinning[s] > 0;
-    return any ? artefact_put(file, "state_thinning", states->thinning, error) : EHD_OK;
+static const thinning_column thinning_columns[] = {{"state_thinning", false},
+                                                   {"state_gradient_thinning", true}};
+enum { NUM_THINNING = sizeof thinning_columns / sizeof *thinning_columns };
+
+static double *thinning_of(const reduced_states *states, const thinning_column *column,
+                           size_t state) {
+    flow_thinning *thinning = &states->thinning[state];
+
+    return column->by_gradient ? &thinning->gradient : &thinning->sliding;
+}
+
+/* How much the flow of states is thinned, where it is of any. */
+static ehd_status put_thinning(artefact *file, const reduced_states *states, double *work,
+                               ehd_error *error) {
+    ehd_status status = EHD_OK;
+
+    for (int c = 0; c < NUM_THINNING && !status; c++) {
+        bool any = false;
+        for (size_t s = 0; s < states->num_states; s++) {
+            work[s] = *thinning_of(states, &thinning_columns[c], s);
+            any = any || work[s] > 0;
+        }
+        if (any) status = artefact_put(file, thinning_columns[c].field, work, error);
+    }
+    return status;
+}
+
+static ehd_status get_thinning(reduced_states *states, artefact *file, double *work,
+                               ehd_error *error) {
+    ehd_status status = EHD_OK;
+
+    for (int c = 0; c < NUM_THINNING && !status; c++) {
+        if (!artefact_has(file, thinning_columns[c].field)) continue;
+        status = artefact_get(file, thinning_columns[c].field, work, states->num_states, error);
+        for (size_t s = 0; s < states->num_states && !status; s++)
+            *thinning_of(states, &thinning_columns[c], s) = work[s];
+    }
+    return status;
 }
 
 /* Numbers that need not be known of a state, in columns of their own: what the grid does to the
@@ -176,7 +214,7 @@ static ehd_status get_optional(reduced_states *states, artefact *file, double *w
     for (const optional_columns *of = columns; of < columns + NUM_OPTIONAL; of++)
         for (size_t c = 0; c < of->num && !status; c++) {
             if (!artefact_has(file, of->names[c])) continue;
-            status = artefact_get(file, of->names[c], work, error);
+            status = artefact_get(file, of->names[c], work, states->num_states, error);
             for (size_t s = 0; s < states->num_states && !status; s++)
                 of->values[s * of->num + c] = work[s];
         }
@@ -216,7 +254,7 @@ ehd_status states_write(artefact *file, const reduced_states *states, size_t num
         status = artefact_put(file, "state_central_film_thickness", states->central_film_thickness,
                               error);
     if (!status) status = put_trajectory_marks(file, states, exits, error);
-    if (!status) status = put_thinning(file, states, error);
+    if (!status) status = put_thinning(file, states, part, error);
     if (!status) status = put_optional(file, states, part, error);
     free(exits);
     free(part);
@@ -246,10 +284,10 @@ ehd_status states_read(reduced_states *states, artefact *file, size_t num_pressu
         status = reduced_states_init(states, num_states, grid_lines(grid), num_unknowns, error);
     for (size_t i = 0; i < 3 && !status; i++)
         if (parts[i].width > 0) {
-            status = artefact_get(file, parts[i].field, part, error);
+            status = artefact_get(file, parts[i].field, part, num_states * parts[i].width, error);
             if (!status) copy_coordinates(part, states, parts[i].first, parts[i].width, 0);
         }
-    if (!status) status = artefact_get_integers(file, "state_exit_node", exits, error);
+    if (!status) status = artefact_get_integers(file, "state_exit_node", exits, num_exits, error);
     for (size_t i = 0; i < num_states * grid_lines(grid) && !status; i++)
         states->exit[i] = 1; // none of the boundary lines has pressure
     for (size_t i = 0; i < num_exits && !status; i++) {
@@ -260,17 +298,17 @@ ehd_status states_read(reduced_states *states, artefact *file, size_t num_pressu
         else
             states->exit[exit_index(grid, states, i)] = (size_t)exits[i] + 1;
     }
-    if (!status) status = artefact_get(file, "state_moes_M", states->moes_M, error);
-    if (!status) status = artefact_get(file, "state_alpha_p_H", states->alpha_p_H, error);
+    if (!status) status = artefact_get(file, "state_moes_M", states->moes_M, num_states, error);
+    if (!status)
+        status = artefact_get(file, "state_alpha_p_H", states->alpha_p_H, num_states, error);
     if (!status && artefact_has(file, "state_central_film_thickness"))
         status = artefact_get(file, "state_central_film_thickness", states->central_film_thickness,
-                              error);
+                              num_states, error);
     else
         for (size_t i = 0; i < num_states && !status; i++)
             states->central_film_thickness[i] = NAN; // a foreign file need not have it
     if (!status) status = get_trajectory_marks(states, file, exits, error);
-    if (!status && artefact_has(file, "state_thinning"))
-        status = artefact_get(file, "state_thinning", states->thinning, error);
+    if (!status) status = get_thinning(states, file, part, error);
     if (!status) status = get_optional(states, file, part, error);
     free(exits);
     free(part);

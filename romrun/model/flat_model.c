@@ -182,7 +182,8 @@ static void check_states(flat *file, const reduced_model *model, const unsigned 
         !all_above_zero(states->central_film_thickness, states->num_states))
         flat_refuse(file, "states: found a Moes number or a film of 0 or below, expected others");
     for (size_t s = 0; s < states->num_states; s++)
-        if (stationary[s] > 1 || !(states->alpha_p_H[s] >= 0) || !(states->thinning[s] >= 0) ||
+        if (stationary[s] > 1 || !(states->alpha_p_H[s] >= 0) ||
+            !(states->thinning[s].sliding >= 0) || !(states->thinning[s].gradient >= 0) ||
             !(states->rate[s] >= 0) || !(states->load_rate[s] >= 0)) {
             flat_refuse(file, "state %zu: found no state, expected one", s);
             return;
@@ -207,7 +208,8 @@ static void walk_states(flat *file, reduced_model *model) {
     states->exit = flat_array(file, "exits", states->exit, num_exits, sizeof *states->exit);
     states->moes_M = flat_table(file, "moes_M", states->moes_M, num, 1);
     states->alpha_p_H = flat_table(file, "alpha_p_H", states->alpha_p_H, num, 1);
-    states->thinning = flat_table(file, "thinning", states->thinning, num, 1);
+    states->thinning =
+        flat_array(file, "thinning", states->thinning, num, sizeof *states->thinning);
     states->central_film_thickness =
         flat_table(file, "central_film", states->central_film_thickness, num, 1);
     unsigned char *stationary = flat_array(file, "stationary", states->stationary, num, 1);
@@ -220,14 +222,23 @@ static void walk_states(flat *file, reduced_model *model) {
     if (flat_good(file)) states->stationary = (bool *)stationary;
 }
 
-/* Where its nodes lie follows from the rows. */
+static void walk_shown(flat *file, reduced_model *model) {
+    shown_lubricants *shown = &model->shown;
+
+    shown->count = flat_whole(file, "num_shown", shown->count, 0, SIZE_MAX / sizeof *shown->of);
+    shown->of = flat_array(file, "shown", shown->of, shown->count, sizeof *shown->of);
+}
+
+/* Its nodes follow from the rows, up to rounding: the host's rounding mode may differ from the writer's. */
 static void check_shift(flat *file, const reduced_model *model) {
     const start_shift *shift = &model->shift;
     const row_set *rows = &model->rows;
+    const double rounding = 1e-9 * model->grid.step;
 
     for (size_t q = 0; q < shift->num_nodes; q++)
         if (!(shift->x[q] > 0) ||
-            shift->x[q] != grid_x(&model->grid, rows->needed_node[shift->first + q])) {
+            !(fabs(shift->x[q] - grid_x(&model->grid, rows->needed_node[shift->first + q])) <=
+              rounding)) {
             flat_refuse(file, "shift: found X = %g, expected that of a needed node", shift->x[q]);
             return;
         }
@@ -331,6 +342,7 @@ void flat_model(flat *file, reduced_model *model) {
     if (flat_good(file)) walk_rows(file, model, &model->control, &control);
     if (flat_good(file)) walk_band(file, model);
     if (flat_good(file)) walk_states(file, model);
+    if (flat_good(file)) walk_shown(file, model);
     if (flat_good(file)) walk_shift(file, model);
     if (flat_good(file)) walk_tables(file, model);
     if (flat_good(file)) walk_cubature(file, model);
@@ -338,5 +350,6 @@ void flat_model(flat *file, reduced_model *model) {
 
 void flat_model_free(reduced_model *model) {
     memset(&model->states, 0, sizeof model->states);
+    model->shown.of = NULL;
     reduced_model_free(model);
 }

@@ -39,7 +39,7 @@ static ehd_status read_part(double **part, arena *memory, artefact *file, const 
     if (!status && !artefact_has(file, field))
         status = ehd_fail(error, EHD_DATA, "%s: found no dataset %s, expected it for this basis",
                           artefact_path(file), field);
-    if (!status) status = artefact_get(file, field, whole, error);
+    if (!status) status = artefact_get(file, field, whole, rows * columns, error);
     for (size_t i = 0; i < num_kept && !status; i++)
         memcpy(*part + i * kept_columns, whole + (kept_rows ? kept_rows[i] : i) * columns,
                kept_columns * sizeof(double));
@@ -53,7 +53,7 @@ static ehd_status read_nodes(size_t **nodes, arena *memory, artefact *file, cons
 
     *nodes = arena_array(memory, count, sizeof **nodes);
     ehd_status status = indices && *nodes ? EHD_OK : no_memory(file, error);
-    if (!status) status = artefact_get_integers(file, field, indices, error);
+    if (!status) status = artefact_get_integers(file, field, indices, count, error);
     for (size_t i = 0; i < count && !status; i++)
         (*nodes)[i] = inner ? grid_node_of_row(grid, (size_t)indices[i]) : (size_t)indices[i];
     free(indices);
@@ -154,7 +154,7 @@ static ehd_status read_lines(reduced_model *model, artefact *file, ehd_error *er
             status = ehd_fail(error, EHD_DATA,
                               "%s: found no dataset %s, expected it for a point contact",
                               artefact_path(file), band_fields[f]);
-        if (!status) status = artefact_get_integers(file, band_fields[f], values, error);
+        if (!status) status = artefact_get_integers(file, band_fields[f], values, num_inner, error);
         for (size_t l = 0; l < num_inner && !status; l++)
             *band_value(&model->band.lines[first + l], f) = (size_t)values[l];
     }
@@ -430,6 +430,7 @@ ehd_status model_get(reduced_model *model, artefact *file, const model_sizes *si
     if (!status) status = read_control(model, file, &stored, error);
     if (!status) status = read_cubature(model, file, &stored, error);
     if (!status) status = read_states(model, file, &stored, error);
+    if (!status) status = shown_get(&model->shown, file, error);
     if (!status) status = reduced_model_complete(model, error);
     if (!status && model->control.num_rows > 0)
         status = reduced_model_complete_control(model, error);

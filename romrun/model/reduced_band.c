@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "romrun/model/reduced_build.h"
 
-#include <cblas.h>
+#include "common/algebra/product.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -38,9 +39,9 @@ static void deflect_state(double *deflections, const reduced_basis *basis, size_
     const size_t *exit = states->exit + state * states->num_lines;
     size_t width = grid_width(&basis->grid);
 
-    cblas_dgemv(CblasRowMajor, CblasNoTrans, (int)basis->grid.num_nodes, (int)basis->num_pressure,
-                1, basis->pressure, (int)basis->num_pressure,
-                states->coordinates + state * states->num_unknowns, 1, 0, deflections, 1);
+    memset(deflections, 0, basis->grid.num_nodes * sizeof *deflections);
+    add_product(deflections, basis->pressure, basis->num_pressure, basis->grid.num_nodes,
+                basis->num_pressure, states->coordinates + state * states->num_unknowns);
     for (size_t l = 0; l < states->num_lines; l++)
         memset(deflections + l * width + exit[l], 0, (width - exit[l]) * sizeof(double));
     deflection_apply(deflections, deflection, deflections);

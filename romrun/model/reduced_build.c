@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "romrun/model/reduced_build.h"
 
+#include "common/algebra/product.h"
+#include "common/algebra/vectors.h"
 #include "common/program/program.h"
 
-#include <cblas.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -60,12 +61,14 @@ static void fill_cut_base(reduced_model *model, const reduced_basis *basis, cons
     size_t num_pressure = model->num_pressure, last = model->cut.num_rows - 1;
     double *load = model->cut.base + last * num_pressure;
 
-    if (model->deformation == DEFORMATION_COUPLED)
+    if (model->deformation == DEFORMATION_COUPLED) {
         memcpy(model->cut.base, model->rows.film, last * num_pressure * sizeof(double));
-    else
-        cblas_dgemm(CblasRowMajor, CblasTrans, CblasNoTrans, (int)last, (int)num_pressure,
-                    (int)basis->grid.num_nodes, 1, basis->deformation_modes, (int)last, coupled,
-                    (int)num_pressure, 0, model->cut.base, (int)num_pressure);
+    } else {
+        memset(model->cut.base, 0, last * num_pressure * sizeof(double));
+        add_matrix_product(model->cut.base, num_pressure, 1,
+                           (strided){basis->deformation_modes, 1, last}, coupled, num_pressure,
+                           last, num_pressure, basis->grid.num_nodes);
+    }
     for (size_t j = 0; j < num_pressure; j++) {
         load[j] = 0;
         for (size_t k = 1; k < basis->grid.num_nodes; k++)
@@ -237,8 +240,8 @@ static void fill_moment(double *moment, const reduced_model *model, const reduce
     for (size_t r = 0; r < grid->num_inner; r++) {
         const size_t k = grid_node_of_row(grid, r);
         if (is_before_band(model, k))
-            cblas_daxpy((int)num, grid_load_weight(grid, k) * grid_x(grid, k),
-                        basis->pressure + k * num, 1, moment, 1);
+            axpy(moment, grid_load_weight(grid, k) * grid_x(grid, k), basis->pressure + k * num,
+                 num);
     }
 }
 

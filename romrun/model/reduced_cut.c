@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "romrun/model/reduced_cut.h"
 
-#include <cblas.h>
+#include "common/algebra/product.h"
+#include "common/algebra/vectors.h"
+
 #include <stdbool.h>
 #include <stdint.h>
 #include <stdlib.h>
@@ -38,9 +40,9 @@ size_t reduced_model_runs(cut_run *runs, const reduced_model *model, const size_
 /* cut += left^T right over `rank` nodes of the band. */
 static void add_to_cut(double *cut, const reduced_model *model, const double *left,
                        const double *right, size_t rank) {
-    cblas_dgemm(CblasRowMajor, CblasTrans, CblasNoTrans, (int)model->cut.num_rows,
-                (int)model->num_pressure, (int)rank, 1, left, (int)model->cut.num_rows, right,
-                (int)model->num_pressure, 1, cut, (int)model->num_pressure);
+    const size_t n = model->num_pressure, num_cut = model->cut.num_rows;
+
+    add_matrix_product(cut, n, 1, (strided){left, 1, num_cut}, right, n, num_cut, n, rank);
 }
 
 void reduced_model_change_cut(double *cut, const reduced_model *model, const cut_run *runs,
@@ -79,9 +81,8 @@ static void change_films(double *films, const reduced_model *model, const cut_ru
                 double influence = 0;
                 reduced_model_deflect(&influence, model, at, 1, runs[r].line, runs[r].column + i, 1,
                                       &unit, runs[r].sign);
-                cblas_daxpy((int)num_pressure, influence,
-                            model->band.pressure + (runs[r].first + i) * num_pressure, 1,
-                            films + a * num_pressure, 1);
+                axpy(films + a * num_pressure, influence,
+                     model->band.pressure + (runs[r].first + i) * num_pressure, num_pressure);
             }
 }
 

@@ -8,8 +8,10 @@
 #include "common/output/film_effects.h"
 #include "common/physics/contact.h"
 #include "common/physics/reynolds.h"
+#include "common/physics/traction.h"
 #include "common/program/arena.h"
 #include "common/program/status.h"
+#include "romrun/model/shown.h"
 #include <stdbool.h>
 #include <stddef.h>
 
@@ -31,7 +33,7 @@ typedef struct reduced_states {
                          // included; of a line contact a grid node
     double *moes_M;      // [num_states]
     double *alpha_p_H;   // [num_states]
-    double *thinning;    // [num_states] of the flow (contact_place.h)
+    flow_thinning *thinning;        // [num_states] of the flow
     double *central_film_thickness; // [num_states]
     bool *stationary;               // [num_states] false along a trajectory
     // [num_states] of change of the contact, of all and, largest on the trajectory so far, of the load
@@ -154,7 +156,8 @@ typedef struct start_shift {
 /* Nodes that sums of shear stresses over the grid are replaced by (romrun/online/README.md, traction),
  * whatever rows are in use. */
 typedef struct node_cubature {
-    row_set nodes;    // its needed nodes, without rows; none: 0
+    row_set nodes;    // its needed nodes, without rows; none: 0. Of thinned flows those beside them
+                      // along X too, with weights of 0, for the gradient of the pressure
     double *friction; // [num_needed] not negative: of int tau over the nodes with pressure
     double *dry;      // [num_needed] not negative: of the mean |tau| of the dry contact
     double *moment;   // [num_pressure] int P X of the modes cut where the band begins
@@ -184,6 +187,7 @@ typedef struct reduced_model {
     exit_checkpoints checkpoints;
     reduced_states states;
     start_shift shift;
+    shown_lubricants shown; // what its calibration was made on
     node_cubature cubature;
     arena memory; // of all arrays but the states'
 } reduced_model;

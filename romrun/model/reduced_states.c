@@ -37,7 +37,7 @@ ehd_status reduced_states_init(reduced_states *states, size_t num_states, size_t
     states->exit = array_new(num_states, num_lines, sizeof *states->exit);
     states->moes_M = array_new(num_states, 1, sizeof(double));
     states->alpha_p_H = array_new(num_states, 1, sizeof(double));
-    states->thinning = array_new(num_states, 1, sizeof(double));
+    states->thinning = array_new(num_states, 1, sizeof *states->thinning);
     states->central_film_thickness = array_new(num_states, 1, sizeof(double));
     states->stationary = array_new(num_states, 1, sizeof *states->stationary);
     states->rate = array_new(num_states, 1, sizeof(double));
@@ -75,10 +75,12 @@ static bool is_same_lubricant(const lubricant_rises *left, const lubricant_rises
 
 bool reduced_state_is_of(const reduced_states *states, size_t state, const ehd_contact *contact) {
     const lubricant_rises rises = lubricant_rises_at(&contact->lubricant, contact->hertz_pressure);
+    const flow_thinning thinning = traction_thinning(contact);
 
     return is_same(states->moes_M[state], contact->moes_M) &&
            is_same(states->alpha_p_H[state], contact->alpha_p_H) &&
-           is_same(states->thinning[state], traction_thinning_rate(contact)) &&
+           is_same(states->thinning[state].sliding, thinning.sliding) &&
+           is_same(states->thinning[state].gradient, thinning.gradient) &&
            is_same_lubricant(&states->rises[state], &rises);
 }
 
@@ -122,7 +124,7 @@ ehd_status reduced_states_copy(reduced_states *target, const reduced_states *sou
     memcpy(target->exit, source->exit, count * source->num_lines * sizeof *target->exit);
     memcpy(target->moes_M, source->moes_M, count * sizeof(double));
     memcpy(target->alpha_p_H, source->alpha_p_H, count * sizeof(double));
-    memcpy(target->thinning, source->thinning, count * sizeof(double));
+    memcpy(target->thinning, source->thinning, count * sizeof *target->thinning);
     memcpy(target->central_film_thickness, source->central_film_thickness, count * sizeof(double));
     memcpy(target->stationary, source->stationary, count * sizeof *target->stationary);
     memcpy(target->rate, source->rate, count * sizeof(double));

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "romrun/model/start_shift.h"
 
-#include <cblas.h>
-#include <lapacke.h>
+#include "common/algebra/cholesky.h"
+#include "common/algebra/product.h"
+
 #include <math.h>
 #include <string.h>
 
@@ -71,15 +72,15 @@ static double place_of_spike(const double *x, const double *pressure, size_t num
 
 /* Least squares of pressures at the needed nodes by coordinates: (V^T V)^-1 V^T at the nodes. */
 static bool fill_fit(start_shift *self, const reduced_model *model, double *gram) {
-    const int n = (int)model->num_pressure;
+    const size_t n = model->num_pressure;
     const double *modes = model->rows.pressure;
 
-    cblas_dsyrk(CblasColMajor, CblasLower, CblasNoTrans, n, (int)model->rows.num_needed, 1, modes,
-                n, 0, gram, n);
-    memcpy(self->fit, modes + self->first * model->num_pressure,
-           self->num_nodes * model->num_pressure * sizeof(double));
-    return LAPACKE_dposv_work(LAPACK_COL_MAJOR, 'L', n, (int)self->num_nodes, gram, n, self->fit,
-                              n) == 0;
+    gram_matrix(gram, modes, model->rows.num_needed, n);
+    if (!cholesky_factorise(gram, n)) return false;
+    memcpy(self->fit, modes + self->first * n, self->num_nodes * n * sizeof(double));
+    for (size_t q = 0; q < self->num_nodes; q++)
+        cholesky_solve(self->fit + q * n, gram, n);
+    return true;
 }
 
 /* Pressure at a place by the cubic of pressures and slopes at the nodes around it; beyond the last
@@ -148,9 +149,9 @@ static void fill_states(start_shift *self, const reduced_model *model) {
 
     for (size_t s = 0; s < model->states.num_states; s++) {
         double *pressure = self->pressure + s * self->num_nodes;
-        cblas_dgemv(CblasRowMajor, CblasNoTrans, (int)self->num_nodes, (int)n, 1,
-                    model->rows.pressure + self->first * n, (int)n,
-                    model->states.coordinates + s * model->num_unknowns, 1, 0, pressure, 1);
+        memset(pressure, 0, self->num_nodes * sizeof *pressure);
+        add_product(pressure, model->rows.pressure + self->first * n, n, self->num_nodes, n,
+                    model->states.coordinates + s * model->num_unknowns);
         self->spike[s] = place_of_spike(self->x, pressure, self->num_nodes);
     }
 }
@@ -213,7 +214,7 @@ void start_shift_apply(double *coordinates, const reduced_model *model, const si
                        const double *weights, size_t count) {
     enum { BLOCK = 64 };
     const start_shift *self = &model->shift;
-    const int n = (int)model->num_pressure;
+    const size_t n = model->num_pressure;
     double spike = 0, change[BLOCK];
 
     if (self->num_nodes == 0) return;
@@ -224,7 +225,6 @@ void start_shift_apply(double *coordinates, const reduced_model *model, const si
         const size_t left = self->num_nodes - first, num = left < BLOCK ? left : BLOCK;
         for (size_t q = 0; q < num; q++)
             change[q] = change_at(self, first + q, spike, states, weights, count);
-        cblas_dgemv(CblasRowMajor, CblasTrans, (int)num, n, 1, self->fit + first * (size_t)n, n,
-                    change, 1, 1, coordinates, 1);
+        add_transposed_product(coordinates, 1, self->fit + first * n, num, n, change);
     }
 }

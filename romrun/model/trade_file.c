@@ -14,10 +14,12 @@ const double trade_time_parts[NUM_TIME_PARTS] = {0.5, 0.6, 0.7, 0.8, 0.9, 1};
 
 void trade_free(trade_table *table) {
     free(table->positions);
+    free(table->shown.of);
     *table = (trade_table){0};
 }
 
-const char *const trade_axes[] = {"position", "quantile", "part", "bounded", "part_in_time", NULL};
+const char *const trade_axes[] = {"position",     "quantile", "part", "bounded",
+                                  "part_in_time", "shown",    NULL};
 
 const indicator_shape plain_shape = {.share = 1, .offset_share = 1};
 
@@ -228,7 +230,7 @@ ehd_status trade_write(artefact *file, const trade_table *table, ehd_error *erro
     if (!status) status = put_reals(file, table, error);
     if (!status && table->num_scenes > 0) status = put_indicator(file, table, error);
     if (!status && table->num_trajectories > 0) status = put_in_time(file, table, error);
-    return status;
+    return status ? status : shown_put(file, &table->shown, error);
 }
 
 // ---- reading
@@ -244,7 +246,7 @@ static ehd_status get_counts(trade_table *table, artefact *file, ehd_error *erro
                                 : counts[c].in_time ? table->num_trajectories
                                                     : table->num_scenes);
         int64_t min = axis && max > 0 ? 1 : 0;
-        status = artefact_get_integers(file, counts[c].field, values, error);
+        status = artefact_get_integers(file, counts[c].field, values, table->num_positions, error);
         for (size_t i = 0; i < table->num_positions && !status; i++) {
             if (values[i] < min || values[i] > max)
                 status = ehd_fail(error, EHD_DATA, "%s: %s: found %lld, expected %lld to %lld",
@@ -265,12 +267,13 @@ static ehd_status get_reals(trade_table *table, artefact *file, ehd_error *error
 
     for (size_t c = 0; c < NUM_REALS && !status; c++) {
         if (!is_measured(&reals[c], table)) continue;
-        status = artefact_get(file, reals[c].field, values, error);
+        status = artefact_get(file, reals[c].field, values, num_positions, error);
         for (size_t i = 0; i < num_positions && !status; i++)
             *(double *)member(&table->positions[i], reals[c].offset) = values[i];
     }
     for (size_t q = 0; q < NUM_TRADE_QUANTITIES && !status; q++) {
-        status = artefact_get(file, deviation_fields[q], values, error);
+        status = artefact_get(file, deviation_fields[q], values,
+                              num_positions * NUM_TRADE_QUANTILES, error);
         for (size_t i = 0; i < num_positions * NUM_TRADE_QUANTILES && !status; i++)
             table->positions[i / NUM_TRADE_QUANTILES].deviation[q][i % NUM_TRADE_QUANTILES] =
                 values[i];
@@ -281,7 +284,7 @@ static ehd_status get_reals(trade_table *table, artefact *file, ehd_error *error
 
 static ehd_status get_of_indicator(trade_table *table, double *values, const column *self,
                                    artefact *file, ehd_error *error) {
-    ehd_status status = artefact_get(file, self->field, values, error);
+    ehd_status status = artefact_get(file, self->field, values, table->num_positions, error);
 
     for (size_t i = 0; i < table->num_positions && !status; i++)
         *(double *)member(&table->positions[i], self->offset) = values[i];
@@ -303,7 +306,7 @@ static ehd_status get_shapes(trade_table *table, artefact *file, ehd_error *erro
         for (size_t q = 0; q < NUM_BOUNDED; q++)
             table->positions[i].shape[q] = plain_shape;
     for (size_t f = 0; f < NUM_SHAPE_FIELDS && known && !status; f++) {
-        status = artefact_get(file, shape_fields[f].name, values, error);
+        status = artefact_get(file, shape_fields[f].name, values, count, error);
         for (size_t i = 0; i < count && !status; i++)
             *shape_member(table, num_bounded, i, shape_fields[f].offset) = values[i];
     }
@@ -329,10 +332,14 @@ static ehd_status get_indicator(trade_table *table, artefact *file, ehd_error *e
         }
     }
     if (!status) status = get_shapes(table, file, error);
-    if (!status) status = artefact_get(file, "indicated_deviation", values, error);
+    if (!status)
+        status = artefact_get(file, "indicated_deviation", values, num_positions * NUM_TRADE_PARTS,
+                              error);
     for (size_t i = 0; i < num_positions * NUM_TRADE_PARTS && !status; i++)
         table->positions[i / NUM_TRADE_PARTS].indicated[i % NUM_TRADE_PARTS] = values[i];
-    if (!status) status = artefact_get(file, "indicator_effectivity", values, error);
+    if (!status)
+        status = artefact_get(file, "indicator_effectivity", values,
+                              num_positions * NUM_TRADE_PARTS, error);
     for (size_t i = 0; i < num_positions * NUM_TRADE_PARTS && !status; i++)
         table->positions[i / NUM_TRADE_PARTS].effectivity[i % NUM_TRADE_PARTS] = values[i];
     free(values);
@@ -350,7 +357,7 @@ static ehd_status get_in_time(trade_table *table, artefact *file, ehd_error *err
         all = all && artefact_has(file, in_time[c].field);
     for (size_t c = 0; c < NUM_IN_TIME && all && !status; c++)
         status = get_of_indicator(table, values, &in_time[c], file, error);
-    if (all && !status) status = artefact_get(file, "indicated_in_time", values, error);
+    if (all && !status) status = artefact_get(file, "indicated_in_time", values, count, error);
     for (size_t i = 0; i < count && all && !status; i++)
         table->positions[i / NUM_TIME_PARTS].indicated_in_time[i % NUM_TIME_PARTS] = values[i];
     free(values);

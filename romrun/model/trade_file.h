@@ -5,6 +5,7 @@
 
 #include "common/artefact/artefact.h"
 #include "common/output/indicated.h"
+#include "romrun/model/shown.h"
 #include "romrun/model/sizes.h"
 #include <stdbool.h>
 #include <stddef.h>
@@ -71,6 +72,7 @@ typedef struct trade_table {
     size_t num_scenes, num_trajectories; // what it was measured on
     size_t num_positions;
     trade_position *positions; // [num_positions]
+    shown_lubricants shown;    // lubricants that it was measured on; trade_get does not read them
 } trade_table;
 
 void trade_free(trade_table *table);

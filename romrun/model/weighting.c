@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "romrun/model/weighting.h"
 
-#include <cblas.h>
+#include "common/algebra/product.h"
+#include "common/algebra/vectors.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -51,7 +53,7 @@ static void solve_bounded(double *w, double *slope, const double *matrix, size_t
             change = fmax(change, fabs(step));
             largest = fmax(largest, next);
             if (step == 0) continue;
-            cblas_daxpy((int)size, step, row, 1, slope, 1);
+            axpy(slope, step, row, size);
             w[r] = next;
         }
     }
@@ -69,9 +71,10 @@ ehd_status weighting_quadrature(double *factors, const double *sampled, size_t n
     if (!gram || !slope)
         status = ehd_fail(error, EHD_MEMORY, "weights: found no memory for %zu rows", num_rows);
     if (!status) {
-        cblas_dgemm(CblasRowMajor, CblasNoTrans, CblasTrans, (int)num_rows, (int)num_rows,
-                    (int)num_modes, 1, sampled, (int)num_modes, sampled, (int)num_modes, 0, gram,
-                    (int)num_rows);
+        memset(gram, 0, num_rows * num_rows * sizeof *gram);
+        for (size_t r = 0; r < num_rows; r++)
+            add_product(gram + r * num_rows, sampled, num_modes, num_rows, num_modes,
+                        sampled + r * num_modes);
         // <q_r q_r^T, q_s q_s^T> = (q_r . q_s)^2 and <q_r q_r^T, 1> = |q_r|^2
         for (size_t r = 0; r < num_rows; r++) {
             factors[r] = 1;

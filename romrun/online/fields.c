@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "romrun/online/fields.h"
 
+#include "common/algebra/product.h"
 #include "common/physics/deflection.h"
 
-#include <cblas.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -109,9 +109,10 @@ static void sum_modes(double *field, const double *modes, size_t column, size_t 
                       const reduced_model *model, const double *coordinates) {
     const size_t width = grid_width(&model->grid);
 
+    memset(field, 0, model->band.num_lines * width * sizeof *field);
     for (size_t l = 0; l < model->band.num_lines; l++)
-        cblas_dgemv(CblasRowMajor, CblasNoTrans, (int)width, (int)model->num_pressure, 1,
-                    modes + l * line, (int)column, coordinates, 1, 0, field + l * width, 1);
+        add_product(field + l * width, modes + l * line, column, width, model->num_pressure,
+                    coordinates);
 }
 
 /* Adds to the film the deflection by the pressures between a line's exit and cut_exits. */

@@ -44,6 +44,21 @@ void film_errors_set(film_errors *self, const double *kept) {
     fit(self);
 }
 
+void film_errors_between(double errors[NUM_ERROR_PLACES], const double *film, const double *other,
+                         const ehd_grid *grid, size_t end) {
+    const size_t first = grid_central_line(grid);
+
+    memset(errors, 0, NUM_ERROR_PLACES * sizeof *errors);
+    for (size_t k = first; k < first + end; k++) {
+        const double among = (grid_x(grid, k) + 1) / 2 * (NUM_ERROR_PLACES - 1);
+        const double here = fabs(film[k] - other[k]);
+        if (!(among >= 0 && among < NUM_ERROR_PLACES - 1)) continue;
+        const size_t below = (size_t)among;
+        errors[below] = fmax(errors[below], here);
+        errors[below + 1] = fmax(errors[below + 1], here);
+    }
+}
+
 void film_errors_carry(film_errors *self, const contact_frame *then, const contact_frame *now) {
     const origins from = origins_in(then, now);
     const double ratio = frame_film_ratio(now, then), last = NUM_ERROR_PLACES - 1;

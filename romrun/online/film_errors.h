@@ -20,6 +20,14 @@ typedef struct film_errors {
 /* Sets those kept, [NUM_ERROR_PLACES]; NULL: none. */
 void film_errors_set(film_errors *self, const double *kept);
 
+/* What one film differs by from another, [num_nodes] each: at each place the largest of the nodes around
+ * on the central line before the column `end`, where fluid still comes to the centre or the exit. */
+void film_errors_between(
+    // output:
+    double errors[NUM_ERROR_PLACES],
+    // input:
+    const double *film, const double *other, const ehd_grid *grid, size_t end);
+
 /* Takes the kept ones to where the fluid is now; what was before the dry contact has none. */
 void film_errors_carry(film_errors *self, const contact_frame *then, const contact_frame *now);
 

@@ -1,13 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "romrun/online/film_splines.h"
 
+#include "common/algebra/vectors.h"
 #include "common/physics/deflection.h"
 #include "common/time/bdf.h"
 #include "common/time/path_filter.h"
-#include "romrun/online/dot.h"
 #include "romrun/online/natural_spline.h"
 
-#include <cblas.h>
 #include <math.h>
 #include <stdbool.h>
 #include <stdlib.h>
@@ -339,12 +338,12 @@ void previous_film_free(previous_film *self) {
  * filtered ones for the difference from the base. */
 static double sum_modes(const previous_film *self, const path_films *path,
                         const film_splines *splines, size_t offset, size_t node) {
-    const int width = (int)splines->pressure_layout.width;
+    const size_t width = splines->pressure_layout.width;
     const size_t at = node * splines->pressure_layout.column + offset;
 
-    if (!path) return cblas_ddot(width, splines->pressure + at, 1, self->state.coordinates, 1);
-    return cblas_ddot(width, path->pressure + at, 1, self->difference, 1) +
-           cblas_ddot(width, splines->pressure + at, 1, path->base->state.coordinates, 1);
+    if (!path) return dot(splines->pressure + at, self->state.coordinates, width);
+    return dot(path->pressure + at, self->difference, width) +
+           dot(splines->pressure + at, path->base->state.coordinates, width);
 }
 
 /* The pressure's spline near the exit of a line contact, from which on its values are zero; at the
@@ -380,7 +379,7 @@ static void prepare_cut(previous_film *self, const reduced_model *model,
         const cut_run *run = &self->runs[r];
         double *pressure = self->cut_pressure + self->num_cut;
         reduced_band_pressure(pressure, model, self->state.coordinates, run->first, run->count);
-        cblas_dscal((int)run->count, run->sign, pressure, 1);
+        vector_scale(pressure, run->sign, run->count);
         for (size_t i = 0; i < run->count; i++)
             self->cut_node[self->num_cut++] =
                 (grid_position){run->line + splines->side, run->column + splines->margin + i};
@@ -421,8 +420,8 @@ double path_filter_change(const previous_film *self, size_t node, const path_fil
                       (node % width + splines->margin) * layout->column;
     const double *difference = self->difference + film_offset(model);
 
-    return cblas_ddot((int)layout->width, path->film + at, 1, difference, 1) -
-           cblas_ddot((int)layout->width, splines->film + at, 1, difference, 1);
+    return dot(path->film + at, difference, layout->width) -
+           dot(splines->film + at, difference, layout->width);
 }
 
 // ---- evaluation
@@ -661,15 +660,15 @@ ehd_status path_films_set_base(path_films *self, const previous_film *base,
         self->base_cut[k * self->base_layout.column] = cut[0];
         self->base_film[k * self->base_layout.column] =
             approach + cut[0] +
-            cblas_ddot((int)layout->width, splines->film + k * layout->column, 1,
-                       coordinates + film_offset(model), 1);
+            dot(splines->film + k * layout->column, coordinates + film_offset(model),
+                layout->width);
     }
     ehd_status status = fill_curvatures(self->base_film, &self->base_layout, error);
     if (!status) status = fill_curvatures(self->base_cut, &self->base_layout, error);
     for (size_t k = 0; k < model->grid.num_nodes && self->base_pressure; k++)
         self->base_pressure[k * self->base_pressure_layout.column] =
-            cblas_ddot((int)model->num_pressure,
-                       splines->pressure + k * splines->pressure_layout.column, 1, coordinates, 1);
+            dot(splines->pressure + k * splines->pressure_layout.column, coordinates,
+                model->num_pressure);
     if (!status && self->base_pressure)
         status = fill_curvatures(self->base_pressure, &self->base_pressure_layout, error);
     return status;

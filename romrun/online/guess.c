@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Starts from the trained solutions, and what the grid did to them. */
+#include "common/algebra/cholesky.h"
 #include "romrun/model/start_shift.h"
 #include "romrun/online/reduced_solver.h"
 
-#include <lapacke.h>
 #include <math.h>
 #include <stdbool.h>
 #include <stdlib.h>
@@ -22,7 +22,15 @@ enum { MAX_STARTS = 11 };
  * p_H), since the film follows powers of M and of the viscosity's rise, what the lubricant was
  * more viscous and denser than the contact's is at the same Hertz pressure, as logarithms, and a
  * part of that of how much the flow is thinned. */
-enum { ALONG_M, ALONG_PRESSURE, ALONG_VISCOSITY, ALONG_DENSITY, ALONG_THINNING, NUM_COORDINATES };
+enum {
+    ALONG_M,
+    ALONG_PRESSURE,
+    ALONG_VISCOSITY,
+    ALONG_DENSITY,
+    ALONG_THINNING,
+    ALONG_GRADIENT,
+    NUM_COORDINATES
+};
 
 typedef struct neighbour {
     size_t state;
@@ -31,7 +39,7 @@ typedef struct neighbour {
 
 /* A contact among the training solutions. */
 typedef struct wanted_place {
-    double along_M, along_pressure, along_thinning;
+    double along_M, along_pressure, along_thinning, along_gradient;
     const ehd_lubricant *lubricant; // NULL: any
 } wanted_place;
 
@@ -40,13 +48,18 @@ static double viscosity_coordinate(double rise) {
 }
 
 /* The least thinning and one that halves films are apart as tenfold loads are. */
-static double along_thinning(double thinning) {
-    return 0.25 * thinning_coordinate(thinning);
+static double along_thinning(flow_thinning thinning) {
+    return 0.25 * thinning_coordinate(thinning.sliding);
+}
+
+static double along_gradient(flow_thinning thinning) {
+    return 0.25 * gradient_coordinate(thinning.gradient);
 }
 
 static wanted_place place_wanted(const contact_place *of) {
     return (wanted_place){log(of->moes_M), viscosity_coordinate(of->alpha_p_H),
-                          along_thinning(of->thinning), of->lubricant};
+                          along_thinning(of->thinning), along_gradient(of->thinning),
+                          of->lubricant};
 }
 
 /* How much another lubricant a state is of; 0 where that is not known. False: the contact's
@@ -54,12 +67,13 @@ static wanted_place place_wanted(const contact_place *of) {
 static bool compare_lubricants(double away[NUM_COORDINATES], const lubricant_rises *there,
                                const wanted_place *here, double alpha_p_H) {
     if (!here->lubricant || isnan(there->of[RISE_VISCOSITY])) return true;
-    const lubricant_rises same =
-        lubricant_rises_at(here->lubricant, alpha_p_H / here->lubricant->alpha);
-    if (isnan(same.of[RISE_VISCOSITY])) return false;
-    away[ALONG_VISCOSITY] = viscosity_coordinate(there->of[RISE_VISCOSITY]) -
-                            viscosity_coordinate(same.of[RISE_VISCOSITY]);
-    away[ALONG_DENSITY] = there->of[RISE_DENSITY] - same.of[RISE_DENSITY];
+    const double pressure = alpha_p_H / here->lubricant->alpha;
+    const double viscosity = lubricant_rise_at(here->lubricant, RISE_VISCOSITY, pressure);
+    if (isnan(viscosity)) return false;
+    away[ALONG_VISCOSITY] =
+        viscosity_coordinate(there->of[RISE_VISCOSITY]) - viscosity_coordinate(viscosity);
+    away[ALONG_DENSITY] =
+        there->of[RISE_DENSITY] - lubricant_rise_at(here->lubricant, RISE_DENSITY, pressure);
     return true;
 }
 
@@ -80,6 +94,7 @@ static neighbour place_of_state(const reduced_states *states, size_t state,
     place.away[ALONG_PRESSURE] =
         viscosity_coordinate(states->alpha_p_H[state]) - here->along_pressure;
     place.away[ALONG_THINNING] = along_thinning(states->thinning[state]) - here->along_thinning;
+    place.away[ALONG_GRADIENT] = along_gradient(states->thinning[state]) - here->along_gradient;
     place.distance = distance_of(&place);
     return place;
 }
@@ -188,8 +203,8 @@ static bool fit_weights(double *weights, const neighbour *nearest, size_t count,
                 normal[num * p + q] += strength[i] * terms[i][p] * terms[i][q];
     }
     if (count < num) return false;
-    if (LAPACKE_dposv_work(LAPACK_COL_MAJOR, 'L', (int)num, 1, normal, (int)num, unit, (int)num))
-        return false;
+    if (!cholesky_factorise(normal, num)) return false;
+    cholesky_solve(unit, normal, num);
     for (size_t i = 0; i < count; i++) {
         weights[i] = 0;
         for (size_t p = 0; p < num; p++)
@@ -281,8 +296,9 @@ void reduced_guess(reduced_state *state, const reduced_model *model, contact_pla
     // of its own lubricant first: how others differ is more than linear
     bool others = false;
     size_t count = nearest_states(nearest, &model->states, &here, -1, ANY_EFFECT, &others);
-    const bool differs[NUM_COORDINATES] = {[ALONG_THINNING] =
-                                               do_differ(nearest, count, ALONG_THINNING)};
+    const bool differs[NUM_COORDINATES] = {
+        [ALONG_THINNING] = do_differ(nearest, count, ALONG_THINNING),
+        [ALONG_GRADIENT] = do_differ(nearest, count, ALONG_GRADIENT)};
     if (!fit_weights(weights, nearest, count, &FITS[0], differs)) {
         if (others) count = nearest_states(nearest, &model->states, &here, -1, ANY_EFFECT, NULL);
         // the contact's lubricant has no viscosity at any of them: whatever they are of
@@ -350,9 +366,9 @@ void reduced_neighbour(reduced_state *state, const reduced_model *model, contact
 
 // ---- what the grid does
 
-/* One effect at a contact, by a fit through the nearest states of which it is known: of its size's
- * logarithm, since effects go with powers of M and of the viscosity's rise, with the sign of the
- * nearest one. Where it is infinite there, nothing can be said of the contact either. */
+/* Interpolates one effect at a contact between the nearest states of which it is known. Logarithms are
+ * interpolated, since effects go with powers of M and of the viscosity's rise. Infinite where the effect
+ * of the nearest state is. */
 static double effect_at(const reduced_states *states, const neighbour *nearest, size_t count,
                         int effect) {
     const double rounding = 1e-12; // of a film
@@ -370,7 +386,7 @@ static double effect_at(const reduced_states *states, const neighbour *nearest, 
     for (size_t i = 0; i < count; i++)
         log_size +=
             weights[i] * log(fmax(fabs(states->effects[finite[i].state].of[effect]), rounding));
-    return copysign(exp(log_size), closest);
+    return exp(log_size);
 }
 
 static bool is_known(const reduced_states *states, const neighbour *nearest, size_t count,

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "romrun/online/indicator.h"
 
+#include "common/algebra/vectors.h"
 #include "common/physics/far_field.h"
 #include "romrun/model/reduced_cut.h"
 
-#include <cblas.h>
 #include <math.h>
 #include <stdbool.h>
 #include <stdlib.h>
@@ -69,7 +69,7 @@ static double film_at_checkpoint(const reduced_model *model, size_t q, const dou
                 : control->film + q * width;
 
     return z[model->num_unknowns - 1] + control->gap[q] +
-           cblas_ddot((int)width, film, 1, coupled ? z : z + model->num_pressure, 1);
+           dot(film, coupled ? z : z + model->num_pressure, width);
 }
 
 static bool is_before(const reduced_model *model, size_t node, const size_t *exit) {
@@ -95,8 +95,7 @@ static void expand(indicator *self, const reduced_state *state) {
         size_t node = control->needed_node[q];
         const grid_position at = reduced_model_position(model, node);
         const double *modes = control->pressure + q * num_pressure;
-        self->pressure[q] =
-            at.column < exit[at.line] ? cblas_ddot((int)num_pressure, modes, 1, z, 1) : 0;
+        self->pressure[q] = at.column < exit[at.line] ? dot(modes, z, num_pressure) : 0;
         self->film[q] = film_at_checkpoint(model, q, z, checkpoint);
         for (size_t r = 0; r < num_runs; r++)
             reduced_model_deflect(self->film + q, model, at, 1, self->runs[r].line,

@@ -14,6 +14,7 @@ typedef struct kept_factors {
     size_t num_rows;     // Reynolds rows in it, the first of its rows
     size_t *row;         // [num_rows] which rows of the model these are
     double weight;       // of its closure
+    double rate;         // of its time derivative
     reduced_state start; // of the present iteration, to return to where it fails
 } kept_factors;
 

@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "romrun/online/node_state.h"
 
+#include "common/algebra/product.h"
+#include "common/algebra/vectors.h"
 #include "common/physics/far_field.h"
 #include "common/physics/minimum.h"
 #include "romrun/online/band_minimum.h"
 
-#include <cblas.h>
 #include <math.h>
 #include <string.h>
 
@@ -56,9 +57,8 @@ const double *nodes_checkpoint_table(const node_state *self) {
 // ---- the state at the needed nodes
 
 static void product(double *y, const double *matrix, const double *x, size_t rows, size_t columns) {
-    if (rows > 0)
-        cblas_dgemv(CblasRowMajor, CblasNoTrans, (int)rows, (int)columns, 1, matrix, (int)columns,
-                    x, 1, 0, y, 1);
+    memset(y, 0, rows * sizeof *y);
+    add_product(y, matrix, columns, rows, columns, x);
 }
 
 /* Values of coordinates z at a checkpoint. */
@@ -92,9 +92,8 @@ void nodes_expand(node_fields *fields, node_state *self, const reduced_values *k
     nodes_expand_runs(self, z);
     for (size_t r = 0; r < self->num_runs; r++) {
         const cut_run *run = &self->runs[r];
-        cblas_dgemv(CblasRowMajor, CblasTrans, (int)run->count, (int)num_cut, run->sign,
-                    model->cut.left + run->first * num_cut, (int)num_cut,
-                    self->band_pressure + run->first, 1, 1, fields->cut, 1);
+        add_transposed_product(fields->cut, run->sign, model->cut.left + run->first * num_cut,
+                               run->count, num_cut, self->band_pressure + run->first);
     }
     if (model->deformation == DEFORMATION_COUPLED)
         memcpy(fields->film, fields->cut, num_needed * sizeof(double));
@@ -115,8 +114,8 @@ void nodes_add_step(node_state *self, double factor) {
     const reduced_values *step = &self->step.values;
     reduced_values *now = &self->now.values;
 
-    cblas_daxpy((int)self->model->rows.num_needed, factor, step->pressure, 1, now->pressure, 1);
-    cblas_daxpy((int)self->model->cut.num_rows, factor, step->cut, 1, now->cut, 1);
+    axpy(now->pressure, factor, step->pressure, self->model->rows.num_needed);
+    axpy(now->cut, factor, step->cut, self->model->cut.num_rows);
 }
 
 double nodes_at_centre(const reduced_model *model, const double *values) {
@@ -178,7 +177,7 @@ void nodes_band_films(double *film, const node_state *self, const double *z, siz
 
     for (size_t i = 0; i < count; i++)
         film[i] = z[model->num_unknowns - 1] + grid_gap(&model->grid, node + i) +
-                  cblas_ddot((int)width, basis + i * width, 1, coupled ? z : z + num_pressure, 1);
+                  dot(basis + i * width, coupled ? z : z + num_pressure, width);
     for (size_t r = 0; coupled && r < self->num_runs; r++) {
         const cut_run *run = &self->runs[r];
         reduced_model_deflect(film, model, at, count, run->line, run->column, run->count,
@@ -458,10 +457,10 @@ double nodes_central_change(node_state *self, const double *step) {
         double film = 0;
         if (model->centre.weight[i] == 0) continue;
         if (model->deformation == DEFORMATION_INDEPENDENT) {
-            film = cblas_ddot((int)num_deformation, model->rows.film + q * num_deformation, 1,
-                              step + num_pressure, 1);
+            film =
+                dot(model->rows.film + q * num_deformation, step + num_pressure, num_deformation);
         } else {
-            film = cblas_ddot((int)num_pressure, checkpoint + q * num_pressure, 1, step, 1);
+            film = dot(checkpoint + q * num_pressure, step, num_pressure);
             for (size_t r = 0; r < self->num_runs; r++) {
                 const cut_run *run = &self->runs[r];
                 for (size_t k = run->first; k < run->first + run->count; k++)

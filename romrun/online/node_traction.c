@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "romrun/online/node_traction.h"
 
-#include <cblas.h>
+#include "common/algebra/vectors.h"
+
 #include <math.h>
 #include <stdbool.h>
 #include <string.h>
@@ -10,7 +11,7 @@
 static double moment_of(node_state *self, const double *z) {
     const reduced_model *model = self->model;
     const ehd_grid *grid = &model->grid;
-    double moment = cblas_ddot((int)model->num_pressure, model->cubature.moment, 1, z, 1);
+    double moment = dot(model->cubature.moment, z, model->num_pressure);
 
     nodes_expand_runs(self, z);
     for (size_t l = 0; l < model->band.num_lines; l++) {
@@ -35,8 +36,7 @@ static double deflection_by(const double *kernel, size_t column, size_t first, s
     if (before > count) before = count;
     const double *falling = kernel + (column > first ? column - first + 1 - before : 0);
     const double *rising = kernel + (first + before > column ? first + before - column : 0);
-    return cblas_ddot((int)before, falling, -1, pressure, 1) +
-           cblas_ddot((int)(count - before), rising, 1, pressure + before, 1);
+    return dot_reversed(falling, pressure, before) + dot(rising, pressure + before, count - before);
 }
 
 /* H at a node of the cubature; the band's pressures are known. One node by many, of which
@@ -47,9 +47,8 @@ static double film_at(const node_state *self, const double *z, size_t q, grid_po
     const bool coupled = model->deformation == DEFORMATION_COUPLED;
     const size_t width = coupled ? model->num_pressure : model->num_deformation;
     const size_t columns = grid_width(&model->grid);
-    double film =
-        z[model->num_unknowns - 1] + set->gap[q] +
-        cblas_ddot((int)width, set->film + q * width, 1, coupled ? z : z + model->num_pressure, 1);
+    double film = z[model->num_unknowns - 1] + set->gap[q] +
+                  dot(set->film + q * width, coupled ? z : z + model->num_pressure, width);
 
     for (size_t l = 0; l < model->band.num_lines && coupled; l++) {
         const band_line *line = &model->band.lines[l];
@@ -73,22 +72,65 @@ static bool expand_node(double *pressure, double *film, const node_state *self, 
     const grid_position at = reduced_model_position(self->model, set->needed_node[q]);
 
     if (at.column >= self->exit[at.line]) return false;
-    *pressure = cblas_ddot((int)num_pressure, set->pressure + q * num_pressure, 1, z, 1);
+    *pressure = dot(set->pressure + q * num_pressure, z, num_pressure);
     *film = film_at(self, z, q, at);
     return true;
 }
 
+/* dP/dX at a node of the cubature, and its derivatives by the pressures at the two neighbours along X.
+ * `beside` holds the places of the neighbours in the cubature, or NO_NODE where the pressure is zero.
+ * Only thinned flows need it, because the gradient changes their shear stress; their models keep the
+ * neighbours. */
+typedef struct node_gradient {
+    double value;
+    size_t beside[2];
+    double by[2];
+} node_gradient;
+
+static double pressure_at(const node_state *self, const double *z, size_t q) {
+    const size_t num_pressure = self->model->num_pressure;
+
+    return dot(self->model->cubature.nodes.pressure + q * num_pressure, z, num_pressure);
+}
+
+static node_gradient gradient_at(const node_state *self, const double *z, size_t q) {
+    const row_set *set = &self->model->cubature.nodes;
+    const size_t node = set->needed_node[q];
+    const grid_position at = reduced_model_position(self->model, node);
+    const double per_pressure = 1 / (2 * self->model->grid.step);
+    const bool before = q > 0 && set->needed_node[q - 1] + 1 == node;
+    const bool behind = q + 1 < set->num_needed && set->needed_node[q + 1] == node + 1;
+    node_gradient gradient = {.beside = {NO_NODE, NO_NODE}, .by = {-per_pressure, per_pressure}};
+
+    // of a model that has not kept them nothing is known
+    if (!(before || at.column == 1) || !(behind || at.column + 1 >= self->exit[at.line]))
+        return gradient;
+    if (before) gradient.beside[0] = q - 1;
+    if (behind && at.column + 1 < self->exit[at.line]) gradient.beside[1] = q + 1;
+    for (int side = 0; side < 2; side++)
+        if (gradient.beside[side] != NO_NODE)
+            gradient.value += gradient.by[side] * pressure_at(self, z, gradient.beside[side]);
+    return gradient;
+}
+
+/* Whether a node has a weight of its own: it has none where it is kept for the one beside it. */
+static bool has_weight(const node_cubature *cubature, size_t q) {
+    return cubature->friction[q] != 0 || cubature->dry[q] != 0;
+}
+
 /* Stress at a node before the exit; the largest is kept. Far out in the inlet truncated modes
  * have pressures below zero, where the full model's are hardly above: the fluid is the same. */
-static double stress_at(double *largest, const ehd_contact *contact, double pressure, double film) {
-    const double stress = contact_shear_stress(contact, pressure, film);
+static double stress_at(double *largest, const ehd_contact *contact, double pressure, double film,
+                        double gradient) {
+    const double stress = contact_shear_stress(contact, pressure, film, gradient);
 
     *largest = fmax(*largest, fabs(stress));
     return stress;
 }
 
 /* The largest stress is looked for at the needed nodes too, where the pressure is near its largest
- * there: it falls with that more than it rises with a thinner film. */
+ * there: it falls with that more than it rises with a thinner film. Of a flow that the gradient thins these
+ * are the nodes of the rows, beside which the pressures are needed. */
 static const double NEAR_LARGEST = 0.7;
 
 static void look_at_needed(double *largest, const node_state *self, const ehd_contact *contact) {
@@ -97,9 +139,19 @@ static void look_at_needed(double *largest, const node_state *self, const ehd_co
 
     for (size_t q = 0; q < self->model->rows.num_needed; q++)
         most = pressure[q] > most ? pressure[q] : most;
+    if (traction_thins_flow(contact)) {
+        for (size_t r = 0; r < self->model->rows.num_rows; r++) {
+            const size_t *node = self->model->rows.stencils[r].node, q = node[NODE_HERE];
+            const double change = pressure[node[NODE_AHEAD]] - pressure[node[NODE_BACK]];
+            if (pressure[q] >= NEAR_LARGEST * most)
+                stress_at(largest, contact, pressure[q], self->now.film[q],
+                          change / (2 * self->model->grid.step));
+        }
+        return;
+    }
     for (size_t q = 0; q < self->model->rows.num_needed; q++)
         if (pressure[q] >= NEAR_LARGEST * most)
-            stress_at(largest, contact, pressure[q], self->now.film[q]);
+            stress_at(largest, contact, pressure[q], self->now.film[q], 0);
 }
 
 /* Where a grid line's pressure ends. */
@@ -107,6 +159,7 @@ typedef struct line_end {
     size_t node;     // the last one with pressure
     double weight;   // of its cell in sums
     double pressure; // there
+    double gradient; // of the pressure, which is zero at the next node
     double film[2];  // there and at the next node
 } line_end;
 
@@ -120,6 +173,10 @@ static bool find_line_end(line_end *end, const node_state *self, const double *z
     end->node = line * grid_width(&model->grid) + column;
     end->weight = grid_load_weight(&model->grid, end->node);
     end->pressure = self->band_pressure[band->offset + column - band->begin];
+    end->gradient = column == band->begin
+                        ? 0
+                        : -self->band_pressure[band->offset + column - 1 - band->begin] /
+                              (2 * model->grid.step);
     nodes_band_films(end->film, self, z, end->node, 2);
     return true;
 }
@@ -128,15 +185,15 @@ contact_traction nodes_traction(node_state *self, const double *z, const ehd_con
                                 const contact_scalars *scalars) {
     const reduced_model *model = self->model;
     const node_cubature *cubature = &model->cubature;
+    const bool thinned = traction_thins_flow(contact);
     traction_sums sums = {.moment = moment_of(self, z)};
     double pressure, film;
     line_end end;
 
-    // an even kernel does no net work along X: int H dP/dX = -int P X
-    sums.rolling = -sums.moment;
     for (size_t q = 0; q < cubature->nodes.num_needed; q++) {
-        if (!expand_node(&pressure, &film, self, z, q)) continue;
-        const double stress = stress_at(&sums.largest_stress, contact, pressure, film);
+        if (!has_weight(cubature, q) || !expand_node(&pressure, &film, self, z, q)) continue;
+        const double gradient = thinned ? gradient_at(self, z, q).value : 0;
+        const double stress = stress_at(&sums.largest_stress, contact, pressure, film, gradient);
         sums.friction += cubature->friction[q] * stress;
         sums.mean_stress += cubature->dry[q] * fabs(stress);
     }
@@ -144,12 +201,18 @@ contact_traction nodes_traction(node_state *self, const double *z, const ehd_con
     const bool on_line = model->band.num_lines == 1;
     for (size_t l = 0; l < model->band.num_lines; l++) {
         if (!find_line_end(&end, self, z, l)) continue;
-        const double stress = stress_at(&sums.largest_stress, contact, end.pressure, end.film[0]);
+        const double stress =
+            stress_at(&sums.largest_stress, contact, end.pressure, end.film[0], end.gradient);
         // what the cell behind the last node has beside the sum over nodes
         sums.friction += end.weight / model->grid.step *
                          contact_traction_behind(contact, &model->grid, end.node, stress, end.film,
                                                  on_line ? scalars->exit_position : NAN);
     }
+    const traction_sums beyond = contact_traction_beyond(contact, scalars);
+    sums.friction += beyond.friction;
+    sums.moment -= beyond.rolling;
+    // an even kernel does no net work along X: int H dP/dX = -int P X
+    sums.rolling = -sums.moment;
     return contact_traction_from(contact, &sums, scalars->load);
 }
 
@@ -182,16 +245,24 @@ void nodes_add_friction(double *target, double *influence, node_state *self, con
     const size_t num_pressure = model->num_pressure, last = model->num_unknowns - 1;
     const bool coupled = model->deformation == DEFORMATION_COUPLED;
     const size_t width = coupled ? num_pressure : model->num_deformation;
+    const bool thinned = traction_thins_flow(contact);
     double pressure, film;
 
     moment_of(self, z); // for the pressures of the band
     memset(influence, 0, model->band.num_nodes * sizeof *influence);
     for (size_t q = 0; q < set->num_needed; q++) {
-        if (!expand_node(&pressure, &film, self, z, q)) continue;
-        const stress_slopes slopes = contact_stress_slopes(contact, pressure, film);
+        if (!has_weight(&model->cubature, q) || !expand_node(&pressure, &film, self, z, q))
+            continue;
+        const node_gradient gradient = thinned ? gradient_at(self, z, q) : (node_gradient){0};
+        const stress_slopes slopes = contact_stress_slopes(contact, pressure, film, gradient.value);
         const double by_pressure = model->cubature.friction[q] * slopes.by_pressure;
         const double by_film = model->cubature.friction[q] * slopes.by_film;
         nodes_add_row(target, by_pressure, set->pressure + q * num_pressure, num_pressure);
+        for (int side = 0; side < 2 && thinned; side++)
+            if (gradient.beside[side] != NO_NODE)
+                nodes_add_row(target,
+                              model->cubature.friction[q] * slopes.by_gradient * gradient.by[side],
+                              set->pressure + gradient.beside[side] * num_pressure, num_pressure);
         nodes_add_row(coupled ? target : target + num_pressure, by_film, set->film + q * width,
                       width);
         target[last] += by_film;
@@ -213,7 +284,9 @@ double nodes_friction_of_exits(node_state *self, const double *z, const ehd_cont
     moment_of(self, z); // as above
     for (size_t l = 0; l < self->model->band.num_lines; l++)
         if (find_line_end(&end, self, z, l))
-            squares += pow(
-                risk[l] * end.weight * contact_shear_stress(contact, end.pressure, end.film[0]), 2);
+            squares +=
+                pow(risk[l] * end.weight *
+                        contact_shear_stress(contact, end.pressure, end.film[0], end.gradient),
+                    2);
     return sqrt(squares);
 }

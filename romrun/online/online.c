@@ -303,14 +303,22 @@ static size_t part_for(const online_model *self, const part_solver *solvers,
         any = any || fits[p];
     }
     for (size_t p = 0; p < self->num_parts; p++) {
-        hull_space *space = solvers ? solvers[p].range_space : NULL;
+        range_memory *memory = solvers ? solvers[p].range_memory : NULL;
         if (any && !fits[p]) continue;
-        const double here = trained_range_outside(self->parts[p].range, space, place);
+        const double here = trained_range_outside(self->parts[p].range, memory, place);
         if (!(here < least)) continue;
         least = here;
         found = p;
     }
     return found;
+}
+
+ehd_status online_show(online_model *model, const shown_lubricants *shown, ehd_error *error) {
+    ehd_status status = EHD_OK;
+
+    for (size_t p = 0; p < model->num_parts && !status; p++)
+        status = part_show(&model->parts[p], shown, error);
+    return status;
 }
 
 const ehd_grid *online_grid_for(const online_model *model, const ehd_contact *contact) {
@@ -433,16 +441,33 @@ void online_exits(double *positions, const online_solver *solver) {
 
 // ---- in time
 
+/* State of the accepted contact besides its march. All members are numbers of one type, so that the struct can be saved
+ * as such. */
+typedef struct accepted_moment {
+    double time;
+    double load, load_rate, last_step; // scale the next frame where the approach is given
+    double path, speed;                // of the fluid
+    double approach;                   // in the reference frame
+    double lost;                       // 1: the bodies are apart
+} accepted_moment;
+
+/* The approach at which bodies touch under these conditions. */
+typedef struct touching_place {
+    double speed, radius, modulus; // speed 0: none was found yet
+    double approach;               // NaN: there is no contact
+} touching_place;
+
 struct online_transient {
     const online_model *model;
     ehd_contact reference;
     parts_march *march;
-    bool started;           // there is an accepted state
-    bool solved;            // there is a step that can be accepted
-    march_step last;        // solved
-    double load, load_rate; // accepted; scale the next frame where the approach is given
-    double time;            // accepted
-    double path, speed;     // of the fluid, accepted
+    bool started;    // there is an accepted state
+    bool solved;     // there is a step that can be accepted
+    march_step last; // solved
+    accepted_moment now;
+    bool loses, regains;     // the last step parts the bodies; it brings them together again
+    double least_M;          // of the training
+    touching_place touching; // found last
     // of the last step, which begins behind them, or of the start
     online_conditions conditions;
     bool at_start;            // no step was taken since
@@ -470,6 +495,18 @@ static ehd_status create_marches(online_transient *self, ehd_error *error) {
     return status;
 }
 
+/* M of the lightest contact of the training. */
+static double least_M(const online_model *model) {
+    double least = INFINITY;
+
+    for (size_t p = 0; p < model->num_parts; p++) {
+        const reduced_states *states = &model->parts[p].reduced.states;
+        for (size_t s = 0; s < states->num_states; s++)
+            least = fmin(least, states->moes_M[s]);
+    }
+    return least;
+}
+
 ehd_status online_transient_create(online_transient **transient, const online_model *model,
                                    const ehd_contact *reference, ehd_error *error) {
     ehd_status status = part_check_contact(&model->parts[0], reference, error);
@@ -484,6 +521,7 @@ ehd_status online_transient_create(online_transient **transient, const online_mo
     self->model = model;
     self->reference = *reference;
     contact_take_grid(&self->reference, online_grid(model));
+    self->least_M = least_M(model);
     status = create_marches(self, error);
     if (status)
         online_transient_free(self);
@@ -532,6 +570,13 @@ static reduced_march *march_of_accepted(const online_transient *self) {
 static void fill_state(online_state *state, const online_transient *self) {
     const march_step *step = &self->last;
 
+    if (self->loses) {
+        *state = (online_state){.status = step->status,
+                                .reason = step->reason,
+                                .time = step->frame.time,
+                                .scalars = step->scalars};
+        return;
+    }
     *state = (online_state){.status = step->status,
                             .reason = step->reason,
                             .time = step->frame.time,
@@ -549,15 +594,16 @@ static contact_frame frame_of(const online_transient *self, const online_conditi
                               double step) {
     double values[NUM_VARY] = {[VARY_LOAD] =
                                    isnan(conditions->load)
-                                       ? march_expected_load(self->load, self->load_rate, step)
+                                       ? march_expected_load(self->now.load, self->now.load_rate,
+                                                             step, self->now.last_step)
                                        : conditions->load,
                                [VARY_SPEED] = conditions->speed,
                                [VARY_RADIUS] = conditions->radius,
                                [VARY_MODULUS] = conditions->modulus};
 
     contact_frame frame =
-        frame_at(self->reference.kind, self->time + step, values, conditions->approach);
-    frame.path = self->path + step * (self->speed + conditions->speed) / 2;
+        frame_at(self->reference.kind, self->now.time + step, values, conditions->approach);
+    frame.path = self->now.path + step * (self->now.speed + conditions->speed) / 2;
     return frame;
 }
 
@@ -574,7 +620,7 @@ static ehd_status check_conditions(const online_conditions *conditions,
                   {"modulus", conditions->modulus, false}};
 
     for (size_t i = 0; i < sizeof values / sizeof *values; i++)
-        if (!(values[i].value >= 0 && isfinite(values[i].value)) ||
+        if (!(isgreaterequal(values[i].value, 0) && isfinite(values[i].value)) ||
             (values[i].value == 0 && !values[i].zero_allowed))
             return ehd_fail(error, EHD_DATA, "%s: found %g, expected a number %s", values[i].name,
                             values[i].value, values[i].zero_allowed ? "of at least 0" : "above 0");
@@ -586,6 +632,108 @@ static ehd_status check_conditions(const online_conditions *conditions,
     return isnan(conditions->approach) ? EHD_OK : contact_check_approach(reference, error);
 }
 
+// ---- a contact that is lost and regained
+
+/* The frame of some conditions under the least load of the training, whose M is the smallest. */
+static contact_frame lightest_frame(const online_transient *self,
+                                    const online_conditions *conditions) {
+    const contact_kind *kind = self->reference.kind;
+    const double values[NUM_VARY] = {[VARY_LOAD] = 1,
+                                     [VARY_SPEED] = conditions->speed,
+                                     [VARY_RADIUS] = conditions->radius,
+                                     [VARY_MODULUS] = conditions->modulus};
+    const contact_frame frame = frame_at(kind, self->now.time, values, conditions->approach);
+    ehd_contact contact;
+
+    frame_contact(&contact, &frame, &self->reference);
+    return frame_of_load(kind, &frame, self->least_M / contact.moes_M);
+}
+
+/* Finds the approach at which moving bodies touch: that of the stationary contact under the least load of the training.
+ * NaN: it has no solution. It is solved again only when the conditions change. */
+static ehd_status find_touching(double *approach, online_transient *self,
+                                const online_conditions *conditions, ehd_error *error) {
+    const touching_place *known = &self->touching;
+    const contact_frame light = lightest_frame(self, conditions);
+
+    *approach = known->approach;
+    if (known->speed == conditions->speed && known->radius == conditions->radius &&
+        known->modulus == conditions->modulus)
+        return EHD_OK;
+    const ehd_status status = parts_march_approach(approach, self->march, &light, error);
+    self->touching =
+        (touching_place){conditions->speed, conditions->radius, conditions->modulus, *approach};
+    if (status) self->touching = (touching_place){0};
+    return status;
+}
+
+/* Makes a step with bodies that are apart: no force, and their gap as film. A force below the least load of the training is
+ * neglected; the result is not to be trusted where that load exceeds the promised accuracy. */
+static void lose(online_transient *self, const online_conditions *conditions, double step) {
+    const double gap = fmax(conditions->approach, 0); // undeformed bodies may overlap yet
+    const bool known = lightest_frame(self, conditions).load <= online_accuracy;
+
+    self->last =
+        (march_step){.status = known ? EHD_OK : EHD_UNTRUSTED,
+                     .reason = known ? "" : "no force, below the least load of the training",
+                     .frame = frame_of(self, conditions, step),
+                     .step = step,
+                     .scalars = {.central_film_thickness = gap,
+                                 .minimum_film_thickness = gap,
+                                 .rigid_approach = conditions->approach}};
+    self->loses = true;
+}
+
+/* A contact is lost if its bodies part and the step has no solution, or a negative load. */
+static ehd_status watch_loss(online_transient *self, const online_conditions *conditions,
+                             double step, ehd_error *error) {
+    const march_step *last = &self->last;
+    const bool failed = last->status == EHD_NOT_CONVERGED;
+    const bool parts = conditions->speed > 0 && !isnan(conditions->approach) &&
+                       conditions->approach > self->now.approach;
+    double touching = -INFINITY;
+
+    if (!parts || !(failed || last->scalars.load <= 0)) return EHD_OK;
+    const ehd_status status = failed ? find_touching(&touching, self, conditions, error) : EHD_OK;
+    if (!status && isgreater(conditions->approach, touching)) lose(self, conditions, step);
+    return status;
+}
+
+/* Whether the bodies of a lost contact touch again: they approach each other, and are nearer than find_touching says. */
+static ehd_status touches(bool *again, online_transient *self, const online_conditions *conditions,
+                          ehd_error *error) {
+    double touching = NAN;
+    ehd_status status = EHD_OK;
+
+    *again = isnan(conditions->approach);
+    if (!*again && conditions->speed > 0 && conditions->approach < self->now.approach) {
+        status = find_touching(&touching, self, conditions, error);
+        *again = isless(conditions->approach, touching);
+    }
+    return status;
+}
+
+/* Takes a step of a lost contact. A contact that is regained starts from the stationary film. */
+static ehd_status step_apart(online_transient *self, const online_conditions *conditions,
+                             double step, ehd_error *error) {
+    march_solver solver = parts_march_solver(self->march);
+    const contact_frame frame = frame_of(self, conditions, step);
+    ehd_status status = touches(&self->regains, self, conditions, error);
+
+    if (status) return status;
+    if (self->regains)
+        status = solver.start(&self->last, solver.self, &frame, error);
+    else
+        lose(self, conditions, step);
+    self->last.step = step;
+    return status;
+}
+
+static double accepted_approach(const online_transient *self) {
+    return frame_to_reference(&self->last.scalars, &self->last.frame, &self->reference)
+        .rigid_approach;
+}
+
 ehd_status online_transient_start(online_state *state, online_transient *self,
                                   const online_conditions *conditions, ehd_error *error) {
     march_solver solver = parts_march_solver(self->march);
@@ -595,16 +743,23 @@ ehd_status online_transient_start(online_state *state, online_transient *self,
     if (status) return status;
     self->started = self->solved = self->at_start = self->linearised = false;
     self->conditions = *conditions;
-    self->time = 0;
-    self->load = 1;
-    self->load_rate = 0;
-    self->path = 0;
-    self->speed = conditions->speed;
+    self->now.time = 0;
+    self->now.load = 1;
+    self->now.load_rate = self->now.last_step = 0;
+    self->now.path = 0;
+    self->now.speed = conditions->speed;
+    self->now.lost = self->loses = self->regains = false;
+    self->now.approach = -INFINITY;
     contact_frame frame = frame_of(self, conditions, 0);
     status = solver.start(&self->last, solver.self, &frame, error);
+    if (!status && self->last.status == EHD_NOT_CONVERGED)
+        status = watch_loss(self, conditions, 0, error);
     if (status) return status;
-    self->started = self->at_start = self->last.status != EHD_NOT_CONVERGED;
-    self->load = self->last.scalars.load * self->last.frame.load;
+    self->now.lost = self->loses;
+    self->started = self->last.status != EHD_NOT_CONVERGED;
+    self->at_start = self->started && !self->now.lost;
+    self->now.load = self->now.lost ? 1 : self->last.scalars.load * self->last.frame.load;
+    self->now.approach = self->now.lost ? conditions->approach : accepted_approach(self);
     fill_state(state, self);
     return EHD_OK;
 }
@@ -614,20 +769,26 @@ ehd_status online_step(online_state *state, online_transient *self,
     march_solver solver = parts_march_solver(self->march);
     ehd_status status = check_conditions(conditions, &self->reference, error);
 
-    if (!status && !(step > 0 && isfinite(step)))
+    if (!status && !(isgreater(step, 0) && isfinite(step)))
         status = ehd_fail(error, EHD_DATA, "step: found %g, expected a number above 0", step);
     if (!status && !self->started)
         status = ehd_fail(error, EHD_INTERNAL,
                           "step: found no accepted state, expected online_transient_start or "
                           "online_restore before");
     self->solved = self->at_start = self->linearised = false;
+    self->loses = self->regains = false;
     if (status) return status;
-    contact_frame frame = frame_of(self, conditions, step);
-    status = solver.attempt(&self->last, solver.self, &frame, step, error);
+    if (self->now.lost) {
+        status = step_apart(self, conditions, step, error);
+    } else {
+        contact_frame frame = frame_of(self, conditions, step);
+        status = solver.attempt(&self->last, solver.self, &frame, step, error);
+        self->last.frame = frame;
+        self->last.step = step;
+        if (!status) status = watch_loss(self, conditions, step, error);
+    }
     if (status) return status;
     self->solved = self->last.status != EHD_NOT_CONVERGED;
-    self->last.frame = frame;
-    self->last.step = step;
     self->conditions = *conditions;
     fill_state(state, self);
     return EHD_OK;
@@ -639,12 +800,17 @@ void online_accept(online_transient *self) {
 
     if (!self->solved) return;
     self->solved = self->at_start = false;
-    solver.accept(solver.self);
-    self->load_rate = (load - self->load) / self->last.step;
-    self->load = load;
-    self->time = self->last.frame.time;
-    self->path = self->last.frame.path;
-    self->speed = self->last.frame.speed;
+    if (!self->loses && !self->regains) solver.accept(solver.self);
+    self->now.approach =
+        isnan(self->conditions.approach) ? accepted_approach(self) : self->conditions.approach;
+    self->now.last_step = self->now.lost || self->loses ? 0 : self->last.step;
+    self->now.load_rate =
+        self->now.last_step > 0 ? (load - self->now.load) / self->now.last_step : 0;
+    self->now.load = self->loses ? 1 : load; // any, to scale the frame of the next start
+    self->now.lost = self->loses;
+    self->now.time = self->last.frame.time;
+    self->now.path = self->last.frame.path;
+    self->now.speed = self->last.frame.speed;
 }
 
 void online_restart(online_transient *self) {
@@ -653,7 +819,7 @@ void online_restart(online_transient *self) {
     solver.restart(solver.self);
 }
 
-enum { NUM_OWN = 3 };
+enum { NUM_OWN = sizeof(accepted_moment) / sizeof(double) };
 
 size_t online_saved_size(const online_transient *self) {
     march_solver solver = parts_march_solver(self->march);
@@ -664,46 +830,67 @@ size_t online_saved_size(const online_transient *self) {
 void online_save(double *saved, const online_transient *self) {
     march_solver solver = parts_march_solver(self->march);
 
-    saved[0] = self->time;
-    saved[1] = self->load;
-    saved[2] = self->load_rate;
-    solver.save(saved + NUM_OWN, solver.self);
+    memcpy(saved, &self->now, sizeof self->now);
+    if (self->now.lost)
+        memset(saved + NUM_OWN, 0, solver.saved_size(solver.self) * sizeof *saved);
+    else
+        solver.save(saved + NUM_OWN, solver.self);
+}
+
+static ehd_status check_moment(const accepted_moment *of, ehd_error *error) {
+    if (!(isgreaterequal(of->time, 0) && isgreater(of->load, 0) && isfinite(of->load_rate) &&
+          isgreaterequal(of->last_step, 0)))
+        return ehd_fail(error, EHD_DATA,
+                        "saved state: found time %g, load %g, its rate %g and a last step of %g, "
+                        "expected a time, a load above 0, a finite rate and a step",
+                        of->time, of->load, of->load_rate, of->last_step);
+    if (!(isfinite(of->approach) && (of->lost == 0 || of->lost == 1) && isfinite(of->path) &&
+          isgreaterequal(of->speed, 0)))
+        return ehd_fail(error, EHD_DATA,
+                        "saved state: found approach %g, %g, path %g and speed %g, expected an "
+                        "approach, 0 or (bodies apart) 1, a path and a speed of at least 0",
+                        of->approach, of->lost, of->path, of->speed);
+    return EHD_OK;
 }
 
 ehd_status online_restore(online_transient *self, const double *saved, ehd_error *error) {
     march_solver solver = parts_march_solver(self->march);
-    ehd_status status = EHD_OK;
+    accepted_moment now;
 
+    memcpy(&now, saved, sizeof now);
     self->started = self->solved = self->at_start = false;
-    if (!(saved[0] >= 0 && saved[1] > 0 && isfinite(saved[2])))
-        status = ehd_fail(error, EHD_DATA,
-                          "saved state: found time %g, load %g and its rate %g, expected a time, a "
-                          "load above 0 and a finite rate",
-                          saved[0], saved[1], saved[2]);
-    if (!status) status = solver.restore(solver.self, saved + NUM_OWN, error);
+    ehd_status status = check_moment(&now, error);
+    if (!status && !now.lost) status = solver.restore(solver.self, saved + NUM_OWN, error);
     if (status) return status;
-    contact_frame frame;
-    reduced_march_state(march_of_accepted(self), &frame);
-    self->path = frame.path;
-    self->speed = frame.speed;
+    self->now = now;
+    self->loses = self->regains = false;
     self->started = true;
-    self->time = saved[0];
-    self->load = saved[1];
-    self->load_rate = saved[2];
     return EHD_OK;
 }
 
 ehd_status online_transient_fields(double *pressure, double *film, online_transient *self,
                                    ehd_error *error) {
     march_solver solver = parts_march_solver(self->march);
+    const ehd_grid *grid = &self->reference.grid;
 
-    return solver.fields(pressure, film, solver.self, error);
+    if (!self->now.lost) return solver.fields(pressure, film, solver.self, error);
+    for (size_t k = 0; k < grid->num_nodes; k++) {
+        pressure[k] = 0;
+        film[k] = grid_gap(grid, k) + self->now.approach;
+    }
+    return EHD_OK;
+}
+
+/* Place of the last step among the states of its march: 0 is an attempt; a start is accepted at once, 1. */
+static size_t steps_before(const online_transient *self) {
+    return self->solved && !self->regains ? 0 : 1;
 }
 
 double online_transient_peak(const online_transient *self) {
     reduced_march *of = march_of_attempt(self);
-    const reduced_state state = reduced_march_state_before(of, self->solved ? 0 : 1, NULL);
+    const reduced_state state = reduced_march_state_before(of, steps_before(self), NULL);
 
+    if (self->solved ? self->loses : self->now.lost) return 0;
     return reduced_pressure_range(reduced_march_inner(of), &state).largest *
            self->last.frame.hertz_pressure;
 }
@@ -711,7 +898,7 @@ double online_transient_peak(const online_transient *self) {
 contact_traction online_attempt_traction(online_transient *self, const ehd_contact *contact,
                                          const contact_scalars *scalars) {
     reduced_march *of = march_of_attempt(self);
-    const reduced_state state = reduced_march_state_before(of, self->solved ? 0 : 1, NULL);
+    const reduced_state state = reduced_march_state_before(of, steps_before(self), NULL);
 
     if (!online_has_traction(self->model)) return contact_traction_unknown();
     return reduced_traction(reduced_march_inner(of), &state, contact, scalars);
@@ -724,6 +911,8 @@ contact_frame online_attempt_frame(const online_transient *self) {
 contact_frame online_transient_frame(const online_transient *self) {
     contact_frame frame;
 
+    if (self->now.lost)
+        return frame_at(self->reference.kind, self->now.time, (double[]){1, 1, 1, 1}, NAN);
     reduced_march_state(march_of_accepted(self), &frame);
     return frame;
 }
@@ -990,12 +1179,13 @@ static ehd_status find_attempt(solved_frame *solved, online_transient *self, ehd
     const size_t part = online_transient_part(self);
     reduced_march *of = march_of_attempt(self);
 
-    if (!self->solved && !(self->at_start && self->conditions.speed > 0))
+    if ((!self->solved && !(self->at_start && self->conditions.speed > 0)) || self->loses ||
+        self->regains)
         return ehd_fail(error, EHD_INTERNAL,
                         "derivatives: found no solution, expected a step that is not accepted yet, "
                         "or a start that is not at rest");
     *solved = (solved_frame){.reference = &self->reference,
-                             .state = reduced_march_state_before(of, self->solved ? 0 : 1, NULL),
+                             .state = reduced_march_state_before(of, steps_before(self), NULL),
                              .at = self->conditions,
                              .by_approach = self->solved && !isnan(self->conditions.approach),
                              .exit_at_node = true,

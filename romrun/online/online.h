@@ -21,7 +21,7 @@
  *
  * Nothing is global. Open and prepare models one thread at a time (HDF5 is not thread-safe); a model
  * may then be shared by any number of solvers in as many threads: neither HDF5 nor FFTW, which may
- * end a process that is refused memory, is called any more. For speed, keep OpenBLAS at one thread.
+ * end a process that is refused memory, is called any more.
  * Opening a model switches off HDF5's messages and its filter plugins in the process. */
 #ifndef ONLINE_H
 #define ONLINE_H
@@ -34,6 +34,7 @@
 #include "common/settings/part_list.h"
 #include "common/settings/scene_contact.h"
 #include "common/time/march.h"
+#include "romrun/model/shown.h"
 #include "romrun/model/sizes.h"
 #include <stdbool.h>
 #include <stddef.h>
@@ -94,6 +95,10 @@ typedef struct part_sizes {
 ehd_status online_open(online_model **model, const char *path, const part_sizes *sizes,
                        ehd_error *error);
 online_model *online_close(online_model *model); // accepts and returns NULL
+
+/* Counts lubricants as known to the estimates of each part, in place of those of its calibration, which is
+ * about to be made on them. Before any solver is created. EHD_MEMORY. */
+ehd_status online_show(online_model *model, const shown_lubricants *shown, ehd_error *error);
 
 /* Closes the file of a model, which stays open for online_prepare_fields, online_prepare_transient and
  * online_export: of these only what was prepared before works any more, others are EHD_INTERNAL, and
@@ -168,7 +173,7 @@ online_indications online_indicate(online_solver *solver, const ehd_contact *con
 double online_indicate_peak(online_solver *solver);
 
 /* What the grid of the model's training does to the films of a contact, which no solution of the
- * model tells: relative changes of central and minimum film by smaller steps and a longer inlet,
+ * model tells: error estimates of central and minimum film by its step and the length of its inlet,
  * interpolated between the estimates of the training points (film_effects.h). NaN: the model holds
  * none; infinite: its grid is too coarse to tell. About ten microseconds; any number of threads. */
 film_effects online_effects(const online_model *model, const ehd_contact *contact);

@@ -93,6 +93,20 @@ ehd_status part_open(model_part *self, const char *path, const model_sizes *size
     return status ? status : part_finish(self, error);
 }
 
+ehd_status part_show(model_part *self, const shown_lubricants *shown, ehd_error *error) {
+    shown_lubricants *own = &self->reduced.shown;
+    shown_lubricant *copy = array_new(shown->count, 1, sizeof *copy);
+
+    if (!copy) return ehd_fail(error, EHD_MEMORY, "%s: found no memory", self->path);
+    for (size_t i = 0; i < shown->count; i++)
+        copy[i] = shown->of[i];
+    if (!self->flat || self->shows) free(own->of); // a flat file's own are part of it
+    self->shows = true;
+    *own = (shown_lubricants){shown->count, copy};
+    trained_range_free(self->range);
+    return part_finish(self, error);
+}
+
 void part_release_file(model_part *self) {
     artefact_close(&self->source);
 }
@@ -100,6 +114,7 @@ void part_release_file(model_part *self) {
 void part_close(model_part *self) {
     part_release_file(self);
     if (self->flat) {
+        if (self->shows) free(self->reduced.shown.of);
         flat_model_free(&self->reduced);
         film_splines_flat_free(&self->splines);
     } else {
@@ -162,9 +177,9 @@ ehd_status part_solver_init(part_solver *self, const model_part *model, ehd_erro
 
     self->model = model;
     self->indicator = indicator_create(&model->reduced);
-    self->range_space = trained_range_space(model->range);
+    self->range_memory = range_memory_create(model->range);
     ehd_status status = reduced_state_init(&self->state, &model->reduced, error);
-    if (!status && (!self->indicator || !self->range_space))
+    if (!status && (!self->indicator || !self->range_memory))
         status = ehd_fail(error, EHD_MEMORY, "online solver: found no memory");
     return status ? status
                   : reduced_solver_create(&self->reduced, &model->reduced, &settings, error);
@@ -174,7 +189,7 @@ void part_solver_free(part_solver *self) {
     reduced_solver_free(self->reduced);
     indicator_free(self->indicator);
     reduced_tangent_free(self->tangent);
-    hull_space_free(self->range_space);
+    range_memory_free(self->range_memory);
     reduced_state_free(&self->state);
 }
 
@@ -248,11 +263,11 @@ static const double MOST_NEGATIVE = 1e-3;
 static void judge_pressure(online_result *result, const ehd_contact *contact,
                            const reduced_pressures *range) {
     if (result->status == EHD_NOT_CONVERGED) return;
-    if (range->least >= -MOST_NEGATIVE &&
+    if (isgreaterequal(range->least, -MOST_NEGATIVE) &&
         range->largest * contact->hertz_pressure <= contact->lubricant.pressure_limit)
         return;
     result->status = EHD_NOT_CONVERGED;
-    result->reason = range->least >= -MOST_NEGATIVE
+    result->reason = isgreaterequal(range->least, -MOST_NEGATIVE)
                          ? "a pressure beyond the limit of the viscosity law"
                          : "a pressure below zero by more than a thousandth of the Hertz pressure";
 }
@@ -271,7 +286,7 @@ void online_judge_pressure(online_result *result, const ehd_contact *contact,
 static void judge(online_result *result, part_solver *solver, const ehd_contact *contact) {
     const model_part *model = solver->model;
     const char *reason =
-        trained_range_check(model->range, solver->range_space, contact_place_of(contact), NULL);
+        trained_range_check(model->range, solver->range_memory, contact_place_of(contact), NULL);
 
     if (result->status && reason) {
         snprintf(solver->reason, sizeof solver->reason, "%s%s%s", reason,
@@ -284,6 +299,8 @@ static void judge(online_result *result, part_solver *solver, const ehd_contact 
     if (!reason &&
         (double)result->iterations > MAX_ITERATIONS_OVER_CALIBRATION * model->most_iterations)
         reason = "far more iterations than any scene of the calibration took";
+    if (!reason && reduced_doubts_flow(solver->reduced, &solver->state, contact))
+        reason = flow_doubt_reason;
     if (!reason) return;
     result->status = EHD_UNTRUSTED;
     result->reason = reason;

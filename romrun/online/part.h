@@ -18,6 +18,7 @@ typedef struct model_part {
     reduced_model reduced;
     const char *path; // for errors, of the model that it is a part of
     bool flat;        // tables are those of a flat file, which outlives it
+    bool shows;       // lubricants of part_show, which are its own, of a flat file too
     artefact *source; // what else may be read of it; NULL: flat, or released
     trained_range *range;
     double indicator_factor; // 0: not calibrated at these sizes
@@ -45,6 +46,8 @@ ehd_status part_open(model_part *self, const char *path, const model_sizes *size
 void part_walk(flat *file, model_part *self);
 /* Once it is read: what is made of it. EHD_MEMORY. */
 ehd_status part_finish(model_part *self, ehd_error *error);
+/* As online_show. */
+ehd_status part_show(model_part *self, const shown_lubricants *shown, ehd_error *error);
 void part_release_file(model_part *self);
 void part_close(model_part *self);
 
@@ -59,12 +62,12 @@ typedef struct part_solver {
     reduced_solver *reduced;
     indicator *indicator;
     reduced_state state;
-    bool solved;              // the last solution converged
-    contact_scalars scalars;  // of it
-    reduced_tangent *tangent; // NULL: not needed yet
-    bool linearised;          // at the last solution
-    hull_space *range_space;  // of checks of the trained range
-    char reason[192];         // of the last result, where it is put together
+    bool solved;                // the last solution converged
+    contact_scalars scalars;    // of it
+    reduced_tangent *tangent;   // NULL: not needed yet
+    bool linearised;            // at the last solution
+    range_memory *range_memory; // of checks of the trained range
+    char reason[192];           // of the last result, where it is put together
 } part_solver;
 
 /* `self` is zero; free with part_solver_free, also where it fails. EHD_MEMORY. */

@@ -125,28 +125,18 @@ static handed_state hand(parts_march *self, const reduced_march *from, const red
     return handed;
 }
 
-/* By how much the film of the last accepted state has changed because other modes tell it, at the
- * places of the central line where errors are: largest of the nodes around. Zero outside of what
- * has pressure, where a film is no outcome. */
+/* Finds what the film of the last accepted state changes by when another part takes it over, whose modes represent it less
+ * exactly. */
 static void find_change(double change[NUM_ERROR_PLACES], parts_march *self,
                         const reduced_march *from, const reduced_march *to) {
-    const ehd_grid *grid = &reduced_march_reference(to)->grid;
-    const size_t first = grid_central_line(grid), width = grid_width(grid);
     const reduced_state taken = reduced_march_state_before(to, 1, NULL);
     const reduced_state given = reduced_march_state_before(from, 1, NULL);
     double rigid_approach;
 
     reduced_march_fields_of(self->pressure, self->film, &rigid_approach, from, &given);
     reduced_march_fields_of(self->taken_pressure, self->taken_film, &rigid_approach, to, &taken);
-    memset(change, 0, NUM_ERROR_PLACES * sizeof *change);
-    for (size_t k = first; k < first + width; k++) {
-        const double x = grid_x(grid, k), place = (x + 1) / 2 * (NUM_ERROR_PLACES - 1);
-        const double here = fabs(self->taken_film[k] - self->film[k]);
-        if (!(place >= 0 && place < NUM_ERROR_PLACES - 1) || !(self->pressure[k] > 0)) continue;
-        const size_t below = (size_t)place;
-        change[below] = fmax(change[below], here);
-        change[below + 1] = fmax(change[below + 1], here);
-    }
+    film_errors_between(change, self->taken_film, self->film, &reduced_march_reference(to)->grid,
+                        given.exit);
 }
 
 /* The accepted states of the part that has solved the last one, for another part, with the errors
@@ -210,6 +200,11 @@ static void hold_alone(parts_march *self, size_t part) {
 reduced_march *parts_march_choose(parts_march *self, const contact_frame *frame) {
     hold_alone(self, deepest(self, frame));
     return self->parts[self->accepted];
+}
+
+ehd_status parts_march_approach(double *approach, parts_march *self, const contact_frame *frame,
+                                ehd_error *error) {
+    return reduced_march_approach(approach, self->parts[deepest(self, frame)], frame, error);
 }
 
 // ---- as a solver
@@ -301,7 +296,8 @@ static ehd_status restore(void *solver, const double *saved, ehd_error *error) {
     size_t part = 0;
 
     if (self->num_parts > 1) {
-        if (!(*saved >= 0 && *saved < (double)self->num_parts && *saved == floor(*saved)))
+        if (!(isgreaterequal(*saved, 0) && *saved < (double)self->num_parts &&
+              *saved == floor(*saved)))
             return ehd_fail(error, EHD_DATA,
                             "saved state: found part %g, expected a whole number below %zu", *saved,
                             self->num_parts);

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "romrun/online/reduced_march.h"
 
+#include "common/algebra/product.h"
+#include "common/algebra/vectors.h"
 #include "common/program/program.h"
 #include "common/time/path_filter.h"
 #include "common/time/saved_ring.h"
@@ -9,7 +11,6 @@
 #include "romrun/online/time_indicator.h"
 #include "romrun/online/trained_range.h"
 
-#include <cblas.h>
 #include <math.h>
 #include <stdint.h>
 #include <stdlib.h>
@@ -63,7 +64,7 @@ struct reduced_march {
     const film_splines *splines;
     ehd_contact reference;
     trained_range *range;
-    hull_space *range_space;
+    range_memory *range_memory;
     reduced_solver *solver;
     double start_tolerance;                 // of its iterations
     double tolerance;                       // of the steps; NaN: none is known
@@ -100,7 +101,7 @@ reduced_march *reduced_march_free(reduced_march *self) {
     if (!self) return NULL;
     reduced_solver_free(self->solver);
     trained_range_free(self->range);
-    hull_space_free(self->range_space);
+    range_memory_free(self->range_memory);
     for (size_t i = 0; i <= BDF_PREVIOUS; i++)
         previous_film_free(&self->states[i]);
     previous_film_free(&self->base);
@@ -231,9 +232,9 @@ ehd_status reduced_march_create(reduced_march **created, const reduced_model *mo
     self->start_tolerance = settings->tolerance;
     self->tolerance = NAN;
     self->range = trained_range_create(model);
-    self->range_space = self->range ? trained_range_space(self->range) : NULL;
+    self->range_memory = self->range ? range_memory_create(self->range) : NULL;
     allocate_arrays(self);
-    bool whole = self->range_space && !self->memory.failed;
+    bool whole = self->range_memory && !self->memory.failed;
     if (whole) sort_rows(self);
     status = whole ? reduced_solver_create(&self->solver, model, &in_time, error)
                    : ehd_fail(error, EHD_MEMORY, "online solver: found no memory");
@@ -308,6 +309,14 @@ static void judge_films(march_step *outcome, reduced_march *self, const contact_
     }
 }
 
+/* Whether the gap closes behind the exit, so that a second zone of pressure there has a part of the load:
+ * a reduced model has one zone a line. */
+static bool lacks_zone(const reduced_march *self) {
+    if (self->ring.num_previous < 2) return false; // a jump is over in one step
+    return frame_closing_gap(&self->load_frame, &self->last_load_frame, &self->reference, 1).load >
+           frame_most_cut_load;
+}
+
 /* Marks states beyond the model as untrusted: a contact outside of the trained range, an exit at
  * the edge of its range, and a film that ruptures in the inlet, where the model has no exit. */
 static void judge(march_step *outcome, reduced_march *self, const reduced_state *state,
@@ -327,18 +336,27 @@ static void judge(march_step *outcome, reduced_march *self, const reduced_state 
     if (self->ring.num_previous > 1)
         rates = frame_rates_between(&self->load_frame, &self->last_load_frame);
     outcome->reason =
-        trained_range_check(self->range, self->range_space, contact_place_of(&contact), &rates);
+        trained_range_check(self->range, self->range_memory, contact_place_of(&contact), &rates);
     outcome->status = outcome->reason ? EHD_UNTRUSTED : EHD_OK;
     if (!outcome->reason) outcome->reason = "";
     if (is_at_edge(model, state)) {
         outcome->status = EHD_UNTRUSTED;
         outcome->reason = "an exit boundary at the edge of the trained range";
     }
+    if (lacks_zone(self)) {
+        outcome->status = EHD_UNTRUSTED;
+        outcome->reason =
+            "a second zone of pressure behind the exit, which the model does not have";
+    }
     for (size_t r = 0; r < model->rows.num_rows; r++)
         if (self->estimate.pressure[r] < rupture && grid_x(&model->grid, model->rows.node[r]) < 0) {
             outcome->status = EHD_UNTRUSTED;
             outcome->reason = "a negative pressure before the contact";
         }
+    if (reduced_doubts_flow(self->solver, state, &contact)) {
+        outcome->status = EHD_UNTRUSTED;
+        outcome->reason = flow_doubt_reason;
+    }
     judge_films(outcome, self, frame);
 }
 
@@ -354,11 +372,26 @@ static ehd_status solve(reduced_info *info, reduced_march *self, const ehd_conta
     return status;
 }
 
+/* Solves the stationary contact under the load that scales a frame, from what the training has
+ * around it. */
+static ehd_status solve_under_load(reduced_info *info, reduced_march *self,
+                                   const contact_frame *frame, ehd_error *error) {
+    ehd_contact contact;
+
+    frame_contact(&contact, frame, &self->reference);
+    contact.closure = contact_load_closure(contact.kind);
+    reduced_guess(&state_before(self, 0)->state, self->model, contact_place_of(&contact));
+    return solve(info, self, &contact, NULL, error);
+}
+
 /* Rescales the frame until the load at the given approach is the one that scales it: a fixed-point
- * iteration over stationary solutions, which may end in a cycle within what these are solved to. */
+ * iteration over stationary solutions. It may end in a cycle, within the tolerance of these solutions or between
+ * two exits: at 0.952 of its load the line of scenes/examples/oscillator alternates between loads 64e-9 too high and
+ * 64e-9 too low. Any frame of such a cycle will do. */
 static ehd_status find_load(reduced_info *info, reduced_march *self, contact_frame *frame,
                             ehd_error *error) {
     const size_t max_rescalings = 30;
+    const double most_in_cycle = 1e-6;
     double off = INFINITY, before;
     ehd_status status = EHD_OK;
 
@@ -369,13 +402,52 @@ static ehd_status find_load(reduced_info *info, reduced_march *self, contact_fra
         if (status || info->status == EHD_NOT_CONVERGED) return status;
         before = off;
         off = fabs(info->scalars.load - 1);
-        if (off < 1e-10 || (off < self->start_tolerance && off >= before)) return EHD_OK;
+        if (off < 1e-10 || (off < self->start_tolerance && off >= before) ||
+            (i + 1 == max_rescalings && off < most_in_cycle))
+            return EHD_OK;
         *frame =
             frame_of_load(self->reference.kind, frame, fmin(fmax(info->scalars.load, 0.8), 1.25));
     }
     info->status = EHD_NOT_CONVERGED;
     info->reason = "approach out of reach";
     return EHD_OK;
+}
+
+/* Finds the load at an approach that find_load does not reach. The secant method solves contacts whose load
+ * is given, each from a start by the training, until the approach is right to a tenth of the film;
+ * then find_load takes over. */
+static ehd_status walk_to_approach(reduced_info *info, reduced_march *self, contact_frame *frame,
+                                   ehd_error *error) {
+    const size_t max_loads = 30;
+    const double near = 0.1, first_stride = 0.05, longest_stride = 0.2; // of the film, of ln(load)
+    double stride = 0, before = 0;
+
+    for (size_t i = 0; i < max_loads; i++) {
+        const ehd_status status = solve_under_load(info, self, frame, error);
+        if (status || info->status == EHD_NOT_CONVERGED) return status;
+        const contact_scalars found = frame_to_reference(&info->scalars, frame, &self->reference);
+        const double off = found.rigid_approach - frame->approach; // falls as the load rises
+        if (fabs(off) <= near * found.central_film_thickness)
+            return find_load(info, self, frame, error);
+        stride = i == 0 ? copysign(first_stride, off) : stride * off / (before - off);
+        stride = fmin(fmax(stride, -longest_stride), longest_stride);
+        before = off;
+        *frame = frame_of_load(self->reference.kind, frame, exp(stride));
+    }
+    info->status = EHD_NOT_CONVERGED;
+    info->reason = "approach out of reach";
+    return EHD_OK;
+}
+
+ehd_status reduced_march_approach(double *approach, reduced_march *self, const contact_frame *frame,
+                                  ehd_error *error) {
+    reduced_info info;
+    const ehd_status status = solve_under_load(&info, self, frame, error);
+
+    *approach = NAN;
+    if (!status && info.status != EHD_NOT_CONVERGED)
+        *approach = frame_to_reference(&info.scalars, frame, &self->reference).rigid_approach;
+    return status;
 }
 
 /* d/dX of the base's rho H at a node, as its row has it: what a unit of entrainment leaves of the
@@ -488,16 +560,22 @@ static ehd_status start(march_step *outcome, void *solver, const contact_frame *
     ehd_status status = EHD_OK;
 
     reduced_solver_set_tolerance(self->solver, self->start_tolerance);
-    frame_contact(&contact, frame, &self->reference);
-    contact.closure = contact_load_closure(contact.kind);
-    reduced_guess(&first->state, self->model, contact_place_of(&contact));
     first->frame = *frame;
-    if (frame->speed > 0)
-        status = solve(&info, self, &contact, NULL, error);
-    else
+    if (frame->speed > 0) {
+        status = solve_under_load(&info, self, frame, error);
+    } else {
+        frame_contact(&contact, frame, &self->reference);
+        contact.closure = contact_load_closure(contact.kind);
+        reduced_guess(&first->state, self->model, contact_place_of(&contact));
         info.scalars = reduced_scalars(self->solver, &first->state, &contact);
-    if (!status && info.status == EHD_OK && frame->speed > 0 && !isnan(frame->approach))
+    }
+    if (!status && info.status == EHD_OK && frame->speed > 0 && !isnan(frame->approach)) {
         status = find_load(&info, self, &first->frame, error);
+        if (!status && info.status == EHD_NOT_CONVERGED) {
+            first->frame = *frame;
+            status = walk_to_approach(&info, self, &first->frame, error);
+        }
+    }
     if (status) return status;
     *outcome = (march_step){.status = info.status,
                             .reason = info.reason,
@@ -535,7 +613,7 @@ static ehd_status start(march_step *outcome, void *solver, const contact_frame *
 
 /* target += factor * source */
 static void add_times(double *target, double factor, const double *source, size_t count) {
-    cblas_daxpy((int)count, factor, source, 1, target, 1);
+    axpy(target, factor, source, count);
 }
 
 /* Extrapolates coordinates and values at the needed nodes in time; the exit line stays. */
@@ -578,6 +656,15 @@ static void masses_at(double *mass, const previous_film *const *films, size_t nu
                              &self->reference);
 }
 
+/* Sum over the few steps of a formula, for which dot() is too long. */
+static double history_sum(const double *weights, const double *values, size_t count) {
+    double sum = 0;
+
+    for (size_t i = 0; i < count; i++)
+        sum += weights[i] * values[i];
+    return sum;
+}
+
 /* rho H of the states at the rows' nodes, [num_rows, BDF_PREVIOUS], and what the squeeze has of it. */
 static void sum_at_rows(double *sum, double *mass, const reduced_march *self,
                         const contact_frame *frame, double entrainment) {
@@ -590,8 +677,7 @@ static void sum_at_rows(double *sum, double *mass, const reduced_march *self,
         const size_t r = self->previous.ascending[i];
         double *of_row = mass + r * BDF_PREVIOUS;
         masses_at(of_row, films, num, model->rows.node[r], frame, self);
-        sum[r] = cblas_ddot((int)num, self->formula.weight, 1, of_row, 1) +
-                 entrainment * self->entrained[r];
+        sum[r] = history_sum(self->formula.weight, of_row, num) + entrainment * self->entrained[r];
     }
 }
 
@@ -606,11 +692,11 @@ static void carry_over(reduced_march *self, const contact_frame *frame) {
 static double sum_in_frame(const reduced_march *self, size_t node, const contact_frame *now) {
     const previous_film *films[BDF_PREVIOUS];
     double mass[BDF_PREVIOUS];
-    size_t order = self->formula.order;
+    const size_t num = self->formula.num_weighted;
 
     list_previous(films, self);
-    masses_at(mass, films, order, node, now, self);
-    return cblas_ddot((int)order, self->formula.weight, 1, mass, 1);
+    masses_at(mass, films, num, node, now, self);
+    return history_sum(self->formula.weight, mass, num);
 }
 
 /* The same in that of the attempt. */
@@ -696,7 +782,7 @@ static double missed_at(double *mass, const reduced_march *self, size_t node) {
     previous_film_masses(mass, &next, 1, node, &next->frame, self->model, self->splines,
                          &self->reference);
     masses_at(before, films, self->ring.num_previous, node, &next->frame, self);
-    return *mass - cblas_ddot((int)self->ring.num_previous, self->formula.predictor, 1, before, 1);
+    return *mass - history_sum(self->formula.predictor, before, self->ring.num_previous);
 }
 
 /* Density below the pressure of the dry contact. */
@@ -744,7 +830,7 @@ static bool is_another_solution(const reduced_march *self, double central_film) 
     const double most = march_most_missed * central_film;
     const row_set *rows = &self->model->rows;
 
-    for (size_t r = 0; r < rows->num_rows; r++)
+    for (size_t r = 0; r < rows->num_rows && self->formula.degree > 0; r++)
         if (grid_x(&self->model->grid, rows->node[r]) < 0 &&
             self->formula.error * fabs(missed_mass(self, r)) > most)
             return true;
@@ -767,9 +853,10 @@ static double largest_taken_up(const reduced_march *self) {
     const error_estimate *estimate = &self->estimate;
     double largest = 0;
 
-    for (size_t i = 0; i < estimate->num_way; i++)
-        largest = fmax(largest, fabs(film_errors_at(&self->taken_up, estimate->x[i])) /
-                                    estimate->way_mass[i]);
+    for (size_t i = 0; i < estimate->num_way; i++) {
+        const double error = fabs(film_errors_at(&self->taken_up, estimate->x[i]));
+        if (isgreater(error, 0)) largest = fmax(largest, error / estimate->way_mass[i]);
+    }
     return largest;
 }
 
@@ -887,6 +974,7 @@ static ehd_status attempt(march_step *outcome, void *solver, const contact_frame
     self->info = info;
     *outcome = (march_step){.status = info.status,
                             .reason = info.reason,
+                            .formula = self->formula,
                             .scalars = info.scalars,
                             .effect = NAN,
                             .effect_minimum = NAN,
@@ -1092,14 +1180,14 @@ const char *reduced_march_check_range(const reduced_march *self, const contact_f
     ehd_contact contact;
 
     frame_contact(&contact, now, &self->reference);
-    return trained_range_check(self->range, self->range_space, contact_place_of(&contact), &rates);
+    return trained_range_check(self->range, self->range_memory, contact_place_of(&contact), &rates);
 }
 
 double reduced_march_outside(const reduced_march *self, const contact_frame *frame) {
     ehd_contact contact;
 
     frame_contact(&contact, frame, &self->reference);
-    return trained_range_outside(self->range, self->range_space, contact_place_of(&contact));
+    return trained_range_outside(self->range, self->range_memory, contact_place_of(&contact));
 }
 
 contact_frame reduced_march_load_frame(const reduced_march *self) {
@@ -1146,9 +1234,8 @@ static ehd_status project(reduced_state *target, const reduced_march *self,
         if (target->exits) target->exits[l] = exit;
         if (!target->exits || l == grid_central_line(grid) / width) target->exit = exit;
     }
-    cblas_dgemv(CblasRowMajor, CblasTrans, (int)grid->num_nodes, (int)num, 1,
-                splines->fields.pressure, (int)num, state->pressure, 1, 0, z, 1);
-    memset(z + num, 0, model->num_deformation * sizeof *z);
+    memset(z, 0, (num + model->num_deformation) * sizeof *z);
+    add_transposed_product(z, 1, splines->fields.pressure, grid->num_nodes, num, state->pressure);
     for (size_t k = 0; k < grid->num_nodes && model->num_deformation > 0; k++) {
         const double *modes = splines->film + (k / width + splines->side) * splines->layout.line +
                               (k % width + splines->margin) * splines->layout.column;
@@ -1177,7 +1264,6 @@ ehd_status reduced_march_take(reduced_march *self, size_t steps, const handed_st
     self->ring.num_previous = steps;
     if (steps == 1) {
         self->last_load_frame = *load_frame;
-        // films that somebody else has solved have nothing of what this model misses
         self->last_doubtful = -INFINITY;
         time_indicator_clear(&self->indicator);
     }
@@ -1204,22 +1290,23 @@ void reduced_march_take_errors(reduced_march *self, const double *errors) {
  * and no result of such a model is trusted. */
 void reduced_march_take_indicated(reduced_march *self, const reduced_march *from,
                                   const double *change) {
-    const film_factors *own = &self->of_films, *other = &from->of_films;
+    const film_factors *own = &self->of_films, *other = from ? &from->of_films : own;
     const double factors[NUM_REDUCED_FILMS] = {
         [REDUCED_CENTRAL_FILM] = other->central / own->central,
         [REDUCED_MINIMUM_FILM] = other->minimum / own->minimum};
     double errors[NUM_ERROR_PLACES];
     ehd_contact contact;
 
-    self->last_doubtful = from->last_doubtful;
+    if (from) self->last_doubtful = from->last_doubtful;
     if (isnan(own->central) || isnan(other->central)) return;
     frame_contact(&contact, &self->states[self->ring.place[1]].frame, &self->reference);
     for (size_t i = 0; i < NUM_ERROR_PLACES; i++) {
         const double x = (double)i * 2 / (NUM_ERROR_PLACES - 1) - 1;
-        errors[i] = factors[REDUCED_CENTRAL_FILM] * from->indicator.errors.kept[i] +
-                    hertz_density(&contact, x) * change[i] / own->central;
+        errors[i] = hertz_density(&contact, x) * change[i] / own->central;
+        if (from) errors[i] += factors[REDUCED_CENTRAL_FILM] * from->indicator.errors.kept[i];
     }
     film_errors_set(&self->indicator.errors, errors);
+    if (!from) return;
     self->indicator.kept_local = from->indicator.kept_local;
     for (int q = 0; q < NUM_REDUCED_FILMS; q++)
         for (size_t l = 0; l < NUM_LENGTHS; l++)

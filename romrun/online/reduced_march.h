@@ -49,6 +49,11 @@ reduced_solver *reduced_march_inner(reduced_march *self);
  * fit through the trained states around. */
 march_solver reduced_march_solver(reduced_march *self);
 
+/* Finds the rigid approach H0 (in the reference frame) of the stationary contact under the load that scales a frame; NaN: it
+ * has no solution. Accepted states stay; an attempt before it can no longer be accepted. EHD_MEMORY. */
+ehd_status reduced_march_approach(double *approach, reduced_march *self, const contact_frame *frame,
+                                  ehd_error *error);
+
 /* The last accepted state, and its frame. */
 reduced_state reduced_march_state(const reduced_march *self, contact_frame *frame);
 
@@ -107,8 +112,9 @@ ehd_status reduced_march_take_base(reduced_march *self, const handed_state *stat
 const double *reduced_march_errors(const reduced_march *self);
 void reduced_march_take_errors(reduced_march *self, const double *errors);
 
-/* From the march whose states were taken: what is indicated of their films, by this model's factors, and
- * in addition `change`, [NUM_ERROR_PLACES], the error of H that taking has made of the last one. */
+/* From the march whose states were taken, NULL: from the full model, of which nothing is indicated: what is
+ * indicated of their films, by this model's factors, and in addition `change`, [NUM_ERROR_PLACES], the
+ * error of H that taking has made of the last one. */
 void reduced_march_take_indicated(reduced_march *self, const reduced_march *from,
                                   const double *change);
 

@@ -1,14 +1,15 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "romrun/online/reduced_solver.h"
 
+#include "common/algebra/vectors.h"
 #include "common/program/program.h"
 #include "romrun/online/exit_search.h"
 #include "romrun/online/kept_factors.h"
 #include "romrun/online/node_traction.h"
 #include "romrun/online/row_system.h"
 
-#include <cblas.h>
 #include <math.h>
+#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -84,8 +85,10 @@ struct reduced_solver {
     const kept_factors *used; // by the last solution; NULL: its own Jacobian
     size_t num_factors;       // of Jacobians that were factorised to be kept
     reduced_observer *observer;
+    reduced_observer_end *observer_end;
     void *observer_context;
     double *observed;       // [2, rows of the model]
+    double *joining;        // [nodes of a line's band, num_unknowns] of join_nodes
     double *band_influence; // [nodes of the band] of reduced_friction_error
     double *exit_risk;      // [num_lines] of that
     arena memory;           // of all arrays
@@ -106,6 +109,10 @@ reduced_solver *reduced_solver_free(reduced_solver *self) {
     return NULL;
 }
 
+static bool is_line(const reduced_model *model) {
+    return model->band.num_lines == 1;
+}
+
 ehd_status reduced_solver_create(reduced_solver **solver, const reduced_model *model,
                                  const reduced_settings *settings, ehd_error *error) {
     reduced_solver *self = calloc(1, sizeof *self);
@@ -122,6 +129,9 @@ ehd_status reduced_solver_create(reduced_solver **solver, const reduced_model *m
     kept_factors_init(&self->kept, model, &self->memory);
     kept_factors_init(&self->near, model, &self->memory);
     self->observed = arena_array(&self->memory, 2 * model->rows.num_rows, sizeof(double));
+    if (is_line(model))
+        self->joining = arena_array(
+            &self->memory, (model->band.num_nodes + 1) * model->num_unknowns, sizeof(double));
     if (self->memory.failed) {
         reduced_solver_free(self);
         return ehd_fail(error, EHD_MEMORY, "online solver: found no memory");
@@ -134,8 +144,10 @@ void reduced_solver_set_tolerance(reduced_solver *self, double tolerance) {
     self->settings.tolerance = tolerance;
 }
 
-void reduced_solver_observe(reduced_solver *self, reduced_observer *observer, void *context) {
+void reduced_solver_observe(reduced_solver *self, reduced_observer *observer,
+                            reduced_observer_end *end, void *context) {
     self->observer = observer;
+    self->observer_end = end;
     self->observer_context = context;
 }
 
@@ -218,7 +230,7 @@ static ehd_status observe(reduced_solver *self, ehd_error *error) {
     for (size_t i = 0; i < system->num_active; i++) {
         size_t r = system->active[i];
         residual[r] = system->right[i];
-        step[r] = cblas_ddot((int)n, system->matrix + i * n, 1, system->step, 1);
+        step[r] = dot(system->matrix + i * n, system->step, n);
     }
     return self->observer(self->observer_context, residual, step, error);
 }
@@ -267,10 +279,9 @@ static iterate take_step(reduced_state *state, reduced_solver *self, const itera
     now.rate = now.change / before->change;
     now.moved = 0;
     if (self->system.num_cells > 0)
-        now.moved =
-            self->exits.cell.offset.residual +
-            cblas_ddot((int)model->num_unknowns, self->system.offset, 1, self->system.step, 1);
-    cblas_daxpy((int)model->num_unknowns, now.factor, self->system.step, 1, state->coordinates, 1);
+        now.moved = self->exits.cell.offset.residual +
+                    dot(self->system.offset, self->system.step, model->num_unknowns);
+    axpy(state->coordinates, now.factor, self->system.step, model->num_unknowns);
     nodes_add_step(nodes, now.factor);
     now.film = nodes_at_centre(model, nodes->now.film) +
                now.factor * nodes_at_centre(model, nodes->step.film);
@@ -327,6 +338,37 @@ static void start_exits(reduced_solver *self, reduced_state *state, const ehd_co
 static bool end_with_one(reduced_info *info, reduced_state *state, reduced_solver *self,
                          const ehd_contact *contact, const reduced_squeeze *squeeze);
 
+static const double *band_modes(const reduced_model *model, size_t node) {
+    return model->band.pressure + reduced_model_band_index(model, node) * model->num_pressure;
+}
+
+/* Sets P of a line to 0 at the nodes that an exit joins, which was at `exit`. Behind an exit no row
+ * determines the modes: rounding leaves pressures there, of up to 1e6 p_H, which no shorter step takes
+ * away. Of all states with P = 0 at these nodes it is that for which the rows of the last system change
+ * least: each direction (J^T J)^-1 phi_k, made orthogonal to the nodes before it. */
+static void join_nodes(reduced_state *state, reduced_solver *self, size_t exit) {
+    const reduced_model *model = self->model;
+    const size_t n = model->num_unknowns, p = model->num_pressure;
+
+    for (size_t node = exit, i = 0; node < state->exit; node++, i++) {
+        const double *modes = band_modes(model, node);
+        double *direction = self->joining + i * n, *functional = self->system.step;
+
+        memset(functional, 0, n * sizeof *functional);
+        memcpy(functional, modes, p * sizeof *functional);
+        least_squares_dual(direction, self->system.factors, functional);
+        for (size_t j = 0; j < i; j++) {
+            const double *other = band_modes(model, exit + j), *before = self->joining + j * n;
+            const double part = dot(other, direction, p) / dot(other, before, p);
+            axpy(direction, -part, before, n);
+        }
+        const double slope = dot(modes, direction, p);
+        const double factor = slope != 0 ? -dot(modes, state->coordinates, p) / slope : NAN;
+        if (!isfinite(factor)) return; // nodes of which no mode says anything
+        axpy(state->coordinates, factor, direction, n);
+    }
+}
+
 /* The algorithm (Maier et al. (2015), section 3): Gauss-Newton on the weighted least squares of
  * the selected rows, the exit line following in each iteration. In time, once an iteration changes
  * the pressure by less than NEAR_CHANGE, the Jacobian there serves the others too. Returns an error only
@@ -342,12 +384,14 @@ static ehd_status gauss_newton(reduced_info *info, reduced_state *state, reduced
     const reduced_values *known = NULL;
     iterate before = {NAN, NAN, 0, NAN, 0}, now;
     double start = program_seconds();
+    bool joined = false; // nodes behind the exit, so that values are not known
 
     if (!within_node) state->exit_offset = NAN;
     info->own_jacobian = true;
     start_exits(self, state, contact, squeeze);
     start = add_seconds(&info->seconds_exit, start);
-    for (size_t iteration = 0;; iteration++, before = now, known = &self->nodes.now.values) {
+    for (size_t iteration = 0;;
+         iteration++, before = now, known = joined ? NULL : &self->nodes.now.values) {
         const bool near = before.factor == 1 && before.change < NEAR_CHANGE;
         if (near) at = AT_STATE;
         if (near && !tried) {
@@ -364,7 +408,7 @@ static ehd_status gauss_newton(reduced_info *info, reduced_state *state, reduced
             within_node && exits_find_cell(&self->exits, &self->nodes, state, contact,
                                            system_flux(&self->system, contact, &self->nodes));
         size_t num_rows = build_system(self, state, squeeze, with_cell);
-        info->residual = cblas_dnrm2((int)num_rows, self->system.right, 1);
+        info->residual = vector_norm(self->system.right, num_rows);
         start = add_seconds(&info->seconds_rows, start);
         if (!isfinite(info->residual)) return fail(info, "residual not finite");
         if (iteration >= self->settings.max_iterations)
@@ -385,10 +429,13 @@ static ehd_status gauss_newton(reduced_info *info, reduced_state *state, reduced
 
         // the exit line of the new state (eq. 39)
         bool moved = false, held = false;
+        const size_t exit = state->exit;
         if (with_cell)
             held = !exits_move_cell(state, self->model, now.factor * now.moved);
         else
             moved = exits_adapt(&self->exits, &self->nodes, state, contact, squeeze, now.change);
+        joined = squeeze && is_line(self->model) && state->exit > exit;
+        if (joined) join_nodes(state, self, exit);
         start = add_seconds(&info->seconds_exit, start);
         if (held) now.moved = 0;
         if (within_node && !with_cell) continue; // at best converged at a node
@@ -421,6 +468,7 @@ static void make_factors(kept_factors *factors, reduced_solver *self,
     system_list_active(&self->system, &self->nodes, NO_NODE);
     system_fill_matrix(&self->system, &self->nodes, weight);
     kept_factors_set(factors, &self->system, &self->nodes, weight);
+    factors->rate = squeeze->rate;
     factors->number = ++self->num_factors;
 }
 
@@ -466,11 +514,11 @@ static bool take_kept_step(kept_iterate *at, reduced_info *info, reduced_state *
     size_t num_rows = system_fill_right(&self->system, &self->nodes, state->coordinates, kept->row,
                                         kept->num_rows, kept->weight);
 
-    info->residual = cblas_dnrm2((int)num_rows, right, 1);
+    info->residual = vector_norm(right, num_rows);
     if (!isfinite(info->residual) ||
         least_squares_again(step, kept->factors, kept->matrix, right, num_rows))
         return false;
-    at->change = sqrt(grid_cell(&model->grid)) * cblas_dnrm2((int)model->num_pressure, step, 1);
+    at->change = sqrt(grid_cell(&model->grid)) * vector_norm(step, model->num_pressure);
     double rate = isnan(before) ? first_rate : at->change / before;
     at->slow = at->change < MAX_KEPT_CHANGE && !(rate < MAX_KEPT_RATE);
     if (!(at->change < MAX_KEPT_CHANGE && rate < MAX_KEPT_RATE)) return false;
@@ -479,7 +527,7 @@ static bool take_kept_step(kept_iterate *at, reduced_info *info, reduced_state *
     at->converged =
         fabs(change) * rate < self->settings.tolerance * film &&
         at->change * rate < fmin(KEPT_TOLERANCE, PRESSURE_OVER_FILM * self->settings.tolerance);
-    cblas_daxpy((int)model->num_unknowns, 1, step, 1, state->coordinates, 1);
+    axpy(state->coordinates, 1, step, model->num_unknowns);
     info->iterations++;
     return true;
 }
@@ -565,6 +613,16 @@ static bool end_with_kept(reduced_info *info, reduced_state *state, reduced_solv
     return false;
 }
 
+/* Whether the kept factors are worth a try. With those of a much shorter time step, iterations change the
+ * solution by too little, by the ratio of the rates. At a ratio of 3 they converge at a rate of 2/3, slower than
+ * MAX_KEPT_RATE allows, and a small change would be taken for convergence. */
+static bool kept_are_of_use(const reduced_solver *self, const reduced_squeeze *squeeze) {
+    const double most_shorter = 3;
+
+    return squeeze && self->kept.valid && !self->observer &&
+           self->kept.rate <= most_shorter * squeeze->rate;
+}
+
 /* Iterates with the kept factors, if any; where that fails, from the start with own Jacobians. */
 static ehd_status solve(reduced_info *info, reduced_state *state, reduced_solver *self,
                         const ehd_contact *contact, const reduced_squeeze *squeeze,
@@ -572,8 +630,7 @@ static ehd_status solve(reduced_info *info, reduced_state *state, reduced_solver
     self->used = NULL;
     self->system.remaining = 0;
     self->system.left_is_known = false;
-    if (squeeze && self->kept.valid && !self->observer &&
-        end_with_kept(info, state, self, contact, squeeze))
+    if (kept_are_of_use(self, squeeze) && end_with_kept(info, state, self, contact, squeeze))
         return EHD_OK;
     return gauss_newton(info, state, self, contact, squeeze, error);
 }
@@ -622,6 +679,8 @@ ehd_status reduced_solve(reduced_info *info, reduced_state *state, reduced_solve
     }
     if (!status && info->status != EHD_NOT_CONVERGED && !(info->scalars.minimum_film_thickness > 0))
         fail(info, "a film that is not positive");
+    if (!status && solver->observer_end)
+        status = solver->observer_end(solver->observer_context, info, error);
     info->seconds = program_seconds() - start;
     return status;
 }
@@ -644,8 +703,17 @@ contact_scalars reduced_scalars(reduced_solver *self, const reduced_state *state
 }
 
 void reduced_pressures_include(reduced_pressures *range, double pressure) {
-    if (pressure < range->least || isnan(pressure)) range->least = pressure;
-    if (pressure > range->largest || isnan(pressure)) range->largest = pressure;
+    if (isless(pressure, range->least) || isnan(pressure)) range->least = pressure;
+    if (isgreater(pressure, range->largest) || isnan(pressure)) range->largest = pressure;
+}
+
+bool reduced_doubts_flow(reduced_solver *self, const reduced_state *state,
+                         const ehd_contact *contact) {
+    const double approach = state->coordinates[self->model->num_unknowns - 1];
+
+    if (!traction_thins_flow(contact) || contact->kind->dimensions == 1) return false;
+    expand(self, state, NULL);
+    return system_flow_doubt(&self->system, &self->nodes, approach, contact) > flow_doubt_most;
 }
 
 reduced_pressures reduced_pressure_range(reduced_solver *self, const reduced_state *state) {

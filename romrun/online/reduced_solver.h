@@ -86,6 +86,10 @@ typedef ehd_status reduced_observer(void *context, const double *weighted_residu
                                     const double *weighted_step,                    // [num_rows]
                                     ehd_error *error);
 
+/* Called at the end of a solution, with what became of it: iterations that ran away are larger than all
+ * others together, and not to be kept. */
+typedef ehd_status reduced_observer_end(void *context, const reduced_info *info, ehd_error *error);
+
 /* The squeeze term: the time derivative of rho H is rate * rho H + previous. */
 typedef struct reduced_squeeze {
     double rate;                                       // 1 / dimensionless time
@@ -108,8 +112,10 @@ reduced_solver *reduced_solver_free(reduced_solver *solver); // accepts and retu
 
 void reduced_solver_set_tolerance(reduced_solver *solver, double tolerance); // of reduced_settings
 
-/* Lets an observer see every iteration of Gauss-Newton, without kept factors; NULL: none. */
-void reduced_solver_observe(reduced_solver *solver, reduced_observer *observer, void *context);
+/* Lets an observer see every iteration of Gauss-Newton, without kept factors, and the end of each
+ * solution; NULL: none. */
+void reduced_solver_observe(reduced_solver *solver, reduced_observer *observer,
+                            reduced_observer_end *end, void *context);
 
 /* The model's rows in the least-squares problem of the present iteration, in their order. */
 const size_t *reduced_system_rows(size_t *num_rows, const reduced_solver *solver);
@@ -150,6 +156,11 @@ void reduced_find_dip(
 typedef struct reduced_pressures {
     double least, largest;
 } reduced_pressures;
+
+/* Whether a thinned flow is one for which the equations do not hold (reynolds_flow_doubt), at the
+ * selected rows. */
+bool reduced_doubts_flow(reduced_solver *solver, const reduced_state *state,
+                         const ehd_contact *contact);
 
 /* Takes a pressure into a range; one that is not a number stays. */
 void reduced_pressures_include(reduced_pressures *range, double pressure);

@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "romrun/online/reduced_tangent.h"
 
+#include "common/algebra/product.h"
+#include "common/algebra/vectors.h"
 #include "romrun/online/exit_search.h"
 #include "romrun/online/row_system.h"
 
-#include <cblas.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -128,8 +129,7 @@ static ehd_status solve(reduced_change *change, double *z, reduced_tangent *self
         return singular(error);
     *change = (reduced_change){.coordinates = z};
     if (self->with_cell)
-        change->exit_offset =
-            cblas_ddot((int)self->model->num_unknowns, self->system.offset, 1, z, 1);
+        change->exit_offset = dot(self->system.offset, z, self->model->num_unknowns);
     return EHD_OK;
 }
 
@@ -188,17 +188,16 @@ static void add_slope(reduced_tangent *self, const ehd_contact *contact, double 
 /* As of reduced_film_error, for the approach of a change that solves self->system.right. */
 static double bound_of_approach(reduced_tangent *self, const reduced_change *change) {
     row_system *system = &self->system;
-    const int n = (int)self->model->num_unknowns, num_rows = (int)self->num_rows;
+    const size_t n = self->model->num_unknowns, num_rows = self->num_rows;
     double *left = self->rights, *moves = self->rights + system_max_rows(self->model), sum = 0;
 
     memset(system->gradient, 0, self->model->num_unknowns * sizeof(double));
     system->gradient[n - 1] = 1;
     least_squares_dual(system->dual, system->factors, system->gradient);
     memcpy(left, system->right, self->num_rows * sizeof(double));
-    cblas_dgemv(CblasRowMajor, CblasNoTrans, num_rows, n, 1, system->matrix, n, change->coordinates,
-                1, 1, left, 1);
-    cblas_dgemv(CblasRowMajor, CblasNoTrans, num_rows, n, 1, system->matrix, n, system->dual, 1, 0,
-                moves, 1);
+    add_product(left, system->matrix, n, num_rows, n, change->coordinates);
+    memset(moves, 0, num_rows * sizeof *moves);
+    add_product(moves, system->matrix, n, num_rows, n, system->dual);
     for (size_t i = 0; i < self->num_rows; i++)
         sum += pow(left[i] * moves[i], 2);
     return sqrt(sum);

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "romrun/online/row_system.h"
 
-#include <cblas.h>
+#include "common/algebra/product.h"
+
 #include <math.h>
 #include <string.h>
 
@@ -130,6 +131,15 @@ void system_evaluate(row_system *self, const node_state *nodes, double rigid_app
         if (about) shift_rows(self, about, first, end);
         first = next_row(self, nodes, end, true);
     }
+}
+
+double system_flow_doubt(row_system *self, const node_state *nodes, double rigid_approach,
+                         const ehd_contact *contact) {
+    const row_set *set = &self->model->rows;
+
+    expand_pressure(self, nodes, rigid_approach, contact);
+    return reynolds_flow_doubt(contact, set->stencils, set->node, set->num_rows, self->pressure,
+                               nodes->now.film);
 }
 
 const double *system_about(row_system *self, const node_state *nodes, double rigid_approach,
@@ -306,9 +316,9 @@ static void add_block(row_system *self, const cut_block *block, double load_weig
         memcpy(self->block_right + k * num_pressure, model->band.pressure + index * num_pressure,
                num_pressure * sizeof(double));
     }
-    cblas_dgemm(CblasRowMajor, CblasNoTrans, CblasNoTrans, (int)self->num_active + 1,
-                (int)num_pressure, (int)block->rank, 1, self->block, CUT_BLOCK, self->block_right,
-                (int)num_pressure, 1, self->matrix, (int)model->num_unknowns);
+    add_matrix_product(self->matrix, model->num_unknowns, 1, (strided){self->block, CUT_BLOCK, 1},
+                       self->block_right, num_pressure, self->num_active + 1, num_pressure,
+                       block->rank);
 }
 
 /* Updates the rows of a coupled basis from the exit's checkpoint to the exit: Maier et al. (2015),
@@ -464,20 +474,12 @@ void system_add_cell(row_system *self, const node_state *nodes, const exit_cell 
     system_add_cell_right(self, nodes, cell);
 }
 
-/* product += J times a vector. */
-static void times_matrix(double *product, const double *matrix, size_t num_rows,
-                         size_t num_unknowns, const double *vector) {
-    const int n = (int)num_unknowns;
-
-    cblas_dgemv(CblasRowMajor, CblasNoTrans, (int)num_rows, n, 1, matrix, n, vector, 1, 1, product,
-                1);
-}
-
 /* self->left of a problem with so many rows, once a solution. */
 static void find_left(row_system *self, const double *matrix, size_t num_rows) {
     if (self->left_is_known) return;
     memcpy(self->left, self->right, num_rows * sizeof *self->left);
-    times_matrix(self->left, matrix, num_rows, self->model->num_unknowns, self->step);
+    add_product(self->left, matrix, self->model->num_unknowns, num_rows, self->model->num_unknowns,
+                self->step);
     self->left_is_known = true;
 }
 
@@ -494,7 +496,7 @@ static const double *find_moves(row_system *self, const step_problem *problem, s
     memcpy(of_film->gradient, self->gradient, bytes);
     least_squares_dual(self->dual, problem->factors, self->gradient);
     memset(of_film->moves, 0, num_rows * sizeof *of_film->moves);
-    times_matrix(of_film->moves, problem->matrix, num_rows, n, self->dual);
+    add_product(of_film->moves, problem->matrix, n, num_rows, n, self->dual);
     return of_film->moves;
 }
 
@@ -518,12 +520,14 @@ double system_film_error(double *influence, row_system *self, const step_problem
 
 void system_errors(double *errors, row_system *self, size_t num, const double *added) {
     const size_t num_rows = self->num_active + self->model->num_deformation + 1 + self->num_cells;
-    const int n = (int)self->model->num_unknowns;
+    const size_t n = self->model->num_unknowns;
 
     find_left(self, self->matrix, num_rows);
     least_squares_duals(self->functionals, self->factors, num);
-    cblas_dgemm(CblasRowMajor, CblasNoTrans, CblasTrans, (int)num, (int)num_rows, n, 1,
-                self->functionals, n, self->matrix, n, 0, self->all_moves, (int)num_rows);
+    memset(self->all_moves, 0, num * num_rows * sizeof *self->all_moves);
+    for (size_t k = 0; k < num; k++)
+        add_product(self->all_moves + k * num_rows, self->matrix, n, num_rows, n,
+                    self->functionals + k * n);
     memset(errors, 0, num * sizeof *errors);
     for (size_t i = 0; i < num_rows; i++) {
         const double unsolved = self->remaining * (self->left[i] - self->right[i]);

@@ -67,6 +67,10 @@ void system_evaluate(row_system *self, const node_state *nodes, double rigid_app
                      const ehd_contact *contact, const reduced_squeeze *squeeze,
                      const double *about);
 
+/* As reynolds_flow_doubt, at the rows before the exit of the state that `nodes` holds. */
+double system_flow_doubt(row_system *self, const node_state *nodes, double rigid_approach,
+                         const ehd_contact *contact);
+
 /* Pressures about which a step in time is linearised while it is far from its solution (README.md, In
  * time). With those of the last state, uncut: the higher ones of it and of the state that `nodes` holds.
  * With NULL, after system_evaluate: those of the state where they have risen, and where they have fallen

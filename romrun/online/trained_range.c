@@ -1,19 +1,24 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "romrun/online/trained_range.h"
 
+#include "common/algebra/hull.h"
 #include "common/program/arena.h"
+#include "romrun/online/known_lubricants.h"
 
 #include <float.h>
 #include <math.h>
 #include <stdbool.h>
 #include <stdlib.h>
 
+_Static_assert((int)RANGE_AXES <= (int)HULL_AXES, "axes of a hull");
+
 void trained_place(double place[RANGE_AXES], contact_place of) {
     const double least = 1e-3; // below, the viscosity rises by less than a thousandth
 
     place[0] = log(of.moes_M);
     place[1] = log(fmax(of.alpha_p_H, least));
-    place[2] = thinning_coordinate(of.thinning);
+    place[2] = thinning_coordinate(of.thinning.sliding);
+    place[3] = gradient_coordinate(of.thinning.gradient);
 }
 
 typedef struct point {
@@ -56,6 +61,13 @@ typedef struct hull_edge {
     double length;
 } hull_edge;
 
+/* Axes by which flow is thinned. */
+enum { FIRST_THINNED = 2, NUM_THINNED = RANGE_AXES - FIRST_THINNED };
+
+typedef struct thinning_range {
+    double least, most; // coordinates
+} thinning_range;
+
 struct trained_range {
     hull_edge *edges; // [count], counter-clockwise, in units of `extent`
     size_t count;
@@ -65,10 +77,16 @@ struct trained_range {
     double slack;     // how far outside of the hull still counts as inside, in units of the extent
     frame_rates most; // fastest change
     // of thinned flows, where any of the training is one
-    double least_thinning, most_thinning; // coordinates
+    thinning_range by[NUM_THINNED];
     size_t num_points, num_outer;
     double *points; // [RANGE_AXES, num_points] in parts of the extents; NULL: all are Newtonian
     double *outer;  // [RANGE_AXES, num_outer] those that lie farthest out in some direction
+    known_lubricants *lubricants;
+};
+
+struct range_memory {
+    hull_space *hull;
+    lubricant_memory *lubricants;
 };
 
 trained_range *trained_range_free(trained_range *self) {
@@ -76,6 +94,7 @@ trained_range *trained_range_free(trained_range *self) {
         free(self->edges);
         free(self->points);
         free(self->outer);
+        known_lubricants_free(self->lubricants);
         free(self);
     }
     return NULL;
@@ -128,12 +147,15 @@ static void find_extent(trained_range *self, const reduced_states *states) {
 /* A place in parts of the extents, as a column. */
 static void put_column(double *column, size_t stride, const double place[RANGE_AXES],
                        const trained_range *self) {
-    const double thickness = self->most_thinning - self->least_thinning;
     const point here = in_units(point_of(place), self);
 
     column[0] = here.M - self->low.M;
     column[stride] = here.pressure - self->low.pressure;
-    column[2 * stride] = (place[2] - self->least_thinning) / (thickness > 0 ? thickness : 1);
+    for (size_t t = 0; t < NUM_THINNED; t++) {
+        const double width = self->by[t].most - self->by[t].least;
+        column[(FIRST_THINNED + t) * stride] =
+            (place[FIRST_THINNED + t] - self->by[t].least) / (width > 0 ? width : 1);
+    }
 }
 
 /* The point that lies farthest out in a direction. */
@@ -183,14 +205,17 @@ static bool list_thinned(trained_range *self, const reduced_states *states) {
     const size_t num = states->num_states;
     double place[RANGE_AXES];
 
-    self->least_thinning = INFINITY;
-    self->most_thinning = -INFINITY;
+    for (size_t t = 0; t < NUM_THINNED; t++)
+        self->by[t] = (thinning_range){INFINITY, -INFINITY};
     for (size_t s = 0; s < num; s++) {
-        const double here = thinning_coordinate(states->thinning[s]);
-        self->least_thinning = fmin(self->least_thinning, here);
-        self->most_thinning = fmax(self->most_thinning, here);
+        trained_place(place, place_of_state(states, s));
+        for (size_t t = 0; t < NUM_THINNED; t++) {
+            self->by[t].least = fmin(self->by[t].least, place[FIRST_THINNED + t]);
+            self->by[t].most = fmax(self->by[t].most, place[FIRST_THINNED + t]);
+        }
     }
-    if (!(self->most_thinning > thinning_coordinate(0))) return true;
+    if (!(self->by[0].most > thinning_coordinate(0) || self->by[1].most > gradient_coordinate(0)))
+        return true;
     self->num_points = num;
     self->points = array_new(RANGE_AXES, num, sizeof *self->points);
     for (size_t s = 0; s < num && self->points; s++) {
@@ -213,7 +238,8 @@ trained_range *trained_range_create(const reduced_model *model) {
     point *points = malloc((num + 1) * sizeof *points), *hull = malloc((num + 2) * sizeof *hull);
 
     if (self) self->edges = malloc((num + 2) * sizeof *self->edges);
-    if (self && self->edges && points && hull) {
+    if (self) self->lubricants = known_lubricants_create(model);
+    if (self && self->edges && self->lubricants && points && hull) {
         find_extent(self, states);
         for (size_t s = 0; s < num; s++)
             points[s] = in_units(point_of_state(states, s), self);
@@ -253,16 +279,22 @@ static double outside_plane(const trained_range *self, const double place[RANGE_
     return outside;
 }
 
-hull_space *trained_range_space(const trained_range *self) {
-    const size_t num_points = self->points ? self->num_points : 1;
-
-    return hull_space_create(num_points > self->num_outer ? num_points : self->num_outer);
+range_memory *range_memory_free(range_memory *self) {
+    if (!self) return NULL;
+    hull_space_free(self->hull);
+    lubricant_memory_free(self->lubricants);
+    free(self);
+    return NULL;
 }
 
-static double distance(hull_space *space, const double *points, size_t num_points,
-                       const double place[RANGE_AXES]) {
-    return space ? hull_distance_in(space, points, num_points, RANGE_AXES, place)
-                 : hull_distance(points, num_points, RANGE_AXES, place);
+range_memory *range_memory_create(const trained_range *of) {
+    const size_t num_points = of->points ? of->num_points : 1;
+    range_memory *self = calloc(1, sizeof *self);
+
+    if (!self) return NULL;
+    self->hull = hull_space_create(num_points > of->num_outer ? num_points : of->num_outer);
+    self->lubricants = lubricant_memory_create(of->lubricants);
+    return self->hull && self->lubricants ? self : range_memory_free(self);
 }
 
 static bool is_faster(double rate, double trained) {
@@ -271,25 +303,39 @@ static bool is_faster(double rate, double trained) {
     return rate > fmax(slack * trained, least);
 }
 
-const char *trained_range_check(const trained_range *self, hull_space *space, contact_place of,
-                                const frame_rates *rates) {
+static const char *const thinned_less[NUM_THINNED] = {
+    "a flow that is thinned less than any in training",
+    "a flow that the pressure gradient thins less than any in training"};
+static const char *const thinned_more[NUM_THINNED] = {
+    "a flow that is thinned more than any in training",
+    "a flow that the pressure gradient thins more than any in training"};
+
+static const char *check(const trained_range *self, range_memory *memory, contact_place of,
+                         const frame_rates *rates) {
     double place[RANGE_AXES], here[RANGE_AXES];
 
     trained_place(place, of);
-    if (place[2] < self->least_thinning - self->slack)
-        return "a flow that is thinned less than any in training";
-    if (place[2] > self->most_thinning + self->slack)
-        return "a flow that is thinned more than any in training";
+    for (size_t t = 0; t < NUM_THINNED; t++) {
+        if (place[FIRST_THINNED + t] < self->by[t].least - self->slack) return thinned_less[t];
+        if (place[FIRST_THINNED + t] > self->by[t].most + self->slack) return thinned_more[t];
+    }
     if (!(outside_plane(self, place) <= self->slack))
         return "outside of the trained range of M and alpha p_H";
     if (self->points) {
         put_column(here, 1, place, self);
         // what adaptive training leaves outside of its corners counts as inside
         const double slack = fmax(self->slack, 1e-8);
-        if (!(distance(space, self->outer, self->num_outer, here) <= slack) &&
-            !(distance(space, self->points, self->num_points, here) <= slack))
+        if (!(hull_distance_in(memory->hull, self->outer, self->num_outer, RANGE_AXES, here) <=
+              slack) &&
+            !(hull_distance_in(memory->hull, self->points, self->num_points, RANGE_AXES, here) <=
+              slack))
             return "outside of the trained range of M, alpha p_H and thinning";
     }
+    const char *lubricant = of.lubricant
+                                ? known_lubricants_check(self->lubricants, memory->lubricants,
+                                                         of.lubricant, rates != NULL)
+                                : NULL;
+    if (lubricant) return lubricant;
     if (rates && is_faster(rates->all, self->most.all))
         return "a contact that changes faster than any in training";
     if (rates && is_faster(rates->load, self->most.load))
@@ -297,12 +343,25 @@ const char *trained_range_check(const trained_range *self, hull_space *space, co
     return NULL;
 }
 
+const char *trained_range_check(const trained_range *self, range_memory *memory, contact_place of,
+                                const frame_rates *rates) {
+    range_memory *own = memory ? NULL : range_memory_create(self);
+
+    if (!memory && !own) return "found no memory to compare the contact with the training";
+    const char *reason = check(self, memory ? memory : own, of, rates);
+    if (own && reason == lubricant_memory_reason(own->lubricants))
+        reason = "a lubricant that is not in training";
+    range_memory_free(own);
+    return reason;
+}
+
 /* How far outside of the box around the training, in the coordinates themselves. */
 static double outside_box(const trained_range *self, const double place[RANGE_AXES]) {
     const double low[] = {self->low.M * self->extent.M, self->low.pressure * self->extent.pressure,
-                          self->least_thinning};
+                          self->by[0].least, self->by[1].least};
     const double high[] = {self->high.M * self->extent.M,
-                           self->high.pressure * self->extent.pressure, self->most_thinning};
+                           self->high.pressure * self->extent.pressure, self->by[0].most,
+                           self->by[1].most};
     double outside = 0;
 
     for (int axis = 0; axis < RANGE_AXES; axis++)
@@ -310,12 +369,12 @@ static double outside_box(const trained_range *self, const double place[RANGE_AX
     return outside;
 }
 
-double trained_range_outside(const trained_range *self, hull_space *space, contact_place of) {
+double trained_range_outside(const trained_range *self, range_memory *memory, contact_place of) {
     double place[RANGE_AXES];
 
     trained_place(place, of);
     const double of_plane = outside_plane(self, place);
-    if (!trained_range_check(self, space, of, NULL)) return fmin(of_plane, 0);
+    if (!trained_range_check(self, memory, of, NULL)) return fmin(of_plane, 0);
     // beside the hull but in its box: in parts of the extents, of which the smaller one counts
     const double beside = fmin(self->extent.M, self->extent.pressure) * of_plane;
     return fmax(fmax(outside_box(self, place), beside), DBL_MIN);

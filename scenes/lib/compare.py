@@ -1,26 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The cases of cases.csv for make, and full and reduced results of all of them beside each other.
+"""Full and reduced results of all cases of cases.csv beside each other.
 
-    compare.py cases > CASES.mk
-    compare.py table FOLDER MODEL        reads FOLDER/MODEL.h5, FOLDER/full/CASE.h5 and FOLDER/MODEL/CASE.h5
+    compare.py table FOLDER MODEL_FILE    reads it, NAME.h5 or .yml, FOLDER/full/NUMBER.h5 and FOLDER/NAME/NUMBER.h5
 """
-import shlex
+import os
 
 import results
 
 OPTIONAL = ["film_unit", "inlet_effect", "step_effect"]
 HEADER = ["case", "status", "iterations_full", "iterations_reduced", "milliseconds_full", "milliseconds_reduced",
           "H_c_full", "H_c_reduced", "H_min_full", "H_min_reduced", *OPTIONAL]
-
-
-def cases():
-    """Prints variables of make: CASES, all names, and settings.NAME, the options of each."""
-    known = results.read_cases()
-    if not known:
-        results.stop("cases.csv: found no cases, expected a line each below the header")
-    print("CASES :=", *(case.name for case in known))
-    for case in known:
-        print(f"settings.{case.name} :=", shlex.join(case.options).replace("$", "$$").replace("#", "\\#"))
 
 
 def effect(label, part):
@@ -36,13 +25,24 @@ def cells(full, reduced, permille):
             f"{1000 * seconds:.1f}", f"{1000 * seconds_reduced:.2f}", f"{seconds / seconds_reduced:.0f}"]
 
 
-def table(folder, model):
+def describe(model):
+    """The sizes of a model, or of those of a list."""
+    sizes = [results.model_sizes(file) for file in results.listed_models(model)]
+    nodes, unknowns, rows = ("; ".join(str(number) for number in numbers) for numbers in zip(
+        *((size["nodes"], size["pressure_modes"] + size["deformation_modes"] + 1, size["rows"]) for size in sizes)))
+    full = f"{sizes[0]['nodes']} nodes, {2 * sizes[0]['nodes'] + 1} unknowns" if len(sizes) == 1 else f"{nodes} nodes"
+    of_parts = f" of {len(sizes)} parts" if len(sizes) > 1 else ""
+    return (f"Full model: {full}. Reduced model{of_parts}: {unknowns} unknowns, {rows} Reynolds rows, "
+            f"{sum(size['states'] for size in sizes)} training solutions.")
+
+
+def table(folder, file):
     """Prints the table, below each case the published figures where cases.csv has some, and films in um where a result
     says what unit they have. Also writes FOLDER/results.csv."""
     cases = results.read_cases()
-    size = results.model_sizes(f"{folder}/{model}.h5")
-    solved = {kind: [results.solution(f"{folder}/{kind}/{case.name}.h5") for case in cases] for kind in ("full", model)}
-    optional = [[results.value(f"{folder}/full/{case.name}.h5", name, "") for name in OPTIONAL] for case in cases]
+    model = os.path.splitext(os.path.basename(file))[0]
+    solved = {kind: [results.solution(case.file(folder, kind)) for case in cases] for kind in ("full", model)}
+    optional = [[results.value(case.file(folder, "full"), name, "") for name in OPTIONAL] for case in cases]
 
     rows = [["", "film", "H_c", "H_c", "deviation", "iterations", "", "time / ms", "", "speed-up", ""],
             ["case", "um", "full", "reduced", "permille", "full", "reduced", "full", "reduced", "", ""], None]
@@ -71,9 +71,7 @@ def table(folder, model):
     results.write_csv(f"{folder}/results.csv", HEADER, lines)
 
     published = "" if worst_published is None else f", published {worst_published:.3f}"
-    print(f"\nFull model: {size['nodes']} nodes, {2 * size['nodes'] + 1} unknowns. Reduced model: "
-          f"{size['pressure_modes'] + size['deformation_modes'] + 1} unknowns, {size['rows']} Reynolds rows, "
-          f"{size['states']} training solutions.")
+    print(f"\n{describe(file)}")
     print(f"H_c: film thickness at the centre.{' The second line of a case: as published.' if published else ''}\n")
     empty = [i for i in (1, 10) if not any(row and row[i] for row in rows[2:])]  # no column without films or notes
     longest = max(len(row[-1]) for row in rows if row)
@@ -86,4 +84,4 @@ def table(folder, model):
         print("inlet, step: what the domain's start and the grid's step do to the full model's own central film")
 
 
-results.commands(cases, table)
+results.commands(table)

@@ -8,13 +8,13 @@ SHARED_IN_TIME := $(dir $(lastword $(MAKEFILE_LIST)))
 # More pieces are faster on Slurm, but have the bits of one to rounding only.
 SHARDS ?= $(or $(file <$(OUT)/shards),1)
 
-include $(SHARED_IN_TIME)training.mk
+include $(or $(wildcard $(SHARED_IN_TIME)training.mk),$(error $(SHARED_IN_TIME): found blanks in a path, expected none))
 
 PICTURE ?= $(SHARED)pictures.py in-time
 
 compare: $(OUT)/comparison.txt $(OUT)/picture.png ## train, run the scene full and reduced, compare, draw (the default)
 	@cat $<
-	@echo 'picture: $(abspath $(OUT)/picture.png), .svg'
+	$(call tell_pictures,$(OUT)/picture.png)
 
 .DEFAULT_GOAL := compare
 .PHONY: compare
@@ -27,7 +27,7 @@ run_in_time = $(BIN)/$1 scene.yml -o $2 --force --quiet --set output.fields=fals
 
 # On the grid of the training, to be compared on the same.
 $(OUT)/full.h5: scene.yml $(TABLES) $(firstword $(SNAPSHOTS)) $(BIN)/fullrun $(call options,fullrun,$(SET))
-	$(call quiet,fullrun   ,$@)$(call run_in_time,fullrun,$@) --grid-of $(firstword $(SNAPSHOTS)) >$(OUT)/full.txt
+	$(call quiet,fullrun   ,$@)$(call run_in_time,fullrun,$@) --grid-of $(firstword $(SNAPSHOTS)) $(jobs) >$(OUT)/full.txt
 
 # A result that is not to be trusted (exit code 4) is one all the same, and says so.
 $(OUT)/comparison.txt: scene.yml $(TABLES) $(OUT)/$(MODEL).h5 $(OUT)/full.h5 $(BIN)/romrun

@@ -59,15 +59,16 @@ def pair(axes, full, reduced, every=25, colour=BLUE, mark="o", label=""):
 
 
 def profiles(picture, folder, model, cases, x=(-2, 1.5), film=None, step=24):
-    """Pressure above, film below; the range of X, of the film (or any), and nodes from one mark to the next."""
+    """Pressure above, film below, of some cases (the first three); the range of X, of the film (or any), and nodes from
+    one mark to the next."""
     figure, (pressure_axes, film_axes) = page(980, 900, 2, sharex=True)
-    for i, case in enumerate(case for case in results.read_cases() if case.name in cases):
+    for i, case in enumerate(results.find_cases(cases) if cases else results.read_cases()[:3]):
         for kind, style in ("full", "-"), (model, MARKS[i % 6]):
-            X, P, H = results.profile(f"{folder}/{kind}/{case.name}.h5")
+            X, P, H = results.profile(case.file(folder, kind))
             shown = (X >= x[0]) & (X <= x[1])
             for axes, values in (pressure_axes, P), (film_axes, H):
                 axes.plot(X[shown], values[shown], style, color=COLOURS[i % 6], fillstyle="none",
-                          markevery=(i * step // 3, step), label=case.title if kind == "full" else None)
+                          markevery=(i * step // 3, step), label=case.label if kind == "full" else None)
     film_axes.plot([], [], "k-", label="line: full model")
     film_axes.plot([], [], "ko", fillstyle="none", label="marks: reduced model")
     pressure_axes.set(ylabel="pressure $p/p_H$", xlim=x, ylim=(0, None))
@@ -83,12 +84,16 @@ QUANTITIES = {"pressure": "pressure $p/p_H$", "film_thickness": "film thickness 
 
 
 def maps(picture, files, title=None, case=None, times=(), width=1200):
-    """Full model above, reduced below (files): pressure and film, or the film at some times; white: the exit line. The
-    film is told apart from its smallest to 2.5 times that, in the first panel of the full model."""
+    """Full model above, reduced below (files; of a case the folder of its results and the model): pressure and film, or the
+    film at some times; white: the exit line. The film is told apart from its smallest to 2.5 times that, in the first
+    panel of the full model."""
+    if case:
+        drawn, (folder, model) = results.find_cases([case])[0], files
+        title, files = drawn.label, [drawn.file(folder, kind) for kind in ("full", model)]
     panels = [("film_thickness", time) for time in times] or [(name, None) for name in QUANTITIES]
     figure, grid = page(1200, 180 + 1700 / len(panels) if times else 1000, 2, len(panels), sharex=True, sharey=True,
                         dpi=width / 12)
-    figure.suptitle(title or next(known.title for known in results.read_cases() if known.name == case))
+    figure.suptitle(title)
     levels = {"pressure": np.arange(13) / 10}
     for row, file, kind in zip(grid, files, ("full", "reduced")):
         fields = results.printed(file, "x", "y", *QUANTITIES)
@@ -153,9 +158,9 @@ def main():
 
     kind = kinds.add_parser("profiles", help="pressure and film of some cases")
     kind.add_argument("picture")
-    kind.add_argument("folder", help="of full/CASE.h5 and MODEL/CASE.h5")
+    kind.add_argument("folder", help="of full/NUMBER.h5 and MODEL/NUMBER.h5")
     kind.add_argument("model")
-    kind.add_argument("cases", nargs="+")
+    kind.add_argument("cases", nargs="*", help="names or numbers: the first three")
     kind.add_argument("--x", nargs=2, type=float, default=(-2, 1.5), help="range of X")
     kind.add_argument("--film", nargs=2, type=float, help="range of H")
     kind.add_argument("--step", type=int, default=24, help="nodes between marks")
@@ -163,9 +168,9 @@ def main():
 
     kind = kinds.add_parser("maps", help="pressure and film of a point contact, or its film at some times")
     kind.add_argument("picture")
-    kind.add_argument("files", nargs=2, help="results of full and reduced model")
+    kind.add_argument("files", nargs=2, help="results of full and reduced model; with --case, folder and model")
     kind.add_argument("--title", help="heading, or")
-    kind.add_argument("--case", help="the case of cases.csv that it is of")
+    kind.add_argument("--case", help="the case of cases.csv that it is of, its name or number")
     kind.add_argument("--times", nargs="*", type=float, default=())
     kind.add_argument("--width", type=int, default=1200, help="in pixels")
     kind.set_defaults(draw=maps)

@@ -4,7 +4,6 @@
 The folder of the programs is the environment variable BIN (common.mk). Results are read by --print.
 """
 import csv
-import inspect
 import io
 import json
 import os
@@ -15,23 +14,19 @@ from types import SimpleNamespace
 
 import numpy as np
 
+from cases import commands, execute, find_cases, read_cases, sets, stop  # noqa: F401, for scripts too
+
 # Exit codes of the programs that leave a result: solved; not converged; not to be trusted.
 SOLVED, NOT_CONVERGED, NOT_TRUSTED = 0, 3, 4
-
-
-def stop(message, code=1):
-    """Ends the script with one line on stderr."""
-    print(f"{os.path.basename(sys.argv[0])}: {message}", file=sys.stderr)
-    sys.exit(code)
 
 
 # ---- Programs
 
 
 def run(program, *options, outcomes=(SOLVED, NOT_CONVERGED, NOT_TRUSTED)):
-    """Runs a program of the toolchain. Returns its completed process (returncode, stdout, stderr as text);
+    """Runs a program of the toolchain, or one by its path. Returns its completed process (returncode, stdout, stderr as text);
     ends the script with the program's own message where the exit code is not among the outcomes."""
-    file = os.path.join(os.environ["BIN"], program)
+    file = program if "/" in program else os.path.join(os.environ["BIN"], program)
     try:
         done = subprocess.run([file, *map(str, options)], capture_output=True, text=True)
     except OSError as error:
@@ -40,11 +35,6 @@ def run(program, *options, outcomes=(SOLVED, NOT_CONVERGED, NOT_TRUSTED)):
         sys.stderr.write(done.stderr)
         sys.exit(done.returncode)
     return done
-
-
-def sets(settings):
-    """Options --set KEY=VALUE for a mapping of settings."""
-    return [word for key, value in settings.items() for word in ("--set", f"{key}={value}")]
 
 
 # ---- Results
@@ -149,37 +139,6 @@ def farthest_exits(columns):
     return {name: values[keep] for name, values in columns.items()}
 
 
-# ---- Cases
-
-
-class Case:
-    """A line of cases.csv: name, settings (of the scene, key to text), title for a picture, and what was published."""
-
-    def __init__(self, record):
-        given = {key: text for key, text in record.items() if text}
-        self.published = {key[len("published_"):]: text for key, text in given.items() if key.startswith("published_")}
-        self.settings = {key: text for key, text in given.items()
-                         if key not in ("name", "title") and not key.startswith("published_")}
-        short = [(key.split(".")[-1], text) for key, text in self.settings.items()]
-        name = given.get("name") or "-".join(key + text for key, text in short)
-        self.name = re.sub(r"[^-A-Za-z0-9.+_]", "_", name)
-        self.title = given.get("title") or ", ".join(f"{key} = {text}" for key, text in short)
-
-    @property
-    def options(self):
-        return sets(self.settings)
-
-
-def read_cases(file="cases.csv"):
-    """Cases of a CSV file: a line each under a header of settings of the scene (any keys, such as physical.load). An
-    empty field leaves what the scene says; the column `name`, which there need not be, names the cases; columns title
-    and published_... are no settings; lines that begin with # and empty ones are left out."""
-    with open(file, newline="") as source:
-        lines = [line for line in source if line.strip() and not line.lstrip().startswith("#")]
-    return [Case({(key or "").strip(): (text or "").strip() for key, text in record.items() if isinstance(text, str)})
-            for record in csv.DictReader(lines)]
-
-
 # ---- In time
 
 
@@ -277,19 +236,3 @@ def read_csv(file):
     """Lines of a CSV file under a header, each a dictionary of texts."""
     with open(file, newline="") as source:
         return list(csv.DictReader(source))
-
-
-# ---- Command line
-
-
-def commands(*functions):
-    """Calls the function that the first word of the command line names (- for _) with the other words."""
-    known = {function.__name__.replace("_", "-"): function for function in functions}
-    name, *words = sys.argv[1:] or [""]
-    if name not in known:
-        stop(f"found command '{name}', expected one of: {' '.join(known)}", 64)
-    try:
-        inspect.signature(known[name]).bind(*words)
-    except TypeError as error:
-        stop(f"{name}: {error}, expected {name} {' '.join(inspect.signature(known[name]).parameters)}", 64)
-    known[name](*words)

@@ -4,13 +4,14 @@
 # its basis behind that and one of its rows behind the basis. What a job does is what make does without Slurm. Where points
 # are chosen round by round each round is an array of PIECES, and a job behind it that judges and chooses the next one.
 #
-#     slurm.sh run    FOLDER MAKE MAKEFILE SNAPSHOTS OUT MODELS   submits what is missing and waits for it
-#     slurm.sh rounds FOLDER MAKE MAKEFILE PIECES OUT MODELS      the same, with rounds
+#     slurm.sh run    FOLDER MAKE MAKEFILE SNAPSHOTS OUT MODELS [OPTION...]   submits what is missing and waits for it
+#     slurm.sh rounds FOLDER MAKE MAKEFILE PIECES OUT MODELS [OPTION...]      the same, with rounds
 #     slurm.sh status FOLDER SNAPGEN                              the state of each task of the last call
 #     slurm.sh task   ...                                         what a job runs
 #
 # FOLDER gets `jobs` (job, name, target) and for each task NAME.log and NAME.state (its state, exit code, seconds of
-# processor), of rounds those of the last one; and `spent`, the seconds of all that ended. SBATCH_OPTIONS: more options of sbatch. SNAPSHOTS and MODELS are lists in one argument, PIECES is a number.
+# processor), of rounds those of the last one; and `spent`, the seconds of all that ended. OPTION: more options of sbatch.
+# SNAPSHOTS and MODELS are lists in one argument, PIECES is a number.
 # SNAPGEN: the program.
 set -u
 
@@ -33,7 +34,7 @@ task() {
     echo "running on $(hostname)" >"$folder/$name.state"
     TIMEFORMAT='%U %S'
     exec 3>&1 4>&2
-    spent=$({ time "$make" -f "$makefile" SLURM= SNAPGEN_JOBS="${SLURM_CPUS_PER_TASK:-1}" "$@" >&3 2>&4; } 2>&1) || code=$?
+    spent=$({ time "$make" -f "$makefile" SLURM= SPLIT=1 JOBS="${SLURM_CPUS_PER_TASK:-1}" "$@" >&3 2>&4; } 2>&1) || code=$?
     ((code == 0)) || state=failed
     echo "$state $code ${spent//$'\n'/ }" >"$folder/$name.state"
     echo "$name ${spent//$'\n'/ }" >>"$folder/spent"
@@ -133,13 +134,13 @@ report_failures() {
 # The last line that is not make's.
 cause() { grep -v '^make' "$1" | tail -n 1; }
 
-# begin FOLDER MAKE MAKEFILE LIST OUT MODELS: waits for the jobs of an earlier call.
+# begin FOLDER MAKE MAKEFILE LIST OUT MODELS OPTION...: waits for the jobs of an earlier call.
 begin() {
     folder=$1 make=$2 makefile=$3 out=$5 models=$6
-    read -ra options <<<"${SBATCH_OPTIONS-}"
+    options=("${@:7}")
     # of make's flags only the variables: the others are of this call
     flags=
-    [[ " $MAKEFLAGS" != *' -- '* ]] || flags="-- ${MAKEFLAGS##*-- }"
+    [[ " $MAKEFLAGS" != *' -- '* ]] || flags="-- ${MAKEFLAGS#*-- }"
     mkdir -p "$folder" || exit
     wait_for_jobs
 }
@@ -196,7 +197,7 @@ lost() {
 }
 
 # is_made TARGET...
-is_made() { MAKEFLAGS=$flags "$make" -f "$makefile" SLURM= --question "$@" >/dev/null 2>&1; }
+is_made() { MAKEFLAGS=$flags "$make" -f "$makefile" SLURM= SPLIT=1 --question "$@" >/dev/null 2>&1; }
 
 are_made() {
     local model targets=()

@@ -5,25 +5,25 @@
 # More pieces are faster on Slurm, but have the bits of one to rounding only.
 SHARDS ?= $(or $(file <$(OUT)/shards),1)
 
-include $(dir $(lastword $(MAKEFILE_LIST)))training.mk
+include $(or $(wildcard $(dir $(lastword $(MAKEFILE_LIST)))training.mk),$(error $(lastword $(MAKEFILE_LIST)): found blanks in its path, expected none))
 
 # A tenth of the default tolerance in time: with published rows, with accurate ones.
 TENTH := $(if $(or $(findstring discretization=accurate,$(SET)),$(shell grep -L 'discretization: published' scene.yml)),1.5e-4,1e-5)
 
-# Of the periods the one at which confirm looks.
-CONFIRM_PERIOD ?= $(firstword $(PERIODS))
+# The case at which confirm looks, by its number.
+CONFIRM_CASE ?= 1
 
-# PERIODS, and the options of each run.
-$(OUT)/cases.mk: cases.csv $(SHARED)trajectories.py $(SHARED)results.py
-	@$(trajectories) for-make $(TENTH) > $@
+# CASES, their numbers, and SHORT_CASES, those of periods that are not far above the time a_ref/u_ref.
+$(OUT)/cases.mk: cases.csv $(SHARED)trajectories.py $(SHARED)cases.py
+	@numbers=$$($(trajectories) numbers) && echo "$$numbers" | sed -e '1s/^/CASES := /' -e '2s/^/SHORT_CASES := /' > $@
 include $(OUT)/cases.mk
 
 trajectories = $(python) $(SHARED)trajectories.py
 
-# $(call runs_of,MODEL): all runs that its tables need, $(OUT)/full/STEPS-PERIOD.h5 and $(OUT)/MODEL/STEPS-PERIOD.h5
+# $(call runs_of,MODEL): all runs that its tables need, $(OUT)/full/STEPS-NUMBER.h5 and $(OUT)/MODEL/STEPS-NUMBER.h5
 steps_of = $(or $($1.STEPS),adaptive fixed)
-runs_of  = $(foreach kind,full $1,$(foreach steps,$(call steps_of,$1),$(PERIODS:%=$(OUT)/$(kind)/$(steps)-%.h5))) \
-           $(PERIODS:%=$(OUT)/full/tenth-%.h5)
+runs_of  = $(foreach kind,full $1,$(foreach steps,$(call steps_of,$1),$(CASES:%=$(OUT)/$(kind)/$(steps)-%.h5))) \
+           $(CASES:%=$(OUT)/full/tenth-%.h5)
 
 # ---- Targets for people
 
@@ -33,7 +33,7 @@ tables: $(OUT)/tables.txt ## sizes, steps and times, deviations
 	@cat $<
 
 figures: tables $(OUT)/figure4.png ## tables and pictures
-	@printf '%s\n' $(patsubst %,'picture: %',$(abspath $(filter %.png,$^)))
+	$(call tell_pictures,$(filter %.png,$^))
 
 # With accurate rows, along the path.
 ifneq ($(as_published),)
@@ -43,7 +43,7 @@ else
 distances: $(OUT)/distances.txt ## steps, times, and distances from the truth
 	@cat $<
 
-confirm: $(OUT)/confirm.txt ## the truth from the other method: published rows, extrapolated (CONFIRM_PERIOD; minutes)
+confirm: $(OUT)/confirm.txt ## the truth from the other method: published rows, extrapolated (CONFIRM_CASE; minutes)
 	@cat $<
 endif
 
@@ -52,28 +52,28 @@ endif
 # ---- Runs
 
 # A run that stops early (exit code 3) or is not to be trusted (4) has a result too, which says so.
-run = mkdir -p $(@D); $(BIN)/$1 scene.yml -o $@ --force --quiet $2 --set output.fields=false $(SET) >/dev/null; \
+# $(call run,PROGRAM,OPTIONS,CASE): CASE, in front of the program, gives it the settings of a run.
+run = mkdir -p $(@D); $3 $(BIN)/$1 scene.yml -o $@ --force --quiet $2 --set output.fields=false $(SET) >/dev/null; \
       code=$$?; case $$code in 0 | 4) ;; 3) mv $@.partial $@ ;; *) exit $$code ;; esac
 
-# Parts of the steps of grid and time, of whatever SET says. $(call finer,STEPS,PART)
-define finer
-$(OUT)/full/$1-%.h5: $(OUT)/full/fixed-%.h5
-	$$(call quiet,fullrun   ,$$@)$(BIN)/fullrun scene.yml -o $$@ --force --quiet $(SET) $$(settings.$1-$$*) \
-	    --set grid.step=$$$$($(trajectories) step $$< $2) --set output.fields=false >/dev/null
-endef
-$(eval $(call finer,truth,0.5))
-$(eval $(call finer,published-half,0.5))
-$(eval $(call finer,published-quarter,0.25))
+# $(call of_case,FIXED): of the name that is in $*; what is finer takes the step of the result FIXED.
+of_case = $(trajectories) run $(notdir $*) $(TENTH) $(or $1,-)
+
+# Parts of the steps of grid and time, of whatever SET says.
+FINER := truth published-half published-quarter
+$(foreach steps,$(FINER),$(CASES:%=$(OUT)/full/$(steps)-%.h5)): $(OUT)/full/%.h5: $(OUT)/full/fixed-$$(lastword $$(subst -, ,$$*)).h5
+	$(call quiet,fullrun   ,$@)$(call of_case,$<) $(BIN)/fullrun scene.yml -o $@ --force --quiet $(SET) \
+	    --set output.fields=false >/dev/null
 
 FULL_NEEDS    := scene.yml $(BIN)/fullrun $(call options,fullrun,$(SET))
 REDUCED_NEEDS := scene.yml $(BIN)/romrun
 
 $(OUT)/full/%.h5: cases.csv $(FULL_NEEDS)
-	$(call quiet,fullrun   ,$@)$(call run,fullrun,$(settings.$*))
+	$(call quiet,fullrun   ,$@)$(call run,fullrun,,$(call of_case))
 
 $(sort $(filter-out $(OUT)/full/%,$(foreach model,$(MODELS),$(call runs_of,$(model))))): $(OUT)/%.h5: cases.csv \
         $(REDUCED_NEEDS) $(OUT)/$$(of_model).h5
-	$(call quiet,romrun    ,$@)$(call run,romrun,--model $(OUT)/$(of_model).h5 $(settings.$(notdir $*)))
+	$(call quiet,romrun    ,$@)$(call run,romrun,--model $(OUT)/$(of_model).h5,$(call of_case))
 
 # ---- Tables and picture
 
@@ -84,15 +84,15 @@ report = $(trajectories) tables $(OUT) '$(PUBLISHED_SIZES)' \
 $(OUT)/tables.txt: $(SHARED)trajectories.py cases.csv $(call runs_of,$(MODEL))
 	$(call quiet,tables    ,$@)$(call report,$(MODEL))
 
-$(OUT)/distances.txt: $(SHARED)trajectories.py cases.csv $(SHORT_PERIODS:%=$(OUT)/full/truth-%.h5) \
-                      $(foreach kind,full $(MODEL),$(foreach steps,adaptive fixed,$(SHORT_PERIODS:%=$(OUT)/$(kind)/$(steps)-%.h5)))
+$(OUT)/distances.txt: $(SHARED)trajectories.py cases.csv $(SHORT_CASES:%=$(OUT)/full/truth-%.h5) \
+                      $(foreach kind,full $(MODEL),$(foreach steps,adaptive fixed,$(SHORT_CASES:%=$(OUT)/$(kind)/$(steps)-%.h5)))
 	$(call quiet,table     ,$@)$(trajectories) distances $(OUT) $(MODEL) > $@
 
 $(OUT)/confirm.txt: $(SHARED)trajectories.py cases.csv \
-                    $(foreach steps,adaptive truth published-half published-quarter,$(OUT)/full/$(steps)-$(CONFIRM_PERIOD).h5)
-	$(call quiet,table     ,$@)$(trajectories) confirm $(OUT) $(CONFIRM_PERIOD) > $@
+                    $(foreach steps,adaptive truth published-half published-quarter,$(OUT)/full/$(steps)-$(CONFIRM_CASE).h5)
+	$(call quiet,table     ,$@)$(trajectories) confirm $(OUT) $(CONFIRM_CASE) > $@
 
-FIGURE4_RUNS := $(foreach kind,full $(MODEL),$(PERIODS:%=$(OUT)/$(kind)/adaptive-%.h5))
+FIGURE4_RUNS := $(foreach kind,full $(MODEL),$(CASES:%=$(OUT)/$(kind)/adaptive-%.h5))
 
 $(OUT)/figure4.png: $(SHARED)trajectories.py cases.csv $(FIGURE4_RUNS)
 	$(call quiet,picture   ,$@)$(trajectories) picture $(OUT) $(MODEL) $@

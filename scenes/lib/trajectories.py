@@ -2,7 +2,7 @@
 """Scenes in time over the periods of cases.csv, with full and reduced models: what make runs, tables, a picture.
 
 cases.csv has a line for each period: transient.load.period, transient.end_time and transient.fixed_step, and what was
-published. Runs are OUT/full/STEPS-PERIOD.h5 and OUT/MODEL/STEPS-PERIOD.h5, with STEPS of a length by error control
+published. Runs are OUT/full/STEPS-NUMBER.h5 and OUT/MODEL/STEPS-NUMBER.h5 by the number of the line, with STEPS of a length by error control
 (adaptive), of a tenth of its tolerance (tenth), or of a fixed length (fixed); truth: half of that on
 a grid of half the step, with accurate rows and films along their paths, not smoothed. Published rows have fixed steps:
 half of that and half the step (published-half), and a quarter of both (published-quarter).
@@ -27,9 +27,8 @@ def short(case):
     return float(case.settings[PERIOD]) <= 100
 
 
-def for_make(tenth):
-    """Prints variables of make: PERIODS, SHORT_PERIODS, and settings.STEPS-PERIOD, the options of each run; a tenth of the default
-    tolerance is given."""
+def numbers():
+    """Prints the numbers of the cases, and of those that are short, in two lines, after a check of the table."""
     cases = results.read_cases()
     if not cases:
         results.stop("cases.csv: found no trajectories, expected a line each below the header")
@@ -37,25 +36,27 @@ def for_make(tenth):
         for key in KEYS:
             if key not in case.settings:
                 results.stop(f"cases.csv: found no {key} of {case.name}, expected one")
-    print("PERIODS :=", *(case.settings[PERIOD] for case in cases))
-    print("SHORT_PERIODS :=", *(case.settings[PERIOD] for case in cases if short(case)))
-    for case in cases:
-        own = {key: text for key, text in case.settings.items() if key != FIXED_STEP}
-        for steps, settings in (("adaptive", own), ("tenth", own | {"transient.tolerance": tenth}),
-                                ("fixed", case.settings),
-                                ("truth", own | {FIXED_STEP: f"{float(case.settings[FIXED_STEP]) / 2:.12g}",
-                                                 "discretization": "accurate", "transport": "path",
-                                                 "transient.smoothing": "0"}),
-                                *((f"published-{name}", own | {
-                                    FIXED_STEP: f"{float(case.settings[FIXED_STEP]) * part:.12g}",
-                                    "discretization": "published", "transport": "upwind"})
-                                  for name, part in (("half", 0.5), ("quarter", 0.25)))):
-            print(f"settings.{steps}-{own[PERIOD]} :=", *results.sets(settings))
+            try:
+                float(case.settings[key])
+            except ValueError:
+                results.stop(f"cases.csv: found {key} = '{case.settings[key]}', expected a number")
+    print(*(case.number for case in cases))
+    print(*(case.number for case in cases if short(case)))
 
 
-def step(file, part):
-    """Prints a part of the step of the grid of a result."""
-    print(f"{results.value(file, 'step') * float(part):.12g}")
+def run(name, tenth, fixed, *command):
+    """Becomes the command with the settings of a run STEPS-NUMBER as options behind it: a tenth of the default tolerance is
+    given, and the result whose step of the grid is made finer, where it is."""
+    steps, _, number = name.rpartition("-")
+    case = results.read_cases()[int(number) - 1].settings
+    own = {key: text for key, text in case.items() if key != FIXED_STEP}
+    part = {"truth": 0.5, "published-half": 0.5, "published-quarter": 0.25}.get(steps)
+    if part:
+        own |= {FIXED_STEP: f"{float(case[FIXED_STEP]) * part:.12g}",
+                "grid.step": f"{results.value(fixed, 'step') * part:.12g}"}
+    more = {"adaptive": {}, "tenth": {"transient.tolerance": tenth}, "fixed": {FIXED_STEP: case[FIXED_STEP]},
+            "truth": {"discretization": "accurate", "transport": "path", "transient.smoothing": "0"}}
+    results.execute(command, own | more.get(steps, {"discretization": "published", "transport": "upwind"}))
 
 
 def largest(reference, other, column):
@@ -93,7 +94,7 @@ def time_table(model, cases, runs):
                      f"{1000 * seconds / steps:.3f}"])
 
     for case in cases:
-        full, reduced = (runs[kind, "adaptive", case.settings[PERIOD]] for kind in ("full", model))
+        full, reduced = (runs[kind, "adaptive", case.number] for kind in ("full", model))
         add(case.settings[PERIOD], full.steps, full.seconds, reduced.steps, reduced.seconds, mark(reduced))
         if case.published:
             add("  published", *(float(case.published[f"{name}_{kind}"]) for kind in ("full", "reduced")
@@ -109,15 +110,15 @@ def deviation_table(model, cases, runs):
     rows = [["T_exc", "fixed P_c ", "H_c ", "adapt. P_c ", "H_c ", "toler. P_c ", "H_c ", "fixed ms/step"], None]
     numbers = []
     for case in cases:
-        period, row, marks = case.settings[PERIOD], [], []
+        number, row, marks = case.number, [], []
         for kind, steps, other in ((model, "fixed", "fixed"), (model, "adaptive", "adaptive"),
                                    ("full", "adaptive", "tenth")):
-            run = runs.get((kind, steps, period))
-            row += [largest(runs["full", other, period], run, column) if run else np.nan for column in ("P_c", "H_c")]
+            run = runs.get((kind, steps, number))
+            row += [largest(runs["full", other, number], run, column) if run else np.nan for column in ("P_c", "H_c")]
             marks += 2 * [mark(run)]
-        fixed = runs[model, "fixed", period]
+        fixed = runs[model, "fixed", number]
         numbers.append(row)
-        rows.append([period, *map(per_cent, row, marks), f"{1000 * fixed.seconds / fixed.steps:.3f}"])
+        rows.append([case.settings[PERIOD], *map(per_cent, row, marks), f"{1000 * fixed.seconds / fixed.steps:.3f}"])
     results.table([*rows, None, ["worst", *map(per_cent, np.fmax.reduce(numbers)), ""]])
 
 
@@ -130,8 +131,7 @@ def tables(out, published, *models):
     cases = results.read_cases()
     kinds = {model.split()[0]: model.split()[1:] for model in models}
     wanted = [("full", "tenth"), *((kind, steps) for name in kinds for kind in ("full", name) for steps in kinds[name])]
-    runs = {(kind, steps, case.settings[PERIOD]):
-            results.read_trajectory(f"{out}/{kind}/{steps}-{case.settings[PERIOD]}.h5")
+    runs = {(kind, steps, case.number): results.read_trajectory(f"{out}/{kind}/{steps}-{case.number}.h5")
             for kind, steps in dict.fromkeys(wanted) for case in cases}
     snapshots = int(results.value(f"{out}/snapshots.h5", "compressed_snapshots", 0))
     size_table({name: f"{out}/{name}.h5" for name in kinds}, snapshots, published)
@@ -153,7 +153,7 @@ def distances(out, model):
             None]
     for case in filter(short, results.read_cases()):
         period = case.settings[PERIOD]
-        runs = {(kind, steps): results.read_trajectory(f"{out}/{kind}/{steps}-{period}.h5")
+        runs = {(kind, steps): results.read_trajectory(f"{out}/{kind}/{steps}-{case.number}.h5")
                 for kind, steps in (("full", "truth"), *((kind, steps) for steps in ("adaptive", "fixed")
                                                          for kind in ("full", model)))}
         for (kind, steps), run in runs.items():
@@ -176,10 +176,11 @@ def off_by(reference, other, column):
     return f"{largest(reference, other, column):.3f} ({100 * np.sqrt(np.mean(off[~np.isnan(off)]**2)):.3f})"
 
 
-def confirm(out, period):
+def confirm(out, number):
     """Prints how far films along the path are from those of the published rows, extrapolated from two grids and steps in
     time of second order."""
-    runs = {name: results.read_trajectory(f"{out}/full/{name}-{period}.h5")
+    period = results.read_cases()[int(number) - 1].settings[PERIOD]
+    runs = {name: results.read_trajectory(f"{out}/full/{name}-{number}.h5")
             for name in ("truth", "adaptive", "published-half", "published-quarter")}
     coarse, fine = runs["published-half"], runs["published-quarter"]
     exact = SimpleNamespace(time=coarse.time, **{
@@ -198,21 +199,21 @@ def confirm(out, period):
 def picture(out, model, target):
     """Draws central pressure and film of the full model over time, and deviations of the reduced one (paper, Fig. 4).
     Periods far above the time a_ref/u_ref have a column of their own, over parts of the period."""
-    periods = [case.settings[PERIOD] for case in results.read_cases()]
-    short = [period for period in periods if float(period) <= 100]
-    columns = [shown for shown in (short, [period for period in periods if period not in short]) if shown]
+    cases = results.read_cases()
+    columns = [shown for shown in ([*filter(short, cases)], [case for case in cases if not short(case)]) if shown]
     figure, grid = pictures.page(1300, 1200, 4, len(columns), sharex="col", squeeze=False,
                                  gridspec_kw={"width_ratios": [2.6, 1][:len(columns)]})
     for axes, shown in zip(grid.T, columns):
-        for period in shown:
-            full, reduced = (results.read_trajectory(f"{out}/{kind}/adaptive-{period}.h5") for kind in ("full", model))
-            style = {"color": pictures.COLOURS[periods.index(period) % 6], "label": f"$T_{{exc}}$ = {period}"}
-            unit = float(period) if shown is not short else 1
+        for case in shown:
+            full, reduced = (results.read_trajectory(f"{out}/{kind}/adaptive-{case.number}.h5") for kind in ("full", model))
+            period = case.settings[PERIOD]
+            style = {"color": pictures.COLOURS[(case.number - 1) % 6], "label": f"$T_{{exc}}$ = {period}"}
+            unit = 1 if short(case) else float(period)
             for i, column in enumerate(("P_c", "H_c")):
                 axes[i].plot(full.time / unit, getattr(full, column), **style)
                 axes[2 + i].plot(reduced.time / unit, 100 * results.deviations(full, reduced, column), **style)
         axes[3].margins(x=0)
-        axes[3].set(xlim=(0, None), xlabel="$T/T_{exc}$" if shown is not short else "time $T = t\\,u_{ref}/a_{ref}$")
+        axes[3].set(xlim=(0, None), xlabel="$T/T_{exc}$" if not short(shown[0]) else "time $T = t\\,u_{ref}/a_{ref}$")
         axes[0].legend(loc="lower right", bbox_to_anchor=(1, 1), ncol=len(shown), frameon=False)
     for axes, label in zip(grid[:, 0], ("$P_c$, reference frame", "$H_c$, reference frame", "$P_c$, deviation / %",
                                         "$H_c$, deviation / %")):
@@ -222,4 +223,4 @@ def picture(out, model, target):
 
 
 if __name__ == "__main__":
-    results.commands(for_make, step, tables, distances, confirm, picture)
+    results.commands(numbers, run, tables, distances, confirm, picture)

@@ -13,7 +13,7 @@ variants: $(OUT)/variants.txt ## the same on the library in Python (make python)
 
 # The package and its library where `make python` puts them, else where Python finds it.
 $(OUT)/python.csv: $(VARIED).py $(INTEGRATOR).py scene.yml $(OUT)/$(MODEL).h5
-	$(call quiet,python    ,$@)PYTHONPATH=$(BESIDE)/python:$$PYTHONPATH $(PYTHON) -B $(filter-out $(INTEGRATOR).py,$^) $@ $(ends_well)
+	$(call quiet,python    ,$@)PYTHONPATH="$$(realpath -m $(BESIDE)/python):$$PYTHONPATH" $(PYTHON) -B $(filter-out $(INTEGRATOR).py,$^) $@ $(ends_well)
 
 $(OUT)/contact.fmu: scene.yml $(OUT)/$(MODEL).h5 $(BIN)/romrun
 	$(call quiet,romrun    ,$@)$(BIN)/romrun --fmu $< --model $(OUT)/$(MODEL).h5 --set closure=approach $(FMU_SET) $(SET) -o $@ --force --quiet

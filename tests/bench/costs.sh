@@ -61,7 +61,7 @@ elliptical='--set contact=ellipse --set ellipticity=2'
 dented='--set surface.kind=dent --set surface.depth=0.01 --set surface.radius=0.2'
 # the functions of each, and of the far field of points; inlet heating is a formula
 of_sliding='contact_(shear_stress|traction_of|surface_stresses)|eyring|nodes_traction'
-of_thinning='traction_thinning|thinned_link|thin'
+of_thinning='thinned_link|thin|eyring_gradient_of|eyring_along|eyring_across'
 of_ellipses='shape_of|integral_(along|across)|ellipse_[a-z_]*'
 of_surfaces='surface_(heights?|position)|dent_height'
 of_points='far_angle_[a-z]*'

@@ -60,8 +60,8 @@ static void take_D_away(reduced_model *model, const char *path) {
     size_t num_stored = artefact_length(file, "row");
     double *weight = must_allocate(num_stored * sizeof(double));
     double *factor = must_allocate(num_stored * sizeof(double));
-    must(artefact_get(file, "row_weight", weight, &error), &error);
-    must(artefact_get(file, "row_factor", factor, &error), &error);
+    must(artefact_get(file, "row_weight", weight, num_stored, &error), &error);
+    must(artefact_get(file, "row_factor", factor, num_stored, &error), &error);
     for (size_t r = 0; r < model->rows.num_rows; r++)
         model->rows.weight[r] *= factor[r] / weight[r];
     free(factor);

@@ -59,13 +59,13 @@ run_of() {
     checked) run=(deimselect -q -j1 close-r.h5 --basis close-b.h5 -o x.h5) ;;
     calibrate) run=(romrun -q -j1 --calibrate check.yml --model m.h5 -o x.h5) ;;
     residuals) run=(snapgen -q -j1 plan.yml --basis b.h5 -o x.h5) ;;
-    cases) run=(romrun -q scene.yml --cases cases.csv -j1 --model m.h5 --allow-untrusted -o x.csv) ;;
-    cases-h5) run=(romrun -q scene.yml --cases cases.csv -j1 --model m.h5 --allow-untrusted -o x.h5) ;;
     vtk) run=(fullrun -q --vtk si.h5 -o x.vti) ;;
     export) run=(romrun --export m.h5 -o x.ehdrom) ;;
     fmu) run=(romrun -q --fmu si.yml --model m.h5 -o x.fmu) ;;
     flat) run=(romrun -q scene.yml --model m.ehdrom --allow-untrusted -o x.h5) ;;
     # the others can be resumed
+    cases) run=(romrun -q scene.yml --cases cases.csv -j1 --model m.h5 --allow-untrusted -o x.csv) ;;
+    cases-h5) run=(romrun -q scene.yml --cases cases.csv -j1 --model m.h5 --allow-untrusted -o x.h5) ;;
     snapgen) run=(snapgen -q -j1 plan.yml -o x.h5) ;;
     fine) run=(snapgen -q -j1 fine.yml -o x.h5) ;;
     trajectories) run=(snapgen -q -j1 trajectories.yml -o x.h5) ;;
@@ -81,7 +81,7 @@ sweep() {
     shift 3
     run_of "$name"
     case $name in
-    snapgen | fine | trajectories | adaptive | moving | reduced) set -- -r "$@" ;;
+    snapgen | fine | trajectories | adaptive | moving | reduced | cases | cases-h5) set -- -r "$@" ;;
     esac
     printf '%-12s ' "$name" >>table
     "$SWEEP" "$@" "$kind" "$how" "${run[-1]}" "${run[@]}" >>table

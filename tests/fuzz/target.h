@@ -9,6 +9,7 @@
 #include <stdint.h>
 
 enum { MAX_BASES = 4, MAX_COMMANDS = 12 };
+#define FUZZ_OUTPUT "out.h5" // of all commands
 
 typedef struct fuzz_target {
     const char *name;
@@ -37,5 +38,15 @@ void fuzz_start(int standard_error);
  * process (abort) where a program ends with a code that no file must lead to, fails without a line that
  * says so or with anything else than such lines, or leaves an output all the same. */
 int fuzz_run(const fuzz_target *target, const uint8_t *bytes, size_t length);
+
+// ---- what that is made of
+
+/* Runs a command of a program and returns its exit code; complains where what it says is not lines of the
+ * program, or where it fails without one. */
+int fuzz_call(const char *command);
+/* What the last one said, up to a few kilobytes. */
+const char *fuzz_said(void);
+/* Says so, and ends the process. */
+_Noreturn void fuzz_complain(const char *command, int code, const char *found, const char *text);
 
 #endif

@@ -13,6 +13,9 @@ trap 'rm -rf "$folder"' EXIT
 cd "$folder"
 export PATH=$BIN:$PATH OPENBLAS_NUM_THREADS=1
 
+# grids that are too coarse to estimate their error, which is left out
+stationary='regime: stationary
+output: {resolution: false}'
 lubricant='lubricant: {viscosity: {law: barus, alpha: 2.0e-8}, density: {law: dowson-higginson}}'
 line="contact: line
 $lubricant
@@ -20,11 +23,11 @@ grid: {x_min: -4, x_max: 2, step: 0.1}"
 point="contact: point
 $lubricant
 grid: {x_min: -2, x_max: 1.5, y_max: 1.5, step: 0.25}
-regime: stationary"
+$stationary"
 history='transient: {load: {law: sine, amplitude: 0.1, period: 1}, end_time: 0.06, fixed_step: 0.02}'
 fixed='moes: {M: 12, L: 4}'
 
-printf '%s\n' "$line" 'regime: stationary' "$fixed" >line.yml
+printf '%s\n' "$line" "$stationary" "$fixed" >line.yml
 printf '%s\n' "$line" 'regime: transient' "$fixed" "$history" >time.yml
 printf '%s\n' "$point" "$fixed" >point.yml
 # with a table of the load, line.h5 or line.csv
@@ -35,9 +38,11 @@ sed 's/FILE/work.csv/' table.yml >table-csv.yml
 for scene in line point; do
     printf 'groups:\n- {scene: %s.yml, vary: {moes.M: [8, 12, 15], moes.L: [2, 4, 6]}}\n' $scene >$scene-plan.yml
 done
+cp line-plan.yml still-plan.yml
 printf -- '- {scene: time.yml}\n' >>line-plan.yml
 printf 'groups:\n- {scene: line.yml, points: work.csv}\n' >csv-plan.yml
 printf 'groups:\n- {scene: line.yml, vary: {moes.M: [9.5, 13]}}\n' >small-plan.yml
+printf 'groups:\n- {scene: line.yml, vary: {moes.M: [8, 9, 11, 13, 15], moes.L: [2, 3, 4, 5, 6]}}\n' >wide-plan.yml
 
 chain() { # NAME SCENE PODBUILD_OPTION...
     local name=$1 plan=$2-plan.yml

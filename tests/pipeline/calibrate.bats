@@ -283,7 +283,7 @@ PYTHON
         [ "$(number low.h5 status)" = 4.0 ]
     done
     romrun scene.yml --model c.h5 --quiet --accuracy-of load=1e-15 --allow-untrusted
-    refuse 64 "--accuracy-of: found presure=1, expected NAME=X with NAME one of central_pressure, exit_position, load, pressure, film_thickness, friction" \
+    refuse 64 "--accuracy-of: found presure=1, expected NAME=X with NAME one of central_pressure, exit_position, load, pressure, film_thickness, friction, rolling_resistance" \
         romrun scene.yml --model c.h5 --accuracy-of presure=1
     refuse 64 "--accuracy-of: found load=2, expected load=X with X above 0, at most 1" \
         romrun scene.yml --model c.h5 --accuracy-of load=2
@@ -316,6 +316,12 @@ with h5py.File('w.h5', 'r+') as f: f.attrs.pop('content_sha256', None); del f['i
     [ "$status" -eq 4 ]
     [[ $stderr == *"found an indicated deviation of "*" of the friction, more than the --accuracy-of friction=1e-09, expected"* ]]
     [ "$(number low.h5 status)" = 4.0 ]
+    # and the rolling resistance by what the grid does to it
+    romrun sliding.yml --model c.h5 --quiet --accuracy-of rolling_resistance=0.5
+    run --separate-stderr romrun sliding.yml --model c.h5 --quiet --accuracy-of rolling_resistance=1e-9 -o low.h5 --force
+    [ "$status" -eq 4 ]
+    [[ $stderr == *"found an error estimate of "*" of the rolling resistance, more than the --accuracy-of rolling_resistance=1e-09, expected"* ]]
+    romrun sliding.yml --model c.h5 | grep -qE "^  of rolling, about +the grid [0-9.e-]+ %, the inlet [0-9.e-]+ %$"
     # a table of cases goes by it, and a flat model has the same bits
     printf 'slide_roll\n0.05\n0\n' >two.csv
     run --separate-stderr romrun sliding.yml --cases two.csv --model c.h5 --accuracy-of friction=1e-9 -o two-out.csv --quiet
@@ -561,6 +567,41 @@ PYTHON
         --set transient.fixed_step=0.04 --accuracy 9e-4 --quiet
     [ "$status" -eq 4 ]
     [[ $stderr == *"found an indicated deviation of "*" of the minimum film, more than 0.0009, first at T = "* ]]
+    # below what any size was measured to have, the most accurate one, and each step by its own estimate
+    run --separate-stderr romrun moving.yml --model tc.h5 $fast --accuracy 1e-12 --quiet
+    [ "$status" -eq 4 ]
+    [[ $stderr == *"found an indicated deviation of "*" film, more than 1e-12, first at T = "* ]]
+    run --separate-stderr romrun moving.yml --model tc.h5 $fast --accuracy 1e-12 --allow-untrusted
+    [ "$status" -eq 0 ]
+    [[ $stderr == "romrun: --accuracy 1e-12: 40 pressure modes, "*", the most accurate of "*"each step is judged by its own"* ]]
+    # a size that the calibration takes for accurate and that is not: the march is repeated with the most accurate one
+    cp tc.h5 ta.h5
+    /usr/bin/python3 - <<'PYTHON'
+import h5py
+with h5py.File("ta.h5", "r+") as f:
+    f.attrs.pop("content_sha256", None)
+    assert f["position_pressure_modes"][0] == 10 and f["position_rows"][0] == 12
+    f["indicated_in_time"][0] = 1e-2
+    f["position_step_seconds"][0] = 1e-9
+    f["position_lost_trajectories"][0] = 0
+PYTHON
+    run --separate-stderr romrun moving.yml --model ta.h5 $fast --pressure-modes 10 --rows 12 -o lost.h5
+    [ "$status" -eq 4 ]
+    run --separate-stderr romrun moving.yml --model ta.h5 $fast --accuracy 0.02 -o again.h5
+    [ "$status" -eq 0 ]
+    [[ $stderr == *"--accuracy 0.02: 10 pressure modes, 12 rows, the fastest of "* ]]
+    [[ $stderr == *"--accuracy 0.02: moving.yml: found an indicated deviation of "*", again with 40 pressure modes, "* ]]
+    [[ $stderr != *again.h5.partial* ]]
+    [[ $output != *"not to be trusted"* ]]
+    romrun moving.yml --model tc.h5 $fast -o good.h5 --force --quiet
+    /usr/bin/python3 - <<'PYTHON'
+import h5py, numpy
+numpy.testing.assert_allclose(h5py.File("again.h5")["central_film_thickness"], h5py.File("good.h5")["central_film_thickness"], rtol=1e-4)
+PYTHON
+    # nor is that one to be trusted, and what would help is said
+    run --separate-stderr romrun moving.yml --model ta.h5 --set transient.load.period=0.4 --accuracy 0.02 -o x.h5
+    [ "$status" -eq 4 ]
+    [[ $stderr == *", again with 40 pressure modes, "*"(--fallback full has the full model solve it"* ]]
     # what is faster than the training is outside, whatever is indicated, and no check of it
     run --separate-stderr romrun moving.yml --model tc.h5 --set transient.load.period=0.4 --accuracy 0.5 --quiet
     [ "$status" -eq 4 ]

@@ -154,27 +154,153 @@ PYTHON
     judged 4 "some.csv:2: found 0 of 3 .* 3 not to be trusted" base.yml --cases some.csv --model c.h5 -o w.csv --accuracy-of pressure=1e-12
 }
 
+# bad_table CODE MESSAGE TABLE [OPTION...]: TABLE.csv is refused.
+bad_table() { refuse "$1" "$2" romrun base.yml --cases "$3.csv" --model c.h5 -o x.h5 "${@:4}"; }
+
 @test "--cases: refusals, before any work" {
     printf 'moes.M,moes.L\n10,3\n-1,3\n' >range.csv
-    refuse 65 "range.csv:3: moes.M: found -1" romrun base.yml --cases range.csv --model c.h5 -o x.h5
+    bad_table 65 "range.csv:3: moes.M: found -1" range
     printf 'moes.M,moes.N\n10,3\n' >key.csv
-    refuse 65 "key.csv:1: " romrun base.yml --cases key.csv --model c.h5 -o x.h5
+    bad_table 65 "key.csv:1: " key
     printf 'moes.M\n10\n' >lacking.csv
-    refuse 65 "lacking.csv:2: .*moes.L" romrun base.yml --cases lacking.csv --model c.h5 -o x.h5
+    bad_table 65 "lacking.csv:2: .*moes.L" lacking
     printf 'moes.M,moes.L,grid.step\n10,3,0.05\n10,3,0.04\n' >grid.csv
-    refuse 65 "grid.csv:3: " romrun base.yml --cases grid.csv --model c.h5 -o x.h5
+    bad_table 65 "grid.csv:3: " grid
     printf 'moes.M,moes.L,contact\n10,4,point\n' >kind.csv
-    refuse 65 "kind.csv:2: contact: found point, expected line as in c.h5" \
-        romrun base.yml --cases kind.csv --model c.h5 -o x.h5
+    bad_table 65 "kind.csv:2: contact: found point, expected line as in c.h5" kind
     printf 'moes.M,moes.L\n10,3\n' >good.csv
-    refuse 65 "moes.M: found a key that good.csv varies" romrun base.yml --cases good.csv --model c.h5 -o x.h5 --set moes.M=3
+    bad_table 65 "moes.M: found a key that good.csv varies" good --set moes.M=3
     refuse 64 "--output: found x.txt, expected NAME.csv or NAME.h5" romrun base.yml --cases good.csv --model c.h5 -o x.txt
-    refuse 64 "--cases: found with --verify" romrun base.yml --cases good.csv --model c.h5 -o x.h5 --verify
-    refuse 64 "--cases: found with" romrun base.yml --cases good.csv --model c.h5 -o x.h5 --fallback full
-    refuse 66 "none.csv: " romrun base.yml --cases none.csv --model c.h5 -o x.h5
-    refuse 65 "good.csv:2: regime: found transient" romrun base.yml --cases good.csv --model c.h5 -o x.h5 --set regime=transient --set transient.end_time=1
+    bad_table 64 "--cases: found with --verify" good --verify
+    bad_table 64 "--cases: found with --fallback, expected without" good \
+        --fallback full
+    # before any work
+    refused 73 "none/x.csv: found No such file or directory, expected to create it" romrun base.yml --cases good.csv \
+        --model c.h5 -o none/x.csv
+    bad_table 66 "none.csv: " none
+    bad_table 65 "good.csv:2: regime: found transient" good --set regime=transient --set transient.end_time=1
     touch there.csv
     refused 73 "there.csv: found an existing file" romrun base.yml --cases good.csv --model c.h5 -o there.csv
     run bash -c 'romrun base.yml --cases good.csv --model c.h5 >/dev/full'
     [[ $status == 74 && $output == *"romrun: stdout: "* ]]
+}
+
+@test "--cases: tables with quotes over lines, semicolons or tabs, and names of cases" {
+    printf '%s\n' 'name,moes.M,moes.L' 'a;b,10,3' '"one
+# two
+""x""",12,5' '"#3, $(touch ran)",14.5,5.5' ',11,4' 'same,10,3' 'same,10,3' >commas.csv
+    sed -e 's/a;b/"a;b"/' -e 's/,10,3/;10;3/; s/,12,5/;12;5/; s/,14.5,5.5/;14.5;5.5/; s/,11,4/;11;4/; s/^name.*/name;moes.M;moes.L/' commas.csv >semicolons.csv
+    sed -e 's/,\([0-9.]*\),\([0-9.]*\)$/\t\1\t\2/; s/^name.*/name\tmoes.M\tL/' commas.csv >tabs.csv
+    printf 'moes.L,moes.M\r\n3,10\r\n5,12\r\n"5.5","14.5"\r\n4,11\r\n3,10\r\n3,10' >plain.csv
+    for table in commas semicolons tabs plain; do
+        romrun base.yml --cases $table.csv --model c.h5 -o $table-t.csv --quiet >/dev/null
+        romrun base.yml --cases $table.csv --model c.h5 -o $table.h5 --quiet >/dev/null
+        romrun --check $table.h5
+    done
+    [ ! -e ran ]
+    /usr/bin/python3 - <<'PYTHON'
+import csv
+def rows(name):
+    found = list(csv.DictReader(open(name + "-t.csv", newline="")))
+    return [{key: text for key, text in row.items() if key != "solve_seconds [s]"} for row in found]
+expected = rows("commas")
+assert [row["name"] for row in expected] == ["a;b", 'one\n# two\n"x"', "#3, $(touch ran)", "", "same", "same"]
+assert [row["moes.M"] for row in expected] == ["10", "12", "14.5", "11", "10", "10"]
+assert list(expected[0])[:3] == ["name", "moes.M", "moes.L"]
+assert rows("semicolons") == expected and rows("tabs") == expected
+assert rows("plain") == [{key: text for key, text in row.items() if key != "name"} for row in expected]
+PYTHON
+    # a table that the program wrote is read again, by lines of the table
+    printf 'name,moes.M,moes.L\n"a\n\nb",10,3\n,40,3\n' >lines.csv
+    judged 4 "lines.csv:5: found 0 of 2 scenes not converged and 1 not to be trusted" base.yml --cases lines.csv --model c.h5 -o l.csv
+    printf 'moes.M;moes.L\n10,5;3\n' >comma.csv
+    bad_table 65 "comma.csv:2: moes.M: found 10,5, expected a number" comma
+    printf 'moes.M,moes.L\n10,3\n"12,5\n13,4\n' >open.csv
+    bad_table 65 "open.csv:3: found a quote that does not end" open
+    printf 'moes.M,moes.L\n' >header.csv
+    bad_table 65 "header.csv: found a header only" header
+    printf 'name\na\n' >name.csv
+    bad_table 65 "name.csv:2: " name
+}
+
+# many_cases COUNT: many.csv
+many_cases() {
+    awk -v count="$1" 'BEGIN { print "name,moes.M,moes.L"; for (i = 0; i < count; i++)
+        printf "\"case\n%d\",%.6g,%.6g\n", i, 9.5 + (i * 7919 % 1000) / 250, 2.6 + (i * 104729 % 1000) / 400 }' >many.csv
+}
+
+# rows_of FILE: of a table without times, to compare
+rows_of() {
+    /usr/bin/python3 - "$1" <<'PYTHON'
+import csv, sys
+if sys.argv[1].endswith(".csv"):
+    for row in csv.DictReader(open(sys.argv[1], newline="")):
+        row.pop("solve_seconds [s]")
+        print(row)
+else:
+    import h5py
+    with h5py.File(sys.argv[1]) as file:
+        for name in sorted(set(file) - {"solve_seconds"}): print(name, len(file[name]), file[name][...].tobytes().hex())
+PYTHON
+}
+
+@test "--cases: memory does not grow with the rows" {
+    local kilobytes=()
+    for count in 2000 20000; do
+        many_cases $count
+        for kind in csv h5; do
+            /usr/bin/python3 - "$kind" >kilobytes <<'PYTHON'
+import resource, subprocess, sys
+subprocess.run(["romrun", "base.yml", "--cases", "many.csv", "--model", "c.h5", "-o", "t." + sys.argv[1], "--quiet", "--jobs", "1", "--force"],
+               check=True, stdout=subprocess.DEVNULL)
+print(resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss)
+PYTHON
+            kilobytes+=("$(<kilobytes)")
+        done
+    done
+    echo "${kilobytes[@]}"
+    # 18000 rows of 600 bytes would be 10 MB
+    ((kilobytes[2] - kilobytes[0] < 2000 && kilobytes[3] - kilobytes[1] < 5000))
+}
+
+@test "--cases: an interrupted run goes on with --resume, to the rows of one run" {
+    many_cases 6000
+    romrun base.yml --cases many.csv --model c.h5 -o whole.csv --quiet --jobs 2 >/dev/null
+    romrun base.yml --cases many.csv --model c.h5 -o whole.h5 --quiet --jobs 1 >/dev/null
+    for kind in csv h5; do
+        # killed, then interrupted
+        stop_when KILL 'bytes 300000' "t.$kind" romrun base.yml --cases many.csv --model c.h5 -o "t.$kind" --quiet --jobs 2
+        [ ! -e "t.$kind" ]
+        refused 73 "t.$kind.partial: found an interrupted run.*expected --resume to continue it or" \
+            romrun base.yml --cases many.csv --model c.h5 -o "t.$kind" --quiet
+        # of another model, scene, accuracy, table
+        sed 's/^3",/3a",/' many.csv >other.csv
+        for changed in "many.csv --model m.h5" "many.csv --model c.h5 --set lubricant.viscosity.alpha=2.1e-8" \
+            "many.csv --model c.h5 --accuracy-of pressure=0.5" "other.csv --model c.h5"; do
+            # shellcheck disable=SC2086
+            refused 65 "t.$kind.partial: found .*, expected what an interrupted run of the same settings" \
+                romrun base.yml --cases $changed -o "t.$kind" --quiet --resume
+        done
+        run romrun base.yml --cases many.csv --model c.h5 -o "t.$kind" --quiet --resume
+        [[ $status == 0 && $output == *"cases                   6000: 6000 good"* ]]
+        cmp <(rows_of "whole.$kind") <(rows_of "t.$kind")
+        [ ! -e "t.$kind.partial" ] && [ ! -e "t.$kind.resume" ]
+    done
+    romrun --check t.h5
+    # a row that was torn is solved again; the first bad row is that of the whole table
+    printf 'moes.M,moes.L\n10,3\n40,3\n12,5\n40,4\n' >bad.csv
+    judged 4 "bad.csv:3: .* 2 not to be trusted" base.yml --cases bad.csv --model c.h5 -o b.csv
+    romrun base.yml --cases many.csv --model c.h5 -o x.csv --quiet --force >/dev/null
+    stop_when INT 'bytes 400000' t.csv romrun base.yml --cases many.csv --model c.h5 -o t.csv --quiet --jobs 1 --force
+    [ "$code" -ne 0 ]
+    rows_before=$(grep -c '^"case' t.csv.partial)
+    ((rows_before > 0 && rows_before < 6000))
+    truncate -s -100 t.csv.partial
+    rm t.csv
+    romrun base.yml --cases many.csv --model c.h5 -o t.csv --quiet --resume >/dev/null
+    cmp <(rows_of whole.csv) <(rows_of t.csv)
+    # nothing was left: as without the option
+    romrun base.yml --cases bad.csv --model c.h5 -o n.csv --quiet --resume --allow-untrusted >/dev/null
+    cmp <(rows_of b.csv) <(rows_of n.csv)
+    refuse 64 "--resume: found without --output" romrun base.yml --cases bad.csv --model c.h5 --resume
 }

@@ -284,7 +284,7 @@ for k in 2, 4, 8:
     # M = W/S^(3/4) of w = (2/3) pi a b p_H and p_H/E' = a/(2 k A R_x)
     S = speed / (12 * k * A)  # R_x/a = 1
     M = numpy.pi / (3 * A) / S**0.75
-    film, pressure = solved("ellipse", "contact=ellipse", f"ellipticity={k}", f"moes.M={M!r}", "moes.L=5", "grid.y_max=1.5")
+    film, pressure = solved("ellipse", "contact=ellipse", f"ellipticity={k}", f"moes.M={float(M)!r}", "moes.L=5", "grid.y_max=1.5")
     assert abs(pressure / line_pressure - 1) < 1e-6, (pressure, line_pressure)
     below.append(film / ratio**2 / line - 1)
 print(below)

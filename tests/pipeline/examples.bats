@@ -181,7 +181,7 @@ small_oscillator() {
     [ "$status" -eq 0 ]
     [[ $output == *"fast "*"worst deviation: "* && $output =~ far\ .*(not trusted|not converged) ]]
     awk -F, 'NR > 1 && NR < 4 { off = $8 / $7 - 1; if (off * off > 1e-2 || !($11 * $7 > 1e-8 && $11 * $7 < 1e-5)) exit 1 } END { exit NR != 4 }' out/results.csv
-    [ "$(fullrun --print out/full/fast.h5 settings | grep -c '^physical.load: 300000\|^lubricant.viscosity.alpha: 1.9e-08')" -eq 2 ]
+    [ "$(fullrun --print out/full/2.h5 settings | grep -c '^physical.load: 300000\|^lubricant.viscosity.alpha: 1.9e-08')" -eq 2 ]
     [ "$(head -c 4 out/profiles.png | tail -c 3)" = PNG ]
     run make -n ACCURACY=
     [[ $status == 0 && ! $output =~ $programs ]]
@@ -233,6 +233,30 @@ YAML
     awk '$2 < 0 || $2 > 600 { bad = 1 } $1 == "model-check" { check = $2 } END { exit bad || !(check > 0) }' new/stages
     PATH=/usr/bin:/bin run make -n -f ../prefix/share/ehdrom/lib/pipeline.mk PLAN=region.yml ACCURACY=1e-3
     [[ $status == 0 && ! $output =~ $programs ]]
+}
+
+@test "a model of one's own by one command: histories, an accuracy, one processor" {
+    local lib=$BATS_TEST_DIRNAME/../../scenes/lib
+    cd "$BATS_TEST_TMPDIR"
+    cat >histories.yml <<'YAML'
+groups:
+  - scene:
+      contact: line
+      regime: transient
+      moes: {M: 12, L: 4}
+      lubricant: {viscosity: {law: barus, alpha: 2e-8}}
+      grid: {step: 0.04}
+      transient: {end_time: 0.3}
+    histories: {load: [0.9, 1.1]}
+YAML
+    run make -f "$lib/pipeline.mk" PLAN=histories.yml ACCURACY=1e-2 JOBS=1
+    echo "$output"
+    [ "$status" -eq 0 ]
+    [[ $output == *"snapgen: histories.yml: all "*" histories are solved; points are chosen of stationary ones"* ]]
+    [[ $output == *"model: $PWD/out/model.h5" ]]
+    # all programs that can are told how many processors to take
+    run make -n -f "$lib/pipeline.mk" PLAN=histories.yml ACCURACY=1e-2 JOBS=1 OUT=new
+    [ "$(grep -c "\(snapgen\|deimselect\) .*--jobs 1" <<<"$(sed -z 's/\\\n//g' <<<"$output")")" -eq 3 ]
 }
 
 @test "a line contact in SI units in time: an example at a small size" {

@@ -108,10 +108,27 @@ PYTHON
     [ -z "$(nm -D --defined-only 3/$object | awk '{ print $3 }' | grep -vE '^fmi[23][A-Z]')" ]
 }
 
-@test "a step that cannot be done is an error with a text, and a reset helps" {
+@test "a step that cannot be done changes nothing: an error or, where none converges, discarded, with a text" {
     for fmi in 2 3; do
-        run -0 ./use_fmu $fmi $fmi far
-        [[ $output == *"speed: found -"* ]]
+        for kind in $fmi approach$fmi; do
+            run -0 ./use_fmu $fmi $kind far
+            [[ $output == *"logStatusError: "*"speed: found -"* ]]
+            [[ $output == *"logStatusDiscard: step to 3e-06 s: "*", also in a step of "* ]]
+        done
+    done
+}
+
+@test "bodies may part and come together again: without a force while they are apart" {
+    for fmi in 2 3; do
+        run -0 ./use_fmu $fmi approach$fmi apart
+        [[ $output == *"lost 3 times, found 3 times"* ]]
+    done
+}
+
+@test "a tolerance below the solver's noise is no error" {
+    for kind in "2 2" "3 approach3"; do
+        run -0 ./use_fmu $kind tolerances
+        [[ $output == *"that shorter steps do not make smaller, expected 1e-09 (step_accuracy)"* ]]
     done
 }
 
@@ -170,14 +187,14 @@ stationary_inlet_heating_factor=0x1[^ ]*p-1\$")" -eq 40 ]
     ./use_fmu 3 approach3 parts
 }
 
-@test "needs libc and libm alone, of glibc 2.35, and runs on a Core 2" {
+@test "needs libc and libm alone, of the glibc that it names, and runs on a Core 2" {
     readelf -d 3/$object >"$all/dynamic"
     [ "$(grep -o 'NEEDED.*' "$all/dynamic" | grep -vcE '\[lib[cm]\.so\.6\]|\[ld-linux-x86-64\.so\.2\]')" -eq 0 ]
     run -1 grep -E 'RPATH|RUNPATH' "$all/dynamic"
-    [ "$(objdump -T 3/$object | grep -oE 'GLIBC_2\.[0-9]+' | sort -Vu | tail -1)" = GLIBC_2.35 ]
-    # OpenBLAS's kernels for the processor found, which the environment may override
+    newest=$(objdump -T 3/$object | grep -oE 'GLIBC_2\.[0-9]+' | sort -Vu | tail -1)
+    grep -q "glibc ${newest#GLIBC_} or newer" 3/documentation/index.html
     for processor in core2duo Nehalem SandyBridge; do
-        qemu-x86_64 -cpu $processor -U OPENBLAS_CORETYPE ./use_fmu 3 3 run 4 >"$all/old"
+        qemu-x86_64 -cpu $processor ./use_fmu 3 3 run 4 >"$all/old"
         [ "$(wc -l <"$all/old")" -eq 5 ]
     done
     ./use_fmu 3 3 run 4 >"$all/new"
@@ -195,7 +212,7 @@ stationary_inlet_heating_factor=0x1[^ ]*p-1\$")" -eq 40 ]
     python3 -m zipfile -l "$all/b.fmu" | grep -c '2023-11-14 22:13:20'
     cmp <(python3 -m zipfile -l "$all/a.fmu") <(python3 -m zipfile -l "$all/b.fmu")
     run -1 grep -rlaE "$PWD|$root|/home/|/root/|podbuild s.h5" 3
-    for licence in ehdrom libopenblas0-pthread libgsl27 libyaml-0-2 GPL-3; do
+    for licence in ehdrom libgsl-dev libfftw3-dev libyaml-dev nettle-dev GPL-3; do
         [ -s "3/documentation/licenses/$licence.txt" ]
     done
 }

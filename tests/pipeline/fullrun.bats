@@ -85,8 +85,17 @@ def near(found, expected, part): assert abs(found / expected - 1) < part, (found
 near(f['friction_force'][0] * load, force, 1e-3)
 near(f['friction_coefficient'][0], force / load, 1e-3)
 near(f['largest_shear_stress'][0] * f.attrs['hertz_pressure'], tau[p > 0].max(), 1e-9)
-near(f['mean_shear_stress'][0] * f.attrs['hertz_pressure'], tau[abs(f['x'][:]) <= 1 + 1e-9].mean(), 1e-9)
-near(f['rolling_moment'][0] * f.attrs['line_moment'], -numpy.sum(p * x) * step, 1e-9)
+at = f['x'][:]
+share = numpy.clip(0.5 + (1 - abs(at)) / (at[1] - at[0]), 0, 1)
+near(f['mean_shear_stress'][0] * f.attrs['hertz_pressure'], (tau * share).sum() / share.sum(), 1e-9)
+# before the grid, from the boundary node on: 12 eta u (h - h_c)/h^2 of the gap and the far deflection
+far = at[0] - (at[1] - at[0])
+y = far * numpy.exp(numpy.linspace(0, 9, 20001))
+gap = f['rigid_approach'][0] + y**2 / 2 - numpy.log(-y) / 2
+rate = 12 * 0.05 * 2 * (gap - f['central_film_thickness'][0]) / gap**2 / f.attrs['film_unit'] * f.attrs['half_width']
+tail = numpy.sum((rate[1:] + rate[:-1]) / 2 * abs(numpy.diff(y)))
+assert 0.02 < tail / (-numpy.sum(p * x) * step / 0.01) < 0.2, tail
+near(f['rolling_moment'][0] * f.attrs['line_moment'], -numpy.sum(p * x) * step + 0.01 * tail, 1e-4)
 rolling = f['rolling_resistance'][0] * load
 near(2 * rolling * 0.01, f['rolling_moment'][0] * f.attrs['line_moment'], 1e-6)
 near(f['power_loss'][0] * f.attrs['line_power'], 0.5 * f['friction_force'][0] * load + 2 * 2 * rolling, 1e-9)
@@ -146,9 +155,9 @@ assert moving['shear_stress_1'].shape == moving['pressure'].shape"
 }
 
 @test "output.resolution false leaves the estimates out, and nothing else" {
-    run --separate-stderr fullrun scene.yml -o with.h5 --set grid.step=0.05 --set moes.M=100
+    run --separate-stderr fullrun scene.yml -o with.h5 --set grid.step=0.05 --set moes.M=60
     [[ $status == 0 && $stderr == *grid.step:* ]]
-    run --separate-stderr fullrun scene.yml -o without.h5 --set grid.step=0.05 --set moes.M=100 --set output.resolution=false
+    run --separate-stderr fullrun scene.yml -o without.h5 --set grid.step=0.05 --set moes.M=60 --set output.resolution=false
     [[ $status == 0 && $stderr != *grid.step:* ]]
     [ "$(number with.h5 central_film_thickness)" = "$(number without.h5 central_film_thickness)" ]
     h5dump -a /step_effect with.h5
@@ -228,6 +237,7 @@ lubricant:
 YAML
     run -0 fullrun sliding.yml -o r.h5 --formulas
     echo "$output"
+    [[ "$output" != *"of friction"* ]]
     awk -v friction="$(number r.h5 friction_coefficient)" '
         /^traction evans-johnson +friction/ { own = 100 * ($4 / friction - 1) - $5; coefficient = $4; found = $5 }
         /^traction slide-roll: friction/ { sub(".*[, ]0.1: ", ""); sub(",.*", ""); on_curve = $0 }
@@ -238,6 +248,8 @@ YAML
     grep -q '^traction evans-johnson .*, here outside: ' <<<"$output"
     run -0 fullrun sliding.yml --formulas --set lubricant.shear.law=newtonian --set lubricant.shear.tau0=
     [[ "$output" != *evans-johnson* ]]
+    # a Newtonian fluid's shear stress is far above what lubricants carry
+    [[ "$output" == *"of friction           more than lubricants carry"* ]]
 }
 
 @test "the same scene gives the same bits" {
@@ -284,8 +296,8 @@ YAML
     run --separate-stderr fullrun scene.yml -o r.h5 --set moes.M=5 --set moes.L=12
     [ "$status" -eq 0 ]
     [ "${#stderr_lines[@]}" -eq 1 ]
-    [[ $stderr =~ ^"fullrun: scene.yml: grid.x_min: found -4, expected a longer inlet".*"+2".*%$ ]]
-    run --separate-stderr fullrun scene.yml -o s.h5 --set moes.M=80 "${published[@]}"
+    [[ $stderr =~ ^"fullrun: scene.yml: grid.x_min: found -4, expected a longer inlet: the error estimate of the central film is 3".*%$ ]]
+    run --separate-stderr fullrun scene.yml -o s.h5 --set moes.M=50 "${published[@]}"
     [ "$status" -eq 0 ]
     [[ $stderr =~ ^"fullrun: scene.yml: grid.step: found 0.02, expected a finer one".*%$ ]]
     run --separate-stderr fullrun scene.yml -o t.h5 --set moes.M=5 --set moes.L=12 --quiet
@@ -294,13 +306,13 @@ YAML
     same_data r.h5 t.h5
     # as measured
     fullrun scene.yml -o wide.h5 --set moes.M=5 --set moes.L=12 --set grid.x_min=-20
-    fullrun scene.yml -o fine.h5 --set moes.M=80 --set grid.step=0.0025 "${published[@]}"
+    fullrun scene.yml -o fine.h5 --set moes.M=50 --set grid.step=0.0025 "${published[@]}"
     /usr/bin/python3 - <<'PYTHON'
 import h5py
 film = {name: h5py.File(name + ".h5")["central_film_thickness"][0] for name in ("r", "s", "wide", "fine")}
 attributes = {name: h5py.File(name + ".h5").attrs for name in ("good", "r", "s", "t")}
-assert abs(attributes["r"]["inlet_effect"] / (film["wide"] / film["r"] - 1) - 1) < 0.15
-assert abs(attributes["s"]["step_effect"] / (film["fine"] / film["s"] - 1) - 1) < 0.15
+assert 1 < attributes["r"]["inlet_effect"] / (film["wide"] / film["r"] - 1) < 1.4
+assert 1 < attributes["s"]["step_effect"] / (film["fine"] / film["s"] - 1) < 1.5
 assert attributes["t"]["inlet_effect"] == attributes["r"]["inlet_effect"]
 assert 0 < attributes["good"]["inlet_effect"] < 0.01 and 0 < attributes["good"]["step_effect"] < 0.01
 assert 1.8 < attributes["good"]["observed_order"] < 2.2
@@ -308,13 +320,21 @@ assert 30 < attributes["good"]["inlet_nodes"] < 100 and attributes["good"]["outl
 PYTHON
 }
 
-@test "a grid of which only half would be left is noted, and has no step_effect" {
-    run --separate-stderr fullrun scene.yml -o r.h5 --set moes.M=1000 --set moes.L=0 --set grid.step=0.01
-    [ "$status" -eq 0 ]
-    [[ $stderr == "fullrun: scene.yml: grid.step: found 0.01, expected a finer one: with twice the step "* ]]
-    run h5dump -A -a step_effect r.h5
-    [ "$status" -ne 0 ]
-    fullrun --check r.h5
+@test "a grid too coarse to estimate its error is exit code 4, and has no step_effect" {
+    # with twice the step there is no solution, or another one: 6 and 36 % off
+    for place in "0 0.01" "10 0.02"; do
+        read -r L step <<<"$place"
+        here=(scene.yml --force --set moes.M=1000 --set "moes.L=$L" --set "grid.step=$step" --set grid.x_min=-1.5)
+        run --separate-stderr fullrun "${here[@]}" -o r.h5
+        [ "$status" -eq 4 ]
+        [[ $stderr == "fullrun: scene.yml: found a grid from X = -1.5 on by $step, too coarse to estimate its error, expected a finer one"* ]]
+        [[ $output == *"the grid too coarse to tell"* ]]
+        run h5dump -A -a step_effect r.h5
+        [ "$status" -ne 0 ]
+        fullrun --check r.h5
+        fullrun "${here[@]}" --allow-untrusted -o s.h5
+        same_data r.h5 s.h5
+    done
 }
 
 # ---- existing files
@@ -551,6 +571,9 @@ YAML
     refused 3 "spike.yml: not converged: .*found a pressure of .* expected at most 5.012 GPa" \
         fullrun spike.yml -o result.h5
     [ "$(number result.h5 status)" = 1.0 ]
+    # nor is a finer step tried, where Newton fails
+    run ! fullrun spike.yml --set contact=point --set moes.M=20 --set grid.step=
+    [[ $output != *"going on with"* && $output == *"the limit of the wlf law"* ]]
 }
 
 # ---- the command line

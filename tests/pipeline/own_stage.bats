@@ -83,7 +83,7 @@ with h5py.File('rows.h5', 'w') as f:
     if weight is not None: f['weights'] = weight"
         refuse 65 "rows.h5: $1" deimselect r.h5 --basis b.h5 --rows-from rows.h5 -o x.h5
     }
-    bad "found no dataset selected_row.row.rows, expected one" "row = None"
+    bad "found no dataset selected_row.row.rows among weights, expected one" "row = None"
     bad "rows: found something else, expected numbers along one axis" "row = row.reshape(2, -1)"
     bad "weights: found 17 numbers, expected 18 as of rows" "weight = weight[1:]"
     bad "found 0 rows, expected at least 9: the model has 10 unknowns" "row, weight = row[:0], weight[:0]"

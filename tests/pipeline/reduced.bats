@@ -428,6 +428,11 @@ assert len(set(h5py.File('fr.h5')['iteration_state'][...])) == 8 - $lost"
     ((most < 18))
     [ "$(deimselect --no-check one.h5 --basis b.h5 -o m2.h5 | awk 'NR == 1 { print $1 }')" -eq "$most" ]
     [ "$(deimselect --no-check r.h5 --basis b.h5 -o m3.h5 | awk 'NR == 1 { print $1 }')" -eq 18 ]
+    # too few for the modes: the cause, and what to do
+    sed 's/vary:.*/vary: {moes.M: [8], moes.L: [4]}/' plan.yml >few.yml
+    snapgen few.yml --basis b.h5 -o few.h5 --quiet
+    refuse 65 "few.h5: .*: found enough for [0-9] rows, expected 9, one for each pressure mode.*podbuild --energy" \
+        deimselect --no-check few.h5 --basis b.h5 -o x.h5
 }
 
 @test "files of different grids" {

@@ -17,6 +17,7 @@ small_high() {
     copy_scene studies/stationary-line-high
     awk -F, 'NR == 1 || ($1 >= 77 && $1 <= 118 && $2 >= 7 && $2 <= 15)' points.csv >few.csv
     mv few.csv points.csv
+    sed -i 's/moes.M: .*/moes.M: [85, 95, 108], moes.L: [8, 10, 12]}/' lubricants.yml
     sed -i -n '1,2p' cases.csv
     sed -i -e 's/^PROFILES .*/PROFILES = no1-M100-L10-p1.69/' Makefile
 }
@@ -150,7 +151,7 @@ small_transient() {
         grep -q '</svg>' out/$picture.svg
     done
     # all nodes, and the pressure of the time asked for, in its own frame: p_H goes with the root of the load
-    run -0 python 'x, P, H = results.profile("out/profile-full.h5"); run = results.read_trajectory("out/full/fixed-0.5.h5")
+    run -0 python 'x, P, H = results.profile("out/profile-full.h5"); run = results.read_trajectory("out/full/fixed-1.h5")
 now = abs(run.time - 0.15).argmin()
 print(len(x), P[abs(x).argmin()], run.P_c[now] / run.load[now] ** 0.5)'
     read -r nodes of_profile of_run <<<"$output"
@@ -161,9 +162,9 @@ print(len(x), P[abs(x).argmin()], run.P_c[now] / run.load[now] ** 0.5)'
 
     # the comparison over time is that of romrun
     run -0 --separate-stderr romrun scene.yml --quiet --model out/model.h5 --set transient.load.period=0.75 \
-        --set transient.fixed_step=0.005 --against out/full/fixed-0.75.h5
+        --set transient.fixed_step=0.005 --against out/full/fixed-2.h5
     close_to "$(python 'import trajectories
-print(trajectories.largest(*(results.read_trajectory(f"out/{kind}/fixed-0.75.h5") for kind in ("full", "model")), "H_c"))')" \
+print(trajectories.largest(*(results.read_trajectory(f"out/{kind}/fixed-2.h5") for kind in ("full", "model")), "H_c"))')" \
         "$(sed -n 's/.*central film thickness *at most \([^ ]*\) %.*/\1/p' <<<"$output")" 0.01
 }
 
@@ -185,7 +186,7 @@ print(trajectories.largest(*(results.read_trajectory(f"out/{kind}/fixed-0.75.h5"
          $2 == "model" { if (NF != 12 || !($11 > 0 && $12 > 0)) bad = 1 }
          END { exit bad || lines["0.5"] != 5 || lines["0.75"] != 5 }' out*/distances.txt
     # the path on half the step is nearer to the extrapolated rows than these themselves are
-    run_make confirm "${small[@]}" CONFIRM_PERIOD=0.75
+    run_make confirm "${small[@]}" CONFIRM_CASE=2
     echo "$output"
     [ "$status" -eq 0 ]
     awk 'NF == 6 && $3 > 0 { off[$1] = $3 } END { exit !(off["truth"] > 0 && off["truth"] < off["published-half"] / 2 &&
@@ -231,7 +232,7 @@ print(run.code, run.message, run.steps > 0, run.time[0], round(run.load[0], 12),
 assert run.code == 3 and numpy.isnan(run.seconds)'
     read -r time steps <<<"$output"
     grep -q "^ *90 % *0.5 .*  stopped at T = $time  *$steps " out/extremes.txt
-    cp out/model/extreme-0.9-0.5.h5 out/model/adaptive-0.75.h5
+    cp out/model/extreme-0.9-0.5.h5 out/model/adaptive-2.h5
     run_make tables "${sizes[@]}"
     [ "$status" -eq 0 ]
     grep -q '^0.75 .*\*' out/tables.txt

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Stops a program while it writes: stop_when.py SIGNAL CONDITION OUTPUT COMMAND...
 
-Sends the signal as soon as the condition holds of OUTPUT.partial: "exists", or a Python expression of
+Sends the signal as soon as the condition holds of OUTPUT.partial: "exists", "bytes NUMBER" it has at least, or a Python expression of
 `states`, the finished points of a training, `time`, the times of a run, and `checkpoint`, how many of
 these a resumed run would keep; or of what is said in the file "log": "says PATTERN", a regular expression. A run that ended before the signal came, because the machine was busy
 with something else, is taken back and started again. What a reader sees of a growing file is checked
@@ -39,6 +39,8 @@ def read(path):
 def holds(condition, path, before):
     if condition == "exists":
         return os.path.exists(path)
+    if condition.startswith("bytes "):
+        return os.path.exists(path) and os.path.getsize(path) >= int(condition.split()[1])
     if condition.startswith("says "):
         with open("log") as log:
             return re.search(condition[len("says "):], log.read()[before["said"]:])

@@ -81,7 +81,7 @@ setup() { unset MAKEFLAGS MAKELEVEL MFLAGS V; }
     run -1 cmp -s out/test-3-24/plan.yml again/plan.yml
     # loads and speeds of a region: within its bounds, by turns even and even in the logarithm
     study draw drawn 5 60 none roller/scene.yml region
-    grep -q '^physical: {load: .*, speed: ' drawn/scene-1-1.yml
+    grep -q '^physical: {load: .*, speed: ' drawn/scene-1.yml
     /usr/bin/python3 - <<'PYTHON'
 import json, numpy
 scenes = [scene["settings"] for scene in json.load(open("drawn/scenes.json"))]
@@ -91,15 +91,18 @@ assert 4 < numpy.median(speed[::2]) < 6.5 and 0.8 < numpy.median(speed[1::2]) < 
 PYTHON
     # a result that is off without a flag is one, however few they are
     printf '%s\n' \
-        promise,where,whose,code,central,minimum,indicated_central,indicated_minimum,fields,full_central,full_minimum \
-        1e-2,inside,own,0,1,2.04,0.1,0.01,0.05,1,2 1e-2,inside,other,4,1.5,1,1,1,2,1,1 \
-        1e-2,outside,other,3,,,,,,1,1 1e-2,inside,own,0,1.001,1,0.004,0.004,0.01,1,1 \
-        1e-2,inside,own,4,1.001,1,0.02,0.02,0.01,1,1 none,inside,own,0,1.011,1,,,,1,1 >runs.csv
+        "promise,where,whose,code,central,minimum,indicated_central,indicated_minimum,friction_coefficient,rolling_resistance,\
+fields,full_central,full_minimum,full_friction_coefficient,full_rolling_resistance" \
+        1e-2,inside,own,0,1,2.04,0.1,0.01,0.051,2,0.05,1,2,0.05,2 1e-2,inside,other,4,1.5,1,1,1,,,2,1,1,, \
+        1e-2,outside,other,3,,,,,,,,1,1,, 1e-2,inside,own,0,1.001,1,0.004,0.004,,,0.01,1,1,, \
+        1e-2,inside,own,4,1.001,1,0.02,0.02,,,0.01,1,1,, none,inside,own,0,1.011,1,,,,,,1,1,, >runs.csv
     run study table runs.csv 1 2
     [[ $output == *"promise 0.01"*"inside, own lubricant         1        1       50.0 %                1        0          0            0"* ]]
     [[ $output == *"no promise asked for"*"inside, own lubricant         0        0        0.0 %                1        0 "* ]]
     [[ $output == *"silent failures: 2, the worst 0.02 off" ]]
     [[ $output == *"fields off by more than 3 times that, not flagged: 1 of 2; the worst 5 times"* ]]
+    [[ $output == *"friction coefficient off by more than that, not flagged: 1 of 1; the worst 2 times"* ]]
+    [[ $output == *"rolling resistance off by more than that, not flagged: 0 of 1; the worst 0 times"* ]]
     [[ $output == *"inside, central film: 0 of 3 below 1, least 2, median 4, 95 % 18"* ]]
     [[ $output == *"inside, minimum film: 1 of 1 below 1, least 0.5, median 0.5, 95 % 0.5"* ]]
     # what is shifted by less than a node is not off, and a spike elsewhere is

@@ -47,7 +47,7 @@ film() { /usr/bin/python3 -c 'import json, sys; print(json.load(open(sys.argv[1]
     # from the truth the reference is as far as its inlet makes it, by its own estimate too; a longer one is nearer
     awk -v off="$(value "full cold" "step 1 times tolerance 1e-10" 10)" -v inlet="$(value reference inlet 6)" \
         -v longer="$(value truth "inlet 4 times" 10)" -v finer="$(value truth "step 0.25 times" 10)" \
-        'BEGIN { exit !(off > 1e-3 && inlet / off > 0.7 && inlet / off < 1.1 && longer > 0 && longer < off / 10 && finer > off / 2) }'
+        'BEGIN { exit !(off > 1e-3 && inlet / off > 1 && inlet / off < 1.4 && longer > 0 && longer < off / 10 && finer > off / 2) }'
     [ "$(awk -F, '$1 != "reference" && !($10 >= $12 && $12 > 0) && $5 == 0' "$out"/trade.csv | wc -l)" -eq 0 ]
     # by the programs themselves, on one of the scenes
     fullrun "$out"/trade/scene-002.yml -o fine.h5 --quiet >/dev/null

@@ -95,6 +95,7 @@ reduced_basis identity_basis(const snapshot_set *set, deformation_kind kind, con
         basis.states.moes_M[s] = set->moes_M[s];
         basis.states.alpha_p_H[s] = set->alpha_p_H[s];
         basis.states.central_film_thickness[s] = set->central_film_thickness[s];
+        basis.states.rises[s] = set->rises[s];
     }
     deflection_free(deflection);
     return basis;
@@ -117,6 +118,7 @@ reduced_basis mirrored_basis(const reduced_basis *half) {
            states->num_states * states->num_unknowns * sizeof(double));
     memcpy(whole.states.moes_M, states->moes_M, states->num_states * sizeof(double));
     memcpy(whole.states.alpha_p_H, states->alpha_p_H, states->num_states * sizeof(double));
+    memcpy(whole.states.rises, states->rises, states->num_states * sizeof *states->rises);
     for (size_t l = 0; l < lines; l++) {
         size_t middle = lines / 2, own = l > middle ? l - middle : middle - l;
         memcpy(whole.pressure + l * width * num, half->pressure + own * width * num,

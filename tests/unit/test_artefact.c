@@ -133,7 +133,7 @@ static char *content_of(const char *name) {
     good = good && artefact_length(file, "x") == NUM_NODES &&
            artefact_length(file, "state") == NUM_STATES;
     if (good) fprintf(stream, "%a %a\n", numbers[0], numbers[1]);
-    good = good && artefact_get_axis(file, "x", numbers, NULL) == EHD_OK;
+    good = good && artefact_get_axis(file, "x", numbers, NUM_NODES, NULL) == EHD_OK;
     for (size_t i = 0; i < NUM_NODES && good; i++)
         fprintf(stream, "%a ", numbers[i]);
     for (const artefact_field *field = schema_snapshots.fields; field->name && good; field++) {
@@ -141,11 +141,11 @@ static char *content_of(const char *name) {
         fprintf(stream, "\n%s %d:", field->name, artefact_has(file, field->name));
         if (!artefact_has(file, field->name)) continue;
         if (field->type == ARTEFACT_INTEGER) {
-            good = artefact_get_integers(file, field->name, integers, NULL) == EHD_OK;
+            good = artefact_get_integers(file, field->name, integers, length, NULL) == EHD_OK;
             for (size_t i = 0; i < length && good; i++)
                 fprintf(stream, " %ld", integers[i]);
         } else {
-            good = artefact_get(file, field->name, numbers, NULL) == EHD_OK;
+            good = artefact_get(file, field->name, numbers, length, NULL) == EHD_OK;
             for (size_t i = 0; i < length && good; i++)
                 fprintf(stream, " %a", numbers[i]);
         }
@@ -239,19 +239,20 @@ static void round_trip(void **state) {
     assert_true(artefact_has(file, "pressure") && artefact_has(file, "step"));
     assert_false(artefact_has(file, "weight"));
 
-    check_ok(artefact_get_axis(file, "x", x, &error));
+    check_ok(artefact_get_axis(file, "x", x, NUM_NODES, &error));
     check_close(x[1], -0.5, 0.0, 0.0);
-    check_ok(artefact_get(file, "pressure", pressure[0], &error));
+    check_ok(artefact_get(file, "pressure", pressure[0], NUM_STATES * NUM_NODES, &error));
     check_close(pressure[2][3], pressure_at(2, 3), 0.0, 0.0);
-    check_ok(artefact_get_part(file, "pressure", 1, 1, row, &error));
+    check_ok(artefact_get_part(file, "pressure", 1, 1, row, NUM_NODES, &error));
     check_close(row[2], pressure_at(1, 2), 0.0, 0.0);
-    check_ok(artefact_get_integers(file, "exit_node", exits, &error));
+    check_ok(artefact_get_integers(file, "exit_node", exits, NUM_STATES, &error));
     assert_true(exits[2] == INT64_MAX);
-    check_ok(artefact_get_integers_part(file, "exit_node", 1, 1, &last, &error));
+    check_ok(artefact_get_integers_part(file, "exit_node", 1, 1, &last, 1, &error));
     assert_int_equal(last, 1);
     check_ok(artefact_get_real(file, "step", &step, &error));
     check_close(step, 0.5, 0.0, 0.0);
-    check_refused(artefact_get_part(file, "pressure", 2, 2, row, &error), EHD_INTERNAL, "pressure");
+    check_refused(artefact_get_part(file, "pressure", 2, 2, row, 2 * NUM_NODES, &error),
+                  EHD_INTERNAL, "pressure");
     check_refused(artefact_get_real(file, "nothing", &step, &error), EHD_DATA, "nothing");
     artefact_close(&file);
     assert_null(file);
@@ -581,7 +582,8 @@ static void refused_look_is_no_no(void **state) {
     refused_looks = 1;
     assert_true(artefact_has(file, "pressure"));
     refused_looks = 2;
-    check_refused(artefact_get(file, "pressure", pressure[0], &error), EHD_MEMORY, "memory");
+    check_refused(artefact_get(file, "pressure", pressure[0], NUM_STATES * NUM_NODES, &error),
+                  EHD_MEMORY, "memory");
     artefact_close(&file);
 }
 
@@ -752,8 +754,8 @@ static void damage_is_named(void **state) {
 
     double pressure[NUM_STATES][NUM_NODES];
     artefact *file = reopen();
-    check_refused(artefact_get(file, "pressure", pressure[0], &error), EHD_DATA,
-                  "pressure: found damaged");
+    check_refused(artefact_get(file, "pressure", pressure[0], NUM_STATES * NUM_NODES, &error),
+                  EHD_DATA, "pressure: found damaged");
     artefact_close(&file);
     check_refused(artefact_check(path, &error), EHD_DATA, "pressure: found damaged");
 }
@@ -948,7 +950,7 @@ static void failure_is_remembered(void **state) {
     setrlimit(RLIMIT_FSIZE, &normal);
     check_refused(refused, EHD_IO, "rigid_approach: found a write failure (File too large)");
     check_refused(artefact_finish(&file, &error), EHD_IO, "earlier write failure");
-    assert_true(exists(partial));
+    assert_false(exists(partial));
     assert_false(exists(path));
 }
 
@@ -999,8 +1001,8 @@ static void killed_stream(bool flush) {
 static void check_streamed(artefact *file, bool second) {
     double pressure[NUM_STATES][NUM_NODES];
     int64_t status[NUM_STATES];
-    check_ok(artefact_get(file, "pressure", pressure[0], &error));
-    check_ok(artefact_get_integers(file, "status", status, &error));
+    check_ok(artefact_get(file, "pressure", pressure[0], NUM_STATES * NUM_NODES, &error));
+    check_ok(artefact_get_integers(file, "status", status, NUM_STATES, &error));
     assert_true(status[0] == 1 && status[2] == 1);
     assert_true(status[1] == (second ? 1 : -1));
     check_close(pressure[0][1], pressure_at(0, 1), 0.0, 0.0);
@@ -1059,6 +1061,13 @@ static void unfinished_runs(void **state) {
     assert_true(exists(partial));
     check_ok(artefact_create(&file, path, &schema_snapshots, &forcing, "", NULL, &error));
     artefact_close(&file);
+    check_ok(artefact_create(&file, path, &schema_snapshots, &caller, "", NULL, &error));
+    artefact_close(&file);
+    // nor does one end never that has more entries than could be looked at, of which none is stored
+    const hid_t made_up = open_for_change();
+    replace_dataset(made_up, "status", H5T_NATIVE_INT64, 1, (hsize_t)1 << 40, 1);
+    H5Fclose(made_up);
+    assert_int_equal(rename(path, partial), 0);
     check_ok(artefact_create(&file, path, &schema_snapshots, &caller, "", NULL, &error));
     artefact_close(&file);
 }
@@ -1208,9 +1217,9 @@ static void grows_evenly(void **state) {
     check_ok(artefact_check(path, &error));
     file = reopen();
     assert_int_equal(artefact_length(file, "state"), NUM_STATES);
-    check_ok(artefact_get(file, "pressure", pressure[0], &error));
-    check_ok(artefact_get_integers(file, "status", status, &error));
-    check_ok(artefact_get(file, "moes_M", moes_M, &error));
+    check_ok(artefact_get(file, "pressure", pressure[0], NUM_STATES * NUM_NODES, &error));
+    check_ok(artefact_get_integers(file, "status", status, NUM_STATES, &error));
+    check_ok(artefact_get(file, "moes_M", moes_M, NUM_STATES, &error));
     for (size_t k = 0; k < NUM_NODES; k++) {
         check_close(pressure[0][k], pressure_at(0, k), 0.0, 0.0);
         assert_true(isnan(pressure[1][k]));
@@ -1300,11 +1309,11 @@ static void foreign_file(void **state) {
     int64_t exits[NUM_STATES];
     assert_int_equal(artefact_length(file, "x"), NUM_NODES);
     assert_int_equal(artefact_length(file, "state"), NUM_STATES);
-    check_ok(artefact_get(file, "pressure", pressure[0], &error));
+    check_ok(artefact_get(file, "pressure", pressure[0], NUM_STATES * NUM_NODES, &error));
     check_close(pressure[2][3], 11.0, 0.0, 0.0);
-    check_ok(artefact_get_integers(file, "exit_node", exits, &error));
+    check_ok(artefact_get_integers(file, "exit_node", exits, NUM_STATES, &error));
     assert_int_equal(exits[0], 3);
-    check_ok(artefact_get(file, "moes_M", numbers, &error));
+    check_ok(artefact_get(file, "moes_M", numbers, NUM_STATES, &error));
     check_close(numbers[2], 12.0, 0.0, 0.0);
     check_ok(artefact_get_real(file, "x_min", &numbers[0], &error));
     check_ok(artefact_get_real(file, "step", &numbers[1], &error));
@@ -1314,9 +1323,9 @@ static void foreign_file(void **state) {
     check_ok(artefact_get_text(file, "contact", &text, &error));
     assert_string_equal(text, "line");
     free(text);
-    check_refused(artefact_get_axis(file, "x", numbers, &error), EHD_DATA, "axis x");
-    check_refused(artefact_get(file, "film_thickness", pressure[0], &error), EHD_DATA,
-                  "found no dataset film_thickness");
+    check_refused(artefact_get_axis(file, "x", numbers, NUM_NODES, &error), EHD_DATA, "axis x");
+    check_refused(artefact_get(file, "film_thickness", pressure[0], NUM_STATES * NUM_NODES, &error),
+                  EHD_DATA, "found no dataset film_thickness");
     check_refused(artefact_get_text(file, "history", &text, &error), EHD_DATA, "history");
     artefact_close(&file);
 
@@ -1348,9 +1357,10 @@ static void foreign_netcdf(void **state) {
     artefact *file = reopen();
     double x[NUM_NODES];
     double index[NUM_STATES];
-    check_ok(artefact_get_axis(file, "x", x, &error));
+    check_ok(artefact_get_axis(file, "x", x, NUM_NODES, &error));
     check_close(x[3], 0.5, 1e-15, 0.0);
-    check_refused(artefact_get_axis(file, "state", index, &error), EHD_DATA, "axis state");
+    check_refused(artefact_get_axis(file, "state", index, NUM_STATES, &error), EHD_DATA,
+                  "axis state");
     artefact_close(&file);
 }
 

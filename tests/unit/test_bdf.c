@@ -85,6 +85,58 @@ static void error_is_that_of_the_next_power(void **state) {
     check_close(bdf_step(0.1, NULL, 1).error, 0, 0, 0);
 }
 
+/* Steps behind shorter ones: second order with the latest state that is far enough away, or first
+ * order. */
+static void a_step_much_longer_than_the_last_is_of_lower_order(void **state) {
+    (void)state;
+    const struct {
+        double intervals[2];
+        size_t num_previous, order, second;
+    } cases[] = {
+        {{0.05, 0.05}, 3, 2, 1}, {{0.041, 0.05}, 3, 2, 2}, {{0.042, 0.05}, 2, 2, 1},
+        {{1e-7, 0.05}, 3, 2, 2}, {{1e-7, 1e-7}, 3, 1, 0},  {{0.041, 0}, 2, 1, 0},
+        {{0, 0}, 3, 1, 0},
+    };
+    for (size_t c = 0; c < sizeof cases / sizeof *cases; c++) {
+        const double step = c == 5 ? 0.0991 : 0.1, *intervals = cases[c].intervals;
+        const bdf_formula formula = bdf_step(step, intervals, cases[c].num_previous);
+        double rate = formula.rate, weights = fabs(formula.rate), predicted = 0, sum = 0;
+        assert_int_equal(formula.order, cases[c].order);
+        assert_int_equal(formula.num_weighted, cases[c].second + 1);
+        for (size_t i = 0; i < BDF_PREVIOUS; i++) {
+            rate += formula.weight[i];
+            weights += fabs(formula.weight[i]);
+            predicted += fabs(formula.predictor[i]);
+            sum += formula.predictor[i];
+            assert_true(i == 0 || i == cases[c].second || formula.weight[i] == 0);
+        }
+        // what states are off is not enlarged: 1 + sqrt(2) times as much, by the formula
+        check_close(rate, 0, 0, 1e-14 * weights);
+        check_close(sum, 1, 1e-13, 0);
+        assert_true(weights / formula.rate < 2 * (2 + sqrt(2)));
+        assert_true(predicted < 50);
+        assert_true(formula.error > 0);
+    }
+}
+
+/* Of states that are off by 1e-9 and lie 1e-7 apart: a step of 0.1 is not further off than they
+ * are. */
+static void a_short_step_does_not_enlarge_what_states_are_off(void **state) {
+    (void)state;
+    const double off = 1e-9, values[BDF_PREVIOUS] = {1 + off, 1 - off, 1};
+    const double intervals[][2] = {{1e-7, 1e-7}, {1e-7, 0.1}, {0.1, 1e-7}};
+    for (size_t c = 0; c < sizeof intervals / sizeof *intervals; c++) {
+        const bdf_formula formula = bdf_step(0.1, intervals[c], 3);
+        double solution = 0, prediction = 0;
+        for (size_t i = 0; i < 3; i++) {
+            solution -= formula.weight[i] * values[i] / formula.rate;
+            prediction += formula.predictor[i] * values[i];
+        }
+        check_close(solution, 1, 0, 3 * off);
+        check_close(formula.error * (solution - prediction), 0, 0, 20 * off);
+    }
+}
+
 // ---- ring
 
 static void ring_keeps_the_last_states(void **state) {
@@ -126,6 +178,8 @@ int main(void) {
         cmocka_unit_test(formula_is_exact_to_its_order),
         cmocka_unit_test(predictor_is_exact_to_its_degree),
         cmocka_unit_test(error_is_that_of_the_next_power),
+        cmocka_unit_test(a_step_much_longer_than_the_last_is_of_lower_order),
+        cmocka_unit_test(a_short_step_does_not_enlarge_what_states_are_off),
         cmocka_unit_test(ring_keeps_the_last_states),
         cmocka_unit_test(ring_gives_the_formula_of_its_times),
     };

@@ -30,6 +30,42 @@ static void physical_scene(void **state) {
     check_close(contact.load, 2e5, 0, 0);
 }
 
+/* SI units have the bounds of Moes numbers. */
+static void moes_bounds_of_physical_scenes(void **state) {
+    (void)state;
+    scene given = sample_scene("barus", "incompressible", NAN, NAN);
+    ehd_contact contact;
+    ehd_error error;
+    given.physical.radius = 0.01;
+    given.physical.speed = 1;
+    given.physical.modulus = 2.2e11;
+    given.physical.viscosity = 0.01;
+    given.physical.load = 2e5 * 0.101 / 30.15113445777636;
+    assert_int_equal(scene_contact(&contact, &given, &error), EHD_OK);
+    given.physical.load = 2e5 * 0.05 / 30.15113445777636;
+    assert_int_equal(scene_contact(&contact, &given, &error), EHD_DATA);
+    assert_string_equal(error.text, "physical: found M = 0.05 and L = 7.6402, expected M of 0.1 to "
+                                    "100000 and L up to 100");
+}
+
+/* Such as with a modulus in MPa. */
+static void a_contact_is_narrower_than_its_bodies(void **state) {
+    (void)state;
+    scene given = sample_scene("barus", "incompressible", NAN, NAN);
+    ehd_contact contact;
+    ehd_error error;
+    given.physical.radius = 0.01;
+    given.physical.speed = 1;
+    given.physical.viscosity = 0.01;
+    given.physical.load = 2e5;
+    given.physical.modulus = 5.2e7; // a = R at 8 load/(pi R) = 5.1e7 Pa
+    assert_int_equal(scene_contact(&contact, &given, &error), EHD_OK);
+    given.physical.modulus = 2.2e5;
+    assert_int_equal(scene_contact(&contact, &given, &error), EHD_DATA);
+    assert_string_equal(error.text, "physical: found a half width of 0.152 m by load, radius and "
+                                    "modulus, expected it below the radius of 0.01 m");
+}
+
 static law_value *viscosity_value(scene *of, const char *key) {
     return &of->lubricant.viscosity.values[laws_slot(viscosity_laws, key)];
 }
@@ -192,6 +228,8 @@ static void exits_of_a_pressure(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(physical_scene),
+        cmocka_unit_test(moes_bounds_of_physical_scenes),
+        cmocka_unit_test(a_contact_is_narrower_than_its_bodies),
         cmocka_unit_test(contradictory_viscosity_is_refused),
         cmocka_unit_test(viscosity_is_that_of_the_temperature),
         cmocka_unit_test(viscosity_that_no_law_has_is_needed),

@@ -278,31 +278,118 @@ static void the_film_has_to_leave_before(void **state) {
     reduced_basis_free(&few);
 }
 
-/* What does not converge is tried once more by the reduced model, then by the full one. */
+/* What does not converge is the full model's at once, with the same step, and the reduced one is tried
+ * ever more rarely. */
 static void where_the_reduced_model_does_not_converge(void **state) {
     (void)state;
     reduced_basis nodes =
         marching_nodes(&trained_on.line, DEFORMATION_COUPLED, trained_on.bases[1].weight);
     const ehd_contact contact = marching_contact(&trained_on.line, 14, true);
-    march_step step = {.status = EHD_OK};
     run *both = malloc(sizeof *both);
+    size_t tries = 0;
 
     run_init(both, &contact, &nodes, true, 1e-2, 0);
     go_on(both, 1, 3);
     for (size_t k = 0; k < both->reduced.model.rows.num_rows; k++)
         both->reduced.model.rows.weight[k] = NAN;
-    const contact_frame frame = frame_at_step(both, 4);
-    check_ok(both->solver.attempt(&step, both->solver.self, &frame, STEP, &error));
-    assert_int_equal(step.status, EHD_NOT_CONVERGED);
-    assert_false(step.by_full_model);
-    go_on(both, 4, 10);
-    for (size_t i = 4; i <= 10; i++)
+    for (size_t i = 4; i <= NUM_STEPS; i++) {
+        const double before = parts_march_effort_of(both->parts).seconds_previous; // of attempts
+        go_on(both, i, i);
+        tries += parts_march_effort_of(both->parts).seconds_previous > before;
         assert_true(both->by_full_model[i]);
+    }
     assert_false(both->by_full_model[3]);
-    assert_int_equal(fallback_march_share(both->both).full_steps, 7);
+    assert_int_equal(fallback_march_share(both->both).full_steps, NUM_STEPS - 3);
+    assert_in_range(tries, 3, 7); // after 0, 1, 3, 7, … full steps, where it lies in the range
     run_free(both);
     free(both);
     reduced_basis_free(&nodes);
+}
+
+/* Attempts that are rejected cost iterations: when these are as many as those of the steps, the full model takes
+ * the steps until there are more of them. */
+static void iterations_in_vain_are_limited(void **state) {
+    (void)state;
+    reduced_basis nodes =
+        marching_nodes(&trained_on.line, DEFORMATION_COUPLED, trained_on.bases[1].weight);
+    const ehd_contact contact = marching_contact(&trained_on.line, 18.5, true);
+    run *both = malloc(sizeof *both);
+    march_step step = {.status = EHD_OK};
+    size_t spent = 0, returned = 14;
+
+    run_init(both, &contact, &nodes, true, 1e-2, M_PI);
+    go_on(both, 1, 10);
+    assert_false(both->by_full_model[10]);
+    const contact_frame frame = frame_at_step(both, 11);
+    while (!step.by_full_model && spent < 1000) {
+        check_ok(both->solver.attempt(&step, both->solver.self, &frame, STEP, &error));
+        spent += step.iterations;
+    }
+    assert_in_range(spent, 10, 100); // 10 steps take one or two iterations each
+    check_ok(both->solver.attempt(&step, both->solver.self, &frame, STEP, &error));
+    assert_true(step.by_full_model);
+    both->solver.accept(both->solver.self);
+    go_on(both, 12, NUM_STEPS);
+    assert_true(both->by_full_model[12] && both->by_full_model[13]);
+    while (returned < NUM_STEPS && both->by_full_model[returned])
+        returned++;
+    assert_in_range(returned, 14, NUM_STEPS - 1);
+    run_free(both);
+    free(both);
+    reduced_basis_free(&nodes);
+}
+
+/* Steps of the line with twelve modes that indicate their films by factors. */
+static void begin_indicating(run *self, reduced_basis *few, double accuracy, film_factors factors) {
+    trained_basis(few, &trained_on.line, DEFORMATION_COUPLED, 12, 0);
+    for (size_t s = 0; s < few->states.num_states; s++)
+        few->states.rate[s] = few->states.load_rate[s] = 1000;
+    const ehd_contact contact = marching_contact(&trained_on.line, 18.5, true);
+    run_init(self, &contact, few, true, accuracy, 0);
+    reduced_march_indicate(parts_march_part(self->parts, 0), factors);
+}
+
+/* A reduced step that indicates more than a tenth of the accuracy leaves its error in the film that the full
+ * model would take over: it is the full model's. */
+static void steps_are_given_up_before_they_are_wrong(void **state) {
+    (void)state;
+    for (int i = 0; i < 2; i++) {
+        reduced_basis few;
+        run *both = malloc(sizeof *both);
+        begin_indicating(both, &few, 1, (film_factors){1e-9, 1e-9, i ? 0.09 : 0.11});
+        go_on(both, 1, 2);
+        assert_int_equal(both->by_full_model[1], !i);
+        assert_int_equal(both->by_full_model[2], !i);
+        run_free(both);
+        free(both);
+        reduced_basis_free(&few);
+    }
+}
+
+/* What the modes do not have of the full model's film is indicated of the steps that start from it. */
+static void what_a_return_changes_is_indicated(void **state) {
+    (void)state;
+    reduced_basis few;
+    run *both = malloc(sizeof *both);
+    size_t returned = 0;
+
+    begin_indicating(both, &few, 1, (film_factors){1e-9, 1e-9, 0});
+    for (size_t i = 1; i <= NUM_STEPS && !returned; i++) {
+        const contact_frame frame = frame_at_step(both, i);
+        march_step step = {.status = EHD_OK};
+        check_ok(both->solver.attempt(&step, both->solver.self, &frame, STEP, &error));
+        both->solver.accept(both->solver.self);
+        if (i == 1) assert_true(step.indicated < 1e-6);
+        if (both->by_full_model[i - 1] && !step.by_full_model) {
+            returned = i;
+            assert_true(step.indicated > 1e-4 && step.indicated < 0.1);
+        }
+        both->by_full_model[i] = step.by_full_model;
+    }
+    assert_true(returned > 0);
+    run_free(both);
+    free(both);
+    reduced_basis_free(&few);
 }
 
 int main(void) {
@@ -314,6 +401,9 @@ int main(void) {
         cmocka_unit_test(a_start_by_the_full_model),
         cmocka_unit_test(the_film_has_to_leave_before),
         cmocka_unit_test(where_the_reduced_model_does_not_converge),
+        cmocka_unit_test(iterations_in_vain_are_limited),
+        cmocka_unit_test(steps_are_given_up_before_they_are_wrong),
+        cmocka_unit_test(what_a_return_changes_is_indicated),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);
 }

@@ -612,17 +612,19 @@ static void repeat_attempts(const scene *of) {
     first.stop_at = 10;
     marched_on(&first);
     const march_solver *solver = &first.march.solver;
-    const double time = first.march.state.time;
+    const double time = first.march.state.time,
+                 step = first.march.state.last_step; // of second order
     march_step one, other, again;
     ehd_error error = {""};
     contact_frame near =
-        march_frame(&first.march.settings, &contact_line, first.histories, time + 0.01, 1);
+        march_frame(&first.march.settings, &contact_line, first.histories, time + step, 1);
     contact_frame far =
-        march_frame(&first.march.settings, &contact_line, first.histories, time + 0.1, 1);
-    assert_int_equal(solver->attempt(&one, solver->self, &near, 0.01, &error), EHD_OK);
-    assert_int_equal(solver->attempt(&other, solver->self, &far, 0.1, &error), EHD_OK);
-    assert_int_equal(solver->attempt(&again, solver->self, &near, 0.01, &error), EHD_OK);
+        march_frame(&first.march.settings, &contact_line, first.histories, time + 10 * step, 1);
+    assert_int_equal(solver->attempt(&one, solver->self, &near, step, &error), EHD_OK);
+    assert_int_equal(solver->attempt(&other, solver->self, &far, 10 * step, &error), EHD_OK);
+    assert_int_equal(solver->attempt(&again, solver->self, &near, step, &error), EHD_OK);
     assert_int_equal(one.status, EHD_OK);
+    assert_int_equal(one.formula.order, 2);
     assert_memory_equal(&one.scalars, &again.scalars, sizeof one.scalars);
     check_close(one.local_error, again.local_error, 0, 0);
     assert_int_equal(one.iterations, again.iterations);
@@ -630,7 +632,7 @@ static void repeat_attempts(const scene *of) {
     // without the states before the last one there is nothing to tell the error by
     assert_true(one.local_error > 0);
     solver->restart(solver->self);
-    assert_int_equal(solver->attempt(&again, solver->self, &near, 0.01, &error), EHD_OK);
+    assert_int_equal(solver->attempt(&again, solver->self, &near, step, &error), EHD_OK);
     check_close(again.local_error, 0, 0, 0);
     assert_false(one.scalars.central_film_thickness == again.scalars.central_film_thickness);
     marched_end(&first);
@@ -864,6 +866,48 @@ static void effects_are_those_of_shorter_steps(void **state) {
     }
 }
 
+// ---- steps of any lengths
+
+/* The film of a step of the march that has begun, which is accepted if wanted. */
+static double film_of_step(marched *self, double time, double step, bool accepted) {
+    march *run = &self->march;
+    const contact_frame frame =
+        march_frame(&run->settings, self->reference.kind, self->histories, time + step, 1);
+    march_step outcome;
+    ehd_error error = {""};
+
+    if (run->solver.attempt(&outcome, run->solver.self, &frame, step, &error))
+        fail_msg("%s", error.text);
+    assert_string_equal(outcome.reason, "");
+    if (accepted) run->solver.accept(run->solver.self);
+    return frame_to_reference(&outcome.scalars, &frame, &self->reference).central_film_thickness;
+}
+
+/* A step of 1e-7 or two, as integrators take them that look for an event, change nothing of the
+ * next one. */
+static void a_short_step_leaves_the_next_one_as_it_is(void **state) {
+    (void)state;
+    static const char *const transports[] = {"upwind", "path"};
+    const double step = 0.01, tiny = 1e-7;
+    for (size_t i = 0; i < 2; i++) {
+        scene of = usual_scene("end_time: 1, load: {law: sine, amplitude: 0.1, period: 1}");
+        strcpy(of.transport, transports[i]);
+        marched_begin(&first, &of);
+        const double at_rest = film_of_step(&first, 0, step, false);
+        film_of_step(&first, 0, tiny, true);
+        film_of_step(&first, tiny, tiny, true);
+        check_close(film_of_step(&first, 2 * tiny, step, false), at_rest, 1e-5, 0);
+        marched_end(&first);
+        marched_begin(&first, &of);
+        for (int k = 0; k < 4; k++)
+            film_of_step(&first, k * step, step, true);
+        const double without = film_of_step(&first, 4 * step, step, false);
+        film_of_step(&first, 4 * step, tiny, true);
+        check_close(film_of_step(&first, 4 * step + tiny, step, false), without, 1e-5, 0);
+        marched_end(&first);
+    }
+}
+
 // ---- errors
 
 static void create_without_memory(const scene *of, size_t most_allocations) {
@@ -903,6 +947,7 @@ int main(void) {
         cmocka_unit_test(a_slow_ramp_along_the_path_ends_at_rest),
         cmocka_unit_test(the_exit_lies_within_its_node),
         cmocka_unit_test(tolerance_holds),
+        cmocka_unit_test(a_short_step_leaves_the_next_one_as_it_is),
         cmocka_unit_test(local_error_is_that_before_the_exit),
         cmocka_unit_test(sine_leads_to_a_periodic_state),
         cmocka_unit_test(ramps_end_in_the_stationary_contact),

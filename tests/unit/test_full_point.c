@@ -96,11 +96,18 @@ static void row_derivatives(void **state) {
     static const char *const lubricants[] = {"barus", "roelands", "no1"};
     static const char *const densities[] = {"incompressible", "dowson-higginson"};
 
-    for (int i = 0; i < 36; i++) {
+    for (int i = 0; i < 48; i++) {
         ehd_contact contact =
             sample_point(lubricants[i % 3], densities[i / 3 % 2], 10, 6, 16, false);
         patch few;
-        contact.grid.discretization = (ehd_discretization)(i / 12);
+        if (i < 36) {
+            contact.grid.discretization = (ehd_discretization)(i / 12);
+        } else { // an Eyring fluid with gradients Sigma of up to 2
+            contact.half_width = 1e-4;
+            contact.radius = 0.01;
+            contact.slide_roll = 0.3;
+            contact.lubricant.thinning_stress = 2.5e-3 * contact.hertz_pressure;
+        }
         patch_init(&few, &contact, i % 12 < 6 ? 5 : 4, i % 12 >= 6);
         for (size_t k = 0; k < few.contact.grid.num_nodes; k++) {
             few.pressure[k] = 0.5 + 0.3 * sin(2. * (double)k);

@@ -54,9 +54,9 @@ static void bad_rows_are_refused(void **state) {
     (void)state;
     refuses("", "rows.csv: found an empty file, expected a header");
     refuses("4\n5\n6\n",
-            "rows.csv:1: found no column selected_row|row|rows in the header, expected one");
+            "rows.csv:1: found the columns 4, expected a column selected_row|row|rows");
     refuses("weight\n1\n1\n1\n",
-            "rows.csv:1: found no column selected_row|row|rows in the header, expected one");
+            "rows.csv:1: found the columns weight, expected a column selected_row|row|rows");
     refuses("row\n", "rows.csv: found 0 rows, expected at least 3: the model has 4 unknowns, of "
                      "which the load balance determines 1");
     refuses("row\n1\n2\n", "rows.csv: found 2 rows, expected at least 3: the model has 4 unknowns, "
@@ -70,8 +70,8 @@ static void bad_rows_are_refused(void **state) {
     refuses("row\n1\n2\n1e300\n",
             "rows.csv: row: found 1e+300 as entry 3, expected a whole number from 0 to 9");
     refuses("row\n1\n2\n3\n2\n", "rows.csv: row: found 2 again as entry 4, expected each row once");
-    refuses("row\n1\nx\n3\n", "rows.csv:3: found x, expected a number");
-    refuses("row\n1\nnan\n3\n", "rows.csv:3: found nan, expected a number");
+    refuses("row\n1\nx\n3\n", "rows.csv:3: row: found x, expected a number");
+    refuses("row\n1\nnan\n3\n", "rows.csv:3: row: found nan, expected a number");
     refuses("row,weight\n1,1\n2\n3,1\n", "rows.csv:3: found 1 column, expected 2 as in the header");
 }
 
@@ -91,8 +91,8 @@ static void bad_weights_are_refused(void **state) {
             "rows.csv: weight: found 0 as entry 2, expected a positive finite number");
     refuses("row,weight\n1,1\n2,1\n3,-1\n",
             "rows.csv: weight: found -1 as entry 3, expected a positive finite number");
-    refuses("row,weight\n1,1\n2,inf\n3,1\n", "rows.csv:3: found inf, expected a number");
-    refuses("row,weight\n1,1\n2,\n3,1\n", "rows.csv:3: found nothing, expected a number");
+    refuses("row,weight\n1,1\n2,inf\n3,1\n", "rows.csv:3: weight: found inf, expected a number");
+    refuses("row,weight\n1,1\n2,\n3,1\n", "rows.csv:3: weight: found nothing, expected a number");
 }
 
 static void a_missing_file_is_no_input(void **state) {

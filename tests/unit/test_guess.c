@@ -222,7 +222,8 @@ static void few_states_of_two_lubricants(void **state) {
 
 // ---- what the grid does
 
-/* Effects are products of powers of M and of 1 + alpha p_H where these are powers. */
+/* Effects are products of powers of M and of 1 + alpha p_H where these are powers; those of models of
+ * before have signs, which mean nothing. */
 static void effects_are_powers(void **state) {
     (void)state;
     places self;
@@ -239,10 +240,7 @@ static void effects_are_powers(void **state) {
         const film_effects found =
             reduced_effects(&self.model, (contact_place){.moes_M = M, .alpha_p_H = pressure});
         for (int e = 0; e < NUM_EFFECTS; e++)
-            check_close(found.of[e],
-                        (e == EFFECT_STEP ? -1e-3 : 1e-3) * pow(M, e + 0.5) *
-                            pow(1 + pressure, 0.3 * e),
-                        1e-8, 0);
+            check_close(found.of[e], 1e-3 * pow(M, e + 0.5) * pow(1 + pressure, 0.3 * e), 1e-8, 0);
     }
     places_free(&self);
 }
@@ -363,6 +361,9 @@ static void goes_on_to_other_starts(void **state) {
     trained_free(&training);
 }
 
+/* Of models whose contacts have no lubricant. */
+static lubricant_rises no_rises[7];
+
 static bool is_trained_at(const reduced_model *model, double M, double alpha_p_H,
                           frame_rates rates) {
     trained_range *range = trained_range_create(model);
@@ -380,15 +381,17 @@ static bool is_trained(const reduced_model *model, double M, double alpha_p_H, d
 static void trained_range_is_the_hull(void **state) {
     (void)state;
     bool stationary[] = {true, true, true, true, true, true};
-    double rate[6] = {0}, load_rate[6] = {0}, thinning[6] = {0},
-           moes_M[] = {10, 20, 20, 10, 15, 15}, alpha_p_H[] = {1, 2, 6, 5, 3, 1.5};
+    flow_thinning thinning[6] = {{0}};
+    double rate[6] = {0}, load_rate[6] = {0}, moes_M[] = {10, 20, 20, 10, 15, 15},
+           alpha_p_H[] = {1, 2, 6, 5, 3, 1.5};
     reduced_model model = {.states = {.num_states = 6,
                                       .moes_M = moes_M,
                                       .alpha_p_H = alpha_p_H,
                                       .thinning = thinning,
                                       .stationary = stationary,
                                       .rate = rate,
-                                      .load_rate = load_rate}};
+                                      .load_rate = load_rate,
+                                      .rises = no_rises}};
     const struct {
         double M, alpha_p_H;
         int inside;
@@ -450,9 +453,13 @@ static void trained_range_is_the_hull(void **state) {
 static void outside_the_nearest_range(void **state) {
     (void)state;
     bool stationary[] = {true, true, true, true};
-    double rate[4] = {0}, thinning[4] = {0.1, 0.1, 0.2, 0.2}, newtonian[4] = {0},
-           of_large[] = {1, 20, 1, 20}, of_small[] = {20, 30, 20, 30}, alpha_p_H[] = {1, 1, 4, 4};
-    double *const moes_M[] = {of_large, of_small}, *const thinnings[] = {newtonian, thinning};
+    flow_thinning thinning[4] = {
+        {.sliding = 0.1}, {.sliding = 0.1}, {.sliding = 0.2}, {.sliding = 0.2}};
+    flow_thinning newtonian[4] = {{0}};
+    double rate[4] = {0}, of_large[] = {1, 20, 1, 20}, of_small[] = {20, 30, 20, 30},
+           alpha_p_H[] = {1, 1, 4, 4};
+    double *const moes_M[] = {of_large, of_small};
+    flow_thinning *const thinnings[] = {newtonian, thinning};
 
     for (int kind = 0; kind < 2; kind++) {
         double found[2][4];
@@ -467,13 +474,14 @@ static void outside_the_nearest_range(void **state) {
                                                     .thinning = thinnings[kind],
                                                     .stationary = stationary,
                                                     .rate = rate,
-                                                    .load_rate = rate}};
+                                                    .load_rate = rate,
+                                                    .rises = no_rises}};
             trained_range *range = trained_range_create(&model);
             assert_non_null(range);
             for (int i = 0; i < 4; i++) {
                 contact_place place = at[i];
                 // in the plane of the small range, and too much thinned for both
-                place.thinning = kind == 0 ? 0 : i == 3 ? 0.3 : 0.15;
+                place.thinning.sliding = kind == 0 ? 0 : i == 3 ? 0.3 : 0.15;
                 found[r][i] = trained_range_outside(range, NULL, place);
             }
             trained_range_free(range);
@@ -490,19 +498,25 @@ static void outside_the_nearest_range(void **state) {
     }
 }
 
-static const char *judge(const reduced_model *model, double M, double alpha_p_H, double thinning) {
+static const char *judge_place(const reduced_model *model, contact_place place) {
     trained_range *range = trained_range_create(model);
-    const contact_place place = {.moes_M = M, .alpha_p_H = alpha_p_H, .thinning = thinning};
     assert_non_null(range);
-    hull_space *space = trained_range_space(range);
-    assert_non_null(space);
+    range_memory *memory = range_memory_create(range);
+    assert_non_null(memory);
     const char *reason = trained_range_check(range, NULL, place, NULL);
     allocation_fail_at(0);
-    assert_ptr_equal(trained_range_check(range, space, place, NULL), reason);
+    assert_ptr_equal(trained_range_check(range, memory, place, NULL), reason);
     assert_false(allocation_failed()); // it takes none
-    hull_space_free(space);
+    range_memory_free(memory);
     trained_range_free(range);
     return reason ? reason : "";
+}
+
+static const char *judge(const reduced_model *model, double M, double alpha_p_H, double sliding) {
+    const contact_place place = {
+        .moes_M = M, .alpha_p_H = alpha_p_H, .thinning = {.sliding = sliding, .gradient = 0.5}};
+
+    return judge_place(model, place);
 }
 
 /* A wedge: more thinned at larger M, and a model that no thinned flow has trained. */
@@ -515,17 +529,21 @@ static void trained_range_knows_thinning(void **state) {
     bool stationary[] = {true, true, true, true, true, true, true};
     double rate[7] = {0}, moes_M[] = {10, 10, 10, 10, 40, 40, 20},
            alpha_p_H[] = {5, 20, 5, 20, 5, 20, 10},
-           thinning[] = {0.01, 0.01, 0.04, 0.04, 0.04, 0.04, 0.03};
+           sliding[] = {0.01, 0.01, 0.04, 0.04, 0.04, 0.04, 0.03};
+    flow_thinning thinning[7];
     reduced_model model = {.states = {.num_states = 7,
                                       .moes_M = moes_M,
                                       .alpha_p_H = alpha_p_H,
                                       .thinning = thinning,
                                       .stationary = stationary,
                                       .rate = rate,
-                                      .load_rate = rate}};
+                                      .load_rate = rate,
+                                      .rises = no_rises}};
 
     for (size_t s = 0; s < 7; s++)
-        assert_string_equal(judge(&model, moes_M[s], alpha_p_H[s], thinning[s]), "");
+        thinning[s] = (flow_thinning){sliding[s], 0.5};
+    for (size_t s = 0; s < 7; s++)
+        assert_string_equal(judge(&model, moes_M[s], alpha_p_H[s], sliding[s]), "");
     // of the slope of the wedge: ln(thinning/0.01) = ln(M/10)
     assert_string_equal(judge(&model, 20, 10, 0.02), "");
     assert_string_equal(judge(&model, 20, 10, 0.02 * (1 + 1e-6)), "");
@@ -537,14 +555,47 @@ static void trained_range_knows_thinning(void **state) {
     assert_string_equal(judge(&model, 9.9, 10, 0.02), plane);
     // flow of Newtonian fluids, which is what no thinning and one that no film shows are
     for (size_t s = 0; s < 7; s++)
-        thinning[s] = 0;
+        thinning[s].sliding = 0;
     assert_string_equal(judge(&model, 20, 10, 0), "");
     assert_string_equal(judge(&model, 20, 10, 1e-7), "");
     assert_string_equal(judge(&model, 20, 10, 1.1e-6), more);
     // both
-    thinning[0] = 0.01;
+    thinning[0].sliding = 0.01;
     assert_string_equal(judge(&model, 10, 5, 0.005), "");
     assert_string_equal(judge(&model, 20, 10, 0.005), beside);
+}
+
+/* The same of what the pressure gradient does. */
+static void trained_range_knows_gradients(void **state) {
+    (void)state;
+    static const char less[] = "a flow that the pressure gradient thins less than any in training";
+    static const char more[] = "a flow that the pressure gradient thins more than any in training";
+    static const char beside[] = "outside of the trained range of M, alpha p_H and thinning";
+    bool stationary[] = {true, true, true, true, true, true};
+    double rate[6] = {0}, moes_M[] = {10, 10, 10, 10, 40, 40}, alpha_p_H[] = {5, 20, 5, 20, 5, 20};
+    flow_thinning thinning[] = {{0, 1}, {0, 1}, {0, 4}, {0, 4}, {0, 4}, {0, 4}};
+    const struct {
+        double M, gradient;
+        const char *reason;
+    } cases[] = {{20, 2 * (1 + 1e-6), ""},
+                 {20, 2 * (1 - 1e-6), beside},
+                 {20, 4.1, more},
+                 {10, 0.99, less},
+                 {10, 1.01, ""}};
+    const reduced_model model = {.states = {.num_states = 6,
+                                            .moes_M = moes_M,
+                                            .alpha_p_H = alpha_p_H,
+                                            .thinning = thinning,
+                                            .stationary = stationary,
+                                            .rate = rate,
+                                            .load_rate = rate,
+                                            .rises = no_rises}};
+
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        const contact_place place = {
+            .moes_M = cases[i].M, .alpha_p_H = 10, .thinning = {0, cases[i].gradient}};
+        assert_string_equal(judge_place(&model, place), cases[i].reason);
+    }
 }
 
 int main(void) {
@@ -561,6 +612,7 @@ int main(void) {
         cmocka_unit_test(trained_range_is_the_hull),
         cmocka_unit_test(outside_the_nearest_range),
         cmocka_unit_test(trained_range_knows_thinning),
+        cmocka_unit_test(trained_range_knows_gradients),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -324,13 +324,13 @@ static void bad_csv_tables_are_refused(void **state) {
     refuses_with(EHD_NOINPUT, "load: {law: table, file: /tmp, column: F}", "found a folder");
     refuses_table("", "bad.csv: found an empty file, expected a header");
     refuses_table("# T,F\n", "bad.csv: found an empty file");
-    refuses_table("\nT,G\n0,1\n2,1\n", "bad.csv:2: found no column F in the header");
+    refuses_table("\nT,G\n0,1\n2,1\n", "bad.csv:2: found the columns T, G, expected a column F");
     refuses_table("T,F\n", "bad.csv: found 0 rows, expected at least 2 (linear)");
     refuses_table("T,F\n0,1\n", "bad.csv: found 1 row, expected at least 2");
-    refuses_table("T,F\n0,1\n#\n1,x\n2,1\n", "bad.csv:4: found x, expected a number");
-    refuses_table("T,F\n0,1\n1 1,1\n2,1\n", "bad.csv:3: found 1 1, expected a number");
-    refuses_table("T,F\n0,1\n1,nan\n2,1\n", "bad.csv:3: found nan, expected a number");
-    refuses_table("T,F\n0,1\n1,1e999\n2,1\n", "bad.csv:3: found 1e999, expected a number");
+    refuses_table("T,F\n0,1\n#\n1,x\n2,1\n", "bad.csv:4: F: found x, expected a number");
+    refuses_table("T,F\n0,1\n1 1,1\n2,1\n", "bad.csv:3: T: found 1 1, expected a number");
+    refuses_table("T,F\n0,1\n1,nan\n2,1\n", "bad.csv:3: F: found nan, expected a number");
+    refuses_table("T,F\n0,1\n1,1e999\n2,1\n", "bad.csv:3: F: found 1e999, expected a number");
     refuses_table("T,F\n0,1\n1\n2,1\n", "bad.csv:3: found 1 column, expected 2 as in the header");
     refuses_table("T,F\n0,1\n1,1,1\n2,1\n", "bad.csv:3: found 3 columns, expected 2");
     refuses_table("T,F\n0,1\n1,1\n1,1\n2,1\n", "bad.csv: found the time 1 in row 3, expected at "
@@ -339,12 +339,56 @@ static void bad_csv_tables_are_refused(void **state) {
     refuses_table("T,F\n0,1\n2e12,1\n", "found the time 2e+12 in row 2, expected one from -1e+12");
     refuses_table("T,F\n0,1\n1,2e5\n2,1\n", "bad.csv: F: found 200000 in row 2, expected a factor "
                                             "on the reference value from -1000 to 1000");
+    refuses_table("T,F\n0,1\n1,\n2,1\n", "bad.csv:3: F: found nothing, expected a number");
     refuses_table("T,F\n0.1,1\n2,1\n", "bad.csv: found 0.1 as first time, expected 0 or before");
     refuses_table("T,F\n0,1\n1.99,1\n",
                   "bad.csv: found 1.99 as last time, expected transient.end_time = 2 or after");
     write_file("bad.csv", "T,F\n0,1\n2,1\n");
     refuses("load: {law: table, file: bad.csv, column: F}",
             "bad.csv: found 2 rows, expected at least 3 (spline)");
+}
+
+/* The time is found by its name alone, wherever it stands and whoever wrote the file. */
+static void csv_columns_are_found_by_name(void **state) {
+    static const char *const texts[] = {
+        ",T,F\n0,0,1\n1,1,2\n2,2,1\n", // an index in front, as pandas writes it
+        "F,T\n1,0\n2,1\n1,2\n",        // the other way round
+        "\xef\xbb\xbf\"t\",\"F\"\r\n\"0\",1\r\n1,\"2\"\r\n2 , 1\r\n", // quotes, as a spreadsheet
+        "time,,F,\n0,x,1,\n1,,2,\n2,y,1,\n",                          // others are not read
+        "\"a, \"\"b\"\"\",F,T\n\"1,2\",1,0\n\"\",2,1\n7,1,2\n"};
+    (void)state;
+    for (size_t i = 0; i < sizeof texts / sizeof *texts; i++) {
+        write_file("named.csv", texts[i]);
+        check_load("load: {law: table, file: named.csv, column: F}", 3, (double[]){0, 0.5, 1.5},
+                   (double[]){1, 1.6875, 1.6875}, 1e-15);
+    }
+    // semicolons and tabs where there are no commas outside of quotes; quotes that span lines
+    write_file("named.csv", "T;\"F, kN\";F\n0;9;1\n1;9;2\n2;9;1\n");
+    check_load("load: {law: table, file: named.csv, column: F}", 2, (double[]){0, 0.5},
+               (double[]){1, 1.6875}, 1e-15);
+    write_file("named.csv", "T\tnote\tF\n0\t\t1\n1\t\"a\n\n#\tb\"\"\"\t2\n2\ta;b\t1\n");
+    check_load("load: {law: table, file: named.csv, column: F}", 2, (double[]){0, 0.5},
+               (double[]){1, 1.6875}, 1e-15);
+    write_file("named.csv", "T,\"u, m/s\"\n0,1\n1,2\n2,1\n");
+    check_load("load: {law: table, file: named.csv, column: 'u, m/s'}", 2, (double[]){0, 0.5},
+               (double[]){1, 1.6875}, 1e-15);
+}
+
+static void csv_columns_without_the_right_names_are_refused(void **state) {
+    (void)state;
+    refuses_table("0,1\n1,2\n", "bad.csv:1: found the columns 0, 1, expected a column time|T|t");
+    refuses_table("seconds,F\n0,1\n2,1\n", "found the columns seconds, F, expected a column time");
+    refuses_table(",T,G\n0,0,1\n", "found the columns (no name), T, G, expected a column F");
+    refuses_table("T,time,F\n0,0,1\n1,2,1\n",
+                  "found the columns T, time, F, expected only one column time|T|t");
+    refuses_table("T,F,F\n0,1,2\n2,1,3\n",
+                  "bad.csv:1: F: found again in the columns T, F, F, expected only once");
+    refuses_table("T,F,a,a\n0,1,2,3\n2,1,3,4\n", "bad.csv:1: a: found again in the columns");
+    refuses_table("T;F\n0;1,5\n2;1\n", "bad.csv:2: F: found 1,5, expected a number");
+    refuses_table("\"T,F\n0,1\n2,1\n",
+                  "bad.csv:1: found a quote that does not end, expected its end");
+    refuses_table("T,F\n0,1\n\"2\n,1\n", "bad.csv:3: found a quote that does not end");
+    refuses_table("T,F\n0,\"1\"2\n2,1\n", "bad.csv:2: F: found \"1\"2, expected a number");
 }
 
 // ---- HDF5
@@ -391,7 +435,8 @@ static void bad_hdf5_tables_are_refused(void **state) {
     write_hdf5("t.h5");
     refuses_with(EHD_NOINPUT, "load: {law: table, file: none.h5, column: arc}",
                  "none.h5: found No such file");
-    refuses("load: {law: table, file: t.h5, column: ark}", "t.h5: found no dataset ark");
+    refuses("load: {law: table, file: t.h5, column: ark}",
+            "t.h5: found no dataset ark among arc, flat, group, hole, short, ");
     refuses("load: {law: table, file: t.h5, column: group}", "t.h5: group: found no dataset");
     refuses("load: {law: table, file: t.h5, column: a/b}", "t.h5: found no dataset a/b");
     refuses("load: {law: table, file: t.h5, column: flat}",
@@ -473,6 +518,8 @@ int main(void) {
         cmocka_unit_test(a_reversal_is_refused_but_not_rest),
         cmocka_unit_test(splines_are_checked_between_their_knots),
         cmocka_unit_test(bad_csv_tables_are_refused),
+        cmocka_unit_test(csv_columns_are_found_by_name),
+        cmocka_unit_test(csv_columns_without_the_right_names_are_refused),
         cmocka_unit_test(hdf5_tables_are_read),
         cmocka_unit_test(bad_hdf5_tables_are_refused),
         cmocka_unit_test(threads_share_histories),

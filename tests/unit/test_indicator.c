@@ -137,7 +137,7 @@ static double residual_from_all_rows(const reduced_model *model, const reduced_s
     all[0] = NAN;
     memcpy(z, at->coordinates, model->num_unknowns * sizeof *z);
     check_ok(reduced_solver_create(&solver, model, &once, &error));
-    reduced_solver_observe(solver, keep_first, all);
+    reduced_solver_observe(solver, keep_first, NULL, all);
     check_ok(reduced_solve(&info, &copy, solver, contact, NULL, &error));
     for (size_t r = 0; r < NUM_CONTROL; r++)
         sum += all[control_nodes[r] - 1] * all[control_nodes[r] - 1];

@@ -5,6 +5,7 @@
 #include "common/time/bdf.h"
 #include "common/time/march.h"
 #include "tests/unit/check.h"
+#include "tests/unit/folder.h"
 #include "tests/unit/sample.h"
 
 #include <math.h>
@@ -56,6 +57,7 @@ static ehd_status attempt(march_step *outcome, void *solver, const contact_frame
     self->ring.time[self->ring.place[0]] = frame->time;
     *outcome = (march_step){.reason = "",
                             .scalars = {.central_film_thickness = value, .load = 1},
+                            .formula = formula,
                             .local_error = formula.error * fabs(value - prediction),
                             .iterations = 3};
     if (formula.error > 0) outcome->local_error += self->noise;
@@ -440,6 +442,127 @@ static void times_that_differ_by_rounding_are_one(void **state) {
     }
 }
 
+/* A linear table k/30 along the path; its times have so many digits. */
+static void run_thirtieths(int digits) {
+    static const ehd_contact line = {.kind = &contact_line,
+                                     .approach_length = 1,
+                                     .transport = TRANSPORT_PATH,
+                                     .grid = {.step = 0.01}};
+    FILE *table = fopen("thirtieths.csv", "w");
+
+    assert_non_null(table);
+    fprintf(table, "T,F\n");
+    for (int k = 0; k <= 31; k++)
+        fprintf(table, "%.*g,%d\n", digits, k / 30., 2 + k % 2);
+    fclose(table);
+    run_begin(&first, "end_time: 1, fixed_step: 0.03333333333333333, load: {law: table, "
+                      "file: thirtieths.csv, column: F, interpolation: linear}");
+    first.march.reference = &line;
+    assert_int_equal(run_on(&first), EHD_OK);
+    assert_int_equal(first.count, 1 + 30);
+    run_end(&first);
+}
+
+static void rounded_kinks_make_no_slivers(void **state) {
+    enter_folder(state);
+    run_thirtieths(17);
+    run_thirtieths(9);
+    leave_folder(state);
+}
+
+/* Steps that thousands of kinks cut short are no standstill: from T = 0.1 on by `distance`. */
+static void run_many_kinks(double distance, size_t num_kinks, ehd_transport transport) {
+    const ehd_contact line = {.kind = &contact_line,
+                              .approach_length = 1,
+                              .transport = transport,
+                              .grid = {.step = 0.01}};
+    FILE *table = fopen("kinks.csv", "w");
+
+    assert_non_null(table);
+    fprintf(table, "T,F\n0,1\n");
+    for (size_t k = 0; k < num_kinks; k++)
+        fprintf(table, "%.12g,%zu\n", 0.1 + distance * (double)k, 2 + k % 2);
+    fprintf(table, "4,1\n");
+    fclose(table);
+    run_begin(&first, "end_time: 4, fixed_step: 0.01, load: {law: table, file: kinks.csv, column: "
+                      "F, interpolation: linear}");
+    first.march.reference = &line;
+    assert_int_equal(run_on(&first), EHD_OK);
+    assert_true(first.count > num_kinks);
+    check_close(last_of(&first, first.time), 4, 0, 0);
+    run_end(&first);
+}
+
+static void many_kinks_are_no_standstill(void **state) {
+    enter_folder(state);
+    run_many_kinks(1e-6, 4000, TRANSPORT_PATH);
+    run_many_kinks(5e-5, 8000, TRANSPORT_UPWIND);
+    leave_folder(state);
+}
+
+/* Kinks of several histories, multiples and the end are one up to a thousandth of the step. */
+static void times_closer_than_a_thousandth_of_the_step_are_one(void **state) {
+    static const struct {
+        double start, other; // of the ramps
+        size_t num_steps;
+    } cases[] = {{0.30009, 0.30009, 10},   {0.29991, 0.30009, 10},     {0.30011, 9, 11},
+                 {0.29989, 9, 11},         {0.35, 0.35004, 11},        {0.35, 0.3502, 12},
+                 {0.99992, 0.999951, 10},  {1.0 - 1e-12, 9, 10},       {1e-12, 0.00009, 10},
+                 {0.4500000001, 0.45, 11}, {0.75, 0.7499999999999, 11}};
+    (void)state;
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char transient[256];
+        snprintf(transient, sizeof transient,
+                 "end_time: 1, fixed_step: 0.1, load: {law: ramp, to: 2, start: %.17g, duration: "
+                 "9}, speed: {law: ramp, to: 2, start: %.17g, duration: 9}",
+                 cases[i].start, cases[i].other);
+        run_begin(&first, transient);
+        assert_int_equal(run_on(&first), EHD_OK);
+        assert_int_equal(first.count, 1 + cases[i].num_steps);
+        for (int k = 0; k <= 10; k++)
+            assert_int_equal(entries_at(&first, k * 0.1), 1);
+        run_end(&first);
+    }
+    // also with error control
+    for (int i = 0; i < 2; i++) {
+        run_begin(&first, i ? "end_time: 1, tolerance: 1e-3, load: {law: ramp, to: 2, start: 0.5, "
+                              "duration: 9}, speed: {law: ramp, to: 2, start: 0.500000001, "
+                              "duration: 9}"
+                            : "end_time: 1, tolerance: 1e-3, load: {law: ramp, to: 2, start: 1e-9, "
+                              "duration: 9}, speed: {law: ramp, to: 2, start: 0.9999999999, "
+                              "duration: 9}");
+        assert_int_equal(run_on(&first), EHD_OK);
+        for (size_t k = 1; k < first.count; k++)
+            assert_true(first.step[k] > 0.1 * first.march.settings.first_step);
+        check_close(last_of(&first, first.time), 1, 0, 0);
+        run_end(&first);
+    }
+}
+
+/* Two jumps just before and after a multiple of the step count as one jump, which follows the multiple.
+ * A jump that rounding moves to just before the end is left out. */
+static void jumps_beside_multiples_are_one(void **state) {
+    (void)state;
+    run_begin(&first, "end_time: 1, fixed_step: 0.1, load: {law: step, to: 1.5, at: 0.299999999}, "
+                      "speed: {law: step, to: 2, at: 0.3000000001}");
+    assert_int_equal(run_on(&first), EHD_OK);
+    assert_int_equal(first.follower.num_restarts, 1);
+    assert_int_equal(first.count, 11);
+    assert_int_equal(entries_at(&first, 3 * 0.1), 1);
+    check_close(first.value[3], 1, 1e-12, 0);
+    check_close(first.value[4], (1 + 0.1 * 1.5) / 1.1, 1e-12, 0); // implicit Euler
+    check_close(first.last.path, 0.3 + 2 * 0.7, 1e-9, 0);
+    run_end(&first);
+
+    run_begin(&first, "end_time: 1, fixed_step: 0.1, load: {law: step, to: 1.5, at: 0.9999999}");
+    assert_int_equal(run_on(&first), EHD_OK);
+    assert_int_equal(first.count, 11);
+    for (size_t k = 0; k < first.count; k++)
+        check_close(first.value[k], 1, 1e-12, 0);
+    check_close(first.last.load, 1, 0, 0);
+    run_end(&first);
+}
+
 /* A jump is a new start: the previous states do not count, and the first step is short again. */
 static void jump_restarts(void **state) {
     (void)state;
@@ -513,9 +636,10 @@ static void step_size_underflows(void **state) {
         first.follower.by_history = false;
         first.follower.fails_after = 0.52;
         assert_int_equal(run_on(&first), EHD_NOT_CONVERGED);
-        assert_non_null(strstr(first.march.reason, "step size"));
         assert_non_null(strstr(first.march.reason, "no will"));
-        assert_non_null(strstr(first.march.reason, "expected above"));
+        // or it came nearer and nearer to that time for too long
+        assert_true(strstr(first.march.reason, "expected above") ||
+                    strstr(first.march.reason, "expected them to get further"));
         assert_null(strchr(first.march.reason, '\n'));
         assert_true(first.march.state.time <= 0.52 && first.march.state.time > 0.51);
         // what was found stands
@@ -653,8 +777,9 @@ static void crawling_ends(void **state) {
     run_begin(&first, "end_time: 1, tolerance: 1e-3");
     first.follower.longest_step = 1e-7;
     assert_int_equal(run_on(&first), EHD_NOT_CONVERGED);
-    assert_non_null(strstr(first.march.reason, "expected them to get further"));
-    assert_true(first.follower.num_attempts < MOST_STEPS && first.march.state.time > 0);
+    assert_non_null(strstr(first.march.reason, "last one rejected: local error), "
+                                               "expected them to get further"));
+    assert_true(first.follower.num_attempts <= 200 && first.march.state.time > 0);
     run_end(&first);
 
     // fixed ones too, of which only small parts converge
@@ -770,9 +895,11 @@ static void approach_scales_by_the_load(void **state) {
 
 static void expected_load_is_bounded(void **state) {
     (void)state;
-    check_close(march_expected_load(3, 0.5, 0.2), 3.1, 1e-15, 0);
-    check_close(march_expected_load(3, 100, 1), 6, 0, 0);
-    check_close(march_expected_load(3, -100, 1), 1.5, 0, 0);
+    check_close(march_expected_load(3, 0.5, 0.2, 0), 3.1, 1e-15, 0);
+    check_close(march_expected_load(3, 100, 1, 1), 6, 0, 0);
+    check_close(march_expected_load(3, -100, 1, 1), 1.5, 0, 0);
+    // a slope seen in a last step of a thousandth is not followed all the way
+    check_close(march_expected_load(3, 1, 1, 1e-3), 3 + bdf_most_growth * 1e-3, 1e-15, 0);
 }
 
 /* A step is not to be trusted where more is indicated than asked for, of either film. */
@@ -810,6 +937,10 @@ int main(void) {
         cmocka_unit_test(fixed_steps_go_on_late_in_time),
         cmocka_unit_test(fixed_steps_fall_back_late_in_time),
         cmocka_unit_test(times_that_differ_by_rounding_are_one),
+        cmocka_unit_test(rounded_kinks_make_no_slivers),
+        cmocka_unit_test(many_kinks_are_no_standstill),
+        cmocka_unit_test(times_closer_than_a_thousandth_of_the_step_are_one),
+        cmocka_unit_test(jumps_beside_multiples_are_one),
         cmocka_unit_test(jump_restarts),
         cmocka_unit_test(jump_and_fixed_steps),
         cmocka_unit_test(jump_at_the_end),

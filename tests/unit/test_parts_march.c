@@ -38,6 +38,9 @@ static reduced_basis part_basis(const trained *of, deformation_kind kind, const 
     for (size_t s = 0; s < nodes.states.num_states; s++) {
         nodes.states.moes_M[s] *= load;
         nodes.states.alpha_p_H[s] *= sqrt(load);
+        const ehd_lubricant *lubricant = &of->contacts[s].lubricant;
+        nodes.states.rises[s] =
+            lubricant_rises_at(lubricant, nodes.states.alpha_p_H[s] / lubricant->alpha);
     }
     return nodes;
 }

@@ -64,9 +64,10 @@ static void corners_of_a_body_span_it(void **state) {
         places[i][0] = 7 + (double)(i % 3);
         places[i][1] = (double)(i / 3 % 3) + 0.3 * places[i][0];
         places[i][2] = (double)(i / 9) - 0.2 * places[i][1];
+        places[i][3] = 0.3 * places[i][2];
     }
     for (int axis = 0; axis < RANGE_AXES; axis++)
-        places[27][axis] = places[13][axis] + (axis == 2 ? 3 : 0);
+        places[27][axis] = places[13][axis] + (axis == 2 ? 3 : axis == 3 ? 0.9 : 0);
     count = point_choice_corners(corners, (const double(*)[RANGE_AXES])places, 28, 1e-9);
     assert_int_equal(count, 9);
     for (size_t i = 0; i < 9; i++)

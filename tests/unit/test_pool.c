@@ -175,6 +175,39 @@ static void test_a_plain_list(void **state) {
         assert_int_equal(finished[i], 1);
 }
 
+static ehd_status count_up(void *shared, void *worker, size_t point, size_t parent,
+                           ehd_error *error) {
+    size_t *count = shared;
+    (void)worker, (void)error;
+    assert_true(parent == NO_PARENT || parent == (point < 1000 ? 0 : point - 1000));
+    ++*count;
+    return EHD_OK;
+}
+
+/* A million points, which a search from the first one for each of them would take many minutes for: without parents, and
+ * in a thousand chains from one root. */
+static void test_many_points(void **state) {
+    const size_t num_points = 1000000;
+    size_t *parent = test_malloc(num_points * sizeof *parent), count = 0;
+    pool_work work = {.num_points = num_points,
+                      .num_workers = 2,
+                      .shared = &count,
+                      .solve = do_nothing,
+                      .finish = count_up};
+    (void)state;
+
+    assert_non_null(parent);
+    assert_int_equal(pool_run(&work, NULL), EHD_OK);
+    assert_int_equal(count, num_points);
+    for (size_t i = 0; i < num_points; i++)
+        parent[i] = i == 0 ? NO_PARENT : i < 1000 ? 0 : i - 1000;
+    work.parent = parent;
+    count = 0;
+    assert_int_equal(pool_run(&work, NULL), EHD_OK);
+    assert_int_equal(count, num_points);
+    test_free(parent);
+}
+
 static void test_done_points_are_left_alone(void **state) {
     bool done[NUM_POINTS];
     notes noted = new_notes();
@@ -262,26 +295,43 @@ static void test_the_last_worker_says_that_there_is_no_memory(void **state) {
 static void test_no_memory(void **state) {
     ehd_status status;
     (void)state;
-    for (size_t call = 1; call < 4; call++) { // call 0 is the test's own
+    for (size_t call = 1; call < 6; call++) { // call 0 is the test's own
         notes noted = new_notes();
         allocation_fail_at(call);
         status = run(&noted, 2, NULL, NULL);
         assert_true(allocation_failed());
         // without a list of threads the caller's own one works
-        assert_int_equal(status, call < 3 ? EHD_MEMORY : EHD_OK);
+        assert_int_equal(status, call < 5 ? EHD_MEMORY : EHD_OK);
     }
+}
+
+static void test_workers_are_the_allowed_processors(void **state) {
+    cpu_set_t allowed, one;
+    size_t first = 0;
+    (void)state;
+    assert_int_equal(sched_getaffinity(0, sizeof allowed, &allowed), 0);
+    assert_int_equal(pool_default_workers(), CPU_COUNT(&allowed));
+    while (!CPU_ISSET(first, &allowed))
+        first++;
+    CPU_ZERO(&one);
+    CPU_SET(first, &one);
+    assert_int_equal(sched_setaffinity(0, sizeof one, &one), 0);
+    assert_int_equal(pool_default_workers(), 1);
+    assert_int_equal(sched_setaffinity(0, sizeof allowed, &allowed), 0);
 }
 
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_every_point_once),
         cmocka_unit_test(test_a_plain_list),
+        cmocka_unit_test(test_many_points),
         cmocka_unit_test(test_done_points_are_left_alone),
         cmocka_unit_test(test_a_failure_stops_the_pool),
         cmocka_unit_test(test_a_worker_that_cannot_begin),
         cmocka_unit_test(test_workers_without_memory_leave_the_work_to_others),
         cmocka_unit_test(test_the_last_worker_says_that_there_is_no_memory),
         cmocka_unit_test(test_no_memory),
+        cmocka_unit_test(test_workers_are_the_allowed_processors),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

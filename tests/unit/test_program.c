@@ -284,6 +284,29 @@ static int finish_without_text(program *self) {
     return program_finish(self, EHD_UNTRUSTED, &error);
 }
 
+/* Of each kind of character that controls something; other texts stay as they are. */
+static void foreign_text_is_printable(void **state) {
+    static const char *const texts[][2] = {
+        {"plain, \302\265m, \342\202\254, \360\237\230\200", NULL},
+        {"", NULL},
+        {"\033[31m\r\n\t\b\177", "?[31m?????"},
+        {"\302\200\302\233\302\237\302\240", "???\302\240"},          // C1, a hard space
+        {"\342\200\250\342\200\251\342\200\256\342\201\246", "????"}, // lines, directions
+        {"\342\200\247\342\200\257\342\201\245\342\201\252", NULL},   // beside these
+        {"\233\377\302", "???"},                                      // no UTF-8
+        {"\300\200\340\200\200\355\240\200", "????????"},             // overlong, a surrogate
+        {"\357\277\276\357\277\277\357\277\275", "??\357\277\275"}};
+    (void)state;
+    for (size_t i = 0; i < sizeof texts / sizeof *texts; i++) {
+        ehd_error error;
+        assert_int_equal(ehd_fail(&error, EHD_DATA, "%s", texts[i][0]), EHD_DATA);
+        assert_string_equal(error.text, texts[i][1] ? texts[i][1] : texts[i][0]);
+    }
+    char kept[] = "a\nb\tc\033";
+    text_make_printable(kept, "\n\t");
+    assert_string_equal(kept, "a\nb\tc?");
+}
+
 static void finish_prints_one_line(void **state) {
     (void)state;
     run(finish_with_error, "a.yml", "-o", "r.h5", "-q");
@@ -360,6 +383,13 @@ static int show_time_left(program *self) {
     progress_show(&shown, 40, "a");
     progress_show(&shown, 41, "too early for another line");
     shown.last_shown -= 3;
+    shown.started -= 500; // which the next ones take
+    progress_show(&shown, 119, "near the end");
+    shown.last_shown -= 3;
+    shown.advanced -= 500;
+    progress_show(&shown, 119, "and stuck there");
+    shown.last_shown -= 3;
+    shown.started += 500;
     shown.started -= 10000;
     progress_show(&shown, 60, "b");
     shown.last_shown -= 3;
@@ -371,8 +401,11 @@ static int show_time_left(program *self) {
 static void progress_tells_the_time_left(void **state) {
     (void)state;
     run(show_time_left, "a.yml", "-o", "r.h5");
-    assert_string_equal(child.err, "trial: 40/120 a, 3 min left\ntrial: 60/120 b, 2.8 h left\n"
-                                   "trial: 60/120 c, 280.6 h left\n");
+    assert_string_equal(child.err,
+                        "trial: 40/120 a, 3 min left\ntrial: 119/120 near the end, 5 s left\n"
+                        "trial: 119/120 and stuck there, 8 min left\n"
+                        "trial: 60/120 b, 2.8 h left\n"
+                        "trial: 60/120 c, 280.6 h left\n");
 }
 
 // ---- surroundings
@@ -449,6 +482,7 @@ int main(void) {
         cmocka_unit_test(parse_real_is_strict),
         cmocka_unit_test(parse_count_is_strict),
         cmocka_unit_test(numbers_round_trip),
+        cmocka_unit_test(foreign_text_is_printable),
         cmocka_unit_test(finish_prints_one_line),
         cmocka_unit_test(failed_output_is_an_io_error),
         cmocka_unit_test(messages_heed_quiet_and_verbose),

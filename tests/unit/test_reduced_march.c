@@ -192,6 +192,29 @@ static void full_rank_marches_as_the_full_model(void **state) {
     reduced_basis_free(&nodes);
 }
 
+/* A model has one zone of pressure a line. */
+static void a_gap_that_closes_behind_the_exit_is_told(void **state) {
+    (void)state;
+    reduced_basis nodes = nodes_basis();
+    marching self;
+
+    for (int grows = 0; grows < 2; grows++) {
+        marching_init(&self, &nodes);
+        for (size_t i = 1; i <= 2; i++) {
+            const double time = (double)i * STEP, radius = 1 + (grows ? 2 : -2) * time;
+            const contact_frame frame =
+                frame_at(self.reference.kind, time, (double[]){1, 1, radius, 1}, NAN);
+            check_ok(self.solver.attempt(&self.last, self.solver.self, &frame, STEP, &error));
+            assert_int_not_equal(self.last.status, EHD_NOT_CONVERGED);
+            self.solver.accept(self.solver.self);
+            const bool told = strstr(self.last.reason, "a second zone of pressure");
+            assert_true(told == (grows && i > 1)); // the first step may be a jump's
+        }
+        marching_free(&self);
+    }
+    reduced_basis_free(&nodes);
+}
+
 /* Both march 20 steps, with films this close at every one; `also` (or NULL) is asked after each. */
 static void check_march_alike(const reduced_basis *first, const reduced_basis *second,
                               double central, double minimum,
@@ -323,6 +346,7 @@ static void another_carriage_is_refused(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_gap_that_closes_behind_the_exit_is_told),
         cmocka_unit_test(another_carriage_is_refused),
         cmocka_unit_test(constant_conditions_keep_the_stationary_state),
         cmocka_unit_test(a_step_of_full_rank_is_one_of_the_full_model),

@@ -703,6 +703,37 @@ static void iterate_once(observation *seen, reduced_problem *self, const double 
     assert_int_equal(seen->count, 1);
 }
 
+static ehd_status observe_end(void *context, const reduced_info *info, ehd_error *error) {
+    ehd_status *outcome = context;
+    (void)error;
+    *outcome = info->status;
+    return EHD_OK;
+}
+
+static ehd_status ignore_iteration(void *context, const double *residual, const double *step,
+                                   ehd_error *error) {
+    (void)context, (void)residual, (void)step, (void)error;
+    return EHD_OK;
+}
+
+static void the_observer_is_told_what_became_of_a_solution(void **state) {
+    (void)state;
+    const reduced_settings settings[] = {{.tolerance = 1e-12, .max_iterations = 1},
+                                         reduced_default_settings()};
+    for (int i = 0; i < 2; i++) {
+        reduced_problem reduced;
+        ehd_status outcome = EHD_INTERNAL;
+        reduced_problem_init(&reduced, kinds[0].basis, NULL, 0, &settings[i]);
+        reduced_neighbour(&reduced.state, &reduced.model, contact_place_of(&training.contacts[7]));
+        reduced_solver_observe(reduced.solver, ignore_iteration, observe_end, &outcome);
+        assert_int_equal(reduced_solve(&reduced.info, &reduced.state, reduced.solver,
+                                       &training.contacts[7], NULL, NULL),
+                         EHD_OK);
+        assert_int_equal(outcome, i == 0 ? EHD_NOT_CONVERGED : EHD_OK);
+        reduced_problem_free(&reduced);
+    }
+}
+
 /* (D f(z + t dz) - D f(z - t dz)) / 2t against the recorded D J dz, for states off the solution. */
 static void jacobian_equals_finite_differences(void **state) {
     (void)state;
@@ -727,17 +758,17 @@ static void jacobian_equals_finite_differences(void **state) {
             const double *trained_z = basis->states.coordinates + STATE * n;
             memcpy(z, trained_z, n * sizeof(double));
             z[mode] += 1e-4;
-            reduced_solver_observe(reduced.solver, observe_first, &here);
+            reduced_solver_observe(reduced.solver, observe_first, NULL, &here);
             iterate_once(&here, &reduced, z, exit, &training.contacts[STATE]);
             for (size_t j = 0; j < n; j++)
                 dz[j] = reduced.state.coordinates[j] - z[j];
             for (size_t j = 0; j < n; j++)
                 moved[j] = z[j] + t * dz[j];
-            reduced_solver_observe(reduced.solver, observe_first, &ahead);
+            reduced_solver_observe(reduced.solver, observe_first, NULL, &ahead);
             iterate_once(&ahead, &reduced, moved, exit, &training.contacts[STATE]);
             for (size_t j = 0; j < n; j++)
                 moved[j] = z[j] - t * dz[j];
-            reduced_solver_observe(reduced.solver, observe_first, &behind);
+            reduced_solver_observe(reduced.solver, observe_first, NULL, &behind);
             iterate_once(&behind, &reduced, moved, exit, &training.contacts[STATE]);
             for (size_t r = 0; r < num_rows; r++)
                 largest = fmax(largest, fabs(here.step[r]));
@@ -825,6 +856,7 @@ int main(void) {
         cmocka_unit_test(moving_the_exit_equals_rebuilding),
         cmocka_unit_test(the_exit_stays_inside_the_tables),
         cmocka_unit_test(minimum_film_is_that_of_the_fields),
+        cmocka_unit_test(the_observer_is_told_what_became_of_a_solution),
         cmocka_unit_test(jacobian_equals_finite_differences),
         cmocka_unit_test(bad_rows_are_refused),
         cmocka_unit_test(survives_failing_allocations),

@@ -50,6 +50,12 @@ static double central_film(const ehd_contact *contact) {
     return films_of(contact).central;
 }
 
+/* An estimate that is a bound of what it estimates, by no more than a factor. */
+static void check_bound(double estimated, double effect, double factor) {
+    assert_true(estimated >= fabs(effect));
+    assert_true(estimated <= factor * fabs(effect));
+}
+
 static void set_inlet(ehd_contact *contact, double x_min) {
     const double step = contact->grid.step;
 
@@ -57,57 +63,47 @@ static void set_inlet(ehd_contact *contact, double x_min) {
                             contact->grid.discretization);
 }
 
-/* From -4 and -2.5 on, against an inlet from -24 on. */
+/* From -4 on, against an inlet from -32 on. With little load the tail's own load counts, and the
+ * minimum film changes by more than the central one or by less. */
 static void inlet_effect_is_what_a_long_inlet_does(void **state) {
     (void)state;
     static const struct {
         const char *lubricant, *density;
-        double moes_M, moes_L, within;
-    } cases[] = {
-        {"barus", "incompressible", 5, 10, 0.1},   {"barus", "incompressible", 40, 10, 0.1},
-        {"barus", "incompressible", 10, 2.5, 0.3}, {"roelands", "dowson-higginson", 5, 25, 0.1},
-        {"no1", "dowson-higginson", 12, 12, 0.1},  {"barus", "incompressible", 2, 0, 0.6}};
+        double moes_M, moes_L;
+    } cases[] = {{"barus", "incompressible", 5, 10},   {"barus", "incompressible", 40, 10},
+                 {"barus", "incompressible", 10, 2.5}, {"roelands", "dowson-higginson", 5, 25},
+                 {"no1", "dowson-higginson", 12, 12},  {"barus", "incompressible", 2, 0},
+                 {"barus", "incompressible", 5, 0},    {"barus", "incompressible", 10, 0},
+                 {"barus", "incompressible", 3, 5},    {"roelands", "incompressible", 2.5, 10}};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         ehd_contact contact = sample_contact(cases[i].lubricant, cases[i].density, cases[i].moes_M,
                                              cases[i].moes_L, 0.02);
-        const double effect = estimate(&contact).effects.of[EFFECT_INLET];
-        const double of_minimum = estimate(&contact).effects.of[EFFECT_INLET_MINIMUM];
+        const film_effects found = estimate(&contact).effects;
         const film_pair films = films_of(&contact);
-        set_inlet(&contact, -24);
+        set_inlet(&contact, -32);
         const film_pair wide = films_of(&contact);
-        check_close(effect, wide.central / films.central - 1, cases[i].within, 0);
-        // which follows the central film by four fifths, below M = 5 by up to five thirds
-        check_close(of_minimum, wide.minimum / films.minimum - 1, cases[i].within + 0.25, 0);
-        assert_true(fabs(estimate(&contact).effects.of[EFFECT_INLET]) < 0.02 * effect);
+        check_bound(found.of[EFFECT_INLET], wide.central / films.central - 1, 1.4);
+        check_bound(found.of[EFFECT_INLET_MINIMUM], wide.minimum / films.minimum - 1, 1.5);
     }
 }
 
-/* Without piezoviscosity the viscous pressure is the pressure, and the effect one integral over
- * the missing inlet, here by the trapezoidal rule in t = ln(X / x_min) on many more points. */
-static void inlet_effect_is_integrated_finely(void **state) {
+/* The load of the missing inlet falls with the square of its beginning's distance, so that half as
+ * long an inlet has four times the effect, on thick films as of the rigid isoviscous contact. */
+static void inlet_effect_of_a_thick_film(void **state) {
     (void)state;
-    const ehd_contact contact = sample_contact("barus", "incompressible", 10, 0, 0.02);
-    const double start = grid_x(&contact.grid, 0), centre = -contact.grid.x_min;
-    const double end = 12, stride = 1e-4; // exp(-3 end) of the integral is behind its end
-    full_resolution resolution;
-    full_state solution;
-    double sum = 0;
-
-    solve(&solution, &contact);
-    const double flux = solution.film[solution.exit];
-    for (double t = 0; t < end; t += stride) {
-        const double x = start * exp(t);
-        const double film = solution.film[0] + contact_gap(&shape_round, x, 0) -
-                            contact_gap(&shape_round, start, 0) - 0.5 * t;
-        const double slope = contact.lambda * (film - flux) / (film * film * film);
-        sum += (t > 0 ? 1 : 0.5) * stride * slope * fabs(x);
+    static const double cases[][2] = {{0.5, -32}, {1, -16}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        ehd_contact contact = sample_contact("barus", "incompressible", cases[i][0], 0, 0.04);
+        double effect[2], film[2];
+        for (int k = 0; k < 2; k++) {
+            set_inlet(&contact, cases[i][1] * (1 + k));
+            effect[k] = estimate(&contact).effects.of[EFFECT_INLET];
+            film[k] = central_film(&contact);
+        }
+        check_close(effect[0] / effect[1], 4, 0.1, 0);
+        // twice as long an inlet leaves a quarter
+        check_bound(effect[0], 4. / 3 * (film[1] / film[0] - 1), 1.35);
     }
-    const double central_pressure =
-        solution.pressure[(size_t)lround(centre / contact.grid.step) + 1];
-    assert_int_equal(full_resolution_estimate(&resolution, &solution, &contact, NULL, NULL),
-                     EHD_OK);
-    check_close(resolution.effects.of[EFFECT_INLET], 8. / 11 * sum / central_pressure, 5e-5, 0);
-    full_state_free(&solution);
 }
 
 /* A point contact on a domain from -length on, half as wide to either side. */
@@ -125,9 +121,9 @@ static ehd_contact point_from(double moes_M, double moes_L, double length, doubl
 static void inlet_effect_of_a_point_contact(void **state) {
     (void)state;
     static const struct {
-        double moes_M, moes_L, central; // error
-        double minimum[2];              // bounds of estimate over effect
-    } cases[] = {{10, 0, 0.04, {0.8, 8}}, {6, 0, 0.08, {0.8, 2}}, {15, 1, 0.04, {0.8, 8}}};
+        double moes_M, moes_L, central; // largest estimate over effect
+        double minimum[2];              // bounds of the same
+    } cases[] = {{10, 0, 1.35, {1, 10}}, {6, 0, 1.35, {1, 2.5}}, {15, 1, 1.35, {1, 10}}};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         const double lengths[] = {6, 24, 48}, M = cases[i].moes_M, L = cases[i].moes_L;
         const ehd_contact contact = point_from(M, L, lengths[0], 0.125);
@@ -139,8 +135,8 @@ static void inlet_effect_of_a_point_contact(void **state) {
         }
         const double central = (2 * films[2].central - films[1].central) / films[0].central - 1;
         const double minimum = (2 * films[2].minimum - films[1].minimum) / films[0].minimum - 1;
-        const double ratio = found.of[EFFECT_INLET_MINIMUM] / minimum;
-        check_close(found.of[EFFECT_INLET], central, cases[i].central, 0);
+        const double ratio = found.of[EFFECT_INLET_MINIMUM] / fabs(minimum);
+        check_bound(found.of[EFFECT_INLET], central, cases[i].central);
         assert_true(ratio > cases[i].minimum[0] && ratio < cases[i].minimum[1]);
     }
 }
@@ -158,24 +154,65 @@ static ehd_contact open_point_from(double moes_M, double moes_L, double length, 
     return contact;
 }
 
-/* Against the film on a domain of twice the length, on the grid of twice the step, on which it is
- * estimated from a shorter one. With zero around these effects are 30 to 100 times as large. */
+/* Against the film on a domain of twice the length, on the grid of twice the step; the estimate is from
+ * four times the step. With zero around these effects are 30 to 100 times as large. */
 static void inlet_effect_of_an_open_point_contact(void **state) {
     (void)state;
-    static const double cases[][3] = {{2, 0, 8}, {3, 5, 4}, {10, 0, 4}, {20, 5, 4}}; // M, L, length
+    // M, L, length, step
+    static const double cases[][4] = {
+        {2, 0, 8, 0.125}, {3, 5, 4, 0.125}, {10, 0, 4, 0.0625}, {20, 5, 3, 0.0625}};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        const double M = cases[i][0], L = cases[i][1], length = cases[i][2];
-        const ehd_contact half = open_point_from(M, L, length, 0.125, true);
-        const ehd_contact whole = open_point_from(M, L, length, 0.125, false);
-        const ehd_contact coarse = open_point_from(M, L, length, 0.25, true);
-        const ehd_contact longer = open_point_from(M, L, 2 * length, 0.25, true);
+        const double M = cases[i][0], L = cases[i][1], length = cases[i][2], step = cases[i][3];
+        const ehd_contact half = open_point_from(M, L, length, step, true);
+        const ehd_contact whole = open_point_from(M, L, length, step, false);
+        const ehd_contact coarse = open_point_from(M, L, length, 2 * step, true);
+        const ehd_contact longer = open_point_from(M, L, 2 * length, 2 * step, true);
         const film_effects found = estimate(&half).effects, of_whole = estimate(&whole).effects;
         const double effect = central_film(&longer) / central_film(&coarse) - 1;
-        const double ratio = found.of[EFFECT_INLET] / effect;
         assert_true(fabs(effect) < 0.03);
-        assert_true(ratio > 0.4 && ratio < 2);
+        check_bound(found.of[EFFECT_INLET], effect, 2);
         check_close(found.of[EFFECT_INLET], of_whole.of[EFFECT_INLET], 1e-3, 1e-6);
         check_close(found.of[EFFECT_INLET_MINIMUM], of_whole.of[EFFECT_INLET_MINIMUM], 1e-3, 1e-6);
+    }
+}
+
+static double rolling_of(const ehd_contact *contact) {
+    full_state state;
+
+    solve(&state, contact);
+    const double moment = full_evaluate_traction(&state, contact).rolling_moment;
+    full_state_free(&state);
+    return moment;
+}
+
+static ehd_contact in_size(ehd_contact contact) {
+    contact.half_width = 1e-4;
+    contact.radius = 1e-2;
+    return contact;
+}
+
+/* Of the rolling resistance, against an inlet from -24 on and a domain of three times the length: at
+ * least what it is off, and not four times that. */
+static void inlet_effect_of_the_rolling(void **state) {
+    (void)state;
+    static const double lines[][2] = {{5, 10}, {10, 2.5}, {40, 10}}; // M, L
+    static const double points[][3] = {{10, 0, 4}, {50, 8, 3}};      // M, L, length
+    for (size_t i = 0; i < 3; i++) {
+        ehd_contact line =
+            in_size(sample_contact("barus", "incompressible", lines[i][0], lines[i][1], 0.02));
+        const double found = estimate(&line).effects.of[EFFECT_INLET_ROLLING];
+        const double here = rolling_of(&line);
+        set_inlet(&line, -24);
+        const double ratio = found / (rolling_of(&line) / here - 1);
+        assert_true(ratio > 1 && ratio < 4);
+    }
+    for (size_t i = 0; i < 2; i++) {
+        const double M = points[i][0], L = points[i][1], length = points[i][2];
+        const ehd_contact point = in_size(open_point_from(M, L, length, 0.125, true));
+        const ehd_contact longer = in_size(open_point_from(M, L, 3 * length, 0.125, true));
+        const double off = fabs(rolling_of(&longer) / rolling_of(&point) - 1);
+        const double ratio = estimate(&point).effects.of[EFFECT_INLET_ROLLING] / off;
+        assert_true(ratio > 1 && ratio < 4);
     }
 }
 
@@ -195,25 +232,23 @@ static void step_effect_is_what_a_fine_step_does(void **state) {
             sample_contact("barus", "dowson-higginson", cases[i][0], cases[i][1], 0.0025));
         double finest = central_film(&contact);
         double measured = (finest + (finest - fine) / 3) / film - 1;
-        check_close(resolution.effects.of[EFFECT_STEP], measured, 0.15, 0);
+        check_bound(resolution.effects.of[EFFECT_STEP], measured, 1.5);
         check_close(resolution.order, 2, 0.2, 0);
     }
 }
 
 /* The same of the minimum film, and of the accurate rows: what they do to the central film falls by
- * 70 at M = 100, L = 20, more than with the fourth power up to which the estimate counts; with the
+ * 70 at M = 100, L = 20, more than with the third power up to which the estimate counts; with the
  * first at M = 5, by where the zero before the inlet lies; with both, of unlike sign, at M = 20. */
 static void step_effects_are_of_the_right_size(void **state) {
     (void)state;
     static const struct {
         ehd_discretization discretization;
-        double moes_M, moes_L, central[2], minimum[2]; // bounds of estimate over effect
-    } cases[] = {{DISCRETIZATION_PUBLISHED, 40, 5, {0.87, 1.15}, {0.5, 2}},
-                 {DISCRETIZATION_PUBLISHED, 100, 10, {0.87, 1.15}, {0.5, 2}},
-                 {DISCRETIZATION_ACCURATE, 5, 20, {0.8, 1.25}, {0.7, 2.5}},
-                 {DISCRETIZATION_ACCURATE, 20, 5, {0.8, 1.25}, {0.7, 10}},
-                 {DISCRETIZATION_ACCURATE, 50, 10, {1, 5}, {0.4, 2}},
-                 {DISCRETIZATION_ACCURATE, 100, 20, {1, 7}, {0.5, 2}}};
+        double moes_M, moes_L, central, minimum; // largest estimate over effect
+    } cases[] = {
+        {DISCRETIZATION_PUBLISHED, 40, 5, 1.5, 3}, {DISCRETIZATION_PUBLISHED, 100, 10, 1.5, 3},
+        {DISCRETIZATION_ACCURATE, 5, 20, 2, 4},    {DISCRETIZATION_ACCURATE, 20, 5, 2, 30},
+        {DISCRETIZATION_ACCURATE, 50, 10, 10, 4},  {DISCRETIZATION_ACCURATE, 100, 20, 30, 15}};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         ehd_contact contact =
             sample_contact("roelands", "dowson-higginson", cases[i].moes_M, cases[i].moes_L, 0.01);
@@ -224,12 +259,26 @@ static void step_effects_are_of_the_right_size(void **state) {
                                  0.00125);
         contact.grid.discretization = DISCRETIZATION_ACCURATE;
         const film_pair exact = films_of(&contact);
-        const double central =
-            fabs(found.effects.of[EFFECT_STEP] / (exact.central / films.central - 1));
-        const double minimum =
-            fabs(found.effects.of[EFFECT_STEP_MINIMUM] / (exact.minimum / films.minimum - 1));
-        assert_true(central > cases[i].central[0] && central < cases[i].central[1]);
-        assert_true(minimum > cases[i].minimum[0] && minimum < cases[i].minimum[1]);
+        check_bound(found.effects.of[EFFECT_STEP], exact.central / films.central - 1,
+                    cases[i].central);
+        check_bound(found.effects.of[EFFECT_STEP_MINIMUM], exact.minimum / films.minimum - 1,
+                    cases[i].minimum);
+    }
+}
+
+/* The rows of points are of second order, and the far field moves outwards with the step. */
+static void step_effect_of_a_point_contact(void **state) {
+    (void)state;
+    static const double cases[][2] = {{3, 0}, {10, 5}, {20, 0}}; // M, L
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        const double M = cases[i][0], L = cases[i][1], length = 4;
+        const ehd_contact own = open_point_from(M, L, length, 0.125, true);
+        const ehd_contact fine = open_point_from(M, L, length, 0.0625, true);
+        const ehd_contact finest = open_point_from(M, L, length, 0.03125, true);
+        const film_effects found = estimate(&own).effects;
+        const double films[3] = {central_film(&own), central_film(&fine), central_film(&finest)};
+        const double effect = (films[2] + (films[2] - films[1]) / 3) / films[0] - 1;
+        check_bound(found.of[EFFECT_STEP], effect, 4);
     }
 }
 
@@ -247,42 +296,40 @@ static void orders_of_manufactured_films(void **state) {
         for (double error = -0.01; error <= 0.01; error += 0.02) {
             make_films(films, 0.3, error, order);
             check_close(full_observed_order(films), order, 1e-10, 0);
-            // exact within the bounds; beyond them what these make of the finest change
-            const double used = fmin(fmax(order, 1), 2);
-            const double change = films[0] - films[1];
-            const double exact = 0.3 / films[0] - 1;
-            const double bounded = change / films[0] / (exp2(used) - 1);
-            check_close(full_step_effect(films), used == order ? exact : bounded, 1e-9, 0);
-            if (order >= 1 && order <= 2)
-                check_close(full_step_effect_minimum(films), fabs(exact), 1e-9, 0);
-            if (order <= 4) check_close(full_step_effect_accurate(films, 0.5, 5), exact, 1e-9, 0);
-            if (order >= 4) // the coarser change is the larger one for fourth order
-                check_close(full_step_effect_accurate(films, 3, 4),
-                            change * exp2(order) / films[0] / 240, 1e-9, 0);
-            if (order <= 3)
-                check_close(full_step_effect_accurate(films, 3, 4), change / films[0] / 7, 1e-9, 0);
+            // exact within the bounds; beyond them what second order makes of the coarsest change
+            const double change = fabs(films[0] - films[1]) / films[0];
+            const double exact = fabs(0.3 / films[0] - 1);
+            const double found = full_step_effect(films, 2, 1);
+            if (order < 1)
+                check_close(found, change, 1e-9, 0);
+            else if (order <= 2)
+                check_close(found, exact, 1e-9, 0);
+            else
+                check_close(found, change * exp2(order) / 12, 1e-9, 0);
+            check_close(full_step_effect(films, 5, 1), order < 1 ? change : exact, 1e-9, 0);
         }
 }
 
 static void films_without_an_order(void **state) {
     (void)state;
-    const double to_and_fro[] = {1, 1.03, 1}, no_third[] = {1, 1.03, NAN}, alone[] = {1, NAN, NAN};
-    const double by_chance[] = {1, 1 + 1e-9, 1.12};
+    const double to_and_fro[] = {1, 1.03, 1.01}, no_third[] = {1, 1.03, NAN},
+                 alone[] = {1, NAN, NAN};
+    const double by_chance[] = {1, 1 + 1e-9, 1.12}, across[] = {1, 1.01, 0.97};
 
-    assert_true(isnan(full_observed_order(to_and_fro)));
+    assert_true(isnan(full_observed_order((const double[]){1, 1.03, 1})));
     assert_true(isnan(full_observed_order(no_third)));
-    check_close(full_step_effect(to_and_fro), -0.01, 1e-12, 0);
-    check_close(full_step_effect(no_third), -0.01, 1e-12, 0);
-    check_close(full_step_effect_minimum(no_third), 0.01, 1e-12, 0);
-    assert_true(isinf(full_step_effect(alone)));
-    assert_true(isinf(full_step_effect_minimum(alone)));
+    check_close(full_step_effect(to_and_fro, 2, 0.04), 0.03, 1e-12, 0);
+    check_close(full_step_effect(no_third, 2, 0.04), 0.03, 1e-12, 0);
+    // large changes allow no estimate
+    assert_true(isinf(full_step_effect(to_and_fro, 2, 0.02)));
+    assert_true(isinf(full_step_effect(no_third, 2, 0.02)));
+    assert_true(isinf(full_step_effect(alone, 2, 1)));
     // the finest two agree though the third is far off: second order leaves 0.12 / 4 / 3
-    assert_true(fabs(full_step_effect(by_chance)) < 1e-9);
-    check_close(full_step_effect_minimum(by_chance), 0.01, 1e-6, 0);
-    check_close(full_step_effect_accurate(by_chance, 3, 4), -0.12 / 240, 1e-6, 0);
-    check_close(full_step_effect_accurate(to_and_fro, 3, 4), -0.01, 1e-12, 0);
-    check_close(full_step_effect_accurate(no_third, 3, 4), -0.01, 1e-12, 0);
-    assert_true(isinf(full_step_effect_accurate(alone, 3, 4)));
+    check_close(full_step_effect(by_chance, 2, 0.02), 0.01, 1e-6, 0);
+    check_close(full_step_effect(by_chance, 3, 0.02), 0.12 / 8 / 7, 1e-6, 0);
+    // half way, of the finer change or of what second order leaves of the coarser one
+    check_close(full_step_effect(across, 2, 0.001), 0.005, 1e-12, 0);
+    check_close(full_step_effect((const double[]){1, 1.01, 0.77}, 2, 0.001), 0.03, 1e-12, 0);
 }
 
 /* With the published rows: the accurate ones alternate before a spike that the grid does not resolve,
@@ -312,6 +359,11 @@ static void too_coarse_to_tell(void **state) {
     assert_true(isinf(resolution.effects.of[EFFECT_STEP_MINIMUM]));
     assert_true(isnan(resolution.order));
     assert_true(isfinite(resolution.effects.of[EFFECT_INLET]));
+    // twice the step has another solution: the central film is 6 %, the minimum film 36 % off
+    contact = sample_contact("barus", "incompressible", 1000, 10, 0.02);
+    resolution = estimate(&contact);
+    assert_true(isinf(resolution.effects.of[EFFECT_STEP]));
+    assert_true(isinf(resolution.effects.of[EFFECT_STEP_MINIMUM]));
 }
 
 /* An even number of nodes, and one for which no coarser node lies at X = 0. */
@@ -369,11 +421,13 @@ static void half_and_whole_say_the_same(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(inlet_effect_is_what_a_long_inlet_does),
-        cmocka_unit_test(inlet_effect_is_integrated_finely),
+        cmocka_unit_test(inlet_effect_of_a_thick_film),
         cmocka_unit_test(inlet_effect_of_a_point_contact),
         cmocka_unit_test(inlet_effect_of_an_open_point_contact),
+        cmocka_unit_test(inlet_effect_of_the_rolling),
         cmocka_unit_test(step_effect_is_what_a_fine_step_does),
         cmocka_unit_test(step_effects_are_of_the_right_size),
+        cmocka_unit_test(step_effect_of_a_point_contact),
         cmocka_unit_test(orders_of_manufactured_films),
         cmocka_unit_test(films_without_an_order),
         cmocka_unit_test(nodes_grow_with_the_grid),

@@ -364,7 +364,7 @@ static void refuses_grids_that_do_not_fit(void **state) {
     refuses_grid("x_min: -4, x_max: 2, step: 0.007",
                  "grid.step: found 0.007, expected a whole number of steps from -4 "
                  "to 2, such as with 0.0070011668611435");
-    refuses_grid("step: 0.3", "grid.step: found 0.3, expected a number from 1e-06 to 0.25");
+    refuses_grid("step: 3e3", "grid.step: found 3e3, expected a number from 1e-06 to 1000");
     refuses_grid("step: 0", "grid.step: found 0, expected a number");
     refuses_grid("x_min: -4, x_max: 2, step: 0.000001",
                  "grid.step: found 1e-06, which makes 6000001 nodes");
@@ -374,7 +374,7 @@ static void refuses_grids_that_do_not_fit(void **state) {
     refuses_published("step: 0.007", "expected a whole number of steps from -4 to 2, such as");
     refuses_published("step: 0.000001", "grid.step: found 1e-06, which makes 6000001 nodes");
     // the nearest whole number, 24, would make the step too wide
-    refuses_grid("x_min: -4, x_max: 2.04, step: 0.25", "such as with 0.2416");
+    refuses_grid("x_min: -4, x_max: 2.04, step: 0.25", "such as with 0.2516");
     // in binary 5.6 is not exactly 2800 times 0.002, but within the tolerance
     snprintf(text, sizeof text, "%sgrid: {x_min: -4, x_max: 1.6, step: 0.002}\n", good);
     accepts(&of, text);
@@ -411,7 +411,7 @@ static void a_point_contact_has_lines(void **state) {
     refuses_grid("y_max: 3", "grid.y_max: found a value, expected none with the contact line");
     refuses_grid("half: true", "grid.half: found a value, expected none with the contact line");
     refuses_point("grid.y_max=1", "--set: grid.y_max: found 1, expected more than 1");
-    refuses_point("grid.y_max=0.5", "grid.y_max: found 0.5, expected a number from 1 to 1000");
+    refuses_point("grid.y_max=0.5", "grid.y_max: found 0.5, expected a number from 1 to 100000");
     refuses_point("grid.y_max=3.03", "--set: grid.y_max: found 3.03, expected a whole number of "
                                      "steps of 0.0625, such as 3.0625");
     refuses_point("grid.half=2", "grid.half: found 2");
@@ -1118,7 +1118,49 @@ static void plan_checks_a_region(void **state) {
                  "candidates: found it without region");
     refuses_plan("groups:\n- scene: scene.yml\n  region: {M: [5, 6]}\n  candidates: 2.5\n",
                  "candidates: found 2.5, expected a number from 4 to 1000000");
-    refuses_plan("groups:\n- scene: scene.yml\n  region: {M: [0.01, 6]}\n", "point moes.M=0.01");
+    refuses_plan("groups:\n- scene: scene.yml\n  region: {M: [0.01, 6]}\n",
+                 "plan.yml:3: moes.M: found 0.01, expected a number from 0.1 to 100000");
+    refuses_plan("groups:\n- scene: scene.yml\n  region: {hertz_pressure: [1e9, 2 GPa]}\n",
+                 "plan.yml:3: hertz_pressure: found 2 GPa, expected a number from 100000 to 2e+10 "
+                 "Pa, written without the unit");
+}
+
+/* The groups of another plan, within further bounds, and with more candidates. */
+static void plan_is_part_of_another(void **state) {
+    plan whole, of;
+    (void)state;
+    write_file("scene.yml", good);
+    write_file("whole.yml",
+               "groups:\n- {scene: scene.yml, region: {M: [5, 60], L: [1, 2]}, candidates: 20, "
+               "where: {moes_M: [6, 40]}}\n- {scene: scene.yml, vary: {L: [3, 4]}}\n");
+    assert_int_equal(plan_read(&whole, path_of("whole.yml"), NULL, 0, NULL), EHD_OK);
+    accepts_plan(&of, "part_of: whole.yml\nwhere: {moes_M: [4, 20], alpha_p_H: [0, 9]}\n"
+                      "candidates_times: 2.5\n");
+    assert_true(of.has_region);
+    const size_t unvaried = whole.num_points - 20;
+    assert_int_equal(of.num_points, unvaried + 50);
+    assert_int_equal(of.num_groups, 2);
+    check_close_array(of.where[0].bounds[WHERE_MOES_M], ((double[]){6, 20}), 2, 0, 0);
+    check_close_array(of.where[1].bounds[WHERE_MOES_M], ((double[]){4, 20}), 2, 0, 0);
+    check_close_array(of.where[1].bounds[WHERE_ALPHA_P_H], ((double[]){0, 9}), 2, 0, 0);
+    plan_free(&of);
+    // a part of a part
+    write_file("half.yml", "part_of: whole.yml\nwhere: {moes_M: [4, 20]}\ncandidates_times: 2\n");
+    accepts_plan(&of, "part_of: half.yml\nwhere: {moes_M: [10, 30]}\ncandidates_times: 2\n");
+    assert_int_equal(of.num_points, unvaried + 80);
+    check_close_array(of.where[0].bounds[WHERE_MOES_M], ((double[]){10, 20}), 2, 0, 0);
+    plan_free(&of);
+    // without more bounds it is the whole
+    accepts_plan(&of, "part_of: whole.yml\n");
+    assert_string_equal(of.text, whole.text);
+    plan_free(&of);
+    plan_free(&whole);
+    refuses_plan("part_of: plan.yml\n", "not in a circle");
+    refuses_plan("part_of: [whole.yml]\n", "part_of: found a list, expected the name of a plan");
+    refuses_plan("part_of: whole.yml\ncandidates_times: 0.5\n", "expected a number from 1 to");
+    refuses_plan("part_of: whole.yml\ncandidates_times: 1e6\n", "more than 1000000 candidates");
+    refuses_plan("part_of: whole.yml\ngroups: []\n",
+                 "groups: found an unknown key, expected part_of");
 }
 
 /* A line makes sines and ramps of each quantity and of each pair, and steps of the speed, between the
@@ -1200,7 +1242,7 @@ static void plan_checks_histories(void **state) {
     assert_int_equal(plan_read(&of, path_of("plan.yml"), overrides, 1, &error), EHD_DATA);
     assert_non_null(strstr(error.text, "transient.load.period: found a key that"));
     write_file("scene.yml", good); // stationary
-    refuses_plan(text, "transient.");
+    refuses_plan(text, "histories: found the regime stationary, expected transient");
 }
 
 static void plan_takes_lists_together(void **state) {
@@ -1230,6 +1272,11 @@ static void plan_reads_csv_points(void **state) {
     check_close(of.points[1].scene.moes.M, 58, 0, 0);
     check_close(of.points[1].scene.moes.L, 3, 0, 0);
     plan_free(&of);
+    write_file("sub/points.csv", "\"M\",\"moes.L\"\r\n\"50\",1\r\n\"58\" ,3\r\n");
+    accepts_plan(&of, text);
+    assert_int_equal(of.num_points, 2);
+    check_close(of.points[1].scene.moes.M, 58, 0, 0);
+    plan_free(&of);
     write_file("sub/points.csv", "M,L\n50,1\n60\n");
     refuses_plan(text, "sub/points.csv:3: found 1 column, expected 2");
     write_file("sub/points.csv", "M,L\n50,1,2\n");
@@ -1242,6 +1289,19 @@ static void plan_reads_csv_points(void **state) {
     refuses_plan(text, "sub/points.csv:1: moes.M: found again");
     write_file("sub/points.csv", "M,Q\n50,1\n");
     refuses_plan(text, "sub/points.csv:1: Q: found an unknown key");
+    refuses_plan(text, "; found the columns M, Q");
+    write_file("sub/points.csv", ",M\n0,50\n");
+    refuses_plan(
+        text,
+        "sub/points.csv:1: found a column without a name, such as an index, expected settings");
+    refuses_plan(text, "; found the columns (no name), M");
+    write_file("sub/points.csv", "M,L,M\n50,1,60\n");
+    refuses_plan(text,
+                 "sub/points.csv:1: M: found again in the columns M, L, M, expected only once");
+    write_file("sub/points.csv", "M;L\n50;1,5\n");
+    refuses_plan(text, "sub/points.csv:2: moes.L: found 1,5, expected a number");
+    write_file("sub/points.csv", "M,L\n50,\"1\n\n,2\n");
+    refuses_plan(text, "sub/points.csv:2: found a quote that does not end, expected its end");
     write_file("sub/points.csv", "M,law\n50,1\n");
     refuses_plan(text, "sub/points.csv:1: law: found an unknown key");
     write_file("sub/points.csv", "M,L\n");
@@ -1587,6 +1647,7 @@ int main(void) {
         cmocka_unit_test(plan_combines_a_grid),
         cmocka_unit_test(plan_fills_a_region),
         cmocka_unit_test(plan_checks_a_region),
+        cmocka_unit_test(plan_is_part_of_another),
         cmocka_unit_test(plan_makes_histories),
         cmocka_unit_test(plan_checks_histories),
         cmocka_unit_test(plan_takes_lists_together),

@@ -119,9 +119,10 @@ static void a_table_is_a_spline_through_its_rows(void **state) {
     ehd_contact reference;
     FILE *file = fopen("heights.csv", "w");
     assert_non_null(file);
-    fputs("x,height\n", file);
-    for (int i = -20; i <= 20; i++)
-        fprintf(file, "%.17g,%.17g\n", 0.02 * i, 0.03 * pow(1 - i * i / 400., 3));
+    fputs(",x,height\n", file);     // an index in front, as pandas writes it
+    for (int i = -20; i <= 20; i++) // with what rounding leaves at the ends
+        fprintf(file, "%d,%.17g,%.17g\n", i + 20, 0.02 * i,
+                abs(i) == 20 ? 5e-25 : 0.03 * pow(1 - i * i / 400., 3));
     fclose(file);
     ehd_surface *self = surface_of(&reference, WITH("kind=file", "file=heights.csv",
                                                     "column=height", "position=-5", "speed=2"));
@@ -227,14 +228,48 @@ static const char *table_of(const char *text) {
     return "file=table.csv";
 }
 
+static void check_unseen(const char *expected, const char *const *settings) {
+    ehd_contact reference;
+    ehd_surface *self = surface_of(&reference, settings);
+
+    const ehd_status status = surface_check_grid(self, &reference.grid, &error);
+    surface_free(self);
+    assert_int_equal(status, *expected ? EHD_DATA : EHD_OK);
+    if (*expected && !strstr(error.text, expected))
+        fail_msg("found %s, expected %s", error.text, expected);
+}
+
+/* On steps of 0.05 from -4 to 2. */
+static void what_the_grid_does_not_see_is_refused(void **state) {
+    (void)state;
+    check_unseen("", WITH("kind=sine", "amplitude=0.01", "wavelength=0.2"));
+    check_unseen("grid.step: found 0.05 half widths, expected at most 0.0475",
+                 WITH("kind=sine", "amplitude=0.01", "wavelength=0.19"));
+    check_unseen("", WITH("kind=dent", "depth=0.1", "radius=0.07"));
+    check_unseen("grid.step: found 0.05", WITH("kind=dent", "depth=0.1", "radius=0.06"));
+    check_unseen("grid.step: found 0.05",
+                 WITH("kind=file", table_of("x,h\n0,0\n0.02,1\n0.04,0\n"), "column=h"));
+    check_unseen("", WITH("kind=dent", "depth=0.1", "radius=0.1", "speed=0", "position=2.4"));
+    check_unseen("surface.position: found 2.5 half widths, expected a surface that rests on the "
+                 "grid, from -4.05 to 2.05",
+                 WITH("kind=dent", "depth=0.1", "radius=0.1", "speed=0", "position=2.5"));
+    check_unseen("surface.position: found -4.5",
+                 WITH("kind=dent", "depth=0.1", "radius=0.1", "speed=0", "position=-4.5"));
+    // one that moves comes in from there
+    check_unseen("", WITH("kind=dent", "depth=0.1", "radius=0.1", "position=-4.5"));
+}
+
 static void what_cannot_be_is_refused(void **state) {
     (void)state;
-    check_refused("surface.speed: found 0", WITH("kind=dent", "depth=1", "radius=1", "speed=0"));
     check_refused("surface.units: found si", WITH("kind=dent", "depth=1", "radius=1", "units=si"));
     check_refused("found 2 rows, 2 of them of the first line, expected at least 3",
                   WITH("kind=file", table_of("x,h\n0,0\n1,0\n"), "column=h"));
-    check_refused("found 0.5 in row 3, expected 0",
+    check_refused("found 0.5 in row 3, at the edge of the table, expected 0",
                   WITH("kind=file", table_of("x,h\n0,0\n1,1\n2,0.5\n"), "column=h"));
+    check_refused("found the columns (no name), h, expected a column x|X",
+                  WITH("kind=file", table_of(",h\n0,0\n1,1\n2,0\n"), "column=h"));
+    check_refused("found the columns x, X, h, expected only one column x|X",
+                  WITH("kind=file", table_of("x,X,h\n0,0,0\n"), "column=h"));
     check_refused("found x = 1 in row 3, expected increasing x",
                   WITH("kind=file", table_of("x,h\n0,0\n1,1\n1,1\n2,0\n"), "column=h"));
 }
@@ -514,6 +549,125 @@ static void half_a_contact_is_the_whole_one(void **state) {
     marched_end(&second);
 }
 
+// ---- at rest
+
+static const full_state *last_of(const marched *self) {
+    return full_march_state(self->full, NULL);
+}
+
+/* Under constant conditions nothing changes, of lines and points, forwards and backwards, where the
+ * load or the approach is given. */
+static void one_at_rest_is_part_of_the_start(void **state) {
+    const struct {
+        bool point;
+        const char *transport, *speed, *transient;
+    } cases[] = {{false, "path", "1", "end_time: 3, tolerance: 1.5e-3"},
+                 {false, "upwind", "1", "end_time: 3, fixed_step: 0.25"},
+                 {false, "path", "-1", "end_time: 3, fixed_step: 0.25"},
+                 {false, "path", "1", "end_time: 3, fixed_step: 0.25, approach: {law: constant}"},
+                 {true, "path", "1", "end_time: 1, fixed_step: 0.25"}};
+    (void)state;
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        scene of = cases[i].point
+                       ? marched_point(cases[i].transient)
+                       : marched_scene(20, 6, "dowson-higginson", 0.05, cases[i].transient);
+        scene_set(&of, "transport", cases[i].transport, NULL, NULL);
+        if (!cases[i].point) of.grid.x_max = 4;
+        of.transient.start_speed = atof(cases[i].speed);
+        strcpy(of.transient.vary[VARY_SPEED].law, "step");
+        of.transient.vary[VARY_SPEED].from = of.transient.vary[VARY_SPEED].to =
+            of.transient.start_speed;
+        of.transient.vary[VARY_SPEED].at = 100;
+        marched_all(&first, &of);
+        const double smooth = first.film[0];
+        marched_end(&first);
+        give(&of, WITH("kind=dent", "speed=0", "depth=0.05", "radius=0.3"));
+        of.surface.position = -0.2;
+        marched_all(&first, &of);
+        assert_true(fabs(first.film[0] / smooth - 1) > 1e-3);
+        for (size_t k = 1; k < first.count; k++) {
+            check_close(first.film[k], first.film[0], 1e-8, 0);
+            check_close(first.least_film[k], first.least_film[0], 1e-8, 0);
+            check_close(first.approach[k], first.approach[0], 1e-8, 0);
+        }
+        marched_end(&first);
+    }
+}
+
+/* Where viscosity lets no oil flow under pressure, the film is the same everywhere. So the surface is
+ * pressed flat: a waviness of wavenumber k by a pressure of k times its height (Johnson, Contact
+ * Mechanics, 13.2: u' = 2 p/(E* k), here Delta = P/k). */
+static void a_waviness_at_rest_is_pressed_flat(void **state) {
+    (void)state;
+    const double amplitude = 0.002, wavelength = 0.5, k = 2 * M_PI / wavelength;
+    scene of = marched_scene(50, 10, "incompressible", 0.0125, "end_time: 0.5, fixed_step: 0.25");
+    scene_set(&of, "transport", "path", NULL, NULL);
+    marched_all(&first, &of);
+    give(&of, WITH("kind=sine", "speed=0", "amplitude=0.002", "wavelength=0.5"));
+    marched_all(&second, &of);
+    const ehd_grid *grid = &first.reference.grid;
+    for (size_t i = 0; i < grid->num_nodes; i++) {
+        const double x = grid_x(grid, i);
+        if (fabs(x) > 0.4) continue;
+        check_close(last_of(&second)->film[i], second.film[0], 3e-4, 0);
+        check_close(last_of(&second)->pressure[i] - last_of(&first)->pressure[i],
+                    -k * amplitude * sin(k * x), 0, 0.02 * k * amplitude);
+    }
+    marched_end(&first);
+    marched_end(&second);
+}
+
+/* One that moves a 5000th as fast as the fluid is as good as at rest. */
+static void one_that_hardly_moves_is_as_at_rest(void **state) {
+    (void)state;
+    scene of = marched_scene(10, 3, "dowson-higginson", 0.05, "end_time: 1, fixed_step: 1");
+    scene_set(&of, "grid.x_min", "-2.5", NULL, NULL);
+    give(&of, WITH("kind=dent", "speed=0", "depth=0.08", "radius=0.1", "position=-0.8"));
+    marched_all(&first, &of);
+    marched_end(&first);
+    const double at_rest = first.film[first.count - 1], lowest = first.least_film[first.count - 1];
+    // from -2.95 to -0.8
+    scene_set(&of, "surface.speed", "0.0002", NULL, NULL);
+    scene_set(&of, "surface.position", "-2.95", NULL, NULL);
+    scene_set(&of, "transient.end_time", "10750", NULL, NULL);
+    scene_set(&of, "transient.fixed_step", "12.5", NULL, NULL);
+    marched_all(&first, &of);
+    assert_true(fabs(at_rest / first.film[0] - 1) > 5e-3);
+    check_close(first.film[first.count - 1], at_rest, 3e-4, 0);
+    check_close(first.least_film[first.count - 1], lowest, 3e-4, 0);
+    marched_end(&first);
+}
+
+/* Backwards over a dent is the mirror image of forwards over the mirrored one. */
+static void starts_at_rest_have_mirror_images(void **state) {
+    (void)state;
+    scene of = marched_scene(20, 6, "dowson-higginson", 0.05, "end_time: 0.5, fixed_step: 0.25");
+    scene_set(&of, "transport", "path", NULL, NULL);
+    of.grid.x_max = 4;
+    give(&of, WITH("kind=dent", "speed=0", "depth=0.05", "radius=0.3", "position=-0.4"));
+    marched_begin(&first, &of);
+    of.surface.position = 0.4;
+    of.transient.start_speed = -1;
+    marched_begin(&second, &of);
+    const size_t num = first.reference.grid.num_nodes;
+    for (size_t k = 0; k < num; k++) {
+        check_close(last_of(&second)->film[num - 1 - k], last_of(&first)->film[k], 1e-9, 0);
+        check_close(last_of(&second)->pressure[num - 1 - k], last_of(&first)->pressure[k], 0, 1e-9);
+    }
+    marched_end(&first);
+    marched_end(&second);
+    // where the fluid rests too it is put on the dry contact
+    of.transient.start_speed = 0;
+    of.transient.start_film = 0.2;
+    of.surface.position = 0;
+    marched_begin(&first, &of);
+    check_close(first.film[0], 0.25, 1e-6, 0);
+    const contact_frame *frame;
+    full_march_state(first.full, &frame);
+    assert_true(isinf(surface_longest_path(first.surface, frame, &first.reference.grid, false)));
+    marched_end(&first);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_dent_has_the_shape_of_its_formula),
@@ -523,6 +677,7 @@ int main(void) {
         cmocka_unit_test(a_table_may_be_a_grid),
         cmocka_unit_test(a_dent_is_round_in_an_ellipse),
         cmocka_unit_test(what_cannot_be_is_refused),
+        cmocka_unit_test(what_the_grid_does_not_see_is_refused),
         cmocka_unit_test(it_is_on_one_of_the_surfaces),
         cmocka_unit_test(the_start_is_smooth),
         cmocka_unit_test(steps_see_it_come),
@@ -533,6 +688,10 @@ int main(void) {
         cmocka_unit_test(a_dent_from_far_away_is_met),
         cmocka_unit_test(a_restored_march_has_the_same_bits),
         cmocka_unit_test(half_a_contact_is_the_whole_one),
+        cmocka_unit_test(one_at_rest_is_part_of_the_start),
+        cmocka_unit_test(a_waviness_at_rest_is_pressed_flat),
+        cmocka_unit_test(one_that_hardly_moves_is_as_at_rest),
+        cmocka_unit_test(starts_at_rest_have_mirror_images),
     };
     return cmocka_run_group_tests(tests, enter_folder, leave_folder);
 }

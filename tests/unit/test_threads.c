@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Repeatability of the library, whose caller says how many threads OpenBLAS has (the programs keep
  * it at one): the same bits again with one thread, and with two the same to a tolerance. */
+#include "common/program/openblas.h"
 #include "common/program/program.h"
 #include "fullrun/full_solver.h"
 #include "podbuild/pod.h"
@@ -173,7 +174,7 @@ static void several_threads_may_call_openblas(void **state) {
     unsigned long long seed = 3;
     pthread_t threads[NUM_CALLERS];
 
-    assert_int_equal(program_take_buffers(NUM_CALLERS), NUM_CALLERS);
+    assert_int_equal(openblas_take_buffers(NUM_CALLERS), NUM_CALLERS);
     for (size_t i = 0; i < ORDER * ORDER; i++)
         triangle[i] = noise(&seed);
     for (size_t i = 0; i < HEIGHT * ORDER; i++)

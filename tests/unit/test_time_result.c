@@ -207,7 +207,7 @@ static void check_field(artefact *file, const char *name, size_t num_times, doub
     double values[NUM_INNER];
 
     for (size_t i = 0; i < num_times; i++) {
-        check_ok(artefact_get_part(file, name, i, 1, values, &error));
+        check_ok(artefact_get_part(file, name, i, 1, values, NUM_INNER, &error));
         for (size_t k = 0; k < NUM_INNER; k++) {
             if (has_fields(i))
                 check_close(values[k], sign * field_at(i, k + 1), 0, 0);
@@ -276,7 +276,7 @@ static void all_exits_are_stored(void **state) {
     check_result(num_times, false);
     check_ok(artefact_open(&file, path, schemas, &error));
     assert_int_equal(artefact_length(file, "exit"), GRID_EXITS);
-    check_ok(artefact_get(file, "exit_position", exits, &error));
+    check_ok(artefact_get(file, "exit_position", exits, num_times * GRID_EXITS, &error));
     artefact_close(&file);
     for (size_t i = 0; i < num_times; i++)
         for (size_t e = 0; e < GRID_EXITS; e++) {
@@ -315,6 +315,14 @@ static void summary_is_stored(void **state) {
     artefact_close(&file);
 }
 
+/* Those with a number a time, and the time itself. */
+static size_t num_scalars(void) {
+    size_t count = 1;
+    for (const artefact_field *field = schema_result.fields; field->name; field++)
+        if (strcmp(field->axes[0], "time") == 0 && !field->axes[1]) count++;
+    return count;
+}
+
 static void unwritten_fields_take_no_space(void **state) {
     (void)state;
     const size_t num_times = 2000;
@@ -326,8 +334,8 @@ static void unwritten_fields_take_no_space(void **state) {
         check_ok(append(file, i, i == 0 || i + 1 == num_times - 1));
     finish(&file, num_times);
     assert_int_equal(stat(path, &found), 0);
-    size_t scalars = 15 * (num_times + 512) * sizeof(double);
-    assert_true((size_t)found.st_size < scalars + 4 * field_bytes + 65536);
+    size_t scalars = num_scalars() * (num_times + 512) * sizeof(double);
+    assert_true((size_t)found.st_size < scalars + 4 * field_bytes + 32768);
 }
 
 static void stationary_is_one_time(void **state) {

@@ -73,7 +73,7 @@ static double under_hertz(const ehd_contact *contact, double film, double slide_
     of.slide_roll = slide_roll;
     for (int i = 0; i < PARTS; i++) {
         const double r = (i + 0.5) / PARTS, weight = point ? r : 1;
-        sum += weight * contact_shear_stress(&of, sqrt(1 - r * r), film);
+        sum += weight * contact_shear_stress(&of, sqrt(1 - r * r), film, 0);
         weights += weight;
     }
     return sum / weights / hertz_mean_pressure(contact->kind);

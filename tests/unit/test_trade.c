@@ -120,8 +120,8 @@ static void the_cheapest_that_is_good_enough(void **state) {
     trade_position positions[] = {
         measured(NAN, NAN, 9), measured(1e-1, 1, 0), measured(1e-9, 0.5, 1), measured(1e-3, 3, 0),
         measured(1e-2, 2, 0),  measured(2e-3, 4, 0), measured(1e-2, 2.5, 0)};
-    const trade_table table = {9, 0, sizeof positions / sizeof *positions, positions};
-    const trade_table failed = {9, 0, 1, positions};
+    const trade_table table = {9, 0, sizeof positions / sizeof *positions, positions, {0}};
+    const trade_table failed = {9, 0, 1, positions, {0}};
     const bool dominated[] = {true, false, true, false, false, true, true};
     (void)state;
 
@@ -139,7 +139,7 @@ static void the_cheapest_that_is_good_enough(void **state) {
 /* Each regime chooses by its own numbers. */
 static void in_time_it_may_be_another(void **state) {
     trade_position positions[] = {measured(1e-3, 1, 0), measured(1e-2, 2, 0)};
-    const trade_table table = {9, 1, 2, positions};
+    const trade_table table = {9, 1, 2, positions, {0}};
     (void)state;
 
     positions[0].worst_in_time[TRADE_CENTRAL_FILM] = 1e-1;
@@ -166,7 +166,7 @@ static void the_worse_film_is_the_price(void **state) {
 /* A size with false spikes is passed over; where all have some, the least. */
 static void pressures_may_be_off_three_times_as_much(void **state) {
     trade_position positions[] = {measured(1e-3, 1, 0), measured(1e-3, 2, 0), measured(1e-3, 3, 0)};
-    const trade_table table = {100, 0, 3, positions};
+    const trade_table table = {100, 0, 3, positions, {0}};
     (void)state;
 
     positions[0].deviation[TRADE_PRESSURE][TRADE_WORST] = 4e-2;
@@ -183,7 +183,7 @@ static void pressures_may_be_off_three_times_as_much(void **state) {
 static void an_indicator_takes_the_place_of_the_worst(void **state) {
     trade_position positions[] = {measured(1e-3, 2, 0), measured(1e-1, 1, 3),
                                   measured(1e-9, 0.5, 3)};
-    const trade_table table = {100, 0, 3, positions};
+    const trade_table table = {100, 0, 3, positions, {0}};
     (void)state;
 
     for (size_t i = 0; i < 3; i++)
@@ -266,7 +266,28 @@ static void an_offset_takes_what_no_bound_tells(void **state) {
         const double without = indicated_with(deviations, bounds, NUM, false, bounds[i]);
         const double with = indicated_with(deviations, bounds, NUM, true, bounds[i]);
         check_close(without, 2 * 500 * bounds[i], 1e-12, 0);
-        check_close(with, 2 * fmin(500 * bounds[i], 5e-4 + (1 - 5e-3) * bounds[i]), 1e-9, 0);
+        check_close(with, 2 * fmin(500 * bounds[i], 5e-4 + bounds[i]), 1e-9, 0);
+    }
+}
+
+/* No scene of the calibration deviates by more than one offset: what is indicated of others grows all the same, to first
+ * order with the bound, by the largest ratio where that is less. */
+static void no_offset_is_a_ceiling(void **state) {
+    enum { NUM = 9 };
+    double bounds[NUM] = {0}, deviations[NUM] = {0};
+    (void)state;
+
+    for (double largest = 0.01; largest < 1e4; largest *= 10) {
+        for (size_t i = 0; i < NUM; i++) {
+            bounds[i] = pow(10, -(double)(1 + i));
+            deviations[i] = largest * bounds[NUM - 1];
+        }
+        double before = indicated_with(deviations, bounds, NUM, true, bounds[0]);
+        for (double bound = 10 * bounds[0]; bound < 1e4; bound *= 10) {
+            const double here = indicated_with(deviations, bounds, NUM, true, bound);
+            assert_true(here - before >= 0.999 * trade_margin * fmin(largest, 1) * 0.9 * bound);
+            before = here;
+        }
     }
 }
 
@@ -293,7 +314,7 @@ static void scenes_are_covered_whatever_the_bound(void **state) {
 static void accuracy_chooses_the_fastest_and_the_best(void **state) {
     trade_position positions[] = {measured(1e-1, 1, 0), measured(1e-2, 2e-3, 0),
                                   measured(1e-3, 3e-3, 0), measured(1e-9, 1e-3, 1)};
-    const trade_table table = {9, 0, 4, positions};
+    const trade_table table = {9, 0, 4, positions, {0}};
     accuracy_choice choice;
     (void)state;
 
@@ -317,7 +338,7 @@ static void accuracy_chooses_the_fastest_and_the_best(void **state) {
 
 static void accuracy_goes_by_the_steps_in_time(void **state) {
     trade_position positions[] = {measured(1e-3, 1, 0), measured(1e-2, 2, 0)};
-    const trade_table table = {9, 3, 2, positions}, still = {9, 0, 2, positions};
+    const trade_table table = {9, 3, 2, positions, {0}}, still = {9, 0, 2, positions, {0}};
     accuracy_choice choice;
     (void)state;
 
@@ -341,11 +362,12 @@ static void accuracy_goes_by_the_steps_in_time(void **state) {
  * half of them. */
 static void accuracy_goes_by_the_most_trajectories(void **state) {
     trade_position positions[] = {measured(1e-3, 1, 0), measured(1e-3, 2, 0), measured(1e-3, 3, 0)};
-    const trade_table table = {9, 10, 3, positions};
+    const trade_table table = {9, 10, 3, positions, {0}};
     accuracy_choice choice;
     (void)state;
 
     for (size_t i = 0; i < 3; i++) {
+        positions[i].sizes = (model_sizes){10 + i, 0, 20 + 2 * i};
         positions[i].factor_in_time = 1;
         positions[i].step_seconds = 1e-4 * (double)(i + 1);
         for (int k = 0; k < NUM_TIME_PARTS; k++) // 60, 80 and 80 % to 1e-3, jumps are lost
@@ -359,6 +381,30 @@ static void accuracy_goes_by_the_most_trajectories(void **state) {
     check_ok(accuracy_choose(&choice, &table, 1e-3, true, "m.h5", &error));
     assert_non_null(strstr(choice.note, "films were indicated to be at most so far off: 0.001 on "
                                         "80 % of 10 trajectories, in 0.2 ms a step"));
+    // a smaller accuracy is judged step by step
+    check_ok(accuracy_choose(&choice, &table, 1e-4, true, "m.h5", &error));
+    assert_memory_equal(&choice.fastest, &positions[2].sizes, sizeof choice.fastest);
+    assert_string_equal(choice.note,
+                        "12 pressure modes, 24 rows, the most accurate of 3 sizes: on half of 10 "
+                        "trajectories its films were indicated to be at most 0.000333 off, more "
+                        "than that; each step is judged by its own");
+    // fewer lost trajectories count before more that are well indicated, and both before time
+    positions[0].num_lost = positions[2].num_lost = 2;
+    positions[1].num_lost = 3;
+    assert_int_equal(trade_cheapest(&table, 1e-3, true), 2);
+    assert_int_equal(trade_cheapest(&table, 5e-4, true), 2);
+    positions[0].num_lost = 1;
+    assert_int_equal(trade_cheapest(&table, 1e-3, true), 0);
+    assert_false(trade_is_dominated(&table, 2, true));
+    assert_false(trade_is_dominated(&table, 1, true));
+    positions[1].indicated_in_time[0] = 1e-3;
+    assert_true(trade_is_dominated(&table, 1, true));
+    // the most accurate one is so on all parts, of which lost ones are 1
+    for (int k = 0; k < NUM_TIME_PARTS; k++) {
+        positions[1].indicated_in_time[k] = 5e-4;
+        positions[2].indicated_in_time[k] = k > 0 ? 1 : 1e-4;
+    }
+    assert_int_equal(trade_most_accurate(&table, true), 1);
     for (size_t i = 0; i < 3; i++)
         positions[i].indicated_in_time[0] = 1; // more than half are lost
     assert_int_equal(accuracy_choose(&choice, &table, 1e-3, true, "m.h5", &error), EHD_DATA);
@@ -367,7 +413,7 @@ static void accuracy_goes_by_the_most_trajectories(void **state) {
 /* The limit that a refusal names is one that can be asked for, whatever its digits. */
 static void accuracy_names_what_it_can_give(void **state) {
     trade_position position = measured(0, 1, 0);
-    const trade_table table = {9, 0, 1, &position};
+    const trade_table table = {9, 0, 1, &position, {0}};
     accuracy_choice choice;
     (void)state;
 
@@ -520,7 +566,7 @@ static void write_table(const trade_table *table) {
 
 static void a_table_comes_back(void **state) {
     trade_position positions[] = {measured(0.125, 2e-4, 0), measured(NAN, NAN, 7)};
-    const trade_table table = {7, 2, 2, positions};
+    const trade_table table = {7, 2, 2, positions, {0}};
     trade_table found;
     online_model *model;
     (void)state;
@@ -576,7 +622,7 @@ static void table_is_refused(const trade_table *table, const char *words_of_it) 
 
 static void tables_that_do_not_fit_are_refused(void **state) {
     trade_position position = measured(0.1, 1, 0);
-    trade_table table = {3, 0, 1, &position}, found;
+    trade_table table = {3, 0, 1, &position, {0}}, found;
     (void)state;
 
     assert_int_equal(trade_read(&found, path, &error), EHD_DATA);
@@ -615,6 +661,7 @@ int main(void) {
         cmocka_unit_test(a_factor_grows_with_the_bound),
         cmocka_unit_test(a_factor_may_be_the_same_for_all),
         cmocka_unit_test(an_offset_takes_what_no_bound_tells),
+        cmocka_unit_test(no_offset_is_a_ceiling),
         cmocka_unit_test(scenes_are_covered_whatever_the_bound),
         cmocka_unit_test(accuracy_chooses_the_fastest_and_the_best),
         cmocka_unit_test(accuracy_goes_by_the_steps_in_time),

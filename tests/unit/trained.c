@@ -40,7 +40,7 @@ static void train(trained *self) {
                            solution.rigid_approach,
                            contact->moes_M,
                            contact->alpha_p_H,
-                           traction_thinning_rate(contact),
+                           traction_thinning(contact),
                            full_evaluate_scalars(&solution, contact).central_film_thickness,
                            lubricant_rises_at(&contact->lubricant, contact->hertz_pressure)};
     }

@@ -11,19 +11,29 @@
 
 Quantities are SI (N/m of a line contact, N of a point contact, m, s, m/s, Pa), or those of the scenes with
 `dimensionless=True`. A model may be used by any number of contacts in any number of threads, each contact by one
-thread at a time; no call holds Python's lock while it solves.
+thread at a time: a call while another thread's is under way is an Error. No call holds Python's lock while it solves.
+Contacts and models are closed by close(), at the end of a with statement, or when nobody has them any more.
 
 The library is looked for where the environment's EHDROM_LIBRARY says, beside this package, and where the system has
 libraries.
 """
+from __future__ import annotations
+
+import functools
 import os
 import pathlib
 import re
+import threading
+from typing import Any, Callable, TypeVar, Union
 
 import cffi
 import numpy
 
 __all__ = ["Contact", "Derivatives", "Error", "Model", "NotConverged", "Result", "Untrusted", "version"]
+
+_Path = Union[str, bytes, "os.PathLike[str]", "os.PathLike[bytes]"]
+_Own = TypeVar("_Own")
+_Function = TypeVar("_Function", bound=Callable[..., Any])
 
 _folder = pathlib.Path(__file__).parent
 
@@ -48,7 +58,14 @@ _FAILED = _lib.EHDROM_DATA  # from here on a status is an error
 
 
 def _text(characters):
-    return _ffi.string(characters).decode()
+    return _ffi.string(characters).decode(errors="replace")
+
+
+def _characters(text, what):
+    """Checks bytes for the library, which would end at a NUL character."""
+    if b"\0" in text:
+        raise Error(_lib.EHDROM_DATA, f"{what}: found a NUL character, expected none")
+    return text
 
 
 def _begun(kind):
@@ -62,17 +79,23 @@ def _doubles(array):
     return _ffi.from_buffer("double[]", array, require_writable=True)
 
 
-def version():
+def version() -> str:
     """Version of the library, as "0.3.0"."""
     return _text(_lib.ehdrom_version())
+
+
+__version__ = version()
 
 
 class Error(Exception):
     """What was found and what was expected; `status` is the library's, as the exit codes of romrun."""
 
-    def __init__(self, status, text):
-        super().__init__(text)
+    def __init__(self, status: int, text: str) -> None:
+        super().__init__(status, text)
         self.status = status
+
+    def __str__(self) -> str:
+        return self.args[1]
 
 
 class NotConverged(Error):
@@ -83,28 +106,69 @@ class Untrusted(Error):
     """Raised by Result.check: solved, but not to be relied on."""
 
 
-class Model:
-    """A model file, loaded; closed with the last contact of it.
+# Members that are 1 for yes and 0 for no.
+_FLAGS = {"trusted", "checked", "checked_in_time", "in_time"}
+
+
+@functools.lru_cache(maxsize=None)
+def _names_of(kind):
+    """Names of a struct's members, without the first one, its size."""
+    return [name for name, _ in _ffi.typeof(kind).fields[1:]]
+
+
+def _member(struct, name):
+    value = getattr(struct, name)
+    return bool(value) if name in _FLAGS else value
+
+
+class _Handle:
+    """An object that owns memory of the library."""
+
+    _handle: Any = None  # closed
+
+    def close(self) -> None:
+        """Frees that memory now."""
+        raise NotImplementedError
+
+    def __enter__(self: _Own) -> _Own:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def __reduce_ex__(self, _: Any) -> Any:
+        raise TypeError(f"{type(self).__name__}: found a copy of it wanted, expected a new one to be made")
+
+
+class Model(_Handle):
+    """A model file, loaded. It is freed when it is closed or no longer used, and all its contacts are gone.
 
     pressure_modes, deformation_modes, rows: the first ones alone (0: all). stationary: without what steps in time
     need. `info` has its sizes: dimensions, num_x, num_y, x_min, y_min, step (half widths), …
     """
 
-    def __init__(self, path, pressure_modes=0, deformation_modes=0, rows=0, stationary=False):
+    info: dict[str, Any]
+
+    def __init__(self, path: _Path, pressure_modes: int = 0, deformation_modes: int = 0, rows: int = 0,
+                 stationary: bool = False) -> None:
         options = _begun("ehdrom_model_options")
         options.pressure_modes, options.deformation_modes = pressure_modes, deformation_modes
         options.rows, options.stationary = rows, stationary
         handle = _ffi.new("ehdrom_model **")
-        status = _lib.ehdrom_model_open(handle, os.fsencode(path), options)
+        status = _lib.ehdrom_model_open(handle, _characters(os.fsencode(path), "model"), options)
         self._handle = _ffi.gc(handle[0], _lib.ehdrom_model_close)
         if status:
             raise Error(status, _text(_lib.ehdrom_model_error(self._handle)))
         info = _begun("ehdrom_model_info")
         _lib.ehdrom_model_describe(self._handle, info)
-        self.info = {name: getattr(info, name) for name, _ in _ffi.typeof("ehdrom_model_info").fields[1:]}
+        self.info = {name: _member(info, name) for name in _names_of("ehdrom_model_info")}
         self._path = os.fsdecode(path)
 
-    def __repr__(self):
+    def close(self) -> None:
+        """Allows no further contacts; the model is freed with the last one that there is."""
+        self._handle = None
+
+    def __repr__(self) -> str:
         return (f"Model({self._path!r}: {self.info['num_x']} by {self.info['num_y']} nodes, "
                 f"{self.info['pressure_modes']} pressure modes, {self.info['rows']} rows)")
 
@@ -113,39 +177,81 @@ class _Numbers:
     """The members of a struct of ehdrom.h as attributes, all of which are shown."""
 
     __slots__ = ("_struct",)
+    _kind: str
+    # for type checkers
+    load: float
+    approach: float
+    central_film_thickness: float
+    minimum_film_thickness: float
+    central_pressure: float
+    peak_pressure: float
+    exit_position: float
+    half_width: float
 
-    def __init__(self, struct):
+    def __init__(self, struct: Any) -> None:
         self._struct = struct
 
-    def __getattr__(self, name):
-        return getattr(self._struct, name)
+    def __getattr__(self, name: str) -> Any:
+        # a copy that is being made has no struct yet
+        if name.startswith("_") or name == "size" or name not in self._members():
+            raise AttributeError(f"{type(self).__name__} has no {name}")
+        return _member(self._struct, name)
 
-    def _members(self):
-        return [name for name, _ in _ffi.typeof(self._struct).item.fields[1:]]
+    @classmethod
+    def _members(cls):
+        return _names_of(cls._kind)
 
     def __dir__(self):
         return self._members()
 
-    def __repr__(self):
-        return f"{type(self).__name__}({', '.join(f'{name}={getattr(self, name):.6g}' for name in self._members())})"
+    def __getstate__(self):
+        return {name: getattr(self, name) for name in self._members()}
+
+    def __setstate__(self, state):
+        self._struct = _begun(self._kind)
+        for name in state.keys() & set(self._members()):
+            setattr(self._struct, name, state[name])
+
+    def __repr__(self) -> str:
+        values = {name: getattr(self, name) for name in self._members()}
+        shown = (f"{name}={value if isinstance(value, bool) else format(value, '.6g')}" for name, value in values.items())
+        return f"{type(self).__name__}({', '.join(shown)})"
 
 
 class Result(_Numbers):
     """One solution: the members of ehdrom_result in ehdrom.h, and `reason`, why it is not trusted, or ""."""
 
     __slots__ = ("reason",)
+    _kind = "ehdrom_result"
+    reason: str
+    status: int
+    trusted: bool
+    time: float
+    indicated_deviation: float
+    indicated_deviation_minimum: float
+    local_error: float
+    residual: float
+    iterations: int
+    inlet_heating_factor: float
 
-    def __init__(self, struct, reason):
+    def __init__(self, struct: Any, reason: str) -> None:
         super().__init__(struct)
         self.reason = reason
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         return f"{super().__repr__()[:-1]}, reason={self.reason!r})"
 
     def __dir__(self):
         return ["reason", "check", *self._members()]
 
-    def check(self):
+    def __getstate__(self):
+        return {**super().__getstate__(), "reason": self.reason}
+
+    def __setstate__(self, state):
+        super().__setstate__(state)
+        self.reason = state["reason"]
+
+    def check(self) -> Result:
         """Returns itself, or raises Untrusted."""
         if self.status:
             raise Untrusted(self.status, self.reason)
@@ -156,9 +262,28 @@ class Derivatives(_Numbers):
     """The members of ehdrom_derivatives in ehdrom.h: how load, approach, films, … change."""
 
     __slots__ = ()
+    _kind = "ehdrom_derivatives"
 
 
-class Contact:
+def _alone(method: _Function) -> _Function:
+    """Wraps a method of a contact: an Error if another thread is in a call, or if the contact is closed."""
+
+    @functools.wraps(method)
+    def call(self, *arguments, **named):
+        if not self._lock.acquire(blocking=False):
+            raise Error(_lib.EHDROM_INTERNAL, "contact: found a call of another thread under way, expected one at a "
+                                              "time, or a contact for each")
+        try:
+            if self._handle is None:
+                raise Error(_lib.EHDROM_INTERNAL, "contact: found it closed, expected it open")
+            return method(self, *arguments, **named)
+        finally:
+            self._lock.release()
+
+    return call  # type: ignore[return-value]
+
+
+class Contact(_Handle):
     """A contact with a solver and a time of its own.
 
     scene: a file that all settings are taken from. contact["key"] = value sets one by its key in scenes, None unsets
@@ -167,23 +292,42 @@ class Contact:
     tolerance, step_tolerance: as ehdrom_contact_set_tolerance and ehdrom_contact_set_step_tolerance.
     """
 
-    def __init__(self, model, scene=None, dimensionless=False, accuracy=None, tolerance=None, step_tolerance=None):
+    model: Model
+
+    def __init__(self, model: Model, scene: _Path | None = None, dimensionless: bool = False,
+                 accuracy: float | None = None, tolerance: float | None = None,
+                 step_tolerance: float | None = None) -> None:
         if not isinstance(model, Model):
             raise TypeError(f"model: found {type(model).__name__}, expected a Model")
+        of = model._handle
+        if of is None:
+            raise Error(_lib.EHDROM_INTERNAL, "model: found it closed, expected it open")
         handle = _ffi.new("ehdrom_contact **")
-        status = _lib.ehdrom_contact_create(handle, model._handle)
-        self.model = model  # has to outlive the handle
-        self._handle = _ffi.gc(handle[0], _lib.ehdrom_contact_free)
+        status = _lib.ehdrom_contact_create(handle, of)
+        self._lock = threading.RLock()
+        self.model = model
+        # the function holds the model's handle, so that the model lives as long as the contact
+        self._handle = _ffi.gc(handle[0], lambda freed, _=of: _lib.ehdrom_contact_free(freed))
         self._passed(status)
         if dimensionless:
             self._passed(_lib.ehdrom_contact_set_units(self._handle, _lib.EHDROM_DIMENSIONLESS))
         if scene is not None:
-            self._passed(_lib.ehdrom_contact_read(self._handle, os.fsencode(scene)))
+            self._passed(_lib.ehdrom_contact_read(self._handle, _characters(os.fsencode(scene), "scene")))
         for value, setter in ((accuracy, _lib.ehdrom_contact_set_accuracy),
                               (tolerance, _lib.ehdrom_contact_set_tolerance),
                               (step_tolerance, _lib.ehdrom_contact_set_step_tolerance)):
             if value is not None:
                 self._passed(setter(self._handle, value))
+
+    @_alone
+    def _free(self):
+        _ffi.release(self._handle)
+        self._handle = None
+
+    def close(self) -> None:
+        """Frees it; closing it again does nothing."""
+        if self._handle is not None:
+            self._free()
 
     def _error(self):
         return _text(_lib.ehdrom_contact_error(self._handle))
@@ -201,31 +345,37 @@ class Contact:
         self._solved(status)
         return Result(struct, self._error())
 
-    def __setitem__(self, key, value):
-        if isinstance(value, (bool, str)) or value is None:
-            text = {True: "true", False: "false"}.get(value, value) if isinstance(value, bool) else value
-            value = _ffi.NULL if text is None else text.encode()
-            self._passed(_lib.ehdrom_contact_set(self._handle, key.encode(), value))
+    @_alone
+    def __setitem__(self, key: str, value: float | str | bool | None) -> None:
+        name = _characters(key.encode(), "settings")
+        if isinstance(value, (bool, numpy.bool_)):
+            value = "true" if value else "false"
+        if isinstance(value, str) or value is None:
+            text = _ffi.NULL if value is None else _characters(value.encode(), key)
+            self._passed(_lib.ehdrom_contact_set(self._handle, name, text))
         else:
-            self._passed(_lib.ehdrom_contact_set_number(self._handle, key.encode(), value))
+            self._passed(_lib.ehdrom_contact_set_number(self._handle, name, value))
 
-    def __getitem__(self, key):
+    @_alone
+    def __getitem__(self, key: str) -> float | str | bool | None:
         """What a setting is set to: a number, a text, True, False, or None where it is not."""
         text = _ffi.new("char[]", 4096)
-        self._passed(_lib.ehdrom_contact_get(self._handle, key.encode(), text, len(text)))
+        self._passed(_lib.ehdrom_contact_get(self._handle, _characters(key.encode(), "settings"), text, len(text)))
         value = _text(text)
         try:
             return {"": None, "true": True, "false": False}[value] if value in ("", "true", "false") else float(value)
         except ValueError:
             return value
 
-    def scales(self):
+    @_alone
+    def scales(self) -> dict[str, float]:
         """What makes quantities dimensionless, SI: half_width, film, hertz_pressure, load, speed, time; moes_M, moes_L."""
         scales = _begun("ehdrom_scales")
         self._passed(_lib.ehdrom_contact_scales(self._handle, scales))
-        return {name: getattr(scales, name) for name, _ in _ffi.typeof("ehdrom_scales").fields[1:]}
+        return {name: getattr(scales, name) for name in _names_of("ehdrom_scales")}
 
-    def solve(self):
+    @_alone
+    def solve(self) -> Result:
         """The stationary solution of the settings."""
         struct = _begun("ehdrom_result")
         return self._result(_lib.ehdrom_solve(self._handle, struct), struct)
@@ -240,14 +390,18 @@ class Contact:
             setattr(conditions, name, value)
         return conditions
 
-    def start(self, *, load=None, approach=None, speed=None, radius=None, modulus=None):
+    @_alone
+    def start(self, *, load: float | None = None, approach: float | None = None, speed: float | None = None,
+              radius: float | None = None, modulus: float | None = None) -> Result:
         """The stationary state of these conditions at time 0; what is not given is as set."""
         conditions = self._conditions({"load": load, "approach": approach, "speed": speed, "radius": radius,
                                        "modulus": modulus})
         struct = _begun("ehdrom_result")
         return self._result(_lib.ehdrom_start(self._handle, conditions, struct), struct)
 
-    def step(self, step, *, load=None, approach=None, speed=None, radius=None, modulus=None):
+    @_alone
+    def step(self, step: float, *, load: float | None = None, approach: float | None = None, speed: float | None = None,
+             radius: float | None = None, modulus: float | None = None) -> Result:
         """The state `step` s after the last accepted one, as often as wanted; load in N or N/m, or approach in m, for
         which of a line contact is measured from approach_length half widths (10 unless set)."""
         conditions = self._conditions({"load": load, "approach": approach, "speed": speed, "radius": radius,
@@ -255,7 +409,9 @@ class Contact:
         struct = _begun("ehdrom_result")
         return self._result(_lib.ehdrom_step(self._handle, conditions, step, struct), struct)
 
-    def differentiate(self, *, load=None, approach=None, speed=None, radius=None, modulus=None):
+    @_alone
+    def differentiate(self, *, load: float | None = None, approach: float | None = None, speed: float | None = None,
+                      radius: float | None = None, modulus: float | None = None) -> Derivatives:
         """How results change along a direction in which conditions change so fast, in their units: of the last solve
         or start the stationary derivatives, of the last step, until it is accepted, the tangent at its end. Others are
         held; approach=0 holds the approach, load=0 the load, and with neither that which was given. `load` of the
@@ -266,37 +422,43 @@ class Contact:
         self._solved(_lib.ehdrom_differentiate(self._handle, direction, struct))
         return Derivatives(struct)
 
-    def respond(self):
+    @_alone
+    def respond(self) -> dict[str, float]:
         """stiffness (N/m^2 or N/m), damping (N s/m^2 or N s/m) and damping_bound of the last solve or start: the force's
         response to a small slow change of the approach, dF = -(stiffness + s damping) dh for s -> 0."""
         struct = _begun("ehdrom_response")
         self._solved(_lib.ehdrom_respond(self._handle, struct))
-        return {name: getattr(struct, name) for name, _ in _ffi.typeof("ehdrom_response").fields[1:]}
+        return {name: getattr(struct, name) for name in _names_of("ehdrom_response")}
 
-    def slide(self, sliding=None):
+    @_alone
+    def slide(self, sliding: float | None = None) -> dict[str, float]:
         """Traction of the last solve or the accepted state with the surfaces sliding at u1 - u2 (m/s; by default as
         slide_roll is set): friction_coefficient, friction_force and rolling_resistance (N/m or N), rolling_moment (N or
         N m), power_loss (W/m or W), mean_shear_stress and largest_shear_stress (Pa); and indicated_deviation_friction,
         relative, nan of a step and of a model that was not checked for it."""
         struct = _begun("ehdrom_traction")
         self._solved(_lib.ehdrom_slide(self._handle, numpy.nan if sliding is None else sliding, struct))
-        return {name: getattr(struct, name) for name, _ in _ffi.typeof("ehdrom_traction").fields[1:]}
+        return {name: getattr(struct, name) for name in _names_of("ehdrom_traction")}
 
-    def slide_step(self, sliding=None):
+    @_alone
+    def slide_step(self, sliding: float | None = None) -> dict[str, float]:
         """As slide, of the last step, which need not be accepted."""
         struct = _begun("ehdrom_traction")
         self._solved(_lib.ehdrom_slide_step(self._handle, numpy.nan if sliding is None else sliding, struct))
-        return {name: getattr(struct, name) for name, _ in _ffi.typeof("ehdrom_traction").fields[1:]}
+        return {name: getattr(struct, name) for name in _names_of("ehdrom_traction")}
 
-    def accept(self):
+    @_alone
+    def accept(self) -> None:
         """Accepts the last step."""
         self._passed(_lib.ehdrom_accept(self._handle))
 
-    def restart(self):
+    @_alone
+    def restart(self) -> None:
         """After a jump of the conditions: the next step is first order."""
         self._passed(_lib.ehdrom_restart(self._handle))
 
-    def save(self):
+    @_alone
+    def save(self) -> numpy.ndarray:
         """The accepted state, a numpy array for restore()."""
         count = _ffi.new("size_t *")
         self._passed(_lib.ehdrom_state_size(self._handle, count))
@@ -304,12 +466,14 @@ class Contact:
         self._passed(_lib.ehdrom_state_save(self._handle, _doubles(state), state.size))
         return state
 
-    def restore(self, state):
+    @_alone
+    def restore(self, state: numpy.ndarray) -> None:
         """Goes back to a saved state, of any contact of the same model and settings."""
         state = numpy.array(state, dtype=float)
         self._passed(_lib.ehdrom_state_restore(self._handle, _doubles(state), state.size))
 
-    def fields(self):
+    @_alone
+    def fields(self) -> tuple[numpy.ndarray, numpy.ndarray, numpy.ndarray, numpy.ndarray]:
         """x [num_x], y [num_y] in m, pressure and film [num_y, num_x] in Pa and m, of the last solution or the accepted
         state; the library writes into the arrays that are returned. Of a list of models on different grids the nodes are
         those of the model that has solved it."""
@@ -326,7 +490,8 @@ class Contact:
         self._passed(_lib.ehdrom_nodes(self._handle, num_x, _ffi.NULL))
         return num_x[0]
 
-    def shear_stresses(self, sliding=None):
+    @_alone
+    def shear_stresses(self, sliding: float | None = None) -> tuple[numpy.ndarray, numpy.ndarray]:
         """What the fluid does to surface 1 and to surface 2 along x, Pa, two arrays [num_y, num_x] at the nodes of
         fields(); of the last solution or the accepted state, sliding as of slide()."""
         stresses = numpy.empty((2, self.model.info["num_y"], self.model.info["num_x"]))

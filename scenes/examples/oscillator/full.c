@@ -62,7 +62,7 @@ static int full_start(reply *now, void *contact, failure *error) {
 static int full_step(reply *now, void *contact, double approach, double step, failure *error) {
     ehd_error own = {""};
     full_element *self = contact;
-    double load = march_expected_load(self->load, self->load_rate, step);
+    double load = march_expected_load(self->load, self->load_rate, step, self->last.step);
     contact_frame frame = full_frame(self, load, approach, step);
     ehd_status status = self->solver.attempt(&self->last, self->solver.self, &frame, step, &own);
 

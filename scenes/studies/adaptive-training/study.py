@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What adaptive training saves: plans of a region, the curve of deviations over training points, its picture."""
+import json
 import os
 
 import matplotlib
@@ -21,7 +22,7 @@ def plan(file, scene, m_from, m_to, l_from, l_to, most_alpha_p_H, num_m, num_l, 
     M, L = (", ".join(f"{value:.9g}" for value in values) for values in
             (points(np.geomspace, m_from, m_to, num_m), points(np.linspace, l_from, l_to, num_l)))
     results.write_changed(file, f"""groups:
-  - scene: {scene}
+  - scene: {json.dumps(os.path.abspath(scene))}
     vary:
       moes.M: [{M}]
       moes.L: [{L}]

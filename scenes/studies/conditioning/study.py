@@ -2,6 +2,7 @@
 """Solvers of the reduced least squares on all cases of a region, or on steps in time: measurements, tables, picture."""
 import os
 import re
+import shlex
 import statistics
 import subprocess
 import sys
@@ -28,7 +29,12 @@ def assignments(case):
 
 def words(settings):
     """Settings KEY=VALUE of options --set KEY=VALUE."""
-    return [word for word in settings.split() if word != "--set"]
+    return [word for word in shlex.split(settings) if word != "--set"]
+
+
+def column(name):
+    """A name as a field of CSV without quotes."""
+    return re.sub('[",]', "_", name)
 
 
 def sweep(bench, region, folder, settings, model, sizes, values, dependent=""):
@@ -36,7 +42,7 @@ def sweep(bench, region, folder, settings, model, sizes, values, dependent=""):
     before it, with `dependent` modes), or in time on steps of all rates (values). Rows 0 stand for all."""
     def solve(name, options, modes, rows, variant):
         lines = results.run(bench, model, f"{folder}/scene.yml", modes, rows, variant, *options, outcomes=[0]).stdout
-        print("".join(f"{region},{name},{line}\n" for line in lines.splitlines()), end="", flush=True)
+        print("".join(f"{region},{column(name)},{line}\n" for line in lines.splitlines()), end="", flush=True)
 
     sizes = [int(modes) for modes in sizes.split()]
     if region == "time":

@@ -2,6 +2,7 @@
 """Distance of both discretisations from the solution of the equations (README.md):
 
     study.py stationary FOLDER LINE_STEPS POINT_STEPS    errors of the films of line and point contacts
+    study.py random FOLDER KIND COUNT SEED               what fullrun says of random scenes, against their errors
     study.py in-time FOLDER SCENE.yml STEPS END          of the films of an oscillating load
     study.py estimates FOLDER STEPS ALL_M ALL_L          what fullrun says of its step against what finer ones do
     study.py interpolated FOLDER STEP                    what romrun makes of the estimates of its training
@@ -12,7 +13,10 @@
 STEPS of a grid go from coarse to fine, a list in one word. The reference is of the accurate rows: stationary,
 extrapolated from the last two steps; in time, of the last step with time steps of half of it.
 """
+import math
 import os
+import random as draws
+import re
 
 import numpy as np
 
@@ -51,7 +55,7 @@ discretization: {discretization}
 """)
 
     def run():
-        results.run("fullrun", f"{file}.yml", "-q", "-o", f"{file}.h5", "--force",
+        results.run("fullrun", f"{file}.yml", "-q", "-o", f"{file}.h5", "--force", "--allow-untrusted",
                     outcomes=(results.SOLVED, results.NOT_CONVERGED))
         return {**results.solution(f"{file}.h5"), **{name: results.value(f"{file}.h5", name) for name in EFFECTS + INLETS}}
     return results.kept(f"{file}.json", run, f"{file}.yml", os.path.join(os.environ["BIN"], "fullrun"))
@@ -60,7 +64,7 @@ discretization: {discretization}
 def films(folder, case, step, discretization, domain=None):
     """Central and smallest film of a case, which has to be solved."""
     found = solve(folder, case, step, discretization, domain)
-    if found["status"] != 0:
+    if found["status"] == results.NOT_CONVERGED:
         results.stop(f"found {case} not converged with {discretization} rows and step {step}, expected a solution")
     return np.array([found["H_c"], found["H_min"]])
 
@@ -99,7 +103,7 @@ def estimates(folder, steps, all_M, all_L):
     for discretization in "published", "accurate":
         for step in steps:
             found = [solve(folder, case, step, discretization) for case in cases]
-            found, limits = zip(*((it, of) for it, of in zip(found, exact) if it["status"] == 0))
+            found, limits = zip(*((it, of) for it, of in zip(found, exact) if it["status"] != results.NOT_CONVERGED))
             for i, film in enumerate(("H_c", "H_min")):
                 estimated = np.abs([it[EFFECTS[i]] for it in found])
                 true = np.abs([of[i] / it[film] - 1 for of, it in zip(limits, found)])
@@ -225,6 +229,96 @@ def point_inlets(folder, step, all_M, all_L):
     results.table([*rows, None], left=1)
 
 
+class RandomScene:
+    """A random contact on the grid that it chooses, or, in every second draw, on a coarser or shorter one."""
+
+    def __init__(self, folder, kind, numbers):
+        most = 400 if kind == "line" else 100
+        viscosity, density = numbers.choice(list(BOTH.values()))
+        self.is_line = kind == "line"
+        self.settings = {"moes.M": f"{math.exp(numbers.uniform(math.log(0.7), math.log(most))):.4g}",
+                         "moes.L": f"{0 if numbers.random() < 0.15 else numbers.uniform(0, numbers.choice((10, 25))):.3g}"}
+        if kind == "ellipse":
+            self.settings["ellipticity"] = f"{math.exp(numbers.uniform(math.log(0.3), math.log(5))):.3g}"
+        self.coarser, self.shorter = numbers.choice((1, 1, 1, 2, 4)), numbers.choice((1, 1, 1, 0.7, 0.5))
+        self.file = f"{folder}/random-{kind}"
+        results.write_changed(f"{self.file}.yml", f"""contact: {kind}
+regime: stationary
+moes: {{M: 1, L: 1}}
+lubricant: {{viscosity: {{{viscosity}}}, density: {{law: {density}}}}}
+output: {{fields: false}}
+""")
+
+    def run(self, grid, resolution=False):
+        """What fullrun prints; where it has no solution, nothing."""
+        done = results.run("fullrun", f"{self.file}.yml", "-q", "-o", f"{self.file}.h5", "-f", "--allow-untrusted",
+                           *results.sets({**self.settings, "output.resolution": str(resolution).lower(),
+                                          **{f"grid.{key}": f"{x:.12g}" for key, x in grid.items()}}), outcomes=range(256))
+        return done.stdout if done.returncode == results.SOLVED else ""
+
+    def films(self, grid):
+        solved = self.run(grid) and results.solution(f"{self.file}.h5")
+        return np.array([solved["H_c"], solved["H_min"]]) if solved else np.full(2, np.nan)
+
+    def choose_grid(self):
+        """False: it has no solution there."""
+        found = re.search(r"^grid +(?:\d+ by )?(\d+) nodes from (\S+) to (\S+) by ([\d.e-]+)", self.run({}), re.M)
+        if not found:
+            return False
+        self.x_min, self.x_max, self.step = (float(x) for x in found.groups()[1:])
+        self.cell = float(self.settings.get("ellipticity", 1)) ** (-1 / 3)  # as wide as long
+        self.y_max = (int(found[1]) - 1) / 2 * self.cell * self.step
+        self.step *= self.coarser
+        if not self.is_line:
+            self.step = min(self.step, 0.25)
+        return True
+
+    def grid(self, length=1, step=None):
+        """The domain times a length, of whole steps."""
+        length, step = length * self.shorter, step or self.step
+        x_max = self.x_max * max(1, length / 2)
+        x_min = x_max - math.ceil((x_max - min(length * self.x_min, -1.25)) / step - 1e-6) * step
+        if self.is_line:
+            return {"x_min": x_min, "x_max": x_max, "step": step}
+        sides = math.ceil(max(length, 0.7) * self.y_max / (step * self.cell) - 1e-6) * step * self.cell
+        return {"x_min": x_min, "x_max": x_max, "y_max": max(sides, 1.5), "step": step}
+
+    def compare(self):
+        """What fullrun says of both films' errors by step and inlet, and what they are; None: too coarse to tell."""
+        own = self.grid()
+        text = self.run(own, resolution=True)
+        said = np.array([results.value(f"{self.file}.h5", name) for name in EFFECTS + INLETS]) if text else None
+        if said is None or "too coarse" in text:
+            return None
+        finer = [self.films({**own, "step": self.step / by}) for by in (1, 2, 4)]
+        exact = finer[2] + (finer[2] - finer[1]) / 3  # at most of second order
+        # on twice the step, of a point, whose domain grows along and across
+        coarse = self.step if self.is_line else 2 * self.step
+        short, long, longer = (self.films(self.grid(by, coarse)) for by in (1, 2, 4))
+        endless = longer + (longer - long) / 3
+        return np.array([said, np.abs([*(exact / finer[0] - 1), *(endless / short - 1)])])
+
+
+def random(folder, kind, count, seed):
+    """Of COUNT scenes of a kind. A reference of a point takes sixteen times as many nodes as its own grid."""
+    numbers, compared, coarse = draws.Random(int(seed)), [], 0
+    while len(compared) + coarse < int(count):
+        scene = RandomScene(folder, kind, numbers)
+        if scene.choose_grid():
+            found = scene.compare()
+            coarse += found is None
+            compared += [] if found is None else [found]
+    said, true = np.moveaxis(compared, 1, 0)
+    rows = [["error", "scenes", "below 1", "least", "5 %", "median", "95 %"], None]
+    for name, over in [*zip(["step: H_c", "H_m", "inlet: H_c", "H_m"], (said / true).T),
+                       *((f"both: {film}", (said[:, i] + said[:, 2 + i]) / (true[:, i] + true[:, 2 + i]))
+                         for i, film in enumerate(("H_c", "H_m")))]:
+        over = over[np.isfinite(over)]
+        rows.append([name, len(over), sum(over < 1), *(f"{x:.2g}" for x in np.percentile(over, [0, 5, 50, 95]))])
+    print(f"{kind}: estimate over error; {coarse} of {count} scenes too coarse to tell\n")
+    results.table([*rows, None], left=1)
+
+
 def in_time(folder, scene, steps, end):
     *steps, finest = steps.split()
 
@@ -252,4 +346,4 @@ def in_time(folder, scene, steps, end):
 
 
 if __name__ == "__main__":
-    results.commands(stationary, in_time, estimates, interpolated, indicated, inlets, point_inlets)
+    results.commands(stationary, in_time, estimates, interpolated, indicated, inlets, point_inlets, random)

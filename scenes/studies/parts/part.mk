@@ -5,4 +5,7 @@ ACCURACY = 1e-4
 # Spikes of some of the highest pressures are beyond the limits of a viscosity law.
 ALLOW_FAILURES = 100
 
+# The parts are those of the Makefile.
+SPLIT = 1
+
 include ../../lib/training.mk

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Exit lines, speed and growth of the stationary point contact (Makefile)."""
 import os
+import shlex
 
 import numpy as np
 
@@ -17,10 +18,10 @@ def exits(picture, folder, model, *names):
     """Draws the exit lines of some cases."""
     import pictures
     figure, axes = pictures.page(980, 700)
-    for i, case in enumerate(case for case in results.read_cases() if case.name in names):
+    for i, case in enumerate(results.find_cases(names)):
         for kind, style in ("full", "-"), (model, pictures.MARKS[i % 6]):
-            axes.plot(*exit_line(f"{folder}/{kind}/{case.name}.h5"), style, color=pictures.COLOURS[i % 6],
-                      fillstyle="none", label=case.title if kind == "full" else None)
+            axes.plot(*exit_line(case.file(folder, kind)), style, color=pictures.COLOURS[i % 6],
+                      fillstyle="none", label=case.label if kind == "full" else None)
     axes.set(xlabel="exit $X = x/a$", ylabel="$Y = y/a$", ylim=(0, None))
     axes.legend(loc="upper right")
     pictures.save(figure, picture)
@@ -36,12 +37,12 @@ def speed(folder, model, settings, sizes):
     print(f"{'case':12}         s        ms   reduced  full, red.   permille   permille  mean, largest", flush=True)
     trusted = []
     for case in results.read_cases():
-        options = ["scene.yml", "--force", "--quiet", *settings.split(), *case.options]
+        options = ["scene.yml", "--force", "--quiet", *shlex.split(settings), *case.options]
         files = [f"{folder}/speed-full-{attempt}.h5" for attempt in (1, 2, 3)]
         for file in files:
             results.run("fullrun", *options, "-o", file)
         online = f"{folder}/speed-reduced.h5"
-        results.run("romrun", *options, "--model", f"{folder}/{model}.h5", *sizes.split(), "--repeat", 201,
+        results.run("romrun", *options, "--model", f"{folder}/{model}.h5", *shlex.split(sizes), "--repeat", 201,
                     "--set", "output.fields=true", "-o", online)
         full, reduced = results.solution(files[0]), results.solution(online)
         seconds = min(results.solution(file)["seconds"] for file in files)

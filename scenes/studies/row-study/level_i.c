@@ -302,7 +302,7 @@ int main(int argc, char **argv) {
     double *film = solve_full(&set);
     need(range, "memory: found none");
     for (size_t i = 0; i < set.num_points; i++)
-        inside[i] = !trained_range_check(range, NULL, contact_place_of(&set.contacts[i]), NULL);
+        inside[i] = !trained_range_check(range, NULL, contact_place_of_any(&set.contacts[i]), NULL);
 
     band bands[] = {band_create(&model, &basis, 0), band_create(&model, &basis, 10),
                     band_create(&model, &basis, 100)};

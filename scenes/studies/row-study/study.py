@@ -3,6 +3,7 @@
 import math
 import os
 import re
+import shlex
 
 import pictures
 import results
@@ -42,7 +43,7 @@ def measure(out, region, weight, modes, method, check, settings, factors):
     for kind in factors.split():
         choose(model, "--rows", 2 * int(modes), "--weights", kind)
         results.run("romrun", "--calibrate", check, "--model", model, "-o", calibrated, "--force", "--quiet",
-                    *settings.split(), outcomes=[results.SOLVED])
+                    *shlex.split(settings), outcomes=[results.SOLVED])
         text = results.run("romrun", "--trade", "--model", calibrated, outcomes=[results.SOLVED]).stdout
         for line in text.split("\nindicated")[0].splitlines():
             words = line.replace("*", " ").split()  # a mark of the best
@@ -66,7 +67,7 @@ def from_truth(out, region, modes, method, check, settings):
     results.run("deimselect", "--no-check", f"{base}-residuals.h5", "--basis", f"{base}-basis.h5", "--method", method, "-o", model,
                 "--rows", 2 * int(modes), "--force", outcomes=[results.SOLVED])
     results.run("romrun", "--calibrate", check, "--model", model, "-o", calibrated, "--force", "--quiet",
-                *settings.split(), outcomes=[results.SOLVED])
+                *shlex.split(settings), outcomes=[results.SOLVED])
     exact, full = truth.truths(f"{out}/{region}-truth"), truth.films(f"{out}/{region}-truth/own.h5")
     scenes = truth.calibrated_scenes(calibrated, full)
 

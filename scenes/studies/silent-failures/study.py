@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Does a reduced model know when it is wrong (README.md)?
 
-    study.py draw FOLDER SEED COUNT MODEL.h5 SCENE.yml [own|region]
+    study.py draw FOLDER SEED COUNT MODEL.h5 SCENE.yml [own|region|oils]
                                                                 random scenes around the training points of the model,
                                                                 trained on SCENE.yml: FOLDER/plan.yml and more
     study.py run FOLDER MODEL.h5 SETTINGS PROMISE...            solves them with a calibrated model: FOLDER/runs.csv
@@ -10,12 +10,15 @@
 Half of the scenes lie inside of the hull of the training points in ln M and ln(alpha p_H), half outside but within a rectangle
 of twice its extent; with `own` all are inside and of the lubricant that the model was trained with. With `region` they are
 SCENE.yml with settings within the bounds of the first region of the plan beside it, by turns evenly distributed and so in
-their logarithms. Kind of contact, grid and the lubricant called its own are those of the scene that was trained on. MODEL.h5 may be
+their logarithms. With `oils` all are inside and of other oils: by turns the trained one with alpha +-8 % and eta0 +-20 %, the
+trained one with the other density, and any law, parameters and density; half of them slide, by any law of shear stress.
+Kind of contact, grid and the lubricant called its own are those of the scene that was trained on. MODEL.h5 may be
 a list of models.
 """
 import json
 import os
 import re
+import shlex
 import sys
 import tempfile
 from concurrent.futures import ThreadPoolExecutor
@@ -31,11 +34,20 @@ LAWS = {"law: wlf, preset: no1": (23.60e-9, 9e9), "law: wlf, preset: no2": (12.5
         "law: wlf, preset: no3": (18.05e-9, 3.8e9), "law: barus": (None, 1e12),
         "law: roelands, eta0: 0.04": (None, 1e12)}
 DENSITIES = ["dowson-higginson", "incompressible"]
+# Viscosity of the presets at 25 degC, Pa s, by eq. 40 (common/physics/README.md).
+ETA0 = {"no1": 1e12 * 10 ** (-16.04 * 98.86 / 117.04), "no2": 1e12 * 10 ** (-15.87 * 138.79 / 149.01),
+        "no3": 1e7 * 10 ** (-11.84 * 112.46 / 173.05)}
+# Of the bodies of contacts in SI units: radius in m, modulus in Pa.
+RADIUS, MODULUS = 0.01, 230e9
+# Laws of shear stress with what is drawn of them: bounds, even in the logarithm.
+SHEARS = {"law: newtonian": {}, "law: eyring": {"tau0": (2e6, 2e7)}, "law: limiting": {"limit": (0.02, 0.1)},
+          "law: carreau": {"G": (1e5, 1e7), "n": (0.3, 0.9)}}
 MOST_L = 40
 
 FILMS = ["central", "minimum"]
-RUN = ["promise", "where", "whose", "code", "central", "minimum", "indicated_central", "indicated_minimum", "fields",
-       "full_central", "full_minimum"]
+FORCES = ["friction_coefficient", "rolling_resistance"]  # of scenes that slide
+RUN = ["promise", "where", "whose", "code", "central", "minimum", "indicated_central", "indicated_minimum", *FORCES, "fields",
+       "full_central", "full_minimum", *(f"full_{force}" for force in FORCES)]
 LEAST_OFF = 1e-7  # below, deviations are no longer those of the model
 
 
@@ -43,12 +55,14 @@ LEAST_OFF = 1e-7  # below, deviations are no longer those of the model
 
 
 def read_scene(file):
-    """Kind of contact, lines of discretisation and grid, viscosity, and line of physical settings (or empty) of a scene."""
+    """Kind of contact, lines of discretisation and grid, viscosity, line of physical settings (or empty), and density of a
+    scene."""
     with open(file) as source:
         lines = {line.split(":")[0].strip(): line.rstrip() for line in source}
     return (re.sub(" *#.*", "", lines["contact"].split(":")[1]).strip(),
             "\n".join(lines[key] for key in ("discretization", "grid") if key in lines),
-            re.sub("^[^{]*{|}.*", "", lines["viscosity"]), lines.get("physical", ""))
+            re.sub("^[^{]*{|}.*", "", lines["viscosity"]), lines.get("physical", ""),
+            re.sub(".*law: *([-a-z]+).*", r"\1", lines["density"]) if "density" in lines else DENSITIES[0])
 
 
 def read_region(file):
@@ -93,8 +107,8 @@ def drawn_in_region(bounds, count, random):
     return {(0, 0): [{"where": "inside", "whose": "own", "settings": settings(i % 2 == 1)} for i in range(count)]}
 
 
-def drawn_around_hull(contact, laws, model, count, own, random):
-    """The same inside and outside of the hull of a model's training points."""
+def places_around_hull(contact, model, random):
+    """Draws M and alpha p_H inside or outside of the hull of a model's training points; and L of both."""
     trained = np.concatenate([np.array(list(results.printed(part, "state_moes_M", "state_alpha_p_H").values())).T
                               for part in results.listed_models(model)])
     edges = hull_edges(np.log(trained))
@@ -110,6 +124,12 @@ def drawn_around_hull(contact, laws, model, count, own, random):
                     and is_inside(edges, np.log((M, alpha_p_H))) == inside):
                 return M, alpha_p_H
 
+    return place, moes_L
+
+
+def drawn_around_hull(laws, places, count, own, random):
+    """Groups by number of law and density of scenes inside and outside."""
+    place, moes_L = places
     groups = {}
     for i in range(count):
         inside = own or i % 2 == 0
@@ -129,22 +149,88 @@ def drawn_around_hull(contact, laws, model, count, own, random):
     return groups
 
 
+def even_in_logarithm(random, low, high):
+    return np.exp(random.uniform(*np.log((low, high))))
+
+
+def drawn_oil(turn, viscosity, density, random):
+    """Law of viscosity, its parameters, highest Hertz pressure, and density: by turns near the trained one, as that but for
+    the density, and any."""
+    other = DENSITIES[1 - DENSITIES.index(density)]
+    law = re.sub(r"[, ]*(alpha|eta0): *[-+.0-9e]+", "", viscosity).strip()
+    own = {key: float(value) for key, value in re.findall(r"(alpha|eta0): *([-+.0-9e]+)", viscosity)}
+    if law not in LAWS:
+        own = {"eta0": 0.05, **own}
+    if turn < 2:
+        spread = {"alpha": 0.08, "eta0": 0.2}
+        near = {key: value * (1 + spread[key] * random.uniform(-1, 1) * (turn == 0)) for key, value in own.items()}
+        return law, near, LAWS.get(law, (0, 1e12))[1], other if turn == 1 else density
+    names = [name for name in LAWS if "wlf" in name] + ["law: barus", "law: roelands"] * 2
+    law = names[random.integers(len(names))]
+    density = DENSITIES[random.integers(len(DENSITIES))]
+    if "wlf" in law:
+        return law, {}, LAWS[law][1], density
+    return law, {"alpha": random.uniform(1e-8, 3e-8), "eta0": even_in_logarithm(random, 0.004, 1)}, 1e12, density
+
+
+def in_si_units(contact, M, hertz_pressure, eta0):
+    """Load and speed of a contact on bodies of RADIUS and MODULUS."""
+    if contact == "point":
+        load = 2 * np.pi ** 3 / 3 * hertz_pressure ** 3 * RADIUS ** 2 / MODULUS ** 2
+        speed_number = 0.5 * (load / (MODULUS * RADIUS ** 2) / M) ** (4 / 3)
+    else:
+        load = 2 * np.pi * hertz_pressure ** 2 * RADIUS / MODULUS
+        speed_number = 0.5 * (load / (MODULUS * RADIUS) / M) ** 2
+    return {"physical.load": load, "physical.speed": speed_number * MODULUS * RADIUS / eta0}
+
+
+def drawn_oils(contact, viscosity, density, place, count, random):
+    """Groups by (law, density, law of shear stress) of scenes inside."""
+    groups = {}
+    for i in range(count):
+        while True:
+            law, drawn, limit, of_density = drawn_oil(i % 3, viscosity, density, random)
+            M, alpha_p_H = place(True)
+            alpha = drawn.get("alpha") or LAWS[law][0]
+            if alpha_p_H / alpha <= limit:
+                break
+        shear = list(SHEARS)[random.integers(len(SHEARS))] if i % 2 else ""
+        eta0 = drawn.get("eta0") or ETA0[law[-3:]]
+        settings = in_si_units(contact, M, alpha_p_H / alpha, eta0)
+        settings |= {f"lubricant.viscosity.{key}": value for key, value in drawn.items()}
+        if shear:
+            settings["slide_roll"] = even_in_logarithm(random, 0.01, 1)
+            settings |= {f"lubricant.shear.{key}": even_in_logarithm(random, *pair) for key, pair in SHEARS[shear].items()}
+        groups.setdefault((law, of_density, shear), []).append(
+            {"where": "inside", "whose": ("near", "density", "any")[i % 3],
+             "settings": {key: f"{value:.12g}" for key, value in settings.items()}})
+    return groups
+
+
 def draw(folder, seed, count, model, scene_file, of=""):
     """Random scenes: plan.yml, scenes.json with an entry each in the plan's order, and the scene files of it."""
-    contact, grid, viscosity, physical = read_scene(scene_file)
+    contact, grid, viscosity, physical, density = read_scene(scene_file)
     laws = list(laws_of(viscosity).items())
     random = np.random.default_rng(int(seed))
     if of == "region":
         groups = drawn_in_region(read_region(f"{os.path.dirname(scene_file)}/plan.yml"), int(count), random)
     else:
-        groups = drawn_around_hull(contact, laws, model, int(count), of == "own", random)
+        place, moes_L = places_around_hull(contact, model, random)
+        groups = (drawn_oils(contact, viscosity, density, place, int(count), random) if of == "oils" else
+                  drawn_around_hull(laws, (place, moes_L), int(count), of == "own", random))
+    if of == "oils":
+        physical = f"physical: {{radius: {RADIUS}, modulus: {MODULUS:g}}}"
+    else:
+        groups = {(laws[which][0], DENSITIES[of_density], ""): group
+                  for (which, of_density), group in sorted(groups.items())}
 
     os.makedirs(folder, exist_ok=True)
     plan, scenes = "groups:\n", []
-    for (which, density), group in sorted(groups.items()):
-        scene = f"{folder}/scene-{which + 1}-{density + 1}.yml"
-        text = (f"contact: {contact}\nregime: stationary\nlubricant:\n  viscosity: {{{laws[which][0]}}}\n"
-                f"  density: {{law: {DENSITIES[density]}}}\n{grid}\n" + (f"{physical}\n" if of == "region" else ""))
+    for number, ((law, of_density, shear), group) in enumerate(groups.items()):
+        scene = f"{folder}/scene-{number + 1}.yml"
+        text = (f"contact: {contact}\nregime: stationary\nlubricant:\n  viscosity: {{{law}}}\n"
+                f"  density: {{law: {of_density}}}\n" + (f"  shear: {{{shear}}}\n" if shear else "") + f"{grid}\n"
+                + (f"{physical}\n" if of in ("region", "oils") else ""))
         results.write_changed(scene, text)
         plan += "  - scene:\n" + re.sub("^", " " * 6, text, flags=re.M).rstrip() + "\n    combine: list\n    vary:\n"
         for key in group[0]["settings"]:
@@ -177,16 +263,20 @@ def fields_off(file, pressure, film, central):
     return max(beyond_neighbours(found[0], pressure), film_off / central)
 
 
+def text_of(file, name):
+    """A number of an open file, or nothing."""
+    return repr(float(np.squeeze(file[name][()]))) if name in file else ""
+
+
 def read_run(file, full, i):
-    """Films, indicated deviations and deviation of the fields of a result: texts, empty where there is none."""
+    """Films, indicated deviations, forces and deviation of the fields of a result: texts, empty where there is none."""
     if not os.path.exists(file):
-        return [""] * 5
+        return [""] * (2 * len(FILMS) + len(FORCES) + 1)
     with h5py.File(file) as result:
         numbers = [f"{kind}{which}{end}" for kind, end in (("", "_film_thickness"), ("indicated", ""))
                    for which in FILMS]
         names = dict(zip(numbers[2:], ("indicated_deviation", "indicated_deviation_minimum")))
-        found = [repr(float(np.squeeze(result[name][()]))) if name in result else ""
-                 for name in (names.get(number, number) for number in numbers)]
+        found = [text_of(result, name) for name in [*(names.get(number, number) for number in numbers), *FORCES]]
         off = ""
         if full["status"][i] == results.SOLVED and int(np.squeeze(result["status"][()])) != results.NOT_CONVERGED:
             off = repr(float(fields_off(result, full["pressure"][i], full["film_thickness"][i],
@@ -205,11 +295,22 @@ def run(folder, model, settings, *promises):
     films = [[repr(float(full[f"{which}_film_thickness"][i])) if full["status"][i] == results.SOLVED else ""
               for which in FILMS] for i in range(len(scenes))]
 
+    def full_forces(i, place):
+        if "slide_roll" not in scenes[i]["settings"] or not films[i][0]:
+            return [""] * len(FORCES)
+        file = f"{place}/full-{i}.h5"
+        results.run("fullrun", scenes[i]["scene"], "--quiet", "-o", file, *shlex.split(settings),
+                    *results.sets(scenes[i]["settings"]))
+        with h5py.File(file) as result:
+            found = [text_of(result, force) for force in FORCES]
+        os.remove(file)
+        return found
+
     def solve(promise, i, place):
         asked = [] if promise == "none" else ["--accuracy", promise]
         file = f"{place}/{promise}-{i}.h5"
         done = results.run("romrun", scenes[i]["scene"], "--model", model, *asked, "--quiet", "-o", file,
-                           "--set", "output.fields=true", *settings.split(), *results.sets(scenes[i]["settings"]),
+                           "--set", "output.fields=true", *shlex.split(settings), *results.sets(scenes[i]["settings"]),
                            outcomes=range(-255, 256))
         found = read_run(file, full, i)
         if os.path.exists(file):
@@ -218,10 +319,11 @@ def run(folder, model, settings, *promises):
 
     runs = []
     with ThreadPoolExecutor(2) as two, tempfile.TemporaryDirectory() as place:
+        forces = list(two.map(full_forces, range(len(scenes)), [place] * len(scenes)))
         for promise in promises:
             solved = two.map(solve, [promise] * len(scenes), range(len(scenes)), [place] * len(scenes))
-            runs += [[promise, scene["where"], scene["whose"], *reduced, *full_films]
-                     for scene, reduced, full_films in zip(scenes, solved, films)]
+            runs += [[promise, scene["where"], scene["whose"], *reduced, *whole, *whole_forces]
+                     for scene, reduced, whole, whole_forces in zip(scenes, solved, films, forces)]
     results.write_csv(f"{folder}/runs.csv", RUN, runs)
 
 
@@ -260,6 +362,16 @@ def print_fields(runs):
               f"the worst {max(quiet):.2g} times")
 
 
+def print_forces(runs):
+    """Forces of results that are not flagged, over what was promised of the films."""
+    for force in FORCES:
+        quiet = [off_of(run, force) / promised(run) for run in runs
+                 if run["code"] == "0" and run[force] and run[f"full_{force}"]]
+        if quiet:
+            print(f"  {force.replace('_', ' ')} off by more than that, not flagged: {sum(off > 1 for off in quiet)} of "
+                  f"{len(quiet)}; the worst {max(quiet):.2g} times")
+
+
 def print_effectivity(runs):
     """Indicated over true deviation of those inside that are solved."""
     for which in FILMS:
@@ -275,8 +387,11 @@ def print_effectivity(runs):
 def table(file, seed, calibration):
     """What was flagged and what was not."""
     groups = {"inside own": "inside, own lubricant", "inside other": "inside, other lubricants",
-              "outside": "outside, any lubricant"}
+              "outside": "outside, any lubricant", "inside near": "near it", "inside density": "of the other density",
+              "inside any": "any oil"}
     lines = list(results.read_csv(file))
+    drawn = {f"{line['where']} {line['whose']}" for line in lines}
+    groups = {group: name for group, name in groups.items() if any(one.startswith(group) for one in drawn)}
     runs = [(run["promise"], f"{run['where']} {run['whose']}", *outcome(run)) for run in lines]
     print(f"seed {seed}, calibrated on seed {calibration}\n")
     layout = "{:24} {:>8} {:>8} {:>12} {:>16} {:>8} {:>10} {:>12}"
@@ -291,6 +406,7 @@ def table(file, seed, calibration):
             print(layout.format(f"  {name}", quiet, loud, f"{100 * loud / max(quiet + loud, 1):.1f} %", *others))
         mine = [run for run in lines if run["promise"] == promise]
         print_fields(mine)
+        print_forces(mine)
         print_effectivity(mine)
     silent = [off for *_, what, off in runs if what == "bad not flagged"]
     errors = sum(what == "error" for *_, what, _ in runs)

@@ -4,7 +4,8 @@
     study.py draw FOLDER SEED COUNT [plan]      random histories of load and speed: FOLDER/NUMBER.yml or, to calibrate
                                                 on, without tables, FOLDER/plan.yml
     study.py run FOLDER MODEL.h5 PROMISE...     solves them with the full model, and with a calibrated one once a
-                                                promise: FOLDER/runs.csv
+                                                promise (a number; none: 1 % holds; fallback: 1 % holds, and the full
+                                                model solves what the reduced one does not): FOLDER/runs.csv
     study.py table RUNS.csv SEED                counts; exit code 1 where a run ended otherwise
 
 A history is a sine, a ramp, a step or a table, or nothing varies; one of load and speed does at least. Two thirds of
@@ -12,6 +13,7 @@ the histories keep within what the plan of the training spans, a third may go be
 """
 import os
 import re
+import resource
 import sys
 
 import numpy as np
@@ -21,7 +23,8 @@ import results
 END = 2.5
 LOAD, SPEED = (0.87, 1.13), (0.75, 1.25)  # factors inside; of the training 0.85 to 1.15 and 0.7 to 1.3
 BEYOND = 2  # times as wide
-RUN = ["number", "where", "promise", "code", "common", "central", "minimum", "load", "speed"]
+RUN = ["number", "where", "promise", "code", "common", "central", "minimum", "load", "speed", "cost"]
+OPTIONS = {"none": [], "fallback": ["--fallback", "full"]}  # of a promise that is no number
 
 
 # ---- Histories
@@ -89,18 +92,26 @@ def draw(folder, seed, count, plan=""):
 # ---- Runs
 
 
+def processor_seconds():
+    """Of all programs that have ended."""
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return used.ru_utime + used.ru_stime
+
+
 def solved(program, scene, out, *options):
-    """Exit code, and times with central and minimum film of a run."""
+    """Exit code, processor time, and times with central and minimum film of a run."""
+    before = processor_seconds()
     code = results.run(program, scene, "-o", out, "--force", "--quiet", "--set", "output.fields=false", *options,
                        outcomes=range(-255, 256)).returncode
+    seconds = processor_seconds() - before
     if code not in (results.SOLVED, results.NOT_TRUSTED):
-        return code, None
-    return code, np.array(list(results.printed(out, "time", "central_film_thickness",
+        return code, seconds, None
+    return code, seconds, np.array(list(results.printed(out, "time", "central_film_thickness",
                                                "minimum_film_thickness").values()))
 
 
 def run(folder, model, *promises):
-    """Runs all scenes with promises; none: 1 % holds."""
+    """Runs all scenes with promises. The cost is the processor time over the full model's."""
     with open(f"{folder}/count") as source:
         count = int(source.read())
     runs = []
@@ -110,20 +121,21 @@ def run(folder, model, *promises):
             lines = source.read()
         where = lines.split()[1]
         laws = [(re.search(rf"^  {name}: {{law: (\w+)", lines, re.M) or [0, "none"])[1] for name in ("load", "speed")]
-        code, full = solved("fullrun", scene, f"{folder}/full.h5", "--grid-of", model)
+        code, seconds, full = solved("fullrun", scene, f"{folder}/full.h5", "--grid-of", model)
         if full is None or code:
-            runs.append([i, where, "", "", 0, "", "", *laws])
+            runs.append([i, where, "", "", 0, "", "", *laws, ""])
             continue
         for promise in promises:
-            asked = [] if promise == "none" else ["--accuracy", promise]
-            code, reduced = solved("romrun", scene, f"{folder}/reduced.h5", "--model", model, *asked)
-            off, common = ["", ""], 0
+            asked = OPTIONS.get(promise, ["--accuracy", promise])
+            code, spent, reduced = solved("romrun", scene, f"{folder}/reduced.h5", "--model", model, *asked)
+            off, common, cost = ["", ""], 0, ""
             if reduced is not None:
+                cost = spent / seconds
                 times, of_full, of_reduced = np.intersect1d(np.round(full[0], 9), np.round(reduced[0], 9),
                                                             return_indices=True)
                 common = len(times) / len(full[0])
                 off = [np.abs(reduced[q][of_reduced] / full[q][of_full] - 1).max() for q in (1, 2)]
-            runs.append([i, where, promise, code, common, *off, *laws])
+            runs.append([i, where, promise, code, common, *off, *laws, cost])
     results.write_csv(f"{folder}/runs.csv", RUN, runs)
 
 
@@ -140,25 +152,29 @@ def outcome(run):
     if code not in (results.SOLVED, results.NOT_TRUSTED):
         return "error", 0
     off = max(float(run["central"]), float(run["minimum"]))
-    promise = 0.01 if run["promise"] == "none" else float(run["promise"])
+    promise = 0.01 if run["promise"] in OPTIONS else float(run["promise"])
     flagged = "flagged" if code == results.NOT_TRUSTED else "not flagged"
     return f"{'good' if off <= promise else 'bad'} {flagged}", off
 
 
 def table(file, seed):
     """What was flagged and what was not."""
-    runs = [(run["promise"], run["where"], *outcome(run)) for run in results.read_csv(file)]
+    listed = results.read_csv(file)
+    runs = [(run["promise"], run["where"], *outcome(run)) for run in listed]
     print(f"seed {seed}\n")
     layout = "{:24} {:>8} {:>8} {:>12} {:>16} {:>8} {:>10}"
     print(layout.format("", "good,", "good,", "of the good", "bad, not", "bad,", "not"))
     print(layout.format("", "quiet", "flagged", "flagged", "flagged: silent", "flagged", "solved"))
     for promise in dict.fromkeys(run[0] for run in runs if run[0]):
-        print("no promise asked for" if promise == "none" else f"promise {float(promise):g}")
+        print({"none": "no promise asked for", "fallback": "--fallback full"}.get(promise) or f"promise {float(promise):g}")
         for where in ("inside", "outside"):
             mine = [run[2] for run in runs if run[0] == promise and run[1] == where]
             quiet, loud, *others = (mine.count(what) for what in (
                 "good not flagged", "good flagged", "bad not flagged", "bad flagged", "not solved"))
             print(layout.format(f"  {where}", quiet, loud, f"{100 * loud / max(quiet + loud, 1):.1f} %", *others))
+        costs = [float(run["cost"]) for run in listed if run["promise"] == promise and run["cost"]]
+        if costs:
+            print(f"  processor time over the full model's: median {np.median(costs):.2f}, largest {max(costs):.2f}")
     silent = [off for *_, what, off in runs if what == "bad not flagged"]
     errors = sum(what == "error" for *_, what, _ in runs)
     print(f"\nthe full model did not end: {sum(what == 'no reference' for *_, what, _ in runs)}")

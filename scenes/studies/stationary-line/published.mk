@@ -6,7 +6,7 @@ PUBLISHED := $(dir $(lastword $(MAKEFILE_LIST)))published.py
 figures: $(OUT)/tables.txt $(OUT)/profiles.png \
          $(if $(FIGURE3_CASE),$(OUT)/figure3.png) ## tables and figures as published
 	@cat $(OUT)/tables.txt
-	@printf '%s\n' $(patsubst %,'picture: %',$(abspath $(filter %.png,$^)))
+	$(call tell_pictures,$(filter %.png,$^))
 
 .PHONY: figures
 
@@ -21,7 +21,7 @@ FIGURE3_POINTS := $(FIGURE3_PRESSURE_MODES:%=coupled-%-0) \
                   $(FIGURE3_DEFORMATION_MODES:%=independent-$(firstword $(FIGURE3_FIXED))-%)
 FIGURE3_FILES  := $(sort $(FIGURE3_POINTS:%=$(OUT)/figure3-%.txt))
 
-$(OUT)/figure3-%.txt: $(PUBLISHED) $(OUT)/snapshots.h5 $(OUT)/full/$(FIGURE3_CASE).h5 $(BIN)/romrun $(BIN)/deimselect
+$(OUT)/figure3-%.txt: $(PUBLISHED) $(OUT)/snapshots.h5 $(CASES:%=$(OUT)/full/%.h5) $(BIN)/romrun $(BIN)/deimselect
 	$(call quiet,figure 3  ,$*)$(python) $< point $(OUT) $* $(FIGURE3_CASE) $(SET) > $@
 
 $(OUT)/figure3.png: $(PUBLISHED) $(SHARED)pictures.py cases.csv $(FIGURE3_FILES)

@@ -21,7 +21,7 @@ def published(case, kind):
 def tables(folder, sizes, *models):
     """Prints sizes, iterations, times and films of the full and of all reduced models, beside the published ones."""
     cases = results.read_cases()
-    full, *reduced = [[results.solution(f"{folder}/{kind}/{case.name}.h5") for case in cases]
+    full, *reduced = [[results.solution(case.file(folder, kind)) for case in cases]
                       for kind in ("full", *models)]
     full_published, reduced_published = ([published(case, kind) for case in cases] for kind in ("full", "reduced"))
 
@@ -71,7 +71,7 @@ def point(folder, name, case, *settings):
     the status of a model that does not converge is 1."""
     kind, pressure, deformation = name.split("-")
     rows = 2 * (int(pressure) + int(deformation) + 1)
-    options = next(known.options for known in results.read_cases() if known.name == case)
+    case, = results.find_cases([case])
     with tempfile.TemporaryDirectory() as work:
         basis, residuals, model, result = (f"{work}/{part}.h5" for part in ("basis", "residuals", "model", "result"))
         results.run("podbuild", f"{folder}/snapshots.h5", "--quiet", "--deformation", kind, "--pressure-modes",
@@ -81,8 +81,8 @@ def point(folder, name, case, *settings):
         results.run("deimselect", residuals, "--quiet", "--no-check", "--basis", basis, "--rows", rows,
                     "--weights", "quadrature" if kind == "coupled" else "plain", "-o", model, outcomes=[0])
         done = results.run("romrun", "scene.yml", "--quiet", "--allow-untrusted", "--model", model, "-o", result,
-                           *settings, *options, outcomes=[results.SOLVED, results.NOT_CONVERGED])
-        off = abs(results.solution(result)["H_c"] / results.solution(f"{folder}/full/{case}.h5")["H_c"] - 1)
+                           *settings, *case.options, outcomes=[results.SOLVED, results.NOT_CONVERGED])
+        off = abs(results.solution(result)["H_c"] / results.solution(case.file(folder, "full"))["H_c"] - 1)
     print(kind, pressure, deformation, rows, int(done.returncode != 0), f"{1000 * off:.6g}")
 
 
@@ -91,11 +91,11 @@ def figure3(picture, name, fixed_pressure, fixed_deformation, sizes, *files):
     import pictures
     lines = [open(file).read().split() for file in files]
     points = sorted((line[0], *map(float, line[1:])) for line in lines)
-    case = next(known for known in results.read_cases() if known.name == name)
+    case, = results.find_cases([name])
     fixed, label = (int(fixed_pressure), int(fixed_deformation)), ("n_p", "n_\\delta")
     published = sizes.split()[1:3]
     figure, both = pictures.page(1000, 1000, 2)
-    both[0].set_title(case.title)
+    both[0].set_title(case.label)
     for varied, axes in enumerate(both):
         for kind, size, style, bottom in ("independent", fixed[1 - varied], "o-", 4e-6), ("coupled", 0, "s-", 2e-6):
             if kind == "coupled" and varied == 1:

@@ -28,10 +28,10 @@ def measure(out, tolerances, truth_step, *options):
     rows = [["history", "tolerance", "steps", "film", "true rms", "told", "true most", "told", "rms / tolerance"], None]
     off = []
     for case in results.read_cases():
-        truth = solved(f"{out}/{case.name}-truth.h5", case, *options, *results.sets(
+        truth = solved(f"{out}/{case.number}-truth.h5", case, *options, *results.sets(
             {"grid.step": truth_step, "transient.fixed_step": truth_step, "transient.smoothing": 0}))
         for tolerance in tolerances.split():
-            found = solved(f"{out}/{case.name}-{tolerance}.h5", case, *options,
+            found = solved(f"{out}/{case.number}-{tolerance}.h5", case, *options,
                            *results.sets({"transient.tolerance": tolerance}))
             for film, (column, name) in FILMS.items():
                 true = results.at_times(truth.time, getattr(truth, column), found.time) / getattr(found, column) - 1
@@ -56,14 +56,14 @@ def draw(out, target):
     cases = results.read_cases()
     figure, panels = pictures.page(1800, 760, 2, 4, sharex=True)
     for axes, case in zip(panels.flat, cases):
-        truth = results.read_trajectory(f"{out}/{case.name}-truth.h5")
-        file = f"{out}/{case.name}-1.5e-3.h5"
+        truth = results.read_trajectory(f"{out}/{case.number}-truth.h5")
+        file = f"{out}/{case.number}-1.5e-3.h5"
         found = results.read_trajectory(file)
         told = results.printed(file, "time_effect")["time_effect"]
         true = results.at_times(truth.time, truth.H_c, found.time) / found.H_c - 1
         axes.plot(found.time, 100 * true, color=pictures.BLUE, label="true")
         axes.plot(found.time, 100 * told, color=pictures.RED, linestyle="--", label="told by the result")
-        axes.set_title(f"{case.title}: {found.steps} steps", fontsize="medium")
+        axes.set_title(f"{case.label}: {found.steps} steps", fontsize="medium")
     for axes in panels[:, 0]:
         axes.set_ylabel("effect on $H_c$ in %")
     for axes in panels[1]:

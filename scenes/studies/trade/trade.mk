@@ -36,7 +36,8 @@ else
 trade: $(OUT)/trade.png ## deviation against time of the model's sizes and of the alternatives on check-plan.yml
 	@$(BIN)/romrun --trade --model $(OUT)/calibrated.h5
 	@$(if $(filter stationary,$(TRADE_REGIME)),cat $(OUT)/polish.txt)
-	@echo 'picture: $(abspath $<), .svg; numbers: $(abspath $(OUT)/trade.csv)'
+	$(call tell_pictures,$<)
+	$(call tell,numbers,$(OUT)/trade.csv)
 
 endif
 

@@ -1,0 +1,56 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Products of the small matrices of reduced models. They are our own, because the library and
+ * FMUs bring no BLAS along, and because an OpenBLAS that does not know the processor runs
+ * its kernels for processors of 2004. */
+#ifndef EHD_PRODUCT_H
+#define EHD_PRODUCT_H
+
+#include <stddef.h>
+
+/* y += A x. */
+void add_product(
+    // output:
+    double *y, // [num_rows]
+    // input:
+    const double *matrix, // A, [num_rows, num_columns], rows `stride` numbers apart
+    size_t stride, size_t num_rows, size_t num_columns,
+    const double *x // [num_columns]
+);
+
+/* y += factor A^T x. */
+void add_transposed_product(
+    // output:
+    double *y, // [num_columns]
+    // input:
+    double factor,
+    const double *matrix, // A, [num_rows, num_columns] row-major
+    size_t num_rows, size_t num_columns,
+    const double *x // [num_rows]
+);
+
+/* Element (i, r) of a matrix is at numbers[i * by_row + r * by_column]. */
+typedef struct strided {
+    const double *numbers;
+    size_t by_row, by_column;
+} strided;
+
+/* C += factor A B. */
+void add_matrix_product(
+    // output:
+    double *product, // C, [num_rows, num_columns], rows `stride` numbers apart
+    size_t stride,
+    // input:
+    double factor,
+    strided left,        // A, [num_rows, num_inner]
+    const double *right, // B, [num_inner, num_columns], rows `right_stride` numbers apart
+    size_t right_stride, size_t num_rows, size_t num_columns, size_t num_inner);
+
+/* The lower part of J^T J, by columns; the part above the diagonal is not to be used. */
+void gram_matrix(
+    // output:
+    double *gram, // [num_columns, num_columns]
+    // input:
+    const double *matrix, // J, [num_rows, num_columns] row-major
+    size_t num_rows, size_t num_columns);
+
+#endif

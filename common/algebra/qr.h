@@ -1,0 +1,50 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Triangular form of a matrix by reflections (Householder 1958), and least squares by it. */
+#ifndef EHD_QR_H
+#define EHD_QR_H
+
+#include <stddef.h>
+
+/* A reflection 1 + factor v v^T. */
+typedef struct reflection {
+    const double *direction; // v, [count]
+    double factor;
+    double end; // what it makes the first number; the others become zero
+} reflection;
+
+/* Returns the reflection of a vector onto its first axis. */
+reflection reflection_of(
+    // output:
+    double *direction, // [count]
+    // input:
+    const double *column, // [count]
+    size_t count,
+    double length); // of the column, above 0
+
+/* Applies a reflection to a column. */
+void reflect(double *column, const reflection *by, size_t count);
+
+/* Replaces a matrix by R of its QR factorisation, with zeros below the diagonal. Columns that are
+ * appended to it, such as a right side b, become Q^T b. */
+void qr_reduce(
+    // in and out:
+    double *columns, // [num_columns, num_rows], by columns
+    // output:
+    double *direction, // [num_rows]
+    // input:
+    size_t num_rows, size_t num_columns);
+
+/* Finds the x with the least |A x - b|, which is not finite where a column of A depends exactly on
+ * those before it. Replaces [A b] by [R Q^T b]. */
+void qr_solve(
+    // output:
+    double *x, // [num_columns]
+    // in and out:
+    double *columns, // [num_columns + 1, num_rows], by columns
+    // output:
+    double *direction, // [num_rows]
+    // input:
+    size_t num_rows, // at least num_columns
+    size_t num_columns);
+
+#endif

@@ -1,0 +1,111 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Flow of a Ree-Eyring fluid between sliding surfaces (README.md, thinned flow).
+ *
+ * Two numbers determine it. The rate N = eta |u1 - u2|/(tau0 h) is the Newtonian stress of the
+ * sliding over Eyring's. The gradient Sigma = h |dp/dx|/(2 tau0) is the change of the stress from the
+ * middle of the film to a surface, over Eyring's. */
+#ifndef EHD_EYRING_FLOW_H
+#define EHD_EYRING_FLOW_H
+
+#include <math.h>
+#include <stdbool.h>
+
+/* What the flow takes of the gradient alone. */
+typedef struct eyring_gradient {
+    double square;  // Sigma^2
+    double at_rest; // A = 3 (Sigma cosh Sigma - sinh Sigma)/Sigma^3, the factor without sliding
+    double sliding; // C = 3 (Sigma coth Sigma - 1)/Sigma^2, that of fast sliding over the rate
+} eyring_gradient;
+
+/* The factor on the mobility of the pressure flow, and its logarithmic derivatives. */
+typedef struct eyring_factor {
+    double value, by_log_rate, by_log_gradient;
+} eyring_factor;
+
+/* Up to here the factor without sliding rises; beyond, only iterates that are far off have such
+ * gradients, and exp(Sigma) would leave the range of numbers. */
+#define EYRING_LARGEST_GRADIENT 600.
+
+/* Neither cancels nor overflows at any gradient that is not negative. */
+static inline eyring_gradient eyring_gradient_of(double sigma) {
+    const double s = sigma * sigma;
+
+    if (sigma < 1) {
+        // A = 3 sum 2k s^(k-1)/(2k + 1)!, sinh Sigma/Sigma = sum s^k/(2k + 1)!
+        double term = 1, at_rest = 0, sinh_over = 1;
+        for (int k = 1; k <= 9; k++) {
+            const double factor = 1. / (2 * k * (2 * k + 1));
+            at_rest += 6 * k * factor * term;
+            term *= s * factor;
+            sinh_over += term;
+        }
+        return (eyring_gradient){s, at_rest, at_rest / sinh_over};
+    }
+    const double capped = fmin(sigma, EYRING_LARGEST_GRADIENT), decay = exp(-2 * capped);
+    const double rise = capped - 1 + (capped + 1) * decay; // 2 exp(-Sigma) (Sigma cosh - sinh)
+
+    return (eyring_gradient){capped * capped, 1.5 * exp(capped) * rise / (capped * capped * capped),
+                             3 * rise / (capped * capped * (1 - decay))};
+}
+
+/* Derivative of ln A by ln Sigma; that of ln C is less by C Sigma^2/3. */
+static inline double eyring_at_rest_slope(const eyring_gradient *of) {
+    return of->square < EYRING_LARGEST_GRADIENT * EYRING_LARGEST_GRADIENT ? 3 / of->sliding - 3 : 0;
+}
+
+static inline double eyring_sliding_slope(const eyring_gradient *of) {
+    return of->square < EYRING_LARGEST_GRADIENT * EYRING_LARGEST_GRADIENT
+               ? -of->sliding * of->square / 3
+               : 0;
+}
+
+/* Of a flow along the sliding, without a gradient across it: exact,
+ *
+ *     A sqrt(1 + (N Sigma/sinh Sigma)^2) = sqrt(A^2 + (N C)^2)
+ *
+ * (T. F. Conry, S. Wang, C. Cusano, ASME J. Tribology 109, 1987). */
+static inline eyring_factor eyring_along(const eyring_gradient *of, double rate) {
+    const double slid = rate * (of->sliding / of->at_rest); // sinh of the stress in the middle
+    const double root = slid < 1e8 ? sqrt(1 + slid * slid) : slid;
+    const double by_rate = slid / root * (slid / root);
+
+    return (eyring_factor){slid < 1e8 ? of->at_rest * root : rate * of->sliding, by_rate,
+                           eyring_at_rest_slope(of) + by_rate * eyring_sliding_slope(of)};
+}
+
+/* Of a flow across the sliding, without a gradient along it: A r/asinh r with r = N sqrt(Sigma/sinh
+ * Sigma). It is exact without sliding, and without a gradient. At rates up to
+ * 1e4 it is off by at most 1.3 % where Sigma = 1, and by 6.8 % where it is 2
+ * (tests/unit/test_eyring_flow.c). */
+static inline eyring_factor eyring_across(const eyring_gradient *of, double rate) {
+    const double slid = rate * sqrt(of->sliding / of->at_rest);
+    const double root = slid < 1e8 ? sqrt(1 + slid * slid) : slid;
+    double factor, by_rate;
+
+    if (slid < 1e-4) {
+        factor = 1 + slid * slid / 6;
+        by_rate = slid * slid / 3;
+    } else {
+        // asinh by that root, to rounding
+        const double stress =
+            slid < 0.5 ? log1p(slid + slid * slid / (1 + root)) : log(slid + root);
+        factor = slid / stress;
+        by_rate = 1 - slid / (root * stress);
+    }
+    return (eyring_factor){of->at_rest * factor, by_rate,
+                           eyring_at_rest_slope(of) + by_rate / 2 * eyring_sliding_slope(of)};
+}
+
+/* With a gradient Sigma_x along the sliding and Sigma_y across it, both up to 3, the factor along is off
+ * by less than DOUBT_ALONG Sigma_y^2, the factor across by less than DOUBT_ACROSS Sigma_x^2 +
+ * DOUBT_ACROSS_OWN Sigma_y^2, at any rate of sliding (tests/unit/test_eyring_flow.c, by quadrature). */
+#define EYRING_DOUBT_ALONG      0.1
+#define EYRING_DOUBT_ACROSS     0.25
+#define EYRING_DOUBT_ACROSS_OWN 0.025
+
+/* Shear stress of the sliding in the middle of the film over Eyring's, not negative. */
+static inline double eyring_stress(const eyring_gradient *of, double rate) {
+    return asinh(rate * (of->sliding / of->at_rest));
+}
+
+#endif

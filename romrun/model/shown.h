@@ -1,0 +1,30 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Lubricants that a model's error estimates were measured on. */
+#ifndef EHD_SHOWN_H
+#define EHD_SHOWN_H
+
+#include "common/artefact/artefact.h"
+#include "common/physics/contact.h"
+#include <stdint.h>
+
+/* The lubricant of a scene or trajectory of the calibration. */
+typedef struct shown_lubricant {
+    double alpha_p_H;
+    lubricant_rises rises; // at the Hertz pressure
+    int64_t in_time;       // 1: of a trajectory
+} shown_lubricant;
+
+typedef struct shown_lubricants {
+    size_t count;
+    shown_lubricant *of; // [count]
+} shown_lubricants;
+
+shown_lubricant shown_of(const ehd_contact *contact, bool in_time);
+
+/* Writes them to a model file, which has none yet. EHD_MEMORY, EHD_IO. */
+ehd_status shown_put(artefact *file, const shown_lubricants *shown, ehd_error *error);
+
+/* Reads them; a file without them has none. Free `of` with free. EHD_DATA, EHD_MEMORY. */
+ehd_status shown_get(shown_lubricants *shown, artefact *file, ehd_error *error);
+
+#endif

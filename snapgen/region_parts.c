@@ -1,0 +1,178 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "snapgen/region_parts.h"
+
+#include "common/program/output_file.h"
+#include "common/settings/place.h"
+
+#include <gsl/gsl_sort.h>
+#include <limits.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* A part reaches across its border by this share of the narrower of the two parts, in ln M, because trained ranges are
+ * hulls of points and have to cover the border (README.md). */
+static const double REACH = 0.1;
+
+/* A range of ln M. */
+typedef struct part {
+    double low, high;
+} part;
+
+/* Sorted ln M of points. */
+static ehd_status sorted_places(double **places, const parts_request *of, ehd_error *error) {
+    *places = malloc((of->num_points + 1) * sizeof **places);
+    if (!*places) return ehd_fail(error, EHD_MEMORY, "%s: found no memory", of->plan_path);
+
+    for (size_t i = 0; i < of->num_points; i++)
+        (*places)[i] = log(of->set->contacts[of->points[i]].moes_M);
+    gsl_sort(*places, 1, of->num_points);
+    return EHD_OK;
+}
+
+/* The whole region of a set. */
+static part extent_of(const training_set *set) {
+    part all = {INFINITY, -INFINITY};
+
+    for (size_t i = 0; i < set->num_points; i++) {
+        all.low = fmin(all.low, log(set->contacts[i].moes_M));
+        all.high = fmax(all.high, log(set->contacts[i].moes_M));
+    }
+    return all;
+}
+
+double parts_span(const training_set *set) {
+    const part all = extent_of(set);
+
+    return exp(all.high - all.low);
+}
+
+static ehd_status too_narrow(const parts_request *of, ehd_error *error) {
+    return ehd_fail(error, EHD_DATA,
+                    "%s: found points of too few different M, expected %zu parts of them",
+                    of->plan_path, of->num_parts);
+}
+
+/* Cuts the region so that each part has equally many of the points, and then lets the parts overlap. */
+static ehd_status cut(part *parts, const parts_request *of, ehd_error *error) {
+    const part all = extent_of(of->set);
+    const size_t last = of->num_parts - 1;
+    double *places, *border = NULL;
+    ehd_status status = sorted_places(&places, of, error);
+
+    if (!status) border = malloc((last + 2) * sizeof *border);
+    if (!status && !border)
+        status = ehd_fail(error, EHD_MEMORY, "%s: found no memory", of->plan_path);
+    for (size_t k = 0; k <= last + 1 && !status; k++) {
+        border[k] = k == 0      ? all.low
+                    : k <= last ? places[k * of->num_points / of->num_parts]
+                                : all.high;
+        if (k > 0 && !(border[k] > border[k - 1])) status = too_narrow(of, error);
+    }
+    for (size_t k = 0; k <= last && !status; k++) {
+        const double width = border[k + 1] - border[k];
+        parts[k] = (part){border[k], border[k + 1]};
+        if (k > 0) parts[k].low -= REACH * fmin(width, border[k] - border[k - 1]);
+        if (k < last) parts[k].high += REACH * fmin(width, border[k + 2] - border[k + 1]);
+    }
+    free(border);
+    free(places);
+    return status;
+}
+
+/* By what the number of candidates is multiplied so that the part has as many as the whole region. */
+static double density_of(const part *range, const training_set *set) {
+    size_t count = 0;
+
+    for (size_t i = 0; i < set->num_points; i++) {
+        const double here = log(set->contacts[i].moes_M);
+        count += here >= range->low && here <= range->high;
+    }
+    return count > 0 ? (double)set->num_points / (double)count : 1;
+}
+
+/* As a quoted text of YAML. */
+static void write_quoted(FILE *stream, const char *text) {
+    fputc('"', stream);
+    for (; *text; text++) {
+        if (*text == '"' || *text == '\\') fputc('\\', stream);
+        fputc(*text, stream);
+    }
+    fputc('"', stream);
+}
+
+static ehd_status create(output_file *file, const parts_request *of, const char *path,
+                         ehd_error *error) {
+    const char *const inputs[] = {of->plan_path, NULL};
+    ehd_status status = output_file_check_inputs(path, inputs, error);
+
+    return status ? status : output_file_create(file, path, of->force, error);
+}
+
+static ehd_status write_plan(const parts_request *of, const part *range, bool first, bool last,
+                             const char *path, ehd_error *error) {
+    char whole[PATH_MAX];
+    output_file file;
+    ehd_status status = create(&file, of, path, error);
+
+    if (status) return status;
+    if (!realpath(of->plan_path, whole)) {
+        output_file_drop(&file);
+        return ehd_fail(error, EHD_NOINPUT, "%s: found no such file, expected the plan",
+                        of->plan_path);
+    }
+    fputs("part_of: ", file.stream);
+    write_quoted(file.stream, whole);
+    // nothing bounds the region at its own ends
+    fprintf(file.stream, "\nwhere: {moes_M: [%.4g, %.4g]}\ncandidates_times: %.3g\n",
+            first ? 0 : exp(range->low), last ? 1e99 : exp(range->high),
+            density_of(range, of->set));
+    return output_file_finish(&file, error);
+}
+
+static ehd_status write_plans(FILE *list, const parts_request *of, const part *parts,
+                              const char *list_path, ehd_error *error) {
+    char name[64], before[64] = "";
+    ehd_status status = EHD_OK;
+
+    for (size_t k = 0; k < of->num_parts && !status; k++) {
+        const double low = exp(parts[k].low), high = exp(parts[k].high);
+        snprintf(name, sizeof name, "M-%.3g-%.3g.yml", low, high);
+        if (strcmp(name, before) == 0) return too_narrow(of, error);
+        char *path = path_beside(list_path, name);
+        status = path ? write_plan(of, &parts[k], k == 0, k == of->num_parts - 1, path, error)
+                      : place_no_memory(error, list_path);
+        fprintf(list, "%s %.4g %.4g\n", name, low, high);
+        free(path);
+        strcpy(before, name);
+    }
+    return status;
+}
+
+/* The kind of contact, and the grid of all as settings. */
+static void write_grid(FILE *list, const training_set *set) {
+    const grid_extent grid = grid_extent_of(&set->grid);
+
+    fprintf(list, "# %s --set grid.x_min=%.12g --set grid.x_max=%.12g --set grid.step=%.12g",
+            set->kind->name, grid.x_min, grid.x_max, grid.step);
+    if (!isnan(grid.y_max)) fprintf(list, " --set grid.y_max=%.12g", grid.y_max);
+    fputc('\n', list);
+}
+
+ehd_status parts_write(const parts_request *of, const char *list_path, ehd_error *error) {
+    part *parts = malloc(of->num_parts * sizeof *parts);
+    output_file list = {0};
+    ehd_status status = parts ? cut(parts, of, error)
+                              : ehd_fail(error, EHD_MEMORY, "%s: found no memory", of->plan_path);
+
+    if (!status) status = create(&list, of, list_path, error);
+    if (!status) write_grid(list.stream, of->set);
+    if (!status) status = write_plans(list.stream, of, parts, list_path, error);
+    if (!status)
+        status = output_file_finish(&list, error);
+    else
+        output_file_drop(&list);
+    free(parts);
+    return status;
+}

@@ -1,0 +1,69 @@
+#!/usr/bin/env bats
+# SPDX-License-Identifier: GPL-3.0-or-later
+# Files in which one axis has another length than the others say, in all that lies along it: each reader takes them or
+# refuses them, and none reads beyond what it has room for.
+
+load common
+
+# A file of each kind, and the commands that read it.
+setup_file() {
+    cd "$BATS_FILE_TMPDIR" || return
+    small_model
+    podbuild s.h5 -o ib.h5 --pressure-modes 5 --deformation independent
+    snapgen train.yml --basis ib.h5 -o ir.h5 --quiet
+    deimselect ir.h5 --basis ib.h5 -o im.h5 --no-check
+    podbuild s.h5 --compress -o part.h5
+    fullrun scene.yml -o result.h5 --quiet >/dev/null
+    printf 'moes.M,moes.L\n10,3\n11,4\n' >cases.csv
+    romrun scene.yml --model c.h5 --cases cases.csv -o cases.h5 --quiet >/dev/null
+    mv scene.yml line.yml
+    small_point_model
+    moving_scene "x_min: -4, x_max: 2, step: 0.05" "end_time: 0.5, fixed_step: 0.05"
+    fullrun moving.yml -o times.h5 --quiet >/dev/null
+    time_plan train "1, 2" "0.1"
+    model_in_time 8 --no-check
+}
+
+setup() {
+    cd "$BATS_TEST_TMPDIR" || return
+    cp "$BATS_FILE_TMPDIR"/* .
+}
+
+# sweep FILE COMMAND...: COMMANDs, in which FILE stands for a copy, with every axis of FILE shorter and longer, its entries in
+# turn or each repeated.
+sweep() {
+    /usr/bin/python3 -B "$BATS_TEST_DIRNAME/resize_axes.py" "$@"
+}
+
+@test "axes of snapshots, parts and bases" {
+    sweep s.h5 "snapgen --check s.h5" "podbuild --force s.h5 -o x.h5 --pressure-modes 3" "podbuild --print s.h5 pressure"
+    sweep part.h5 "podbuild --check part.h5" "podbuild --force part.h5 -o x.h5 --pressure-modes 3"
+    sweep b.h5 "podbuild --check b.h5" "snapgen train.yml --basis b.h5 --force -o x.h5 --quiet" \
+        "deimselect --no-check r.h5 --basis b.h5 --force -o x.h5"
+    sweep ib.h5 "podbuild --check ib.h5" "snapgen train.yml --basis ib.h5 --force -o x.h5 --quiet" \
+        "deimselect --no-check ir.h5 --basis ib.h5 --force -o x.h5"
+    sweep bp.h5 "podbuild --check bp.h5" "deimselect --no-check rp.h5 --basis bp.h5 --rows 60 --method sopt --force -o x.h5"
+}
+
+@test "axes of residuals" {
+    sweep r.h5 "deimselect --check r.h5" "deimselect --no-check r.h5 --basis b.h5 --force -o x.h5" \
+        "deimselect --no-check r.h5 --basis b.h5 --memory 1 --force -o x.h5"
+    sweep rp.h5 "deimselect --check rp.h5" "deimselect --no-check rp.h5 --basis bp.h5 --rows 60 --method sopt --force -o x.h5"
+}
+
+@test "axes of models" {
+    local scene="--model m.h5 --allow-untrusted --quiet --force -o x.h5"
+    sweep c.h5 "romrun --check c.h5" "romrun --export c.h5 --force -o x.rom" "romrun line.yml ${scene/m.h5/c.h5}"
+    sweep im.h5 "romrun --check im.h5" "romrun --export im.h5 --force -o x.rom" "romrun line.yml ${scene/m.h5/im.h5}" \
+        "deimselect --check im.h5"
+    sweep p.h5 "romrun --check p.h5" "romrun --export p.h5 --force -o x.rom" "romrun point.yml ${scene/m.h5/p.h5}"
+    sweep tm.h5 "romrun --check tm.h5" "romrun --export tm.h5 --force -o x.rom" "romrun moving.yml ${scene/m.h5/tm.h5}"
+}
+
+@test "axes of results and of tables of cases" {
+    sweep result.h5 "fullrun --check result.h5" "fullrun --print result.h5 pressure --si" \
+        "fullrun line.yml --start result.h5 --force -o x.h5 --quiet" "romrun line.yml --model m.h5 --against result.h5 --allow-untrusted --quiet" \
+        "fullrun --vtk result.h5 --force -o x.vti" "podbuild --force result.h5 -o x.h5 --pressure-modes 1"
+    sweep times.h5 "fullrun --check times.h5" "fullrun --print times.h5 pressure" "romrun moving.yml --model tm.h5 --against times.h5 --allow-untrusted --quiet"
+    sweep cases.h5 "romrun --check cases.h5" "romrun --print cases.h5 central_film_thickness"
+}
