@@ -713,6 +713,7 @@ static ehd_status attempt(march_step *outcome, void *solver, const contact_frame
     *outcome = (march_step){.status = info.status,
                             .reason = info.reason,
                             .formula = formula,
+                            .frame = *frame,
                             .indicated = NAN,
                             .indicated_minimum = NAN,
                             .scalars = full_evaluate_scalars(state, &contact),
@@ -763,6 +764,33 @@ static void accept(void *solver) {
     previous_prepare(solved, &self->carrier);
     keep_errors(self, solved);
     bdf_ring_accept(&self->ring, solved->frame.time);
+}
+
+/* Of the lightest contact that has a solution to be trusted on this grid, by halves of the load. */
+static ehd_status touching(double *approach, double *load, void *solver, const contact_frame *frame,
+                           ehd_error *error) {
+    full_march *self = solver;
+    previous_state *scratch = state_before(self, 0);
+    contact_frame light = *frame;
+    full_info info = {.status = EHD_OK};
+
+    *approach = *load = NAN;
+    light.speed = fabs(frame->speed);
+    place_start_surface(self, frame, 0);
+    while (true) {
+        ehd_contact contact;
+        frame_contact(&contact, &light, &self->reference);
+        if (contact.moes_M < MIN_MOES_M) return EHD_OK;
+        const ehd_status status = start_with_load(&info, self, &light, error);
+        if (status) return status;
+        add_effort(self, &info);
+        scratch->frame = light;
+        judge_start(&info, self, scratch);
+        if (info.status) return EHD_OK;
+        *approach = reference_approach(self, &scratch->state, &light);
+        *load = light.load;
+        light = frame_of_load(self->reference.kind, &light, 0.5);
+    }
 }
 
 static void restart(void *solver) {
@@ -975,6 +1003,7 @@ march_solver full_march_solver(full_march *self) {
                           .accept = accept,
                           .restart = restart,
                           .start = start,
+                          .touching = touching,
                           .saved_size = saved_size,
                           .save = save,
                           .restore = restore,

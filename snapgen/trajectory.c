@@ -301,7 +301,7 @@ static ehd_status run(trajectories *result, task *self, size_t num_workers, ehd_
         status = ehd_fail(error, EHD_MEMORY, "trajectories: found no memory");
     for (size_t t = 0; t < num && !status; t++)
         status =
-            histories_init_forward(&self->histories[t], &self->set->trajectories[t].scene, error);
+            histories_init_training(&self->histories[t], &self->set->trajectories[t].scene, error);
     if (!status)
         status = compressor_create(&self->all_first, width, &trajectory_compression, error);
     if (!status && self->model)

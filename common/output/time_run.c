@@ -5,6 +5,7 @@
 #include "common/output/inputs.h"
 #include "common/output/time_result.h"
 #include "common/settings/part_list.h"
+#include "common/time/apart.h"
 #include "common/time/surface.h"
 
 #include <limits.h>
@@ -37,6 +38,7 @@ enum {
 
 typedef struct runner {
     const time_run_task *task;
+    apart_march contact; // the task's solver, of a contact that may be lost
     march march;
     artefact *file; // NULL: nothing is written
     double *restart;
@@ -106,7 +108,7 @@ static run_totals totals_at(const runner *self, double now) {
     run_totals totals = self->totals;
     double rows, linear, exit;
 
-    self->task->effort(&rows, &linear, &exit, self->march.solver.self);
+    self->task->effort(&rows, &linear, &exit, self->task->solver.self);
     totals.seconds += now - self->started - self->writing;
     totals.seconds_rows += rows;
     totals.seconds_linear += linear;
@@ -180,7 +182,7 @@ static const double *take_exits(runner *self, const march_step *step,
     self->march.solver.exits(exits, self->march.solver.self);
     for (size_t i = 0; i < count; i++)
         exits[i] *= step->frame.half_width;
-    if (num_lines == 1) exits[0] = scalars->exit_position;
+    if (num_lines == 1 && !step->apart) exits[0] = scalars->exit_position;
     return exits;
 }
 
@@ -210,11 +212,13 @@ static ehd_status store(void *sink, const march_step *step, size_t index, ehd_er
         status = solver->fields(self->pressure, self->film, solver->self, error);
     if (traction && !status) {
         frame_contact(&frame, &step->frame, self->task->reference);
-        tractions = frame_traction_to_reference(
-            solver->traction
-                ? solver->traction(solver->self, &frame, &step->scalars)
-                : contact_traction_of(&frame, self->pressure, self->film, &step->scalars),
-            &step->frame);
+        if (step->apart)
+            tractions = (contact_traction){0};
+        else if (solver->traction)
+            tractions = solver->traction(solver->self, &frame, &step->scalars);
+        else
+            tractions = contact_traction_of(&frame, self->pressure, self->film, &step->scalars);
+        tractions = frame_traction_to_reference(tractions, &step->frame);
     }
     const time_entry entry = {.time = step->frame.time,
                               .central_film_thickness = scalars.central_film_thickness,
@@ -376,7 +380,7 @@ static void report_share(const runner *self) {
     const time_run_task *task = self->task;
     const double num_steps = self->march.state.num_steps;
     if (!task->share) return;
-    const time_run_share share = task->share(self->march.solver.self);
+    const time_run_share share = task->share(task->solver.self);
 
     printf("%-24s%zu steps by the full model, %.4g s; %.0f by the reduced one, %.4g s\n",
            "solved by", share.full_steps, share.seconds_full, num_steps - (double)share.full_steps,
@@ -424,8 +428,7 @@ static void report(const runner *self, const run_totals *totals, ehd_status outc
 static ehd_status finish(runner *self, const run_totals *totals, ehd_error *error) {
     const march_state *state = &self->march.state;
     const time_run_task *task = self->task;
-    const time_run_share share =
-        task->share ? task->share(self->march.solver.self) : (time_run_share){0};
+    const time_run_share share = task->share ? task->share(task->solver.self) : (time_run_share){0};
     const time_summary summary = {.full_steps = share.full_steps,
                                   .seconds_full = share.seconds_full,
                                   .seconds = totals->seconds,
@@ -484,7 +487,6 @@ static ehd_status conclude(runner *self, ehd_status outcome, ehd_error *error) {
 
 static ehd_status prepare(runner *self, ehd_histories **histories, ehd_error *error) {
     const time_run_task *task = self->task;
-    const march_solver *solver = &task->solver;
     const ehd_grid *grid = &task->reference->grid;
     size_t num_nodes = grid->num_nodes;
     bool whole;
@@ -496,10 +498,14 @@ static ehd_status prepare(runner *self, ehd_histories **histories, ehd_error *er
         (march){.settings = march_settings_of(task->given, *histories, task->given->approach),
                 .histories = *histories,
                 .reference = task->reference,
-                .solver = *solver,
                 .store = store,
                 .sink = self};
     self->march.settings.accuracy = task->accuracy;
+    apart_init(&self->contact, task->solver, task->reference,
+               isnan(task->given->transient.fixed_step) ? self->march.settings.first_step
+                                                        : INFINITY);
+    self->march.solver = apart_solver(&self->contact);
+    const march_solver *solver = &self->march.solver;
     if (task->reference->surface) {
         const contact_frame start =
             march_frame(&self->march.settings, task->reference->kind, *histories, 0, 1);

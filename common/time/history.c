@@ -34,8 +34,8 @@ typedef struct minimum_value {
 
 struct ehd_histories {
     history of[NUM_VARY];
-    minimum_value slowest; // speed
-    double start_speed;    // NaN: that of the history
+    minimum_value slowest, lightest; // speed, load
+    double start_speed;              // NaN: that of the history
 };
 
 /* A law is a row of a table. */
@@ -313,8 +313,10 @@ static ehd_status check_history(const history *self, int quantity, double end_ti
     // any finite value; that of the speed is checked below
     if (quantity == VARY_APPROACH || quantity == VARY_SPEED || isgreater(minimum.value, 0))
         return EHD_OK;
-    return ehd_fail(error, EHD_DATA, "transient.%s: found %.6g at T = %.6g, expected more than 0",
-                    vary_names[quantity], minimum.value, minimum.time);
+    if (quantity == VARY_LOAD && isgreaterequal(minimum.value, -ROUNDING)) return EHD_OK;
+    return ehd_fail(error, EHD_DATA, "transient.%s: found %.6g at T = %.6g, expected %s 0",
+                    vary_names[quantity], minimum.value, minimum.time,
+                    quantity == VARY_LOAD ? "at least" : "more than");
 }
 
 /* Where the speed may not be below 0, for the reason given. */
@@ -343,6 +345,8 @@ ehd_status histories_init(ehd_histories **result, const scene *given, ehd_error 
         if (!status) status = check_history(of, i, given->transient.end_time, error);
         if (!status && i == VARY_SPEED)
             self->slowest = of->law->minimum(of, given->transient.end_time);
+        if (!status && i == VARY_LOAD)
+            self->lightest = of->law->minimum(of, given->transient.end_time);
     }
     if (!status && strcmp(given->transport, "path") != 0)
         status = check_forward(self, "; transport: path can reverse", error);
@@ -357,6 +361,17 @@ ehd_status histories_init_forward(ehd_histories **self, const scene *given, ehd_
     if (!status)
         status = check_forward(*self, " with a reduced model, which is of one direction", error);
     if (status) *self = histories_free(*self);
+    return status;
+}
+
+ehd_status histories_init_training(ehd_histories **self, const scene *given, ehd_error *error) {
+    ehd_status status = histories_init_forward(self, given, error);
+
+    if (status || isgreater((*self)->lightest.value, ROUNDING)) return status;
+    status = ehd_fail(error, EHD_DATA,
+                      "transient.load: found %.6g at T = %.6g, expected more than 0 in training",
+                      (*self)->lightest.value, (*self)->lightest.time);
+    *self = histories_free(*self);
     return status;
 }
 
@@ -378,7 +393,8 @@ ehd_histories *histories_free(ehd_histories *self) {
 void histories_at(double value[NUM_VARY], const ehd_histories *self, double time) {
     for (int i = 0; i < NUM_VARY; i++)
         value[i] = self->of[i].law->value(&self->of[i], time);
-    // of one direction below only by rounding
+    // of one direction, and a load, below only by rounding
+    value[VARY_LOAD] = fmax(value[VARY_LOAD], 0);
     if (!histories_reverse(self)) value[VARY_SPEED] = fmax(value[VARY_SPEED], 0);
 }
 

@@ -12,8 +12,8 @@ typedef struct ehd_histories ehd_histories;
 
 /* Reads tables and checks all histories on 0 <= T <= end_time of a valid scene; those of a
  * stationary scene are constant. EHD_DATA or EHD_NOINPUT: a table that is missing, unreadable, too
- * short, not finite, not increasing in time or does not cover the time; load, radius or modulus not
- * above 0 somewhere, or speed below 0 where films are not carried along their paths. EHD_MEMORY.
+ * short, not finite, not increasing in time or does not cover the time; radius or modulus not above 0
+ * somewhere, load below 0, or speed below 0 where films are not carried along their paths. EHD_MEMORY.
  * Reads HDF5, so only one at a time (artefact.h). */
 ehd_status histories_init(
     // output:
@@ -24,6 +24,13 @@ ehd_status histories_init(
 /* The same for a reduced model, which is trained on one direction: EHD_DATA also where the speed, or
  * that of the start, is below 0. */
 ehd_status histories_init_forward(
+    // output:
+    ehd_histories **self,
+    // input:
+    const scene *given, ehd_error *error);
+
+/* The same for training, where no contact is lost: EHD_DATA also where the load is 0. */
+ehd_status histories_init_training(
     // output:
     ehd_histories **self,
     // input:

@@ -135,7 +135,7 @@ ehd_status march_begin(march_step *outcome, march *self, ehd_error *error) {
     // an event that is one with the start is no stop
     self->state =
         (march_state){.step = settings->first_step, .last_event = INFINITY, .untrusted_since = NAN};
-    self->state.load = outcome->scalars.load * outcome->frame.load;
+    self->state.load = outcome->apart ? 1 : outcome->scalars.load * outcome->frame.load;
     outcome->step = 0;
     judge_accuracy(self, outcome);
     watch_trust(self, outcome);
@@ -331,7 +331,6 @@ static ehd_status attempt(march_step *outcome, march *self, const next_stop *nex
     ehd_status status = self->solver.attempt(outcome, self->solver.self, &frame, step, error);
 
     if (status) return status;
-    outcome->frame = frame;
     outcome->step = step;
     if (state->at_kink > 0) outcome->local_error = error_after_kink(self, outcome);
     outcome->local_error = error_with_taken_up(self, outcome);
@@ -396,12 +395,14 @@ static double first_step_after_jump(const march *self, const march_step *outcome
 /* The step counts; it was the solver's last attempt. */
 static void accept(march *self, march_step *outcome, const next_stop *reached) {
     march_state *state = &self->state;
-    double load = outcome->scalars.load * outcome->frame.load;
+    const bool begins = outcome->apart || outcome->begins;
+    // of bodies apart any will do
+    const double load = outcome->apart ? 1 : outcome->scalars.load * outcome->frame.load;
 
     self->solver.accept(self->solver.self);
     state->noise *= NOISE_KEPT;
-    state->last_step = outcome->step;
-    state->load_rate = (load - state->load) / outcome->step;
+    state->last_step = begins ? 0 : outcome->step;
+    state->load_rate = begins ? 0 : (load - state->load) / outcome->step;
     state->load = load;
     state->time = outcome->frame.time;
     state->num_steps++;

@@ -34,6 +34,8 @@ typedef struct march_step {
     size_t iterations; // Newton
     double residual;
     bool by_full_model; // of a solver that falls back on it; else false
+    bool apart;         // the bodies do not touch (apart.h)
+    bool begins;        // they touch again: no state before this one counts
 } march_step;
 
 /* Path of a step along which films are carried, half widths, up to which a film takes up the errors
@@ -60,7 +62,8 @@ extern const double march_exit_margin;
 typedef struct march_solver {
     void *self;
     /* Solves the state that is `step` later, in the frame given, from the accepted states. These do
-     * not change, so that a step can be repeated. Not converged is an outcome, not an error. */
+     * not change, so that a step can be repeated. outcome->frame is that frame, or of a state that
+     * begins and of bodies apart another one. Not converged is an outcome, not an error. */
     ehd_status (*attempt)(march_step *outcome, void *self, const contact_frame *frame, double step,
                           ehd_error *error);
     void (*accept)(void *self); // the state of the last attempt
@@ -71,6 +74,11 @@ typedef struct march_solver {
      * accepted. */
     ehd_status (*start)(march_step *outcome, void *self, const contact_frame *frame,
                         ehd_error *error);
+    /* Where bodies touch: the rigid approach H0, in the reference frame, and the load of the lightest stationary contact that
+     * the solver has at the speed, radius and modulus of a frame, which is under the reference's load; NaN: there is none.
+     * Accepted states stay; an attempt before it can no longer be accepted. */
+    ehd_status (*touching)(double *approach, double *load, void *self, const contact_frame *frame,
+                           ehd_error *error);
     /* Everything needed to go on from the last accepted state, as numbers; EHD_DATA when they are
      * none. */
     size_t (*saved_size)(const void *self);

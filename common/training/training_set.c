@@ -84,7 +84,7 @@ static ehd_status check_directions(const training_set *set, const char *plan_pat
     for (size_t t = 0; t < set->num_trajectories && !status; t++) {
         ehd_histories *histories = NULL;
         ehd_error cause = {""};
-        status = histories_init_forward(&histories, &set->trajectories[t].scene, &cause);
+        status = histories_init_training(&histories, &set->trajectories[t].scene, &cause);
         if (status) ehd_fail(error, status, "%s: %s", plan_path, cause.text);
         histories_free(histories);
     }

@@ -426,6 +426,14 @@ static void restart(void *solver) {
     if (self->now.full != 1) self->of_reduced.restart(self->of_reduced.self);
 }
 
+/* The full model has lighter contacts than the training. */
+static ehd_status touching(double *approach, double *load, void *solver, const contact_frame *frame,
+                           ehd_error *error) {
+    const fallback_march *self = solver;
+
+    return self->of_full.touching(approach, load, self->of_full.self, frame, error);
+}
+
 /* The reduced model's states, then the full one's; zeros of what does not hold the last ones. */
 static size_t saved_size(const void *solver) {
     const fallback_march *self = solver;
@@ -491,6 +499,7 @@ march_solver fallback_march_solver(fallback_march *self) {
                           .accept = accept,
                           .restart = restart,
                           .start = start,
+                          .touching = touching,
                           .saved_size = saved_size,
                           .save = save,
                           .restore = restore,

@@ -128,7 +128,7 @@ ehd_status recordings_make(recording *recordings, const program *caller, const t
     self.histories = calloc(num, sizeof *self.histories);
     if (!self.histories) return ehd_fail(error, EHD_MEMORY, "trajectories: found no memory");
     for (size_t t = 0; t < num && !status; t++)
-        status = histories_init_forward(&self.histories[t], &set->trajectories[t].scene, error);
+        status = histories_init_training(&self.histories[t], &set->trajectories[t].scene, error);
     progress_start(&self.progress, caller, num);
     self.progress.rest = NAN;
     if (!status) status = pool_run(&work, error);

@@ -2,6 +2,7 @@
 #include "romrun/online/online.h"
 
 #include "common/settings/part_list.h"
+#include "common/time/apart.h"
 #include "romrun/model/model_file.h"
 #include "romrun/online/part.h"
 #include "romrun/online/parts_march.h"
@@ -447,27 +448,18 @@ typedef struct accepted_moment {
     double time;
     double load, load_rate, last_step; // scale the next frame where the approach is given
     double path, speed;                // of the fluid
-    double approach;                   // in the reference frame
-    double lost;                       // 1: the bodies are apart
 } accepted_moment;
-
-/* The approach at which bodies touch under these conditions. */
-typedef struct touching_place {
-    double speed, radius, modulus; // speed 0: none was found yet
-    double approach;               // NaN: there is no contact
-} touching_place;
 
 struct online_transient {
     const online_model *model;
     ehd_contact reference;
     parts_march *march;
-    bool started;    // there is an accepted state
-    bool solved;     // there is a step that can be accepted
-    march_step last; // solved
+    apart_march contact; // that march, of a contact that may be lost
+    march_solver solver; // of that
+    bool started;        // there is an accepted state
+    bool solved;         // there is a step that can be accepted
+    march_step last;     // solved
     accepted_moment now;
-    bool loses, regains;     // the last step parts the bodies; it brings them together again
-    double least_M;          // of the training
-    touching_place touching; // found last
     // of the last step, which begins behind them, or of the start
     online_conditions conditions;
     bool at_start;            // no step was taken since
@@ -495,18 +487,6 @@ static ehd_status create_marches(online_transient *self, ehd_error *error) {
     return status;
 }
 
-/* M of the lightest contact of the training. */
-static double least_M(const online_model *model) {
-    double least = INFINITY;
-
-    for (size_t p = 0; p < model->num_parts; p++) {
-        const reduced_states *states = &model->parts[p].reduced.states;
-        for (size_t s = 0; s < states->num_states; s++)
-            least = fmin(least, states->moes_M[s]);
-    }
-    return least;
-}
-
 ehd_status online_transient_create(online_transient **transient, const online_model *model,
                                    const ehd_contact *reference, ehd_error *error) {
     ehd_status status = part_check_contact(&model->parts[0], reference, error);
@@ -521,13 +501,15 @@ ehd_status online_transient_create(online_transient **transient, const online_mo
     self->model = model;
     self->reference = *reference;
     contact_take_grid(&self->reference, online_grid(model));
-    self->least_M = least_M(model);
     status = create_marches(self, error);
-    if (status)
+    if (status) {
         online_transient_free(self);
-    else
-        *transient = self;
-    return status;
+        return status;
+    }
+    apart_init(&self->contact, parts_march_solver(self->march), &self->reference, INFINITY);
+    self->solver = apart_solver(&self->contact);
+    *transient = self;
+    return EHD_OK;
 }
 
 online_transient *online_transient_free(online_transient *self) {
@@ -570,19 +552,12 @@ static reduced_march *march_of_accepted(const online_transient *self) {
 static void fill_state(online_state *state, const online_transient *self) {
     const march_step *step = &self->last;
 
-    if (self->loses) {
-        *state = (online_state){.status = step->status,
-                                .reason = step->reason,
-                                .time = step->frame.time,
-                                .scalars = step->scalars};
-        return;
-    }
     *state = (online_state){.status = step->status,
                             .reason = step->reason,
                             .time = step->frame.time,
                             .scalars =
                                 frame_to_reference(&step->scalars, &step->frame, &self->reference),
-                            .half_width = step->frame.half_width,
+                            .half_width = step->apart ? 0 : step->frame.half_width,
                             .local_error = step->local_error,
                             .indicated = step->indicated,
                             .indicated_minimum = step->indicated_minimum,
@@ -614,7 +589,7 @@ static ehd_status check_conditions(const online_conditions *conditions,
         const char *name;
         double value;
         bool zero_allowed;
-    } values[] = {{"load", expected ? 1 : conditions->load, false},
+    } values[] = {{"load", expected ? 1 : conditions->load, isnan(conditions->approach)},
                   {"speed", conditions->speed, true},
                   {"radius", conditions->radius, false},
                   {"modulus", conditions->modulus, false}};
@@ -632,111 +607,14 @@ static ehd_status check_conditions(const online_conditions *conditions,
     return isnan(conditions->approach) ? EHD_OK : contact_check_approach(reference, error);
 }
 
-// ---- a contact that is lost and regained
-
-/* The frame of some conditions under the least load of the training, whose M is the smallest. */
-static contact_frame lightest_frame(const online_transient *self,
-                                    const online_conditions *conditions) {
-    const contact_kind *kind = self->reference.kind;
-    const double values[NUM_VARY] = {[VARY_LOAD] = 1,
-                                     [VARY_SPEED] = conditions->speed,
-                                     [VARY_RADIUS] = conditions->radius,
-                                     [VARY_MODULUS] = conditions->modulus};
-    const contact_frame frame = frame_at(kind, self->now.time, values, conditions->approach);
-    ehd_contact contact;
-
-    frame_contact(&contact, &frame, &self->reference);
-    return frame_of_load(kind, &frame, self->least_M / contact.moes_M);
-}
-
-/* Finds the approach at which moving bodies touch: that of the stationary contact under the least load of the training.
- * NaN: it has no solution. It is solved again only when the conditions change. */
-static ehd_status find_touching(double *approach, online_transient *self,
-                                const online_conditions *conditions, ehd_error *error) {
-    const touching_place *known = &self->touching;
-    const contact_frame light = lightest_frame(self, conditions);
-
-    *approach = known->approach;
-    if (known->speed == conditions->speed && known->radius == conditions->radius &&
-        known->modulus == conditions->modulus)
-        return EHD_OK;
-    const ehd_status status = parts_march_approach(approach, self->march, &light, error);
-    self->touching =
-        (touching_place){conditions->speed, conditions->radius, conditions->modulus, *approach};
-    if (status) self->touching = (touching_place){0};
-    return status;
-}
-
-/* Makes a step with bodies that are apart: no force, and their gap as film. A force below the least load of the training is
- * neglected; the result is not to be trusted where that load exceeds the promised accuracy. */
-static void lose(online_transient *self, const online_conditions *conditions, double step) {
-    const double gap = fmax(conditions->approach, 0); // undeformed bodies may overlap yet
-    const bool known = lightest_frame(self, conditions).load <= online_accuracy;
-
-    self->last =
-        (march_step){.status = known ? EHD_OK : EHD_UNTRUSTED,
-                     .reason = known ? "" : "no force, below the least load of the training",
-                     .frame = frame_of(self, conditions, step),
-                     .step = step,
-                     .scalars = {.central_film_thickness = gap,
-                                 .minimum_film_thickness = gap,
-                                 .rigid_approach = conditions->approach}};
-    self->loses = true;
-}
-
-/* A contact is lost if its bodies part and the step has no solution, or a negative load. */
-static ehd_status watch_loss(online_transient *self, const online_conditions *conditions,
-                             double step, ehd_error *error) {
-    const march_step *last = &self->last;
-    const bool failed = last->status == EHD_NOT_CONVERGED;
-    const bool parts = conditions->speed > 0 && !isnan(conditions->approach) &&
-                       conditions->approach > self->now.approach;
-    double touching = -INFINITY;
-
-    if (!parts || !(failed || last->scalars.load <= 0)) return EHD_OK;
-    const ehd_status status = failed ? find_touching(&touching, self, conditions, error) : EHD_OK;
-    if (!status && isgreater(conditions->approach, touching)) lose(self, conditions, step);
-    return status;
-}
-
-/* Whether the bodies of a lost contact touch again: they approach each other, and are nearer than find_touching says. */
-static ehd_status touches(bool *again, online_transient *self, const online_conditions *conditions,
-                          ehd_error *error) {
-    double touching = NAN;
-    ehd_status status = EHD_OK;
-
-    *again = isnan(conditions->approach);
-    if (!*again && conditions->speed > 0 && conditions->approach < self->now.approach) {
-        status = find_touching(&touching, self, conditions, error);
-        *again = isless(conditions->approach, touching);
-    }
-    return status;
-}
-
-/* Takes a step of a lost contact. A contact that is regained starts from the stationary film. */
-static ehd_status step_apart(online_transient *self, const online_conditions *conditions,
-                             double step, ehd_error *error) {
-    march_solver solver = parts_march_solver(self->march);
-    const contact_frame frame = frame_of(self, conditions, step);
-    ehd_status status = touches(&self->regains, self, conditions, error);
-
-    if (status) return status;
-    if (self->regains)
-        status = solver.start(&self->last, solver.self, &frame, error);
-    else
-        lose(self, conditions, step);
-    self->last.step = step;
-    return status;
-}
-
-static double accepted_approach(const online_transient *self) {
-    return frame_to_reference(&self->last.scalars, &self->last.frame, &self->reference)
-        .rigid_approach;
+/* Of a step; while bodies are apart any load will do to scale the next frame. */
+static double load_of(const march_step *step) {
+    return step->apart ? 1 : step->scalars.load * step->frame.load;
 }
 
 ehd_status online_transient_start(online_state *state, online_transient *self,
                                   const online_conditions *conditions, ehd_error *error) {
-    march_solver solver = parts_march_solver(self->march);
+    const march_solver solver = self->solver;
     ehd_status status = check_conditions(conditions, &self->reference, error);
 
     if (!status) status = march_check_start(conditions->speed, !isnan(conditions->approach), error);
@@ -748,25 +626,19 @@ ehd_status online_transient_start(online_state *state, online_transient *self,
     self->now.load_rate = self->now.last_step = 0;
     self->now.path = 0;
     self->now.speed = conditions->speed;
-    self->now.lost = self->loses = self->regains = false;
-    self->now.approach = -INFINITY;
     contact_frame frame = frame_of(self, conditions, 0);
     status = solver.start(&self->last, solver.self, &frame, error);
-    if (!status && self->last.status == EHD_NOT_CONVERGED)
-        status = watch_loss(self, conditions, 0, error);
     if (status) return status;
-    self->now.lost = self->loses;
     self->started = self->last.status != EHD_NOT_CONVERGED;
-    self->at_start = self->started && !self->now.lost;
-    self->now.load = self->now.lost ? 1 : self->last.scalars.load * self->last.frame.load;
-    self->now.approach = self->now.lost ? conditions->approach : accepted_approach(self);
+    self->at_start = self->started && !self->last.apart;
+    self->now.load = load_of(&self->last);
     fill_state(state, self);
     return EHD_OK;
 }
 
 ehd_status online_step(online_state *state, online_transient *self,
                        const online_conditions *conditions, double step, ehd_error *error) {
-    march_solver solver = parts_march_solver(self->march);
+    const march_solver solver = self->solver;
     ehd_status status = check_conditions(conditions, &self->reference, error);
 
     if (!status && !(isgreater(step, 0) && isfinite(step)))
@@ -776,18 +648,11 @@ ehd_status online_step(online_state *state, online_transient *self,
                           "step: found no accepted state, expected online_transient_start or "
                           "online_restore before");
     self->solved = self->at_start = self->linearised = false;
-    self->loses = self->regains = false;
     if (status) return status;
-    if (self->now.lost) {
-        status = step_apart(self, conditions, step, error);
-    } else {
-        contact_frame frame = frame_of(self, conditions, step);
-        status = solver.attempt(&self->last, solver.self, &frame, step, error);
-        self->last.frame = frame;
-        self->last.step = step;
-        if (!status) status = watch_loss(self, conditions, step, error);
-    }
+    const contact_frame frame = frame_of(self, conditions, step);
+    status = solver.attempt(&self->last, solver.self, &frame, step, error);
     if (status) return status;
+    self->last.step = step;
     self->solved = self->last.status != EHD_NOT_CONVERGED;
     self->conditions = *conditions;
     fill_state(state, self);
@@ -795,26 +660,23 @@ ehd_status online_step(online_state *state, online_transient *self,
 }
 
 void online_accept(online_transient *self) {
-    march_solver solver = parts_march_solver(self->march);
-    double load = self->last.scalars.load * self->last.frame.load;
+    const march_solver solver = self->solver;
+    const double load = load_of(&self->last);
 
     if (!self->solved) return;
     self->solved = self->at_start = false;
-    if (!self->loses && !self->regains) solver.accept(solver.self);
-    self->now.approach =
-        isnan(self->conditions.approach) ? accepted_approach(self) : self->conditions.approach;
-    self->now.last_step = self->now.lost || self->loses ? 0 : self->last.step;
+    solver.accept(solver.self);
+    self->now.last_step = self->last.apart || self->last.begins ? 0 : self->last.step;
     self->now.load_rate =
         self->now.last_step > 0 ? (load - self->now.load) / self->now.last_step : 0;
-    self->now.load = self->loses ? 1 : load; // any, to scale the frame of the next start
-    self->now.lost = self->loses;
+    self->now.load = load;
     self->now.time = self->last.frame.time;
     self->now.path = self->last.frame.path;
     self->now.speed = self->last.frame.speed;
 }
 
 void online_restart(online_transient *self) {
-    march_solver solver = parts_march_solver(self->march);
+    const march_solver solver = self->solver;
 
     solver.restart(solver.self);
 }
@@ -822,19 +684,16 @@ void online_restart(online_transient *self) {
 enum { NUM_OWN = sizeof(accepted_moment) / sizeof(double) };
 
 size_t online_saved_size(const online_transient *self) {
-    march_solver solver = parts_march_solver(self->march);
+    const march_solver solver = self->solver;
 
     return NUM_OWN + solver.saved_size(solver.self);
 }
 
 void online_save(double *saved, const online_transient *self) {
-    march_solver solver = parts_march_solver(self->march);
+    const march_solver solver = self->solver;
 
     memcpy(saved, &self->now, sizeof self->now);
-    if (self->now.lost)
-        memset(saved + NUM_OWN, 0, solver.saved_size(solver.self) * sizeof *saved);
-    else
-        solver.save(saved + NUM_OWN, solver.self);
+    solver.save(saved + NUM_OWN, solver.self);
 }
 
 static ehd_status check_moment(const accepted_moment *of, ehd_error *error) {
@@ -844,53 +703,50 @@ static ehd_status check_moment(const accepted_moment *of, ehd_error *error) {
                         "saved state: found time %g, load %g, its rate %g and a last step of %g, "
                         "expected a time, a load above 0, a finite rate and a step",
                         of->time, of->load, of->load_rate, of->last_step);
-    if (!(isfinite(of->approach) && (of->lost == 0 || of->lost == 1) && isfinite(of->path) &&
-          isgreaterequal(of->speed, 0)))
+    if (!(isfinite(of->path) && isgreaterequal(of->speed, 0)))
         return ehd_fail(error, EHD_DATA,
-                        "saved state: found approach %g, %g, path %g and speed %g, expected an "
-                        "approach, 0 or (bodies apart) 1, a path and a speed of at least 0",
-                        of->approach, of->lost, of->path, of->speed);
+                        "saved state: found path %g and speed %g, expected a path and a speed of "
+                        "at least 0",
+                        of->path, of->speed);
     return EHD_OK;
 }
 
 ehd_status online_restore(online_transient *self, const double *saved, ehd_error *error) {
-    march_solver solver = parts_march_solver(self->march);
+    const march_solver solver = self->solver;
     accepted_moment now;
 
     memcpy(&now, saved, sizeof now);
     self->started = self->solved = self->at_start = false;
     ehd_status status = check_moment(&now, error);
-    if (!status && !now.lost) status = solver.restore(solver.self, saved + NUM_OWN, error);
+    if (!status) status = solver.restore(solver.self, saved + NUM_OWN, error);
     if (status) return status;
     self->now = now;
-    self->loses = self->regains = false;
     self->started = true;
     return EHD_OK;
 }
 
 ehd_status online_transient_fields(double *pressure, double *film, online_transient *self,
                                    ehd_error *error) {
-    march_solver solver = parts_march_solver(self->march);
-    const ehd_grid *grid = &self->reference.grid;
+    const march_solver solver = self->solver;
 
-    if (!self->now.lost) return solver.fields(pressure, film, solver.self, error);
-    for (size_t k = 0; k < grid->num_nodes; k++) {
-        pressure[k] = 0;
-        film[k] = grid_gap(grid, k) + self->now.approach;
-    }
-    return EHD_OK;
+    return solver.fields(pressure, film, solver.self, error);
+}
+
+/* Whether the bodies of the last step, or else of the accepted state, are apart. */
+static bool is_apart(const online_transient *self) {
+    return self->solved ? self->last.apart : self->contact.now.apart == 1;
 }
 
 /* Place of the last step among the states of its march: 0 is an attempt; a start is accepted at once, 1. */
 static size_t steps_before(const online_transient *self) {
-    return self->solved && !self->regains ? 0 : 1;
+    return self->solved && !self->last.begins ? 0 : 1;
 }
 
 double online_transient_peak(const online_transient *self) {
     reduced_march *of = march_of_attempt(self);
     const reduced_state state = reduced_march_state_before(of, steps_before(self), NULL);
 
-    if (self->solved ? self->loses : self->now.lost) return 0;
+    if (is_apart(self)) return 0;
     return reduced_pressure_range(reduced_march_inner(of), &state).largest *
            self->last.frame.hertz_pressure;
 }
@@ -911,8 +767,7 @@ contact_frame online_attempt_frame(const online_transient *self) {
 contact_frame online_transient_frame(const online_transient *self) {
     contact_frame frame;
 
-    if (self->now.lost)
-        return frame_at(self->reference.kind, self->now.time, (double[]){1, 1, 1, 1}, NAN);
+    if (self->contact.now.apart == 1) return self->contact.now.frame;
     reduced_march_state(march_of_accepted(self), &frame);
     return frame;
 }
@@ -1179,8 +1034,8 @@ static ehd_status find_attempt(solved_frame *solved, online_transient *self, ehd
     const size_t part = online_transient_part(self);
     reduced_march *of = march_of_attempt(self);
 
-    if ((!self->solved && !(self->at_start && self->conditions.speed > 0)) || self->loses ||
-        self->regains)
+    if ((!self->solved && !(self->at_start && self->conditions.speed > 0)) || is_apart(self) ||
+        self->last.begins)
         return ehd_fail(error, EHD_INTERNAL,
                         "derivatives: found no solution, expected a step that is not accepted yet, "
                         "or a start that is not at rest");

@@ -202,11 +202,6 @@ reduced_march *parts_march_choose(parts_march *self, const contact_frame *frame)
     return self->parts[self->accepted];
 }
 
-ehd_status parts_march_approach(double *approach, parts_march *self, const contact_frame *frame,
-                                ehd_error *error) {
-    return reduced_march_approach(approach, self->parts[deepest(self, frame)], frame, error);
-}
-
 // ---- as a solver
 
 /* What solves the part of the last accepted state. */
@@ -265,6 +260,19 @@ static void restart(void *solver) {
     hold_alone(self, self->accepted);
     const march_solver of = last_solver(self);
     of.restart(of.self);
+}
+
+/* Of the part that was trained on the lightest contact. */
+static ehd_status touching(double *approach, double *load, void *solver, const contact_frame *frame,
+                           ehd_error *error) {
+    const parts_march *self = solver;
+    size_t lightest = 0;
+
+    for (size_t p = 1; p < self->num_parts; p++)
+        if (reduced_march_least_M(self->parts[p]) < reduced_march_least_M(self->parts[lightest]))
+            lightest = p;
+    const march_solver of = reduced_march_solver(self->parts[lightest]);
+    return of.touching(approach, load, of.self, frame, error);
 }
 
 /* Of several parts which one it is, before its own, and zeros up to the longest. */
@@ -337,6 +345,7 @@ march_solver parts_march_solver(parts_march *self) {
                           .accept = accept,
                           .restart = restart,
                           .start = start,
+                          .touching = touching,
                           .saved_size = saved_size,
                           .save = save,
                           .restore = restore,

@@ -38,8 +38,4 @@ size_t parts_march_num_handed(const parts_march *self);
 /* Effort of all parts so far. */
 reduced_march_effort parts_march_effort_of(const parts_march *self);
 
-/* reduced_march_approach of the part in whose trained range the frame lies deepest. */
-ehd_status parts_march_approach(double *approach, parts_march *self, const contact_frame *frame,
-                                ehd_error *error);
-
 #endif

@@ -439,15 +439,32 @@ static ehd_status walk_to_approach(reduced_info *info, reduced_march *self, cont
     return EHD_OK;
 }
 
-ehd_status reduced_march_approach(double *approach, reduced_march *self, const contact_frame *frame,
-                                  ehd_error *error) {
-    reduced_info info;
-    const ehd_status status = solve_under_load(&info, self, frame, error);
+double reduced_march_least_M(const reduced_march *self) {
+    const reduced_states *states = &self->model->states;
+    double least = INFINITY;
 
-    *approach = NAN;
-    if (!status && info.status != EHD_NOT_CONVERGED)
-        *approach = frame_to_reference(&info.scalars, frame, &self->reference).rigid_approach;
-    return status;
+    for (size_t s = 0; s < states->num_states; s++)
+        least = fmin(least, states->moes_M[s]);
+    return least;
+}
+
+/* Of the least load of the training, whose M is the smallest. */
+static ehd_status touching(double *approach, double *load, void *solver, const contact_frame *frame,
+                           ehd_error *error) {
+    reduced_march *self = solver;
+    ehd_contact contact;
+    reduced_info info;
+
+    frame_contact(&contact, frame, &self->reference);
+    const contact_frame light =
+        frame_of_load(self->reference.kind, frame, reduced_march_least_M(self) / contact.moes_M);
+    const ehd_status status = solve_under_load(&info, self, &light, error);
+
+    *approach = *load = NAN;
+    if (status || info.status == EHD_NOT_CONVERGED) return status;
+    *approach = frame_to_reference(&info.scalars, &light, &self->reference).rigid_approach;
+    *load = light.load;
+    return EHD_OK;
 }
 
 /* d/dX of the base's rho H at a node, as its row has it: what a unit of entrainment leaves of the
@@ -975,6 +992,7 @@ static ehd_status attempt(march_step *outcome, void *solver, const contact_frame
     *outcome = (march_step){.status = info.status,
                             .reason = info.reason,
                             .formula = self->formula,
+                            .frame = *frame,
                             .scalars = info.scalars,
                             .effect = NAN,
                             .effect_minimum = NAN,
@@ -1496,6 +1514,7 @@ march_solver reduced_march_solver(reduced_march *self) {
                           .accept = accept,
                           .restart = restart,
                           .start = start,
+                          .touching = touching,
                           .saved_size = saved_size,
                           .save = save,
                           .restore = restore,

@@ -49,10 +49,8 @@ reduced_solver *reduced_march_inner(reduced_march *self);
  * fit through the trained states around. */
 march_solver reduced_march_solver(reduced_march *self);
 
-/* Finds the rigid approach H0 (in the reference frame) of the stationary contact under the load that scales a frame; NaN: it
- * has no solution. Accepted states stay; an attempt before it can no longer be accepted. EHD_MEMORY. */
-ehd_status reduced_march_approach(double *approach, reduced_march *self, const contact_frame *frame,
-                                  ehd_error *error);
+/* M of the lightest contact of the training. */
+double reduced_march_least_M(const reduced_march *self);
 
 /* The last accepted state, and its frame. */
 reduced_state reduced_march_state(const reduced_march *self, contact_frame *frame);

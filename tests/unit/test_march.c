@@ -56,6 +56,7 @@ static ehd_status attempt(march_step *outcome, void *solver, const contact_frame
     *value_before(self, 0) = value;
     self->ring.time[self->ring.place[0]] = frame->time;
     *outcome = (march_step){.reason = "",
+                            .frame = *frame,
                             .scalars = {.central_film_thickness = value, .load = 1},
                             .formula = formula,
                             .local_error = formula.error * fabs(value - prediction),

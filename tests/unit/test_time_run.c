@@ -68,6 +68,7 @@ static ehd_status attempt(march_step *outcome, void *solver, const contact_frame
     nanosleep(&pause, NULL);
     self->new_time = frame->time;
     *outcome = (march_step){.reason = "",
+                            .frame = *frame,
                             .scalars = scalars_at(frame->time),
                             .effect = -0.01,
                             .effect_minimum = frame->time < 0.5 ? 0.02 : 0,
@@ -160,14 +161,21 @@ static int run_child(bool resume, bool written) {
     time_trace trace;
 
     program_start(&self, written ? 5 : 3, words, &options);
-    const time_run_task task = {
-        .caller = &self,
-        .given = &given,
-        .reference = &contact,
-        .settings_text = "scene",
-        .solver = {&stub, attempt, accept, restart, start, saved_size, save, restore, NULL, exits},
-        .resume = resume,
-        .effort = effort};
+    const time_run_task task = {.caller = &self,
+                                .given = &given,
+                                .reference = &contact,
+                                .settings_text = "scene",
+                                .solver = {.self = &stub,
+                                           .attempt = attempt,
+                                           .accept = accept,
+                                           .restart = restart,
+                                           .start = start,
+                                           .saved_size = saved_size,
+                                           .save = save,
+                                           .restore = restore,
+                                           .exits = exits},
+                                .resume = resume,
+                                .effort = effort};
     ehd_status status = time_run(&trace, &task, &why);
     print_trace(&trace);
     time_trace_free(&trace);
