@@ -297,7 +297,7 @@ calls inside march_run "$BIN/romrun" -q --allow-untrusted step.yml --model step-
 calls through - "$BENCH/bench_many" step-m.h5 step.yml 200 1
 # what is written meanwhile is no part of it
 awk '{ cost[FILENAME, $1] = $3; calls[FILENAME, $1] = $2 }
-     END { inside = "inside.calls"; through = "through.calls"; steps = calls[inside, "attempt"]
+     END { inside = "inside.calls"; through = "through.calls"; steps = calls[inside, "store"]
            romrun = (cost[inside, "march_run"] - cost[inside, "store"]) / steps
            library = (cost[through, "ehdrom_step"] + cost[through, "ehdrom_accept"]) / calls[through, "ehdrom_step"]
            printf "romrun %.1f a step (%d steps), the library %.1f (%d): %+.2f %%\n", romrun / 1000, steps, library / 1000,
