@@ -199,7 +199,7 @@ static void refine(full_state *state, const ehd_grid *grid, const full_state *fr
     }
     if (isless(offset, 1)) exit--; // of a point contact it is NaN
     full_state_set_zone(state, grid, exit < last ? exit : last);
-    if (exit < last) state->exit_offset = offset < 1 ? offset : offset - 1;
+    if (exit < last) state->exit_offset = isgreaterequal(offset, 1) ? offset - 1 : offset;
     state->rigid_approach = from->rigid_approach;
 }
 

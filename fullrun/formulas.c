@@ -145,23 +145,34 @@ static ehd_contact contact_at(double *film_scale, const time_series *series, siz
     return contact;
 }
 
+/* The first time at which bodies are not apart; num_times: there is none. */
+static size_t first_contact(const time_series *series) {
+    size_t first = 0;
+
+    while (first < series->num_times && series->load[first] == 0)
+        first++;
+    return first;
+}
+
 static void print_formula_in_time(weighted *deviations, const film_formula *formula,
                                   const time_series *series, const ehd_histories *histories,
                                   const ehd_contact *reference) {
     double scale;
     ehd_contact contact;
+    size_t count = 0;
 
     for (size_t i = 0; i < series->num_times; i++) {
+        if (series->load[i] == 0) continue; // bodies apart
         contact = contact_at(&scale, series, i, histories, reference);
         const film_numbers numbers = film_numbers_of(&contact);
         double film = scale * formula->film(formula, &numbers);
         double of_solution = formula->of_minimum ? series->minimum_film_thickness[i]
                                                  : series->central_film_thickness[i];
-        deviations[i] = (weighted){fabs(film / of_solution - 1), duration_of(series, i)};
+        deviations[count++] = (weighted){fabs(film / of_solution - 1), duration_of(series, i)};
     }
     print_head(formula);
-    print_deviations(deviations, series->num_times);
-    contact = contact_at(&scale, series, 0, histories, reference);
+    print_deviations(deviations, count);
+    contact = contact_at(&scale, series, first_contact(series), histories, reference);
     const film_numbers at_start = film_numbers_of(&contact);
     print_tail(formula, &at_start);
 }
@@ -170,12 +181,14 @@ static void print_formula_in_time(weighted *deviations, const film_formula *form
 static void print_traction_in_time(weighted *deviations, const time_series *series,
                                    const ehd_histories *histories, const ehd_contact *reference) {
     double scale, least = INFINITY, most = 0, outside = 0, total = 0;
-    ehd_contact contact = contact_at(&scale, series, 0, histories, reference);
+    const size_t first = first_contact(series);
+    ehd_contact contact = contact_at(&scale, series, first, histories, reference);
     const ehd_contact at_start = contact;
     size_t count = 0;
 
     if (isnan(traction_at_mean_pressure(&contact, 1, contact.slide_roll).coefficient)) return;
-    for (size_t i = 0; i < series->num_times; i++) {
+    for (size_t i = first; i < series->num_times; i++) {
+        if (series->load[i] == 0) continue;
         contact = contact_at(&scale, series, i, histories, reference);
         const traction_estimate own =
             traction_at_mean_pressure(&contact, film_central(&contact), contact.slide_roll);
@@ -198,7 +211,7 @@ static void print_traction_in_time(weighted *deviations, const time_series *seri
     printf("  %s; viscous stress from %g Eyring stresses on, here %.3g to %.3g",
            traction_formula_source, TRACTION_MIN_EXCESS, least, most);
     if (outside > 0) printf(", outside for %.3g %% of the time", 100 * outside / total);
-    printf("\ntraction at T = %g, ", series->time[0]);
+    printf("\ntraction at T = %g, ", series->time[first]);
     print_curve(&at_start);
 }
 
@@ -214,10 +227,11 @@ ehd_status formulas_print_in_time(const char *path, const scene *given,
     if (!status) status = histories_init(&histories, given, error);
     if (!status) deviations = malloc((series.num_times + 1) * sizeof *deviations);
     if (!status && !deviations) status = ehd_fail(error, EHD_MEMORY, "%s: found no memory", path);
-    for (const film_formula *formula = film_formulas; formula->name && !status; formula++)
+    const bool touch = !status && first_contact(&series) < series.num_times;
+    for (const film_formula *formula = film_formulas; formula->name && touch; formula++)
         if (formula->dimensions == reference->kind->dimensions)
             print_formula_in_time(deviations, formula, &series, histories, reference);
-    if (!status) print_traction_in_time(deviations, &series, histories, reference);
+    if (touch) print_traction_in_time(deviations, &series, histories, reference);
     free(deviations);
     histories_free(histories);
     time_series_free(&series);

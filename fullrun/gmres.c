@@ -619,7 +619,7 @@ static double normalise(projection *task, size_t size, team *threads) {
     task->with = NULL;
     const double length = project(task, size, threads);
 
-    task->factor = 1 / length;
+    task->factor = length > 0 ? 1 / length : 0; // 0: no direction is left
     if (length > 0) team_share(threads, size, task->work->part, scale_part, task);
     return length;
 }

@@ -188,7 +188,7 @@ static const double *take_exits(runner *self, const march_step *step,
 
 /* NaN where one of them is. */
 static double larger(double a, double b) {
-    return isnan(a) || a > b ? a : b;
+    return isnan(a) || isgreater(a, b) ? a : b;
 }
 
 /* Entry `march_step` of the file, with fields at every N-th step. */

@@ -17,7 +17,8 @@ contact_frame frame_at(const contact_kind *kind, double time, const double *valu
     // a ratio, the same of all shapes
     frame.half_width = kind->half_width(&shape_round, frame.load, frame.radius, frame.modulus) /
                        kind->half_width(&shape_round, 1, 1, 1);
-    frame.hertz_pressure = frame.load / pow(frame.half_width, kind->dimensions);
+    frame.hertz_pressure =
+        frame.load > 0 ? frame.load / pow(frame.half_width, kind->dimensions) : 0;
     frame.film_scale = frame.half_width * frame.half_width / frame.radius;
     return frame;
 }

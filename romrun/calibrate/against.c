@@ -3,8 +3,10 @@
 
 #include "common/output/grid_file.h"
 #include "common/physics/traction.h"
+#include "common/program/text.h"
 #include "romrun/calibrate/time_compare.h"
 
+#include <limits.h>
 #include <math.h>
 #include <stdio.h>
 
@@ -93,7 +95,10 @@ static void print_heading(const char *path, const ehd_grid *grid, const ehd_grid
     const bool bounded = grid->boundary != other->boundary;
     const bool discretized = grid->discretization != other->discretization;
 
-    printf("against %s", path);
+    char shown[PATH_MAX];
+    snprintf(shown, sizeof shown, "%s", path);
+    text_make_printable(shown, "");
+    printf("against %s", shown);
     if (moved) {
         printf(" (another grid, ");
         if (other->num_inner > 0)
@@ -167,13 +172,18 @@ ehd_status against_print_in_time(const time_trace *trace, const time_series *ful
         {"central film thickness", trace->central_film_thickness, full->central_film_thickness},
         {"central pressure", trace->central_pressure, full->central_pressure}};
     ehd_error cause = {""};
+    size_t num_times = 0;
 
+    while (num_times < full->num_times && full->load[num_times] != 0)
+        num_times++;
     print_heading(path, grid, &full->grid);
+    if (num_times < full->num_times)
+        printf("  (up to T = %.6g, where the bodies part)\n", full->time[num_times]);
     for (size_t i = 0; i < sizeof quantities / sizeof *quantities; i++) {
         time_deviation deviation;
         ehd_status status =
             time_compare(&deviation, trace->time, quantities[i].reduced, trace->count, full->time,
-                         quantities[i].full, full->num_times, &cause);
+                         quantities[i].full, num_times, &cause);
         if (status) return ehd_fail(error, status, "%s: %s", path, cause.text);
         printf("  %-24s at most %.3g %% off, at T = %.6g; %.2g %% in the mean\n",
                quantities[i].name, deviation.largest * 100, deviation.at, deviation.mean * 100);

@@ -76,3 +76,42 @@ trapped() {
     trapped romrun moving.yml --model tm.ehdrom --allow-untrusted
     trapped romrun --fmu si.yml --model c.h5 -o c.fmu
 }
+
+# slides KIND LOAD TEXT...: a scene in SI units whose surfaces slide; TEXT: lines of its lubricant
+slides() {
+    local kind=$1 load=$2
+    shift 2
+    printf '%s\n' "$kind" 'regime: stationary' "physical: {load: $load, radius: 0.0125, speed: 0.8, modulus: 226e9}" 'slide_roll: 0.1' \
+        'lubricant:' '  density: {law: dowson-higginson}' "$@" >slides.yml
+    trapped fullrun slides.yml --formulas --allow-untrusted
+}
+
+@test "thinned flow, heat and all laws of shear stress raise none" {
+    local oil='  viscosity: {law: roelands, eta0: 0.08, alpha: 2.0e-8' shear
+    local thins='  shear: {law: eyring, tau0: 5e6, in_film: true}'
+    slides 'contact: line' 300e3 "$oil}" "$thins"
+    slides 'contact: point' 30 "$oil}" "$thins"
+    slides $'contact: ellipse\nellipticity: 3' 30 "$oil}" "$thins"
+    for shear in 'limiting, limit: 0.05' 'carreau, G: 5e6, n: 0.5' newtonian; do
+        slides 'contact: line' 300e3 "$oil}" "  shear: {law: $shear}"
+    done
+    slides 'contact: line' 300e3 '  thermal_conductivity: 0.14' \
+        "$oil, reference_temperature: 40, temperature: 60, temperature_coefficient: 0.03}"
+    slides 'contact: line' 300e3 '  viscosity: {law: wlf, preset: no1}'
+}
+
+@test "a reversal, a surface, a load of 0 and bodies apart raise none" {
+    printf '%s\n' time,of 0,1 1,1 2,0 3,0 4,1 5,1 >load.csv
+    printf '%s\n' time,of 0,1 1,1 3,-0.3 3.5,-0.3 4.5,1 5,1 >approach.csv
+    for line in 'speed: {law: sine, mean: 0, amplitude: 1, phase: 1.57, period: 8}' \
+        'load: {law: table, file: load.csv, column: of, interpolation: linear}' \
+        'approach: {law: table, file: approach.csv, column: of, interpolation: linear}'; do
+        { printf '%s\n' 'contact: line' 'regime: transient' 'moes: {M: 20, L: 5}' \
+            'lubricant: {viscosity: {law: barus, alpha: 2e-8}}'
+          [[ $line != approach* ]] || echo 'closure: approach'
+          printf '%s\n' 'transient:' '  end_time: 5' "  $line"; } >varied.yml
+        trapped fullrun varied.yml --allow-untrusted --force -o varied.h5
+    done
+    sed -e '/load\|approach/d' -e 's/^transient:/surface: {kind: dent, depth: 0.05, radius: 0.3}\n&/' varied.yml >dent.yml
+    trapped fullrun dent.yml
+}
