@@ -22,6 +22,20 @@ setup_file() {
     fullrun moving.yml -o times.h5 --quiet >/dev/null
     time_plan train "1, 2" "0.1"
     model_in_time 8 --no-check
+    printf 'groups:\n- {scene: line.yml, region: {moes.M: [10, 12]}, candidates: 20}\n' >region.yml
+    snapgen region.yml -o as.h5 --quiet >/dev/null
+    podbuild as.h5 -o ab.h5 --pressure-modes 6
+    snapgen region.yml --basis ab.h5 -o ar.h5 --quiet >/dev/null
+    /usr/bin/python3 - <<'PYTHON'
+import h5py, numpy
+with h5py.File("history.h5", "w") as file:
+    time = numpy.linspace(0, 1, 11)
+    for name, values in {"time": time, "load": 1 + 0.1 * time}.items():
+        file[name] = values
+        file[name].make_scale(name)  # so that each has a length of its own
+PYTHON
+    sed 's/^transient:.*/transient: {load: {law: table, file: history.h5, column: load}, end_time: 0.5, fixed_step: 0.1}/' \
+        moving.yml >table.yml
 }
 
 setup() {
@@ -45,7 +59,21 @@ sweep() {
     sweep bp.h5 "podbuild --check bp.h5" "deimselect --no-check rp.h5 --basis bp.h5 --rows 60 --method sopt --force -o x.h5"
 }
 
+@test "axes of adaptive trainings and of trajectories" {
+    sweep as.h5 "snapgen --check as.h5" "podbuild --force as.h5 -o x.h5 --pressure-modes 3"
+    sweep ar.h5 "deimselect --check ar.h5" "deimselect --no-check ar.h5 --basis ab.h5 --force -o x.h5"
+    sweep ts.h5 "snapgen --check ts.h5" "podbuild --force ts.h5 -o x.h5 --pressure-modes 3"
+    sweep tr.h5 "deimselect --check tr.h5" "deimselect --no-check tr.h5 --basis tb.h5 --force -o x.h5"
+}
+
+@test "lengths of a table of histories" {
+    sed 's/history.h5/copy-history.h5/' table.yml >resized.yml
+    fullrun table.yml --quiet
+    sweep history.h5 "fullrun resized.yml --quiet"
+}
+
 @test "axes of residuals" {
+    sweep ir.h5 "deimselect --check ir.h5" "deimselect --no-check ir.h5 --basis ib.h5 --force -o x.h5"
     sweep r.h5 "deimselect --check r.h5" "deimselect --no-check r.h5 --basis b.h5 --force -o x.h5" \
         "deimselect --no-check r.h5 --basis b.h5 --memory 1 --force -o x.h5"
     sweep rp.h5 "deimselect --check rp.h5" "deimselect --no-check rp.h5 --basis bp.h5 --rows 60 --method sopt --force -o x.h5"
