@@ -100,6 +100,31 @@ small_oscillator() {
     [ ! -e x.csv ]
 }
 
+@test "the bouncing mass: its contact is lost and found again, and forces give the momentum" {
+    case $VARIANT in
+    release | debug | cov) ;;
+    *) skip "a sanitizer wants to be loaded first" ;;
+    esac
+    outside
+    make -C "$BATS_TEST_DIRNAME/../.." -s python VARIANT="$VARIANT" DEPS=no
+    copy_scene examples/bouncing
+    sed -i 's/step: 0.02/step: 0.05/' scene.yml
+    sed -i 's/amplitude: \[.*\], tr/amplitude: [0.6], tr/; s/period: \[.*\]/period: [1.5, 3]/' plan.yml
+    sed -i 's/END, STEP = 3e-6, 15e-3/END, STEP = 3e-6, 3.6e-3/' bounce.py
+    run_make figures
+    [ "$status" -eq 0 ]
+    [ "$(head -c 4 out/bounces.png | tail -c 3)" = PNG ]
+    run_make
+    echo "$output"
+    # it falls with v^2 = 2 g s from 3 um to where it touches, above 0; each bounce takes some of it
+    awk '/mm.s/ { count++
+                  fell = sqrt(2 * 9.81 * 3e-6) * 1e3
+                  if (count == 1 && (-$3 > fell || -$3 < 0.9 * fell)) exit 1
+                  if ($7 >= -$3 || $7 < -0.8 * $3 || $11 > 1e-6 || $11 < -1e-6) exit 1 }
+         END { exit count != 2 }' out/bounces.txt
+    awk -F, 'NR > 1 && $3 == 0 && $2 > 0 && ($4 - $2) ^ 2 > 1e-24 { exit 1 }' out/bounces.csv
+}
+
 @test "the roller: several contacts in threads of its own, and it comes to rest where the track is" {
     outside
     copy_scene examples/roller
