@@ -468,6 +468,11 @@ static bool accept(fmu_instance *self) {
 /* Halvings of a step that does not converge, before it is discarded: a part of one millionth. */
 enum { MOST_HALVINGS = 20 };
 
+/* A communication step is discarded if it stands still: after so many attempts, if as many as the last ones have done would
+ * take more than MOST_ATTEMPTS to its end. Towards a load that no contact has, each millionth of a step may converge: with
+ * the gcc of Debian 13 a step of tests/pipeline/fmu.bats then went on for more than 17 minutes. */
+enum { WATCHED_ATTEMPTS = 100, MOST_ATTEMPTS = 100000 };
+
 /* Halvings of a step whose local error is too large, before the error is taken for noise. A local error falls with the third
  * power of the step, behind a kink of the inputs with the second or first. With the line of tests/pipeline/fmu.bats and
  * steps of 1/40 of a/u, errors stop falling after 6 to 10 halvings, at 2e-8 to 8e-8 of the film. */
@@ -481,7 +486,8 @@ typedef struct stretch {
     double step;         // s
     conditions from, to; // at its ends
     double done, part;   // of it
-    size_t steps;
+    size_t steps, attempts;
+    double mark; // what was done when the last WATCHED_ATTEMPTS began
     // of the attempts behind `done`:
     int halvings;
     double error; // local error of the attempt before, twice as long; 0: not converged, or none
@@ -557,6 +563,20 @@ static fmu_outcome go_on(fmu_instance *self, stretch *of, ehdrom_result *result)
     return FMU_DONE;
 }
 
+/* Whether the last attempts have hardly got further. */
+static bool stands_still(fmu_instance *self, stretch *of) {
+    const double done = of->done - of->mark;
+
+    if (++of->attempts % WATCHED_ATTEMPTS != 0) return false;
+    of->mark = of->done;
+    if (done / WATCHED_ATTEMPTS * MOST_ATTEMPTS >= 1 - of->done) return false;
+    say(self, FMU_DISCARDED,
+        "step to %g s: found %d attempts between %.10g and %.10g s, expected them to get further",
+        self->now.time + of->step, WATCHED_ATTEMPTS, self->now.time + of->step * (of->done - done),
+        self->now.time + of->step * of->done);
+    return true;
+}
+
 static fmu_outcome cross(fmu_instance *self, stretch *of, ehdrom_result *result) {
     fmu_outcome outcome = FMU_DONE;
 
@@ -565,6 +585,7 @@ static fmu_outcome cross(fmu_instance *self, stretch *of, ehdrom_result *result)
         while (grows_too_much(&self->now, of))
             of->part /= 2;
         outcome = go_on(self, of, result);
+        if (outcome == FMU_DONE && stands_still(self, of)) outcome = FMU_DISCARDED;
     }
     return outcome;
 }
