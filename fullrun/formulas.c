@@ -187,8 +187,8 @@ static void print_traction_in_time(weighted *deviations, const time_series *seri
     size_t count = 0;
 
     if (isnan(traction_at_mean_pressure(&contact, 1, contact.slide_roll).coefficient)) return;
-    for (size_t i = first; i < series->num_times; i++) {
-        if (series->load[i] == 0) continue;
+    for (size_t i = 0; i < series->num_times; i++) {
+        if (series->load[i] == 0) continue; // bodies apart
         contact = contact_at(&scale, series, i, histories, reference);
         const traction_estimate own =
             traction_at_mean_pressure(&contact, film_central(&contact), contact.slide_roll);
@@ -231,6 +231,7 @@ ehd_status formulas_print_in_time(const char *path, const scene *given,
     for (const film_formula *formula = film_formulas; formula->name && touch; formula++)
         if (formula->dimensions == reference->kind->dimensions)
             print_formula_in_time(deviations, formula, &series, histories, reference);
+    if (!status && !touch) printf("formulas: the bodies are apart at all times\n");
     if (touch) print_traction_in_time(deviations, &series, histories, reference);
     free(deviations);
     histories_free(histories);

@@ -373,6 +373,10 @@ static ehd_status start(march_step *outcome, void *solver, const contact_frame *
                                   : find_start(&info, self, frame, error);
     if (status) return status;
     judge_start(&info, self, first);
+    if (!info.status && frame->time > 0 && self->reference.surface) {
+        info.status = EHD_UNTRUSTED;
+        info.reason = "a contact that is found again, with a surface that its start leaves out";
+    }
     frame_contact(&contact, &first->frame, &self->reference);
     *outcome = (march_step){.status = info.status,
                             .reason = info.reason,
@@ -766,13 +770,15 @@ static void accept(void *solver) {
     bdf_ring_accept(&self->ring, solved->frame.time);
 }
 
-/* Of the lightest contact that has a solution to be trusted on this grid, by halves of the load. */
+/* Halves the load as long as the stationary solution is one to be trusted; takes the last such load, or else the first load
+ * if that has a solution at all. */
 static ehd_status touching(double *approach, double *load, void *solver, const contact_frame *frame,
                            ehd_error *error) {
     full_march *self = solver;
     previous_state *scratch = state_before(self, 0);
     contact_frame light = *frame;
-    full_info info = {.status = EHD_OK};
+    char reason[JUDGE_REASON]; // an outcome may have the march's own
+    full_info info;
 
     *approach = *load = NAN;
     light.speed = fabs(frame->speed);
@@ -780,15 +786,15 @@ static ehd_status touching(double *approach, double *load, void *solver, const c
     while (true) {
         ehd_contact contact;
         frame_contact(&contact, &light, &self->reference);
-        if (contact.moes_M < MIN_MOES_M) return EHD_OK;
+        if (contact.moes_M < MIN_MOES_M && !isnan(*load)) return EHD_OK;
         const ehd_status status = start_with_load(&info, self, &light, error);
         if (status) return status;
         add_effort(self, &info);
-        scratch->frame = light;
-        judge_start(&info, self, scratch);
-        if (info.status) return EHD_OK;
+        const bool trusted = !info.status && !full_judge(reason, &info, &scratch->state, &contact);
+        if (info.status || (!trusted && !isnan(*load))) return EHD_OK;
         *approach = reference_approach(self, &scratch->state, &light);
         *load = light.load;
+        if (!trusted) return EHD_OK;
         light = frame_of_load(self->reference.kind, &light, 0.5);
     }
 }

@@ -218,9 +218,8 @@ static const artefact_field result_fields[] = {
         "the scene gives a slide-roll ratio, 0 where there is no pressure"),
     ENTRIES("shear_stress_2", pressure_in_frame, "the same of surface 2"),
     SCALED("central_film_thickness", film_scale, NEED_ALWAYS, VALUES_ANY,
-           "film thickness H at X = 0 (Y = 0) in the reference frame; of bodies apart the gap, NaN "
-           "where "
-           "the load is given",
+           "film thickness H at X = 0 (Y = 0) in the reference frame; while the bodies are apart, "
+           "their gap, or NaN if the load is given",
            "time"),
     SCALED("minimum_film_thickness", film_scale, NEED_ALWAYS, VALUES_ANY,
            "smallest film thickness H in the reference frame: interpolated, with discretization = "
@@ -231,7 +230,7 @@ static const artefact_field result_fields[] = {
     SCALED("rigid_approach", film_scale, NEED_ALWAYS, VALUES_ANY,
            "rigid approach H0 in the reference frame", "time"),
     SCALED("load", load_scale, NEED_OWN, VALUES_ANY,
-           "load relative to the reference load; 0: the bodies are apart", "time"),
+           "load relative to the reference load; 0 while the bodies are apart", "time"),
     SCALED("contact_half_width", length_scale, NEED_OWN, VALUES_ANY,
            "half width that scales the frame, relative to the reference; where the approach is "
            "given, of the expected load",

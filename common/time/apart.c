@@ -4,8 +4,10 @@
 #include <math.h>
 #include <string.h>
 
-/* Part of the reference's load that may be left out. */
+/* Largest neglected load, relative to the reference load. */
 static const double NEGLIGIBLE = 0.01;
+
+static const double SLACK = 1e-9; // of a step, by the rounding of times
 
 void apart_init(apart_march *self, march_solver inner, const ehd_contact *reference,
                 double longest_step) {
@@ -15,22 +17,10 @@ void apart_init(apart_march *self, march_solver inner, const ehd_contact *refere
                           .now = {.approach = -INFINITY}};
 }
 
-/* What a frame is under another load. */
-static contact_frame frame_under(const apart_march *self, const contact_frame *frame, double load) {
-    const double values[NUM_VARY] = {[VARY_LOAD] = load,
-                                     [VARY_SPEED] = frame->speed,
-                                     [VARY_RADIUS] = frame->radius,
-                                     [VARY_MODULUS] = frame->modulus};
-    contact_frame under = frame_at(self->reference->kind, frame->time, values, frame->approach);
-
-    under.path = frame->path;
-    return under;
-}
-
-/* The stationary film, in the reference frame, under a load. */
+/* The stationary film under a load, in the reference frame. */
 static double stationary_film(const apart_march *self, const contact_frame *frame, double load) {
     const contact_kind *kind = self->reference->kind;
-    const contact_frame under = frame_under(self, frame, load);
+    const contact_frame under = frame_with_load(kind, frame, load);
     ehd_contact contact;
 
     frame_contact(&contact, &under, self->reference);
@@ -38,13 +28,12 @@ static double stationary_film(const apart_march *self, const contact_frame *fram
            kind->central_film(&contact.grid.shape, contact.moes_M, contact.moes_L);
 }
 
-/* Finds where bodies touch: the approach and the load of the lightest stationary contact that the solver has. It is solved
- * again only when the conditions change. self->load NaN: there is none. */
+/* Finds where bodies touch, in self->approach and self->load. It is solved again only when the conditions change. */
 static ehd_status find_touching(apart_march *self, const contact_frame *frame, ehd_error *error) {
     if (self->speed == frame->speed && self->radius == frame->radius &&
         self->modulus == frame->modulus)
         return EHD_OK;
-    contact_frame loaded = frame_under(self, frame, 1);
+    contact_frame loaded = frame_with_load(self->reference->kind, frame, 1);
     loaded.approach = NAN;
     const ehd_status status =
         self->inner.touching(&self->approach, &self->load, self->inner.self, &loaded, error);
@@ -58,8 +47,8 @@ static bool by_load(const contact_frame *frame) {
     return isnan(frame->approach);
 }
 
-/* Whether the force that bodies apart have, and that is left out, is negligible: that of a stationary contact in their
- * gap, or of the lightest contact. */
+/* Decides whether the neglected force of bodies apart is negligible. It is at most that of a stationary contact in the same
+ * gap or, where they do not touch, that of the lightest contact. */
 static ehd_status find_known(bool *known, apart_march *self, const contact_frame *frame,
                              ehd_error *error) {
     ehd_status status = EHD_OK;
@@ -68,14 +57,15 @@ static ehd_status find_known(bool *known, apart_march *self, const contact_frame
                             : stationary_film(self, frame, NEGLIGIBLE) <= frame->approach;
     if (*known || by_load(frame) || frame->speed == 0) return EHD_OK;
     status = find_touching(self, frame, error);
-    *known = !status && islessequal(self->load, NEGLIGIBLE);
+    *known = !status && islessequal(self->load, NEGLIGIBLE) &&
+             isgreaterequal(frame->approach, self->approach);
     return status;
 }
 
 /* Makes an outcome of bodies that are apart. */
 static ehd_status part(march_step *outcome, apart_march *self, const contact_frame *frame,
                        ehd_error *error) {
-    const contact_frame free = frame_under(self, frame, 1);
+    const contact_frame free = frame_with_load(self->reference->kind, frame, 1);
     const double gap = by_load(frame) ? NAN : fmax(frame->approach, 0);
     const contact_scalars there = {.central_film_thickness = gap,
                                    .minimum_film_thickness = gap,
@@ -85,38 +75,42 @@ static ehd_status part(march_step *outcome, apart_march *self, const contact_fra
 
     *outcome = (march_step){.status = known ? EHD_OK : EHD_UNTRUSTED,
                             .reason = known ? ""
-                                            : "bodies so near that more than 1 % of the "
-                                              "reference's load may be left out",
+                                            : "bodies apart, but so near that the neglected force "
+                                              "may exceed 1 % of the reference load",
                             .frame = free,
                             .scalars = frame_from_reference(&there, &free, self->reference),
                             .apart = true};
-    self->next = (apart_moment){.apart = 1, .approach = frame->approach, .frame = free};
+    self->next.apart = 1;
+    self->next.approach = frame->approach;
+    self->next.frame = free;
     return status;
 }
 
-/* Of a contact, in the reference frame. */
-static double approach_of(const march_step *outcome, const contact_frame *frame,
-                          const ehd_contact *reference) {
-    return by_load(frame) ? frame_to_reference(&outcome->scalars, frame, reference).rigid_approach
-                          : frame->approach;
+/* Notes an outcome of bodies in contact. */
+static void touch(apart_march *self, const march_step *outcome, const contact_frame *frame) {
+    self->next = (apart_moment){
+        .inner = 1,
+        .approach = by_load(frame)
+                        ? frame_to_reference(&outcome->scalars, &outcome->frame, self->reference)
+                              .rigid_approach
+                        : frame->approach};
 }
 
-/* Whether bodies part in an attempt: nothing presses on the film any more, or it has no solution beyond the approach at
- * which they touch, or under a load that is negligible. */
+/* Decides whether the bodies part in this attempt. With a given approach they do if the load is not positive, or if the
+ * attempt fails while they recede beyond the touching approach; with a given load if it fails under a load that is
+ * negligible and less than the touching one. */
 static ehd_status find_parting(bool *parts, apart_march *self, const contact_frame *frame,
                                const march_step *attempted, ehd_error *error) {
     const bool failed = attempted->status == EHD_NOT_CONVERGED;
+    const bool may =
+        by_load(frame) ? frame->load <= NEGLIGIBLE : isgreater(frame->approach, self->now.approach);
     ehd_status status = EHD_OK;
 
-    *parts = false;
-    if (by_load(frame)) {
-        *parts = failed && frame->load <= NEGLIGIBLE;
-    } else if (frame->approach > self->now.approach && !failed) {
-        *parts = attempted->scalars.load <= 0;
-    } else if (frame->approach > self->now.approach && frame->speed != 0) {
-        status = find_touching(self, frame, error);
-        *parts = !status && isgreater(frame->approach, self->approach);
-    }
+    *parts = !failed && !by_load(frame) && attempted->scalars.load <= 0;
+    if (!failed || !may || frame->speed == 0) return EHD_OK;
+    status = find_touching(self, frame, error);
+    *parts = !status && (by_load(frame) ? isless(frame->load, self->load)
+                                        : isgreater(frame->approach, self->approach));
     return status;
 }
 
@@ -124,71 +118,73 @@ static march_step too_long(const char *reason, const contact_frame *frame) {
     return (march_step){.status = EHD_NOT_CONVERGED, .reason = reason, .frame = *frame};
 }
 
+static bool is_too_long(const apart_march *self, double step) {
+    return step > self->longest_step * (1 + SLACK);
+}
+
 static ehd_status attempt_contact(march_step *outcome, apart_march *self,
                                   const contact_frame *frame, double step, ehd_error *error) {
-    bool parts = by_load(frame) && frame->load == 0;
+    bool parts = frame->load == 0;
     ehd_status status = EHD_OK;
 
     if (!parts) {
         status = self->inner.attempt(outcome, self->inner.self, frame, step, error);
-        if (status) return status;
-        status = find_parting(&parts, self, frame, outcome, error);
+        if (!status) status = find_parting(&parts, self, frame, outcome, error);
     }
     if (status) return status;
-    if (!parts) {
-        self->next = (apart_moment){.approach = approach_of(outcome, frame, self->reference)};
-    } else if (step > self->longest_step && !by_load(frame)) {
-        *outcome = too_long("bodies that part within the step", frame);
-    } else {
+    if (!parts)
+        touch(self, outcome, frame);
+    else if (frame->load > 0 && is_too_long(self, step))
+        *outcome = too_long("the bodies part in this step, which has to be shorter", frame);
+    else
         status = part(outcome, self, frame, error);
-    }
     return status;
 }
 
-/* Beyond it no bodies touch: deflection makes an approach less than the central film, which of the lightest contact of all
- * is less than twice that of the formula. */
+/* Returns an approach beyond which bodies cannot touch. The approach of a contact is less than its central film, and that of
+ * the lightest contact is less than twice the formula's. */
 static double farthest_touch(const apart_march *self, const contact_frame *frame) {
-    const contact_frame under = frame_under(self, frame, 1);
+    const contact_frame under = frame_with_load(self->reference->kind, frame, 1);
     ehd_contact contact;
 
     frame_contact(&contact, &under, self->reference);
     return 2 * stationary_film(self, frame, fmin(MIN_MOES_M / contact.moes_M, 1));
 }
 
-/* Whether bodies that are apart touch. */
-static ehd_status find_touch(bool *touch, apart_march *self, const contact_frame *frame,
+/* Decides whether bodies that are apart touch. They do not where they recede. */
+static ehd_status find_touch(bool *touches, apart_march *self, const contact_frame *frame,
                              ehd_error *error) {
-    const bool nears = by_load(frame) ? frame->load > 0
-                                      : !isgreaterequal(frame->approach, self->now.approach) &&
-                                            frame->approach < farthest_touch(self, frame);
+    const bool may = by_load(frame) ? frame->load > 0
+                                    : !isgreater(frame->approach, self->now.approach) &&
+                                          frame->approach < farthest_touch(self, frame);
     ehd_status status = EHD_OK;
 
-    *touch = false;
-    if (frame->speed == 0 || !nears) return EHD_OK;
+    *touches = false;
+    if (frame->speed == 0 || !may) return EHD_OK;
     status = find_touching(self, frame, error);
-    *touch = !status &&
-             (by_load(frame) ? frame->load >= self->load : isless(frame->approach, self->approach));
+    *touches = !status && (by_load(frame) ? isgreaterequal(frame->load, self->load)
+                                          : isless(frame->approach, self->approach));
     return status;
 }
 
 /* A contact that is found again starts from the stationary film. */
 static ehd_status attempt_apart(march_step *outcome, apart_march *self, const contact_frame *frame,
                                 double step, ehd_error *error) {
-    bool touch;
-    ehd_status status = find_touch(&touch, self, frame, error);
+    bool touches;
+    ehd_status status = find_touch(&touches, self, frame, error);
 
     if (status) return status;
-    if (!touch) {
-        status = part(outcome, self, frame, error);
-    } else if (step > self->longest_step) {
-        *outcome = too_long("bodies that touch within the step", frame);
-    } else {
-        const contact_frame light = by_load(frame) ? *frame : frame_under(self, frame, self->load);
-        status = self->inner.start(outcome, self->inner.self, &light, error);
-        outcome->begins = self->begins = true;
-        self->next =
-            (apart_moment){.approach = approach_of(outcome, &outcome->frame, self->reference)};
+    if (!touches) return part(outcome, self, frame, error);
+    if (is_too_long(self, step)) {
+        *outcome = too_long("the bodies touch in this step, which has to be shorter", frame);
+        return EHD_OK;
     }
+    const contact_frame light =
+        by_load(frame) ? *frame : frame_with_load(self->reference->kind, frame, self->load);
+    status = self->inner.start(outcome, self->inner.self, &light, error);
+    outcome->begins = self->begins = true;
+    touch(self, outcome, frame);
+    if (status || outcome->status == EHD_NOT_CONVERGED) self->now.inner = 0;
     return status;
 }
 
@@ -199,6 +195,7 @@ static ehd_status attempt(march_step *outcome, void *solver, const contact_frame
     apart_march *self = solver;
 
     self->begins = false;
+    self->next = self->now;
     return self->now.apart == 1 ? attempt_apart(outcome, self, frame, step, error)
                                 : attempt_contact(outcome, self, frame, step, error);
 }
@@ -219,7 +216,8 @@ static void restart(void *solver) {
 static ehd_status start(march_step *outcome, void *solver, const contact_frame *frame,
                         ehd_error *error) {
     apart_march *self = solver;
-    bool parts = by_load(frame) && frame->load == 0;
+    bool parts = frame->load == 0 || (!by_load(frame) && frame->speed != 0 &&
+                                      frame->approach >= farthest_touch(self, frame));
     ehd_status status = EHD_OK;
 
     self->begins = false;
@@ -233,7 +231,7 @@ static ehd_status start(march_step *outcome, void *solver, const contact_frame *
     if (parts)
         status = part(outcome, self, frame, error);
     else
-        self->next.approach = approach_of(outcome, &outcome->frame, self->reference);
+        touch(self, outcome, &outcome->frame);
     self->now = self->next;
     return status;
 }
@@ -247,15 +245,20 @@ static size_t saved_size(const void *solver) {
     return NUM_OWN + self->inner.saved_size(self->inner.self);
 }
 
-/* The inner solver has no states while bodies are apart: zeros. */
 static void save(double *saved, const void *solver) {
     const apart_march *self = solver;
 
     memcpy(saved, &self->now, sizeof self->now);
-    if (self->now.apart == 1)
-        memset(saved + NUM_OWN, 0, self->inner.saved_size(self->inner.self) * sizeof *saved);
-    else
+    if (self->now.inner == 1)
         self->inner.save(saved + NUM_OWN, self->inner.self);
+    else
+        memset(saved + NUM_OWN, 0, self->inner.saved_size(self->inner.self) * sizeof *saved);
+}
+
+static bool is_valid(const apart_moment *moment) {
+    if (!(moment->inner == 0 || moment->inner == 1)) return false;
+    if (moment->apart == 1) return frame_is_valid(&moment->frame) && !isinf(moment->approach);
+    return moment->apart == 0 && moment->inner == 1 && isfinite(moment->approach);
 }
 
 static ehd_status restore(void *solver, const double *saved, ehd_error *error) {
@@ -263,13 +266,13 @@ static ehd_status restore(void *solver, const double *saved, ehd_error *error) {
     apart_moment now;
 
     memcpy(&now, saved, sizeof now);
-    if (!(now.apart == 0 || (now.apart == 1 && frame_is_valid(&now.frame))) || isinf(now.approach))
+    if (!is_valid(&now))
         return ehd_fail(error, EHD_DATA,
-                        "saved state: found approach %g and %g, expected an approach and 0, or 1 "
-                        "and a frame where bodies are apart",
+                        "saved state: found approach %g and apart = %g, expected an approach, and "
+                        "apart = 0, or 1 with a valid frame",
                         now.approach, now.apart);
     const ehd_status status =
-        now.apart == 1 ? EHD_OK : self->inner.restore(self->inner.self, saved + NUM_OWN, error);
+        now.inner == 1 ? self->inner.restore(self->inner.self, saved + NUM_OWN, error) : EHD_OK;
     if (status) return status;
     self->now = self->next = now;
     self->begins = false;
@@ -279,12 +282,12 @@ static ehd_status restore(void *solver, const double *saved, ehd_error *error) {
 static ehd_status fields(double *pressure, double *film, void *solver, ehd_error *error) {
     apart_march *self = solver;
     const ehd_grid *grid = &self->reference->grid;
-    const double gap = self->now.approach / self->now.frame.film_scale;
 
     if (self->now.apart == 0) return self->inner.fields(pressure, film, self->inner.self, error);
+    const double gap = self->now.approach / self->now.frame.film_scale;
     for (size_t k = 0; k < grid->num_nodes; k++) {
         pressure[k] = 0;
-        film[k] = grid_gap(grid, k) + gap;
+        film[k] = isnan(gap) ? NAN : fmax(grid_gap(grid, k) + gap, 0);
     }
     return EHD_OK;
 }
@@ -314,7 +317,6 @@ march_solver apart_solver(apart_march *self) {
                           .accept = accept,
                           .restart = restart,
                           .start = start,
-                          .touching = self->inner.touching,
                           .saved_size = saved_size,
                           .save = save,
                           .restore = restore,

@@ -29,16 +29,19 @@ bool frame_is_valid(const contact_frame *frame) {
            frame->hertz_pressure > 0 && frame->film_scale > 0 && isfinite(frame->film_scale);
 }
 
-contact_frame frame_of_load(const contact_kind *kind, const contact_frame *frame, double ratio) {
-    const double values[NUM_VARY] = {[VARY_LOAD] = frame->load * ratio,
+contact_frame frame_with_load(const contact_kind *kind, const contact_frame *frame, double load) {
+    const double values[NUM_VARY] = {[VARY_LOAD] = load,
                                      [VARY_SPEED] = frame->speed,
                                      [VARY_RADIUS] = frame->radius,
                                      [VARY_MODULUS] = frame->modulus};
-
     contact_frame scaled = frame_at(kind, frame->time, values, frame->approach);
 
     scaled.path = frame->path;
-    return ratio == 1 ? *frame : scaled;
+    return scaled;
+}
+
+contact_frame frame_of_load(const contact_kind *kind, const contact_frame *frame, double ratio) {
+    return ratio == 1 ? *frame : frame_with_load(kind, frame, ratio * frame->load);
 }
 
 static double approach_shift(const contact_frame *frame, const ehd_contact *reference) {

@@ -47,6 +47,9 @@ double frame_film_ratio(const contact_frame *now, const contact_frame *then);
  * X' = stretch X - shift, by the path in between. */
 double frame_shift(const contact_frame *now, const contact_frame *then);
 
+/* A frame scaled by another load. */
+contact_frame frame_with_load(const contact_kind *kind, const contact_frame *frame, double load);
+
 /* The frame that belongs to a load `ratio` times the one that scales this frame: where the approach
  * is given, a frame is scaled by an expected load, and `ratio` is the solution's. */
 contact_frame frame_of_load(const contact_kind *kind, const contact_frame *frame, double ratio);

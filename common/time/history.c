@@ -393,8 +393,8 @@ ehd_histories *histories_free(ehd_histories *self) {
 void histories_at(double value[NUM_VARY], const ehd_histories *self, double time) {
     for (int i = 0; i < NUM_VARY; i++)
         value[i] = self->of[i].law->value(&self->of[i], time);
-    // of one direction, and a load, below only by rounding
-    value[VARY_LOAD] = fmax(value[VARY_LOAD], 0);
+    // a load of 0, and a speed of one direction, but for rounding
+    if (value[VARY_LOAD] < ROUNDING) value[VARY_LOAD] = 0;
     if (!histories_reverse(self)) value[VARY_SPEED] = fmax(value[VARY_SPEED], 0);
 }
 

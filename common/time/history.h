@@ -29,7 +29,7 @@ ehd_status histories_init_forward(
     // input:
     const scene *given, ehd_error *error);
 
-/* The same for training, where no contact is lost: EHD_DATA also where the load is 0. */
+/* Like histories_init_forward, but EHD_DATA also where the load is 0, because training has no lost contacts. */
 ehd_status histories_init_training(
     // output:
     ehd_histories **self,

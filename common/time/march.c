@@ -41,7 +41,10 @@ static const double NOISE_KEPT = 0.9; // of what was met of the solver's noise, 
 enum { WATCHED_ATTEMPTS = 3000, STILL_ATTEMPTS = 100, MAX_HALVINGS = 60 };
 static const double MIN_STEP = 1e-9;            // relative to the first one
 static const double ROUNDING = 8 * DBL_EPSILON; // of a time, relative, by sums and multiples
-static const double SLIVER = 1e-3;              // of a step: times closer than that are one
+// Bodies apart have no error that would limit a step. Of the shortest time of the histories, which of a sine is 1/6 of its
+// period: so a contact is seen if it lasts for a hundredth of that.
+static const double WATCHED_PART = 1. / 16;
+static const double SLIVER = 1e-3; // of a step: times closer than that are one
 
 march_settings march_settings_of(const scene *given, const ehd_histories *histories,
                                  double reference_approach) {
@@ -135,11 +138,15 @@ ehd_status march_begin(march_step *outcome, march *self, ehd_error *error) {
     // an event that is one with the start is no stop
     self->state =
         (march_state){.step = settings->first_step, .last_event = INFINITY, .untrusted_since = NAN};
-    self->state.load = outcome->apart ? 1 : outcome->scalars.load * outcome->frame.load;
+    self->state.load = march_load_of(outcome);
     outcome->step = 0;
     judge_accuracy(self, outcome);
     watch_trust(self, outcome);
     return EHD_OK;
+}
+
+double march_load_of(const march_step *step) {
+    return step->apart ? 1 : step->scalars.load * step->frame.load;
 }
 
 double march_expected_load(double load, double load_rate, double step, double last_step) {
@@ -396,8 +403,7 @@ static double first_step_after_jump(const march *self, const march_step *outcome
 static void accept(march *self, march_step *outcome, const next_stop *reached) {
     march_state *state = &self->state;
     const bool begins = outcome->apart || outcome->begins;
-    // of bodies apart any will do
-    const double load = outcome->apart ? 1 : outcome->scalars.load * outcome->frame.load;
+    const double load = march_load_of(outcome);
 
     self->solver.accept(self->solver.self);
     state->noise *= NOISE_KEPT;
@@ -411,11 +417,13 @@ static void accept(march *self, march_step *outcome, const next_stop *reached) {
     judge_accuracy(self, outcome);
     watch_trust(self, outcome);
     state->step = step_after(self, outcome);
-    if (reached->is_jump) {
-        self->solver.restart(self->solver.self);
+    if (reached->is_jump) self->solver.restart(self->solver.self);
+    if (reached->is_jump || outcome->begins) {
         state->last_step = 0;
         state->step = first_step_after_jump(self, outcome);
     }
+    if (outcome->apart && is_adaptive(self))
+        state->step = fmin(state->step, WATCHED_PART * histories_shortest_time(self->histories));
     state->rejected_step = 0;
     // where this is too long, the march ends as soon as it is rejected
     state->step = fmax(state->step, 2 * min_step(self));

@@ -35,7 +35,7 @@ typedef struct march_step {
     double residual;
     bool by_full_model; // of a solver that falls back on it; else false
     bool apart;         // the bodies do not touch (apart.h)
-    bool begins;        // they touch again: no state before this one counts
+    bool begins;        // they have just touched again; earlier states are not used
 } march_step;
 
 /* Path of a step along which films are carried, half widths, up to which a film takes up the errors
@@ -62,8 +62,8 @@ extern const double march_exit_margin;
 typedef struct march_solver {
     void *self;
     /* Solves the state that is `step` later, in the frame given, from the accepted states. These do
-     * not change, so that a step can be repeated. outcome->frame is that frame, or of a state that
-     * begins and of bodies apart another one. Not converged is an outcome, not an error. */
+     * not change, so that a step can be repeated. outcome->frame is the given frame,
+     * except when the bodies are apart or have just touched. Not converged is an outcome, not an error. */
     ehd_status (*attempt)(march_step *outcome, void *self, const contact_frame *frame, double step,
                           ehd_error *error);
     void (*accept)(void *self); // the state of the last attempt
@@ -74,9 +74,10 @@ typedef struct march_solver {
      * accepted. */
     ehd_status (*start)(march_step *outcome, void *self, const contact_frame *frame,
                         ehd_error *error);
-    /* Where bodies touch: the rigid approach H0, in the reference frame, and the load of the lightest stationary contact that
-     * the solver has at the speed, radius and modulus of a frame, which is under the reference's load; NaN: there is none.
-     * Accepted states stay; an attempt before it can no longer be accepted. */
+    /* Finds where bodies touch: the rigid approach H0, in the reference frame, and the load of the lightest stationary contact
+     * that the solver can solve at the speed, radius and modulus of a frame, whose load is 1. Both are NaN if there is none.
+     * Accepted states stay valid; an earlier attempt must not be accepted after this call. NULL: of a solver that wraps one
+     * that has it. */
     ehd_status (*touching)(double *approach, double *load, void *self, const contact_frame *frame,
                            ehd_error *error);
     /* Everything needed to go on from the last accepted state, as numbers; EHD_DATA when they are
@@ -153,6 +154,9 @@ ehd_status march_check_start(double speed, bool approach_given, ehd_error *error
 /* Whether a film is indicated to deviate by more than the accuracy, and by how much; not where nothing
  * is indicated (NaN), nor with an accuracy of 0. */
 bool march_deviates(char reason[MARCH_REASON], double central, double minimum, double accuracy);
+
+/* The load of a step, which scales later frames; while bodies are apart any will do. */
+double march_load_of(const march_step *step);
 
 /* Guesses the load after the next step, to scale its frame where the load is an outcome; any value near it will do. The load
  * rate is extrapolated at most bdf_most_growth times the last step (0: no limit), since a much shorter one tells

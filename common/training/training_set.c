@@ -77,8 +77,8 @@ static ehd_status check_grid(const ehd_contact *first, const ehd_contact *other,
 }
 
 /* Reduced models are of one direction. */
-static ehd_status check_directions(const training_set *set, const char *plan_path,
-                                   ehd_error *error) {
+static ehd_status check_histories(const training_set *set, const char *plan_path,
+                                  ehd_error *error) {
     ehd_status status = EHD_OK;
 
     for (size_t t = 0; t < set->num_trajectories && !status; t++) {
@@ -373,7 +373,7 @@ ehd_status training_set_init(training_set *set, const plan *of, const char *plan
     if (!status) status = make_points(set, of, plan_path, error);
     if (!status) status = settle_grid(set, plan_path, error);
     if (!status) status = check_carriages(set, plan_path, error);
-    if (!status) status = check_directions(set, plan_path, error);
+    if (!status) status = check_histories(set, plan_path, error);
     size_t num_branches = count_branches(set->num_points);
     size_t most = num_branches + set->num_trajectories;
     if (!status && piece.total > most)

@@ -172,17 +172,20 @@ ehd_status against_print_in_time(const time_trace *trace, const time_series *ful
         {"central film thickness", trace->central_film_thickness, full->central_film_thickness},
         {"central pressure", trace->central_pressure, full->central_pressure}};
     ehd_error cause = {""};
-    size_t num_times = 0;
+    size_t num_times = 0, num_reduced = 0;
 
     while (num_times < full->num_times && full->load[num_times] != 0)
         num_times++;
+    while (num_reduced < trace->count && trace->central_pressure[num_reduced] != 0)
+        num_reduced++;
     print_heading(path, grid, &full->grid);
-    if (num_times < full->num_times)
-        printf("  (up to T = %.6g, where the bodies part)\n", full->time[num_times]);
+    if (num_times < full->num_times || num_reduced < trace->count)
+        printf("  as long as the bodies are in contact in both\n");
+    if (fmin((double)num_times, (double)num_reduced) < 3) return EHD_OK;
     for (size_t i = 0; i < sizeof quantities / sizeof *quantities; i++) {
         time_deviation deviation;
         ehd_status status =
-            time_compare(&deviation, trace->time, quantities[i].reduced, trace->count, full->time,
+            time_compare(&deviation, trace->time, quantities[i].reduced, num_reduced, full->time,
                          quantities[i].full, num_times, &cause);
         if (status) return ehd_fail(error, status, "%s: %s", path, cause.text);
         printf("  %-24s at most %.3g %% off, at T = %.6g; %.2g %% in the mean\n",

@@ -317,9 +317,11 @@ static ehd_status start(march_step *outcome, void *solver, const contact_frame *
         if (!outcome->status) return EHD_OK;
     }
     begun = program_seconds();
-    snprintf(self->reason, sizeof self->reason, "%s",
-             self->distrust ? self->distrust : outcome->reason);
-    self->now.since = frame->time;
+    if (isnan(self->now.since)) { // else a contact is found again
+        snprintf(self->reason, sizeof self->reason, "%s",
+                 self->distrust ? self->distrust : outcome->reason);
+        self->now.since = frame->time;
+    }
     self->now.full = self->now.full_states = 1;
     self->base_taken = false;
     status = self->of_full.start(outcome, self->of_full.self, frame, error);
@@ -426,7 +428,7 @@ static void restart(void *solver) {
     if (self->now.full != 1) self->of_reduced.restart(self->of_reduced.self);
 }
 
-/* The full model has lighter contacts than the training. */
+/* Uses the full model, which solves lighter contacts than the training has. */
 static ehd_status touching(double *approach, double *load, void *solver, const contact_frame *frame,
                            ehd_error *error) {
     const fallback_march *self = solver;

@@ -240,9 +240,10 @@ EHDROM_API ehdrom_status ehdrom_solve(ehdrom_contact *contact, ehdrom_result *re
  * A step is BDF2. The first one, and one much longer than those before it, are BDF1. Steps may have any lengths.
  * The settings are the reference: what conditions do not give
  * stays as it is set. The approach of a line contact is measured from approach_length half widths, 10
- * unless set; where it is given they have to be at least half the grid's length. Bodies whose approach is given
- * may part. The load is then 0 and the film is their gap; a result is untrusted where more than 1 % of the reference's
- * load may be left out. Without a load (0) the bodies are apart too, and the film is NaN. */
+ * unless set; where it is given they have to be at least half the grid's length. If the
+ * approach is given, bodies may part: the load is then 0 and the film is their gap. The result is untrusted if the
+ * neglected load may exceed 1 % of the reference load. With a given load of 0 the bodies are apart too, and the film is
+ * NaN. */
 
 enum {
     EHDROM_LOAD = 1,

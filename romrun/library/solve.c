@@ -168,18 +168,18 @@ ehd_status library_conditions(online_conditions *own, const ehdrom_conditions *g
     unsigned known = 0;
     for (size_t i = 0; i < sizeof parts / sizeof *parts; i++) {
         const double value = *parts[i].value;
-        const bool rest = parts[i].bit == EHDROM_SPEED && value == 0;
+        const bool may_be_zero = parts[i].bit == EHDROM_SPEED || parts[i].bit == EHDROM_LOAD;
         known |= parts[i].bit;
         if (!(all.given & parts[i].bit)) continue;
         if (given->size < (size_t)((const char *)(parts[i].value + 1) - (const char *)&all))
             return ehd_fail(error, EHD_DATA, "%s: found a struct that ends before it",
                             parts[i].name);
         // here, where it is in the caller's units
-        if (!isfinite(value) || !(value > parts[i].above || rest))
+        if (!isfinite(value) || !(value > parts[i].above || (may_be_zero && value == 0)))
             return ehd_fail(error, EHD_DATA, "%s: found %g, expected a %s", parts[i].name, value,
-                            !isfinite(value)               ? "finite number"
-                            : parts[i].bit == EHDROM_SPEED ? "number of at least 0"
-                                                           : "number above 0");
+                            !isfinite(value) ? "finite number"
+                            : may_be_zero    ? "number of at least 0"
+                                             : "number above 0");
         *parts[i].target = value / parts[i].unit;
     }
     if (all.given & ~known)

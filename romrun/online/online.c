@@ -607,11 +607,6 @@ static ehd_status check_conditions(const online_conditions *conditions,
     return isnan(conditions->approach) ? EHD_OK : contact_check_approach(reference, error);
 }
 
-/* Of a step; while bodies are apart any load will do to scale the next frame. */
-static double load_of(const march_step *step) {
-    return step->apart ? 1 : step->scalars.load * step->frame.load;
-}
-
 ehd_status online_transient_start(online_state *state, online_transient *self,
                                   const online_conditions *conditions, ehd_error *error) {
     const march_solver solver = self->solver;
@@ -631,7 +626,7 @@ ehd_status online_transient_start(online_state *state, online_transient *self,
     if (status) return status;
     self->started = self->last.status != EHD_NOT_CONVERGED;
     self->at_start = self->started && !self->last.apart;
-    self->now.load = load_of(&self->last);
+    self->now.load = march_load_of(&self->last);
     fill_state(state, self);
     return EHD_OK;
 }
@@ -661,7 +656,7 @@ ehd_status online_step(online_state *state, online_transient *self,
 
 void online_accept(online_transient *self) {
     const march_solver solver = self->solver;
-    const double load = load_of(&self->last);
+    const double load = march_load_of(&self->last);
 
     if (!self->solved) return;
     self->solved = self->at_start = false;

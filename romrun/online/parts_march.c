@@ -262,7 +262,7 @@ static void restart(void *solver) {
     of.restart(of.self);
 }
 
-/* Of the part that was trained on the lightest contact. */
+/* Asks the part whose training has the smallest M. */
 static ehd_status touching(double *approach, double *load, void *solver, const contact_frame *frame,
                            ehd_error *error) {
     const parts_march *self = solver;

@@ -448,7 +448,7 @@ double reduced_march_least_M(const reduced_march *self) {
     return least;
 }
 
-/* Of the least load of the training, whose M is the smallest. */
+/* Solves the stationary contact with the smallest M of the training. */
 static ehd_status touching(double *approach, double *load, void *solver, const contact_frame *frame,
                            ehd_error *error) {
     reduced_march *self = solver;

@@ -625,6 +625,8 @@ for wrong, text in ((dict(step=-1e-6), "step: found -1e-06"), (dict(step=1e-6, s
         assert text in str(error), error
     else:
         raise AssertionError(wrong)
+apart = contact.step(0.01 * time, load=0)
+assert apart.load == 0 and math.isnan(apart.central_film_thickness)
 # the approach that the load leads to, given, whatever the closure of the scene
 held = ehdrom.Contact(model, "si.yml", accuracy=math.inf)
 now = held.start()

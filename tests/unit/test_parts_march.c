@@ -162,8 +162,8 @@ static void parts_of_one_model_are_that_model(void **state) {
     }
 }
 
-/* Exits of outer lines are a node, 1/8, off now and then, since the two start from other trained states: after 64 steps the
- * central film is 9e-4 off, and the smallest one, which lies at these exits, was 1 %. */
+/* The two runs start from different trained states, so exits of outer lines sometimes differ by one node (1/8). After 64
+ * steps the central film differs by 9e-4; the smallest one, which lies at these exits, differs by up to 1 %. */
 static void of_a_point_contact(void **state) {
     (void)state;
     check_parts(&trained_on.point, DEFORMATION_COUPLED, trained_on.point_basis.weight, true, 2e-3,

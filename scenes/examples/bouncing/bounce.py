@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A mass that falls on a contact, which is lost and found again: bounce.py SCENE.yml MODEL OUT.csv
 
-The trapezoidal rule, whose equation for the position is solved by secants; a step that the contact does not solve is halved.
+Integrates by the trapezoidal rule. The secant method solves for the position. A step that the contact does not solve is halved.
 """
 import csv
 import sys
@@ -16,7 +16,7 @@ MAX_TRIALS, MAX_HALVINGS = 30, 12
 
 class Mass:
     def __init__(self, scene, model):
-        # forces are wanted: films may be so far off
+        # only the force matters here, so films may be 10 % off
         self.contact = ehdrom.Contact(ehdrom.Model(model), scene, accuracy=0.1)
         self.contact.start(approach=DROP)
         self.time, self.position, self.velocity, self.force, self.film = 0.0, DROP, 0.0, 0.0, DROP
@@ -36,7 +36,7 @@ class Mass:
                 return position, state
             if before and position != before[0]:
                 slope = (defect - before[1]) / (position - before[0])
-            if abs(slope) < 0.05:  # behind a force that has set in
+            if abs(slope) < 0.05:  # past the jump at which the force starts
                 slope = 1.0
             before = position, defect
             position -= defect / slope
