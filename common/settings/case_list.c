@@ -61,7 +61,7 @@ ehd_status case_list_open(case_list **list, const char *scene_path, const char *
     return status;
 }
 
-/* Copies the fields of the present row into one block of memory. */
+/* Copies the fields of the row that was read last into one block of memory. */
 static ehd_status keep_texts(case_texts *row, const case_list *self, ehd_error *error) {
     const csv_file *table = &self->table;
     size_t bytes = table->width * sizeof *row->texts;

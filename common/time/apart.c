@@ -307,8 +307,7 @@ static contact_traction traction(void *solver, const ehd_contact *contact,
                                  const contact_scalars *scalars) {
     apart_march *self = solver;
 
-    return self->now.apart == 0 ? self->inner.traction(self->inner.self, contact, scalars)
-                                : (contact_traction){0};
+    return self->inner.traction(self->inner.self, contact, scalars);
 }
 
 march_solver apart_solver(apart_march *self) {

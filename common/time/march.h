@@ -74,10 +74,10 @@ typedef struct march_solver {
      * accepted. */
     ehd_status (*start)(march_step *outcome, void *self, const contact_frame *frame,
                         ehd_error *error);
-    /* Finds where bodies touch: the rigid approach H0, in the reference frame, and the load of the lightest stationary contact
-     * that the solver can solve at the speed, radius and modulus of a frame, whose load is 1. Both are NaN if there is none.
-     * Accepted states stay valid; an earlier attempt must not be accepted after this call. NULL: of a solver that wraps one
-     * that has it. */
+    /* Finds the lightest stationary contact that the solver can solve at the speed, radius and modulus of a frame, whose
+     * load is 1. Gives its rigid approach H0, in the reference frame, and its load; both are NaN if there is none. Bodies
+     * touch there. Accepted states stay valid, but an earlier attempt must not be accepted after this call. Only apart_march
+     * (apart.h) calls it. */
     ehd_status (*touching)(double *approach, double *load, void *self, const contact_frame *frame,
                            ehd_error *error);
     /* Everything needed to go on from the last accepted state, as numbers; EHD_DATA when they are

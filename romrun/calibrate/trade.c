@@ -151,10 +151,10 @@ static indicator_shape best_line(const ratios *self) {
     return best;
 }
 
-/* Fits an offset, the deviation of one of the scenes, and the share of the bound that is added to it.
- * The share is at least what holds to first order, a deviation of one bound, or the largest ratio where
- * that is less. Without it an offset may cover all scenes alone, and other scenes would be indicated to
- * deviate by the offset whatever their residuals are. */
+/* Fits an offset, which is the deviation of one of the scenes, and the share of the bound that is added to it. To first
+ * order a deviation is one bound, so the share is at least 1, or the largest ratio of deviation to bound if that is less.
+ * With a smaller share the offset alone might cover all scenes of the calibration, and any other scene would be indicated
+ * to deviate by the offset, whatever its residual is. */
 static indicator_shape best_offset(const ratios *self, indicator_shape line) {
     const double first_order = fmin(1, self->largest);
     indicator_shape best = line;

@@ -94,8 +94,8 @@ static void one_lubricant_is_known_alone(void **state) {
                         "not in training");
 }
 
-/* Between lubricants of a training others are known, outside they are not. Neither is one law's viscosity with
- * another law's density. */
+/* A lubricant is known if it lies between those of the training. It is not known outside of them, or if its viscosity law
+ * was trained with one density law alone and it has another. */
 static void lubricants_between_are_known(void **state) {
     const double alphas[] = {1.4e-8, 1.6e-8, 1.8e-8};
     sample model = {0}, pairs = {0};

@@ -302,13 +302,13 @@ static void a_step_can_be_repeated(void **unused) {
 
 // ---- steps of any lengths
 
-/* 0 … 1, of a sequence that is the same everywhere (Knuth's MMIX). */
+/* Returns the next random number from 0 to 1. The sequence is the same on every machine (the generator of Knuth's MMIX). */
 static double next_random(uint64_t *seed) {
     *seed = *seed * 6364136223846793005u + 1442695040888963407u;
     return (double)(*seed >> 11) / 9007199254740992.0;
 }
 
-/* With the load given, or the approach, which then swings as far as the load has it. */
+/* Conditions in which the load swings, or the approach by as much as that load would move it. */
 static online_conditions conditions_of(double time, bool by_approach, double approach) {
     online_conditions conditions = conditions_at(time);
 
@@ -392,8 +392,8 @@ static void take_any_step(any_steps *self, uint64_t *seed, double tolerance) {
     }
 }
 
-/* Lengths that follow each other at random, with rejections and states that are gone back to: no
- * step is further off small equal ones than its tolerance. ANY_STEPS of the environment: how many. */
+/* Takes steps of random lengths, some of them rejected and repeated from saved states. Each result is compared with that of
+ * small equal steps over the same time; they may differ by the tolerance. ANY_STEPS of the environment: how many. */
 static void steps_may_have_any_lengths(void **unused) {
     (void)unused;
     const char *asked = getenv("ANY_STEPS");
@@ -417,8 +417,7 @@ static void steps_may_have_any_lengths(void **unused) {
     }
 }
 
-/* A step of 1e-7, as an integrator takes it that looks for an event, changes nothing of the next
- * one. */
+/* An integrator that locates an event may take a step of 1e-7. The step after it has the same result as without it. */
 static void a_short_step_leaves_the_next_one_as_it_is(void **unused) {
     (void)unused;
     for_both_models {
@@ -459,7 +458,7 @@ static online_state at_approach(online_transient *contact, double approach, doub
     return state;
 }
 
-/* Bodies that are apart, come together, and part. A saved state knows whether they are. */
+/* Bodies start apart, touch and part again. A saved state tells whether they are apart. */
 static void a_contact_is_lost_and_regained(void **unused) {
     (void)unused;
     const double step = 0.02, stroke = 1, middle = -0.6;
@@ -502,7 +501,7 @@ static void a_contact_is_lost_and_regained(void **unused) {
     }
 }
 
-/* Without a load bodies are apart, and nobody knows how far; under a load they touch again. */
+/* Without a load the bodies are apart, and their gap is not known. Under a load they touch again. */
 static void without_a_load_there_is_no_contact(void **unused) {
     (void)unused;
     for_both_models {
@@ -576,8 +575,8 @@ static double bounce_on(bouncing *self) {
     return impulse;
 }
 
-/* The momentum, by where the mass was, changes by the impulse of the force that is told, from a fall from
- * any height to the loss of the contact. BOUNCES of the environment: how many. */
+/* From each fall to the loss of the contact the momentum, found from the positions of the mass, changes by the impulse of the
+ * reported force. BOUNCES of the environment: how many falls. */
 static void a_bouncing_mass_gets_the_impulse_of_the_force(void **unused) {
     (void)unused;
     const char *asked = getenv("BOUNCES");
