@@ -69,8 +69,8 @@ static void add_effort(full_info *total, const full_info *part) {
     total->seconds_linear = linear;
 }
 
-/* A contact on the way: M and Eyring's stress of a thinned flow geometrically, L and p_H linearly between
- * start and goal, s in 0 … 1. */
+/* Returns a contact on the way from start to goal, s = 0 … 1. M and Eyring's stress of a thinned flow are interpolated
+ * geometrically, L and p_H linearly. */
 static ehd_contact contact_between(const ehd_contact *start, const ehd_contact *goal, double s) {
     ehd_contact between = *goal;
 

@@ -695,9 +695,9 @@ static const double IN_TIME_NOISE = 1e-7;
 // in index[]: a node gets pressure by its own sign, or by that of nodes beside it
 enum { WANTED = 1, JOINED };
 
-/* Marks runs of nodes of a line whose multipliers are negative, however little each. A gap that
- * closes far behind the exit has such a run: over n nodes of a mean multiplier m it builds up a
- * pressure of about m n^2 / 4. Returns whether there is one. By single nodes a line at M = 3, L = 3 whose
+/* Marks the runs of nodes of a line that have negative multipliers, even small ones. A gap that
+ * closes far behind the exit has such a run. A run of n nodes with a mean multiplier m builds up a
+ * pressure of about m n^2 / 4. Returns whether there is one. With single nodes in place of runs, a line at M = 3, L = 3 whose
  * radius grows has the second zone of pressure, 3e-4 of the load, from T = 0, 10 and 20 on with a step of
  * 0.02, 0.01 and 0.005. */
 static bool mark_runs(full_solver *self, const full_state *state) {
@@ -718,9 +718,9 @@ static bool mark_runs(full_solver *self, const full_state *state) {
     return found;
 }
 
-/* Lets the intervals of pressure of a line grow from the marked nodes on, either way, to where the
- * multipliers add up to zero: there a film without pressure takes what flows through the end. By one
- * node an iteration the march of scenes/examples/reciprocating takes 4313 iterations in place of
+/* Extends the intervals of pressure of a line from the marked nodes, in both directions, until the
+ * multipliers add up to zero: there the film without pressure carries on what flows through the end. Where they grow by one
+ * node an iteration, the march of scenes/examples/reciprocating takes 4313 iterations in place of
  * 2850, a load that swings by half (M = 120, L = 10) 2425 in place of 1319, and a second zone of
  * pressure, which grows by hundreds of nodes, more than there may be. Points take 4 % more. */
 static void grow_intervals(full_solver *self, const full_state *state) {

@@ -367,9 +367,9 @@ static ehd_status solve_stationary(stationary_run *self, ehd_error *error) {
     return status;
 }
 
-/* Of a chosen step. Of the contacts that were tried (b/a 0.05 to 20 and lines, M 0.1 to 2000, L 0 to 25)
- * those whose step proves too coarse need one; each takes four times the nodes of a point contact. */
-static const int MAX_HALVINGS = 2;
+/* How often the program halves a step that it has chosen. Of the contacts that were tried (b/a 0.05 to 20 and lines, M 0.1
+ * to 2000, L 0 to 25) those whose step proves too coarse need one halving. Each takes four times the nodes of a point contact. */
+enum { MAX_HALVINGS = 2 };
 
 /* Halves the step of a grid whose step nobody gives, where it does not resolve the contact, as far as
  * there are memory and nodes for it. */

@@ -66,7 +66,7 @@ static bool is_coarsest(const level *self) {
     return self->columns <= COARSEST || self->lines <= COARSEST;
 }
 
-/* Flow across the lines over that along from which a coarser grid keeps all nodes of a line. */
+/* Ratio of the flow across the lines to that along them, from which on a coarser grid keeps all nodes of a line. */
 static const double MUCH_ACROSS = 4;
 
 static level coarser(const level *fine) {

@@ -461,8 +461,8 @@ static void set_effects(full_resolution *self, const film_pair films[3], const i
         self->effects.of[EFFECT_STEP], SAFETY * step_effect(minimum, of_minimum, 2, LIMIT_MINIMUM));
 }
 
-/* Of the rolling resistance. Before a line what is not on the grid is counted, so that it changes by less
- * than the film does; around a point contact the far field is, but for what it leaves out. */
+/* Sets the error estimates of the rolling resistance. It includes the part in front of the grid of a line contact, so the
+ * inlet's length changes it less than the film, and the far field around a point contact, which itself is not exact. */
 static void set_rolling_effects(full_resolution *self, const film_pair films[3],
                                 const inlet_change *change, const full_state *state,
                                 const ehd_contact *contact) {

@@ -12,7 +12,7 @@
 
 // ---- creating
 
-/* Where any flow of the file is thinned. */
+/* Writes the thinning of a state, if the file has thinned flows. */
 static ehd_status put_thinning(artefact *file, size_t state, flow_thinning thinning,
                                ehd_error *error) {
     if (!artefact_has(file, "thinning")) return EHD_OK;

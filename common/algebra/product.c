@@ -91,8 +91,8 @@ static size_t least(size_t a, size_t b) {
     return a < b ? a : b;
 }
 
-/* Adds to C, or to its part on and above the diagonal, block by block. Blocks at the end begin
- * earlier, so that they end where the matrix does. */
+/* Adds to C, or to its part on and above the diagonal, block by block. The last blocks begin
+ * earlier than in a regular division, so that they end with the matrix. */
 static void add_blocks(double *product, size_t stride, double factor, strided left,
                        const double *right, size_t right_stride, size_t num_rows,
                        size_t num_columns, size_t num_inner, bool upper) {

@@ -157,9 +157,9 @@ static double point_dry_gap(const contact_shape *shape, double x) {
     return ((x * x - 2) * acos(1 / fabs(x)) + sqrt(x * x - 1)) / M_PI;
 }
 
-/* The fit that is made for R_y >= R_x. Of a narrow ellipse it has down to half of the film, from which
- * Newton's iteration does not start; that of the circle with the same Hertz pressure, R_x and L, whose
- * radius is a/(k compliance), has more. */
+/* A fit for R_y >= R_x. For a narrow ellipse it gives as little as half of the film, from which Newton's iteration does not
+ * start. So the film of a narrow ellipse is that of the circle with the same Hertz pressure, R_x and L, which is thicker;
+ * the radius of that circle is a/(k compliance). */
 static double point_central_film(const contact_shape *shape, double moes_M, double moes_L) {
     const double k = shape->ellipticity, ratio = k * shape->compliance; // a over that radius
     const double width = cbrt(shape->compliance); // a over that of a circle under the same load

@@ -201,7 +201,7 @@ typedef struct contact_closure {
     double by_approach, by_load, value;
 } contact_closure;
 
-/* What an endless inlet carries before the grid of a line contact. */
+/* Pressure and load of the inlet in front of the grid of a line contact, if it were endless. */
 typedef struct inlet_tail {
     double pressure; // P at the boundary node
     double load;     // int P before the cell of the first inner node

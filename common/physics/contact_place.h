@@ -16,16 +16,16 @@ typedef struct contact_place {
 /* Of a contact, which must outlive it. */
 contact_place contact_place_of(const ehd_contact *contact);
 
-/* The same whatever its lubricant is. */
+/* The same without a lubricant, so that only M, alpha p_H and the thinning count. */
 contact_place contact_place_of_any(const ehd_contact *contact);
 
-/* The thinning by the sliding as a coordinate: its logarithm, and that of 1e-6 below, where the flow is
+/* The thinning by the sliding as a coordinate: its logarithm, or that of 1e-6 if it is less. The flow is then
  * Newtonian: in 18 line contacts (Roelands and Barus, M from 0.5 to 66, L from 4.5 to 21) thinning
  * of 1e-6 changes the central film by at most 1.4e-5 and the minimum film by 6e-5. */
 double thinning_coordinate(double sliding);
 
-/* The same of what the gradient does, its logarithm and that of 1e-2 below: in 5 line contacts without
- * sliding 1e-2 changes both films by 1.1e-5 at M = 0.3, by 4e-6 at M = 1, and by less from M = 13 on. */
+/* The thinning by the gradient as a coordinate: its logarithm, or that of 1e-2 if it is less. In 5 line contacts without
+ * sliding a thinning of 1e-2 changes both films by 1.1e-5 at M = 0.3, by 4e-6 at M = 1, and by less from M = 13 on. */
 double gradient_coordinate(double gradient);
 
 #endif

@@ -22,8 +22,8 @@ typedef struct eyring_factor {
     double value, by_log_rate, by_log_gradient;
 } eyring_factor;
 
-/* Up to here the factor without sliding rises; beyond, only iterates that are far off have such
- * gradients, and exp(Sigma) would leave the range of numbers. */
+/* Largest Sigma for which the factor is evaluated; it is constant above, where exp(Sigma) would overflow. Only iterates far
+ * from a solution have such gradients. */
 #define EYRING_LARGEST_GRADIENT 600.
 
 /* Neither cancels nor overflows at any gradient that is not negative. */
@@ -73,7 +73,7 @@ static inline eyring_factor eyring_along(const eyring_gradient *of, double rate)
                            eyring_at_rest_slope(of) + by_rate * eyring_sliding_slope(of)};
 }
 
-/* Of a flow across the sliding, without a gradient along it: A r/asinh r with r = N sqrt(Sigma/sinh
+/* The factor of a flow across the sliding, without a gradient along it: A r/asinh r with r = N sqrt(Sigma/sinh
  * Sigma). It is exact without sliding, and without a gradient. At rates up to
  * 1e4 it is off by at most 1.3 % where Sigma = 1, and by 6.8 % where it is 2
  * (tests/unit/test_eyring_flow.c). */

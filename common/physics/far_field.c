@@ -153,7 +153,8 @@ static double rim_of(const far_rays *rays, size_t ray, const ehd_contact *contac
     return fmax(contact->radius / contact->half_width / slope, 1 / rays->inverse_end[ray]);
 }
 
-/* Of a ray from its end to the rim, in equal parts of ln r: the pressure's moment, and the shear. */
+/* Adds the moment of the pressure and the shear along a ray, from the end of the grid to the rim of the film, in equal parts
+ * of ln r. */
 static void add_ray(traction_sums *sums, const far_rays *rays, size_t ray,
                     const ehd_contact *contact, double rigid_approach) {
     const contact_shape *shape = &contact->grid.shape;

@@ -30,9 +30,9 @@ far_value far_field_pressure(const ehd_contact *contact, double rigid_approach, 
 /* The load that it carries beyond the cells of the inner nodes; 0 where there is none. */
 far_value far_field_load(const ehd_contact *contact, double rigid_approach);
 
-/* What it adds to the integrals of a traction beyond the cells of the inner nodes (README.md, traction
- * beyond the grid): on to where the slope of the gap is one, where the film ends without pressure. Nothing
- * where there is none; friction and rolling alone. */
+/* Returns what the far field adds to the integrals of friction and rolling, beyond the cells of the inner nodes (README.md,
+ * traction beyond the grid). It reaches to where the slope of the gap is one; the film ends there without pressure. Without
+ * a far field all are 0. */
 traction_sums far_field_traction(const ehd_contact *contact, double rigid_approach);
 
 /* What the rolling of far_field_traction may be off by what the far field leaves out: as much as its last

@@ -51,7 +51,7 @@ static ehd_status more_text(bool *found, csv_file *self, size_t at, ehd_error *e
     return *found || !self->stream ? EHD_OK : append_line(found, self, error);
 }
 
-/* Where the next character of a record stands. */
+/* Where in a record the next character is. */
 typedef enum csv_state { FIELD_BEGINS, IN_FIELD, IN_QUOTES, QUOTE_MAY_END } csv_state;
 
 static csv_state state_after(csv_state state, char next, const char *separators) {

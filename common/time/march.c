@@ -41,8 +41,8 @@ static const double NOISE_KEPT = 0.9; // of what was met of the solver's noise, 
 enum { WATCHED_ATTEMPTS = 3000, STILL_ATTEMPTS = 100, MAX_HALVINGS = 60 };
 static const double MIN_STEP = 1e-9;            // relative to the first one
 static const double ROUNDING = 8 * DBL_EPSILON; // of a time, relative, by sums and multiples
-// Bodies apart have no error that would limit a step. Of the shortest time of the histories, which of a sine is 1/6 of its
-// period: so a contact is seen if it lasts for a hundredth of that.
+// Longest step while bodies are apart, over the shortest time of the histories: they have no error that would limit it. The
+// shortest time of a sine is 1/(2 pi) of its period, so a contact that lasts for a hundredth of the period is not missed.
 static const double WATCHED_PART = 1. / 16;
 static const double SLIVER = 1e-3; // of a step: times closer than that are one
 
@@ -444,8 +444,7 @@ static ehd_status advance(march *self, ehd_error *error) {
     return self->store(self->sink, &outcome, (size_t)self->state.num_steps, error);
 }
 
-/* Whether the last attempt was accepted at an event of the histories: how short it was they say, and not
- * the march. */
+/* Tells whether the last attempt was accepted at an event of the histories. The histories then decided its length. */
 static bool ended_at_kink(const march *self, double steps_before) {
     return self->state.num_steps > steps_before && self->state.at_kink > 0;
 }

@@ -313,7 +313,8 @@ static double last_x(const ehd_grid *grid) {
     return grid_x(grid, grid_width(grid) - 1);
 }
 
-/* In front of the grid, on the side that it comes in from; at rest in the contact's centre. */
+/* Sets where the surface begins, if the scene does not say it: in front of the grid, on the side from which it comes in, or
+ * in the centre of the contact if it rests. */
 static void set_position(ehd_surface *self, double of_length, const ehd_grid *grid) {
     surface_settings *given = &self->given;
 
@@ -397,7 +398,7 @@ ehd_status surface_check_start(const ehd_surface *self, const contact_frame *fra
                     self->given.position, forwards ? "at most" : "at least", most);
 }
 
-/* The grid sees waves as long as those of the largest curvature, along and across. */
+/* Checks the step, along and across, against the length of a wave that has the largest curvature of the surface. */
 static ehd_status check_step(const ehd_surface *self, const ehd_grid *grid, ehd_error *error) {
     const bool varies_across =
         grid->inner_lines > 1 && (self->y || self->kind->height == dent_height);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Lubricants that a model's error estimates were measured on. */
+/* The lubricants of the scenes on which a model's error estimates were calibrated. */
 #ifndef EHD_SHOWN_H
 #define EHD_SHOWN_H
 

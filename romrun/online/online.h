@@ -96,8 +96,8 @@ ehd_status online_open(online_model **model, const char *path, const part_sizes 
                        ehd_error *error);
 online_model *online_close(online_model *model); // accepts and returns NULL
 
-/* Counts lubricants as known to the estimates of each part, in place of those of its calibration, which is
- * about to be made on them. Before any solver is created. EHD_MEMORY. */
+/* Replaces the lubricants on which the error estimates of each part were calibrated, since they are about to be calibrated
+ * on these. Before any solver is created. EHD_MEMORY. */
 ehd_status online_show(online_model *model, const shown_lubricants *shown, ehd_error *error);
 
 /* Closes the file of a model, which stays open for online_prepare_fields, online_prepare_transient and

@@ -342,9 +342,9 @@ static const double *band_modes(const reduced_model *model, size_t node) {
     return model->band.pressure + reduced_model_band_index(model, node) * model->num_pressure;
 }
 
-/* Sets P of a line to 0 at the nodes that an exit joins, which was at `exit`. Behind an exit no row
- * determines the modes: rounding leaves pressures there, of up to 1e6 p_H, which no shorter step takes
- * away. Of all states with P = 0 at these nodes it is that for which the rows of the last system change
+/* An exit that was at `exit` has moved, and nodes of a line have joined the pressurised zone: sets P to 0 there. Behind an
+ * exit no row determines the modes, so that rounding leaves pressures of up to 1e6 p_H, which shorter steps do not remove.
+ * Among all states with P = 0 at these nodes this is the one that changes the rows of the last system
  * least: each direction (J^T J)^-1 phi_k, made orthogonal to the nodes before it. */
 static void join_nodes(reduced_state *state, reduced_solver *self, size_t exit) {
     const reduced_model *model = self->model;
@@ -613,9 +613,9 @@ static bool end_with_kept(reduced_info *info, reduced_state *state, reduced_solv
     return false;
 }
 
-/* Whether the kept factors are worth a try. With those of a much shorter time step, iterations change the
- * solution by too little, by the ratio of the rates. At a ratio of 3 they converge at a rate of 2/3, slower than
- * MAX_KEPT_RATE allows, and a small change would be taken for convergence. */
+/* Tells whether to try the kept factors. With factors of a much shorter time step each iteration changes the solution too
+ * little, by the ratio of the rates: such a small change would be taken for convergence. At a ratio of 3 the iterations
+ * converge at a rate of 2/3, which is slower than MAX_KEPT_RATE allows. */
 static bool kept_are_of_use(const reduced_solver *self, const reduced_squeeze *squeeze) {
     const double most_shorter = 3;
 
