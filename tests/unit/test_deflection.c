@@ -3,6 +3,7 @@
 #include "common/physics/deflection.h"
 #include "tests/unit/allocation.h"
 #include "tests/unit/check.h"
+#include "tests/unit/random.h"
 #include "tests/unit/sample.h"
 
 #include <gsl/gsl_integration.h>
@@ -92,13 +93,12 @@ static void check_against_direct_sum(const ehd_contact *contact, double toleranc
     size_t n = grid->num_nodes;
     ehd_deflection *deflection = deflection_create(contact->kind, grid);
     double *pressure = calloc(3 * n, sizeof *pressure), largest = 0;
-    unsigned long long seed = 5;
+    uint64_t seed = 5;
 
     assert_true(deflection && pressure);
     double *delta = pressure + n, *direct = delta + n;
     for (size_t k = 0; k < n; k++) {
-        seed = seed * 6364136223846793005ull + 1442695040888963407ull;
-        pressure[k] = (double)(seed >> 11) * 0x1p-53;
+        pressure[k] = random_next(&seed);
     }
     for (size_t k = 0; k < n; k++) {
         for (size_t j = 0; j < n; j++) {

@@ -2,6 +2,7 @@
 #include "romrun/online/least_squares.h"
 #include "tests/unit/allocation.h"
 #include "tests/unit/check.h"
+#include "tests/unit/random.h"
 
 #include <cblas.h>
 #include <lapacke.h>
@@ -14,9 +15,8 @@
 enum { ROWS = 40, COLUMNS = 12 };
 
 static double random_number(void) {
-    static unsigned long long seed = 42;
-    seed = seed * 6364136223846793005ULL + 1442695040888963407ULL;
-    return (double)(seed >> 11) / (double)(1ULL << 53) - 0.5;
+    static uint64_t seed = 42;
+    return random_next(&seed) - 0.5;
 }
 
 /* Random [num_rows, COLUMNS] with singular values from 1 down to 1/condition. */

@@ -3,6 +3,7 @@
 #include "common/algebra/nnls.h"
 #include "tests/unit/allocation.h"
 #include "tests/unit/check.h"
+#include "tests/unit/random.h"
 
 #include <cblas.h>
 #include <math.h>
@@ -17,8 +18,7 @@ static ehd_error error;
 static double next_number(void) {
     static uint64_t seed = 7;
 
-    seed = seed * 6364136223846793005u + 1442695040888963407u;
-    return (double)(seed >> 11) / 4503599627370496.0 - 1;
+    return 2 * random_next(&seed) - 1;
 }
 
 static void fill(double *values, size_t count, double offset) {

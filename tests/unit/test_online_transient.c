@@ -7,6 +7,7 @@
 #include "tests/unit/check.h"
 #include "tests/unit/folder.h"
 #include "tests/unit/foreign.h"
+#include "tests/unit/random.h"
 #include "tests/unit/reduced_problem.h"
 
 #include <math.h>
@@ -302,12 +303,6 @@ static void a_step_can_be_repeated(void **unused) {
 
 // ---- steps of any lengths
 
-/* Returns the next random number from 0 to 1. The sequence is the same on every machine (the generator of Knuth's MMIX). */
-static double next_random(uint64_t *seed) {
-    *seed = *seed * 6364136223846793005u + 1442695040888963407u;
-    return (double)(*seed >> 11) / 9007199254740992.0;
-}
-
 /* Conditions in which the load swings, or the approach by as much as that load would move it. */
 static online_conditions conditions_of(double time, bool by_approach, double approach) {
     online_conditions conditions = conditions_at(time);
@@ -363,7 +358,7 @@ static double off(const online_state *found, const online_state *expected) {
  * after small ones. */
 static void take_any_step(any_steps *self, uint64_t *seed, double tolerance) {
     const double shortest = 1e-9, most_parts = 16;
-    double step = pow(shortest, next_random(seed));
+    double step = pow(shortest, random_next(seed));
 
     online_save(self->saved, self->contact);
     for (;;) {
@@ -388,7 +383,7 @@ static void take_any_step(any_steps *self, uint64_t *seed, double tolerance) {
         if (step == shortest)
             fail_msg("T = %g: found a step of %g rejected (%s, local error %.3g)", self->time, step,
                      state.reason, state.local_error);
-        step = fmax((0.1 + 0.8 * next_random(seed)) * step, shortest);
+        step = fmax((0.1 + 0.8 * random_next(seed)) * step, shortest);
     }
 }
 
@@ -587,7 +582,7 @@ static void a_bouncing_mass_gets_the_impulse_of_the_force(void **unused) {
 
     for (size_t i = 0; i < count; i++) {
         double impulse = 0, sum = 0;
-        self.position = 0.2 * next_random(&seed);
+        self.position = 0.2 * random_next(&seed);
         self.velocity = self.force = 0;
         check_close(at_approach(self.contact, self.position, 0).scalars.load, 0, 0, 0);
         for (bool was = false; self.force > 0 || !was; was = was || self.force > 0) {

@@ -2,6 +2,7 @@
 #include "podbuild/pod.h"
 #include "tests/unit/allocation.h"
 #include "tests/unit/check.h"
+#include "tests/unit/random.h"
 
 #include <cblas.h>
 #include <lapacke.h>
@@ -11,9 +12,8 @@
 
 /* Reproducible numbers in [-1, 1). */
 static double next_random(void) {
-    static unsigned long long seed = 1;
-    seed = seed * 6364136223846793005ull + 1442695040888963407ull;
-    return (double)(seed >> 11) * 0x1p-52 - 1.0;
+    static uint64_t seed = 1;
+    return 2 * random_next(&seed) - 1;
 }
 
 /* Snapshots whose singular values fall by `decay` from one to the next, roughly. */

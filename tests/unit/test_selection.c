@@ -2,6 +2,7 @@
 #include "deimselect/selection.h"
 #include "tests/unit/allocation.h"
 #include "tests/unit/check.h"
+#include "tests/unit/random.h"
 
 #include <cblas.h>
 #include <lapacke.h>
@@ -9,13 +10,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-static double next_random(unsigned long long *seed) {
-    *seed = *seed * 6364136223846793005ull + 1442695040888963407ull;
-    return (double)(*seed >> 11) * 0x1p-52 - 1.0;
+static double next_random(uint64_t *seed) {
+    return 2 * random_next(seed) - 1;
 }
 
 /* [num_modes, num_nodes], random and orthonormal. */
-static double *random_basis(size_t num_modes, size_t num_nodes, unsigned long long seed) {
+static double *random_basis(size_t num_modes, size_t num_nodes, uint64_t seed) {
     const int modes = (int)num_modes, nodes = (int)num_nodes;
     double *basis = malloc(num_modes * num_nodes * sizeof *basis);
     double *scales = malloc(num_modes * sizeof *scales);
@@ -110,7 +110,7 @@ static void naive_joint(size_t *rows, const selection_bases *bases, size_t num_r
 static void joint_equals_solving_from_scratch(void **state) {
     (void)state;
     enum { NUM_NODES = 230, NUM_ROWS = 45 };
-    for (unsigned long long seed = 1; seed <= 10; seed += 2) {
+    for (uint64_t seed = 1; seed <= 10; seed += 2) {
         double *residual_modes = random_basis(NUM_ROWS + 3, NUM_NODES, seed);
         double *jacobian_modes = random_basis(NUM_ROWS, NUM_NODES, seed + 1);
         const selection_bases bases = {.num_nodes = NUM_NODES,
@@ -221,7 +221,7 @@ static size_t naive_s_opt_row(const selection_bases *bases, size_t *rows, size_t
 static void s_opt_takes_the_row_of_the_largest_determinant(void **state) {
     (void)state;
     enum { NUM_NODES = 60, NUM_MODES = 7, NUM_ROWS = 25 };
-    for (unsigned long long seed = 21; seed < 27; seed += 2) {
+    for (uint64_t seed = 21; seed < 27; seed += 2) {
         double *residual_modes = random_basis(NUM_MODES, NUM_NODES, seed);
         double *jacobian_modes = random_basis(NUM_MODES + 1, NUM_NODES, seed + 1);
         const selection_bases bases = {.num_nodes = NUM_NODES,

@@ -2,6 +2,7 @@
 #include "podbuild/stream_pod.h"
 #include "tests/unit/allocation.h"
 #include "tests/unit/check.h"
+#include "tests/unit/random.h"
 
 #include <cblas.h>
 #include <lapacke.h>
@@ -19,11 +20,10 @@ static double *numbers(size_t count) {
 }
 
 /* Orthonormal rows [num, length] in random directions. */
-static double *random_rows(size_t num, size_t length, unsigned long long seed) {
+static double *random_rows(size_t num, size_t length, uint64_t seed) {
     double *rows = numbers(num * length), *scales = numbers(num);
     for (size_t i = 0; i < num * length; i++) {
-        seed = seed * 6364136223846793005ull + 1442695040888963407ull;
-        rows[i] = (double)(seed >> 11) * 0x1p-53 - 0.5;
+        rows[i] = random_next(&seed) - 0.5;
     }
     assert_int_equal(
         LAPACKE_dgeqrf(LAPACK_COL_MAJOR, (int)length, (int)num, rows, (int)length, scales), 0);

@@ -7,6 +7,7 @@
 #include "podbuild/pod.h"
 #include "romrun/online/least_squares.h"
 #include "tests/unit/check.h"
+#include "tests/unit/random.h"
 #include "tests/unit/sample.h"
 
 #include <cblas.h>
@@ -24,9 +25,8 @@ static double *numbers(size_t count) {
 }
 
 /* Uniform on -0.5 … 0.5, always the same ones. */
-static double noise(unsigned long long *seed) {
-    *seed = *seed * 6364136223846793005ull + 1442695040888963407ull;
-    return (double)(*seed >> 11) * 0x1p-53 - 0.5;
+static double noise(uint64_t *seed) {
+    return random_next(seed) - 0.5;
 }
 
 // ---- what is repeated: each fills `result` with `count` numbers and leaves the tolerance to its
@@ -63,7 +63,7 @@ static void run_pod(double *result) {
     const pod_settings settings = {.num_modes = NUM_MODES};
     double *snapshots = numbers(NUM_STATES * NUM_NODES);
     double *coordinates = numbers(NUM_STATES * NUM_MODES);
-    unsigned long long seed = 1;
+    uint64_t seed = 1;
     pod_basis basis;
 
     for (size_t s = 0; s < NUM_STATES; s++)
@@ -93,7 +93,7 @@ static void run_pod(double *result) {
 static void run_least_squares(double *result) {
     least_squares *workspace = least_squares_create(NUM_ROWS, NUM_COLUMNS);
     double *matrix = numbers(NUM_ROWS * NUM_COLUMNS), *right = numbers(NUM_ROWS);
-    unsigned long long seed = 2;
+    uint64_t seed = 2;
 
     assert_non_null(workspace);
     for (size_t i = 0; i < NUM_ROWS * NUM_COLUMNS; i++)
@@ -171,7 +171,7 @@ static void *call_often(void *expected) {
 static void several_threads_may_call_openblas(void **state) {
     (void)state;
     double *expected = numbers(HEIGHT * (ORDER + HEIGHT));
-    unsigned long long seed = 3;
+    uint64_t seed = 3;
     pthread_t threads[NUM_CALLERS];
 
     assert_int_equal(openblas_take_buffers(NUM_CALLERS), NUM_CALLERS);
