@@ -495,14 +495,17 @@ static ehd_status check_interrupted(const artefact *file, ehd_error *error) {
                           shown_name(file));
 }
 
-/* Entries that are read at once: so many that a large field needs little memory. */
+/* Entries that are read at once. They are few, since HDF5 takes 5 kB of memory for each chunk that one
+ * call reads. All entries are read at once where their order is checked, which it is not while the
+ * file is written. */
 static size_t slice_of(const artefact *file, const artefact_field *field) {
-    enum { SLICE_NUMBERS = 1 << 20 };
+    enum { SLICE_NUMBERS = 1 << 16 };
     const size_t length = num_entries(file, field), entry = entry_size(file, field);
     const size_t slice = entry < SLICE_NUMBERS ? SLICE_NUMBERS / entry : 1;
+    const bool in_order = values_have_order(field->values) && !file->partial;
 
     if (field->by_entry) return 1;
-    return slice > length || values_have_order(field->values) ? length : slice;
+    return slice > length || in_order ? length : slice;
 }
 
 ehd_status read_field(artefact *file, const artefact_field *field, char digest[65],

@@ -1,6 +1,6 @@
 #!/usr/bin/env bats
 # SPDX-License-Identifier: GPL-3.0-or-later
-# A million steps through the library take no more memory than a thousand.
+# A million steps through the library take no more memory than a thousand, nor do many rows of a table.
 
 load common
 
@@ -12,4 +12,8 @@ load common
     # some pages; where each step kept the least that malloc gives, these would be 32 MB
     awk '$1 == "first_kB" { first = $2 } $1 == "last_kB" { last = $2 }
          END { exit !(first > 5000 && last > 5000 && last - first < 256) }' told
+}
+
+@test "--cases: memory does not grow with 400000 rows" {
+    MANY_ROWS=400000 bats "$BATS_TEST_DIRNAME/cases.bats" -f "memory does not grow"
 }
