@@ -38,10 +38,10 @@ static bool is_unchecked(ehd_status status) {
 static ehd_status create_output(check_run *self, ehd_error *error) {
     const check_task *task = self->task;
     char *settings = calibration_settings(task->settings, self->scenes.set.text);
-    ehd_status status =
-        settings ? artefact_create(&self->output, self->caller->output, &schema_model, self->caller,
-                                   settings, task->inputs, error)
-                 : ehd_fail(error, EHD_MEMORY, "%s: found no memory", self->caller->output);
+    ehd_status status = settings
+                            ? artefact_create(&self->output, self->caller->output, &schema_model,
+                                              self->caller, settings, task->inputs, error)
+                            : ehd_no_memory(error, self->caller->output);
 
     free(settings);
     return status;
@@ -55,8 +55,7 @@ static ehd_status write_draft(check_run *self, const reduced_model *model,
     program writer = *self->caller;
 
     if (asprintf(&self->draft, "%s.unchecked", self->caller->output) < 0) self->draft = NULL;
-    if (!self->draft)
-        return ehd_fail(error, EHD_MEMORY, "%s: found no memory", self->caller->output);
+    if (!self->draft) return ehd_no_memory(error, self->caller->output);
     writer.output = self->draft;
     writer.force = true;
     return model_write(model, basis, origin, &writer, self->task->settings, no_inputs, error);
@@ -137,7 +136,7 @@ static void describe(const check_run *self, FILE *stream) {
 static ehd_status report(char text[CHECK_REPORT], const check_run *self, ehd_error *error) {
     const trade_position *whole = &self->table.positions[self->table.num_positions - 1];
     FILE *stream = fmemopen(text, CHECK_REPORT, "w");
-    if (!stream) return ehd_fail(error, EHD_MEMORY, "%s: found no memory", self->caller->output);
+    if (!stream) return ehd_no_memory(error, self->caller->output);
 
     describe(self, stream);
     fclose(stream);
@@ -151,8 +150,7 @@ static ehd_status report(char text[CHECK_REPORT], const check_run *self, ehd_err
 static ehd_status measure(check_run *self, const reduced_model *model, ehd_error *error) {
     const check_task *task = self->task;
     trained_range *range = trained_range_create(model);
-    ehd_status status =
-        range ? EHD_OK : ehd_fail(error, EHD_MEMORY, "%s: found no memory", self->draft);
+    ehd_status status = range ? EHD_OK : ehd_no_memory(error, self->draft);
 
     if (!status)
         status = training_check_memory(&self->scenes.set, self->caller, task->name,

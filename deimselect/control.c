@@ -22,10 +22,7 @@ static ehd_status subtract_predicted(double *remainder, size_t num_residuals, si
                                      size_t num_rows, ehd_error *error) {
     double *matrix = malloc(num_rows * num_modes * sizeof *matrix);
     double *fit = malloc(num_rows * num_residuals * sizeof *fit);
-    ehd_status status =
-        matrix && fit ? EHD_OK
-                      : ehd_fail(error, EHD_MEMORY,
-                                 "control rows: found no memory for %zu residuals", num_residuals);
+    ehd_status status = matrix && fit ? EHD_OK : ehd_no_memory(error, "control rows");
 
     if (!status) {
         sample(matrix, modes, num_modes, num_inner, rows, num_rows);

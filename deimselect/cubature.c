@@ -10,10 +10,6 @@
 #include <stdbool.h>
 #include <string.h>
 
-static ehd_status no_memory(ehd_error *error) {
-    return ehd_fail(error, EHD_MEMORY, "nodes of the traction: found no memory");
-}
-
 // ---- integrands
 
 /* Shear stresses up to a factor that is the same at all nodes, of any lubricant with the state's rise of
@@ -105,7 +101,7 @@ static ehd_status list_nodes(cubature_fit *self, ehd_error *error) {
     bool *has_pressure = arena_array(&self->memory, grid->num_nodes, sizeof *has_pressure);
     size_t count = 0, listed = 0;
 
-    if (!has_pressure) return no_memory(error);
+    if (!has_pressure) return ehd_no_memory(error, "nodes of the traction");
     for (size_t i = 0; i < num_used_states(self->basis); i++) {
         expand_state(self, used_state(self->basis, i));
         for (size_t k = 0; k < grid->num_nodes; k++)
@@ -114,7 +110,7 @@ static ehd_status list_nodes(cubature_fit *self, ehd_error *error) {
     for (size_t r = 0; r < grid->num_inner; r++)
         count += has_pressure[grid_node_of_row(grid, r)];
     self->node = arena_array(&self->memory, MAX_CANDIDATES, sizeof *self->node);
-    if (!self->node) return no_memory(error);
+    if (!self->node) return ehd_no_memory(error, "nodes of the traction");
     for (size_t r = 0; r < grid->num_inner; r++) {
         const size_t k = grid_node_of_row(grid, r);
         if (!has_pressure[k]) continue;
@@ -133,7 +129,7 @@ static ehd_status fit_init(cubature_fit *self, ehd_error *error) {
     self->pressure = arena_array(memory, grid->num_nodes, sizeof(double));
     self->film = arena_array(memory, grid->num_nodes, sizeof(double));
     self->before_exit = arena_array(memory, grid->num_nodes, sizeof *self->before_exit);
-    if (!self->deflection || memory->failed) return no_memory(error);
+    if (!self->deflection || memory->failed) return ehd_no_memory(error, "nodes of the traction");
     ehd_status status = list_nodes(self, error);
     if (status) return status;
     self->friction = arena_table(memory, num_rows, self->num_nodes, sizeof(double));
@@ -141,7 +137,7 @@ static ehd_status fit_init(cubature_fit *self, ehd_error *error) {
     self->ones = arena_array(memory, num_rows, sizeof(double));
     self->of_friction = arena_array(memory, self->num_nodes, sizeof(double));
     self->of_dry = arena_array(memory, self->num_nodes, sizeof(double));
-    if (memory->failed) return no_memory(error);
+    if (memory->failed) return ehd_no_memory(error, "nodes of the traction");
     for (size_t i = 0; i < num_rows; i++)
         self->ones[i] = 1;
     for (size_t r = 0; r < grid->num_inner; r++) {
@@ -243,7 +239,7 @@ static ehd_status add_chosen(reduced_model *model, cubature_fit *self, ehd_error
     double *friction = arena_array(&self->memory, grid->num_inner, sizeof *friction);
     double *dry = arena_array(&self->memory, grid->num_inner, sizeof *dry);
 
-    if (self->memory.failed) return no_memory(error);
+    if (self->memory.failed) return ehd_no_memory(error, "nodes of the traction");
     for (size_t q = 0; q < self->num_nodes; q++) {
         if (self->of_friction[q] == 0 && self->of_dry[q] == 0) continue;
         node_weights *of = weights + self->node[q];

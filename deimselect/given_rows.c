@@ -58,9 +58,7 @@ ehd_status given_rows_read(given_rows *self, const char *path, const reduced_bas
     if (!status) {
         self->rows = malloc((self->count + 1) * sizeof *self->rows);
         taken = calloc(num_inner, sizeof *taken);
-        if (!self->rows || !taken)
-            status =
-                ehd_fail(error, EHD_MEMORY, "%s: found no memory for %zu rows", path, self->count);
+        if (!self->rows || !taken) status = ehd_no_memory(error, path);
     }
     if (!status) status = convert_rows(self, columns[0].values, path, num_inner, taken, error);
     if (!status) status = check_factors(self, path, error);

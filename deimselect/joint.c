@@ -147,8 +147,7 @@ ehd_status selection_joint(size_t *rows, const selection_bases *bases, size_t nu
     selected = calloc(bases->num_nodes, sizeof *selected);
     if (!selected || !interpolation_init(&both[0], bases->modes[0], bases->num_nodes, num_rows) ||
         !interpolation_init(&both[1], bases->modes[1], bases->num_nodes, num_rows)) {
-        status =
-            ehd_fail(error, EHD_MEMORY, "row selection: found no memory for %zu rows", num_rows);
+        status = ehd_no_memory(error, "row selection");
         goto done;
     }
     for (size_t n = 0; n < num_rows; n++) {

@@ -37,8 +37,7 @@ ehd_status selection_pivoted_qr(size_t *rows, const selection_bases *bases, size
     scales = malloc(max_rows * sizeof *scales);
     pivots = calloc(num_nodes, sizeof *pivots); // zero: free to be moved
     if (!both || !scales || !pivots) {
-        status =
-            ehd_fail(error, EHD_MEMORY, "row selection: found no memory for %zu nodes", num_nodes);
+        status = ehd_no_memory(error, "row selection");
         goto done;
     }
     put_side_by_side(both, bases);

@@ -19,16 +19,11 @@ static const stream_settings of_sets = {.local_energy = 1e-22, .root_energy = 1e
 /* The same of residuals of unit norm, of which control rows are the few largest entries. */
 static const stream_settings of_units = {.local_energy = 1e-12, .root_energy = 1e-8};
 
-static ehd_status no_memory(const residual_snapshots *snapshots, ehd_error *error) {
-    return ehd_fail(error, EHD_MEMORY, "residuals: found no memory for %zu iterations",
-                    snapshots->count);
-}
-
 ehd_status residual_snapshots_init(residual_snapshots *snapshots, size_t count,
                                    const residual_reader *reader, ehd_error *error) {
     *snapshots = (residual_snapshots){.count = count, .reader = reader};
     snapshots->state = array_new(count, 1, sizeof *snapshots->state);
-    return snapshots->state ? EHD_OK : no_memory(snapshots, error);
+    return snapshots->state ? EHD_OK : ehd_no_memory(error, "residuals");
 }
 
 /* Room for so many rows in front of which the old ones stay. */
@@ -48,7 +43,7 @@ ehd_status residual_snapshots_append(residual_snapshots *snapshots, const double
     if (states) snapshots->state = states;
     if (!states || !make_longer(&snapshots->residuals, after, num_inner) ||
         !make_longer(&snapshots->steps, after, num_inner))
-        return no_memory(snapshots, error);
+        return ehd_no_memory(error, "residuals");
     if (count == 0) return EHD_OK;
     memcpy(snapshots->residuals + before * num_inner, residuals,
            count * num_inner * sizeof *residuals);
@@ -65,7 +60,7 @@ ehd_status residual_snapshots_hold(residual_snapshots *snapshots, size_t num_inn
     snapshots->residuals = array_new(snapshots->count, num_inner, sizeof(double));
     snapshots->steps = array_new(snapshots->count, num_inner, sizeof(double));
     if (snapshots->residuals && snapshots->steps) return EHD_OK;
-    const ehd_status status = no_memory(snapshots, error);
+    const ehd_status status = ehd_no_memory(error, "residuals");
     residual_snapshots_free(snapshots);
     return status;
 }
@@ -135,7 +130,7 @@ static ehd_status stream_pod_of(pod_basis *pod, const residual_snapshots *snapsh
     settings.block = snapshots->reader->block;
     settings.max_rank = snapshots->reader->max_rank;
     ehd_status status = field ? stream_pod_create(&stream, num_inner, &settings, error)
-                              : no_memory(snapshots, error);
+                              : ehd_no_memory(error, "residuals");
     if (!status) status = stream_all(stream, snapshots, kind, units, num_inner, field, error);
     if (!status) status = stream_pod_finish(pod, &bound, stream, &wanted, error);
     stream_pod_free(stream);
@@ -182,7 +177,7 @@ ehd_status residual_snapshots_unit(double **rows, size_t *num_rows,
     if (snapshots->reader) return stream_units(rows, num_rows, snapshots, num_inner, error);
 
     double *next = *rows = array_new(num_converged, num_inner, sizeof **rows);
-    if (!*rows) return no_memory(snapshots, error);
+    if (!*rows) return ehd_no_memory(error, "residuals");
     *num_rows = num_converged;
     for (size_t i = 0; i < snapshots->count; i++) {
         if (!is_last(snapshots, i)) continue;

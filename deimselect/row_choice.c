@@ -93,8 +93,7 @@ static ehd_status measure_exits(row_choice *choice, const pod_basis pods[2],
     ehd_status status = EHD_OK;
 
     choice->sigma_min_by_exit = malloc((states->num_states + 1) * sizeof(double));
-    if (!kept || !choice->sigma_min_by_exit)
-        status = ehd_fail(error, EHD_MEMORY, "selection: found no memory");
+    if (!kept || !choice->sigma_min_by_exit) status = ehd_no_memory(error, "selection");
     choice->sigma_min_over_exits = INFINITY;
     for (size_t s = 0; s < states->num_states && !status; s++) {
         const size_t *exit = states->exit + s * states->num_lines;
@@ -216,7 +215,7 @@ static ehd_status allocate_rows(row_choice *choice, size_t num_rows, ehd_error *
     choice->num_rows = num_rows;
     choice->rows = malloc(num_rows * sizeof *choice->rows);
     if (choice->rows) return EHD_OK;
-    return ehd_fail(error, EHD_MEMORY, "selection: found no memory for %zu rows", num_rows);
+    return ehd_no_memory(error, "selection");
 }
 
 /* PODs and the given rows. The weights need a mode an unknown; with the number of modes that
@@ -298,8 +297,7 @@ static ehd_status use_given_factors(row_choice *choice, const given_rows *given,
     const size_t bytes = given->count * sizeof *choice->factors;
 
     choice->factors = malloc(bytes);
-    if (!choice->factors)
-        return ehd_fail(error, EHD_MEMORY, "selection: found no memory for %zu rows", given->count);
+    if (!choice->factors) return ehd_no_memory(error, "selection");
     memcpy(choice->factors, given->factors, bytes);
     return EHD_OK;
 }
@@ -313,8 +311,7 @@ static ehd_status weigh_rows(row_choice *choice, const pod_basis *products, size
     choice->num_jacobian_modes = num_modes;
     choice->jacobian_modes = malloc(num_rows * num_modes * sizeof(double));
     choice->factors = malloc(num_rows * sizeof(double));
-    if (!choice->jacobian_modes || !choice->factors)
-        return ehd_fail(error, EHD_MEMORY, "selection: found no memory for %zu rows", num_rows);
+    if (!choice->jacobian_modes || !choice->factors) return ehd_no_memory(error, "selection");
     for (size_t r = 0; r < num_rows; r++)
         for (size_t j = 0; j < num_modes; j++)
             choice->jacobian_modes[r * num_modes + j] =
@@ -332,9 +329,7 @@ static ehd_status choose_control(row_choice *choice, const residual_snapshots *s
 
     choice->num_control = given ? wanted : tenth > 8 ? tenth : 8;
     choice->control = malloc((choice->num_control + 1) * sizeof *choice->control);
-    if (!choice->control)
-        return ehd_fail(error, EHD_MEMORY, "selection: found no memory for %zu control rows",
-                        choice->num_control);
+    if (!choice->control) return ehd_no_memory(error, "selection");
     return control_choose(choice->control, &choice->num_control, given, snapshots,
                           residuals->num_nodes, residuals->modes, num_modes, choice->rows,
                           choice->num_rows, error);
@@ -352,7 +347,7 @@ ehd_status row_choice_make(row_choice *choice, const residual_snapshots *snapsho
 
     memset(choice, 0, sizeof *choice);
     bases.exits = exits;
-    if (!exits) status = ehd_fail(error, EHD_MEMORY, "selection: found no memory");
+    if (!exits) status = ehd_no_memory(error, "selection");
     if (!status && settings->given)
         status = use_given_rows(choice, pods, &bases, snapshots, basis, settings->given, error);
     else if (!status && settings->stability > 0)

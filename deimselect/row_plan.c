@@ -34,7 +34,7 @@ static ehd_status exits_bytes(double *bytes, const reduced_basis *basis,
     size_t num_exits = 0;
     size_t *exits = row_choice_exits(&num_exits, basis);
 
-    if (!exits) return ehd_fail(error, EHD_MEMORY, "selection: found no memory");
+    if (!exits) return ehd_no_memory(error, "selection");
     free(exits);
     *bytes = 8 * (double)(basis->states.num_states * basis->grid.inner_lines) +
              row_stability_bytes(basis->num_pressure, keeps_exits ? num_exits : 0);

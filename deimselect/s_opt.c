@@ -81,9 +81,7 @@ static ehd_status invert_gram(sampled_basis *self, const size_t *rows, size_t nu
 static ehd_status start_gain(sampled_basis *self, ehd_error *error) {
     double *products = malloc(self->num_modes * self->num_nodes * sizeof *products);
 
-    if (!products)
-        return ehd_fail(error, EHD_MEMORY, "row selection: found no memory for %zu nodes",
-                        self->num_nodes);
+    if (!products) return ehd_no_memory(error, "row selection");
     cblas_dsymm(CblasColMajor, CblasRight, CblasLower, (int)self->num_nodes, (int)self->num_modes,
                 1, self->inverse, (int)self->num_modes, self->modes, (int)self->num_nodes, 0,
                 products, (int)self->num_nodes);
@@ -131,8 +129,7 @@ static ehd_status sampled_basis_init(sampled_basis *self, const double *modes, s
     self->growth = malloc(num_nodes * sizeof(double));
     if (!self->inverse || !self->gain || !self->squares || !self->row || !self->product ||
         !self->along || !self->growth)
-        return ehd_fail(error, EHD_MEMORY, "row selection: found no memory for %zu modes",
-                        num_modes);
+        return ehd_no_memory(error, "row selection");
     ehd_status status = invert_gram(self, rows, num_rows, error);
     if (!status) status = start_gain(self, error);
     if (!status) scan_modes(self);
@@ -189,9 +186,7 @@ static ehd_status oversample(size_t *rows, sampled_basis both[2], size_t num_sta
     bool *selected = calloc(num_nodes, sizeof *selected);
     ehd_status status = EHD_OK;
 
-    if (!objective || !selected)
-        status =
-            ehd_fail(error, EHD_MEMORY, "row selection: found no memory for %zu nodes", num_nodes);
+    if (!objective || !selected) status = ehd_no_memory(error, "row selection");
     for (size_t n = 0; n < num_start && !status; n++)
         selected[rows[n]] = true;
     for (size_t n = num_start; n < num_rows && !status; n++) {

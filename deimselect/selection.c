@@ -56,7 +56,7 @@ ehd_status selection_sigma_min(double *sigma_min, const double *modes, size_t nu
     sampled = malloc(num_rows * num_columns * sizeof *sampled);
     values = malloc(num_columns * sizeof *values);
     if (!sampled || !values) {
-        status = ehd_fail(error, EHD_MEMORY, "sigma_min: found no memory for %zu rows", num_rows);
+        status = ehd_no_memory(error, "sigma_min");
         goto done;
     }
     for (size_t column = 0; column < num_columns; column++)

@@ -39,10 +39,6 @@ struct row_stability {
     arena memory;            // of all arrays
 };
 
-static ehd_status no_memory(ehd_error *error) {
-    return ehd_fail(error, EHD_MEMORY, "stability of rows: found no memory");
-}
-
 row_stability *row_stability_free(row_stability *self) {
     if (self) arena_free(&self->memory);
     free(self);
@@ -161,7 +157,7 @@ ehd_status row_stability_create(row_stability **stability, const selection_bases
     row_stability *self = allocate(&leading, bases->num_exits + 1);
 
     *stability = NULL;
-    if (!self) return no_memory(error);
+    if (!self) return ehd_no_memory(error, "stability of rows");
     ehd_status status = EHD_OK;
     for (size_t e = 0; e <= bases->num_exits && !status; e++)
         status = fill_exit(&self->blocks[2 * e], self, bases, e, error);
@@ -268,7 +264,7 @@ ehd_status row_stability_of(double *inverse_sigma_min, const selection_bases *ba
     const selection_bases leading = selection_leading(bases);
     row_stability *self = allocate(&leading, 1);
     double smallest = INFINITY;
-    ehd_status status = self ? EHD_OK : no_memory(error);
+    ehd_status status = self ? EHD_OK : ehd_no_memory(error, "stability of rows");
 
     for (size_t e = 0; e <= bases->num_exits && !status; e++) {
         double sigma_min = 0;

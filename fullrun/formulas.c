@@ -226,7 +226,7 @@ ehd_status formulas_print_in_time(const char *path, const scene *given,
         status = grid_check_shape(&series.grid, path, &reference->grid, "the scene", error);
     if (!status) status = histories_init(&histories, given, error);
     if (!status) deviations = malloc((series.num_times + 1) * sizeof *deviations);
-    if (!status && !deviations) status = ehd_fail(error, EHD_MEMORY, "%s: found no memory", path);
+    if (!status && !deviations) status = ehd_no_memory(error, path);
     const bool touch = !status && first_contact(&series) < series.num_times;
     for (const film_formula *formula = film_formulas; formula->name && touch; formula++)
         if (formula->dimensions == reference->kind->dimensions)

@@ -80,7 +80,7 @@ ehd_status full_march_create(full_march **created, const ehd_contact *reference,
     if (status) return status;
     full_march *self = calloc(1, sizeof *self);
     in_time.exit_at_node = true; // of the start too: another exit would set off a wave
-    if (!self) return ehd_fail(error, EHD_MEMORY, "full model: found no memory");
+    if (!self) return ehd_no_memory(error, "full model");
     arena *memory = &self->memory;
     self->reference = *reference;
     self->start_film = isnan(start_film) ? dry_start_film(reference) : start_film;
@@ -98,7 +98,7 @@ ehd_status full_march_create(full_march **created, const ehd_contact *reference,
     bool whole = !memory->failed;
     status = whole ? full_solver_create(&self->solver, reference->kind, &reference->grid, &in_time,
                                         error)
-                   : ehd_fail(error, EHD_MEMORY, "full model: found no memory");
+                   : ehd_no_memory(error, "full model");
     if (!status) status = previous_carrier_init(&self->carrier, reference, error);
     for (size_t i = 0; i <= BDF_PREVIOUS && !status; i++)
         status = previous_init(&self->states[i], reference, error);
@@ -215,7 +215,7 @@ static ehd_status entrain(double *entrained, const previous_state *state,
     double *memory = calloc(grid->num_nodes, NUM_FLUID_ARRAYS * sizeof *memory);
     reynolds_fluid fluid;
 
-    if (!memory) return ehd_fail(error, EHD_MEMORY, "full model: found no memory");
+    if (!memory) return ehd_no_memory(error, "full model");
     fluid = reynolds_fluid_in(memory, grid->num_nodes, reference);
     for (size_t k = 0; k < grid->num_nodes && fluid.density; k++)
         fluid.density[k] = lubricant_density(&reference->lubricant,

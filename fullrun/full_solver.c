@@ -121,8 +121,7 @@ ehd_status full_solver_create(full_solver **solver, const contact_kind *kind, co
     size_t num_inner = grid->num_inner, num_nodes = grid->num_nodes;
     full_solver *self = calloc(1, sizeof *self);
     *solver = NULL;
-    if (!self)
-        return ehd_fail(error, EHD_MEMORY, "full model: found no memory for %zu nodes", num_nodes);
+    if (!self) return ehd_no_memory(error, "full model");
 
     arena *memory = &self->memory;
     self->grid = *grid;
@@ -149,7 +148,7 @@ ehd_status full_solver_create(full_solver **solver, const contact_kind *kind, co
     self->index = arena_array(memory, num_nodes, sizeof *self->index);
     if (!self->deflection || !self->workspace || memory->failed) {
         full_solver_free(self);
-        return ehd_fail(error, EHD_MEMORY, "full model: found no memory for %zu nodes", num_nodes);
+        return ehd_no_memory(error, "full model");
     }
     team_share(self->threads, num_inner, self->part, set_stencils, self);
     *solver = self;
@@ -167,7 +166,7 @@ ehd_status full_state_init(full_state *state, const ehd_grid *grid, ehd_error *e
     state->ruptured = calloc(grid->num_nodes, sizeof *state->ruptured);
     if (!state->pressure || !state->film || !state->ruptured) {
         full_state_free(state);
-        return ehd_fail(error, EHD_MEMORY, "state: found no memory for %zu nodes", grid->num_nodes);
+        return ehd_no_memory(error, "state");
     }
     full_state_fill(state, grid);
     return EHD_OK;

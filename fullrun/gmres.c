@@ -678,7 +678,7 @@ ehd_status full_solve_gmres(full_system *system, double tolerance, size_t *itera
         errno = 0;
         const bool renewed = renew_factors(system), refused = errno == ENOMEM;
         if (!renewed || refused) umfpack_di_free_numeric(&work->factors.numeric);
-        if (refused) return ehd_fail(error, EHD_MEMORY, "near-field Jacobian: found no memory");
+        if (refused) return ehd_no_memory(error, "near-field Jacobian");
         if (!renewed)
             return ehd_fail(error, EHD_NOT_CONVERGED, "near-field Jacobian: found it singular");
     }

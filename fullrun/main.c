@@ -152,8 +152,7 @@ static ehd_status solve_again(full_info *info, full_state *state, full_solver *s
                               const fullrun_options *options, ehd_error *error) {
     const size_t repeats = options->repeats;
     full_info *runs = calloc(repeats, sizeof *runs);
-    ehd_status status =
-        runs ? EHD_OK : ehd_fail(error, EHD_MEMORY, "--repeat: found no memory for %zu", repeats);
+    ehd_status status = runs ? EHD_OK : ehd_no_memory(error, "--repeat");
 
     for (size_t i = 0; i < repeats && !status; i++) {
         full_state_copy(state, first, &contact->grid);
@@ -310,9 +309,7 @@ static ehd_status make_exits(double **exits, const full_state *state, const ehd_
     if (contact->kind->dimensions == 1) return EHD_OK;
     size_t *columns = malloc(grid_lines(grid) * sizeof *columns);
     *exits = malloc(grid_whole(grid).inner_lines * sizeof **exits);
-    ehd_status status = columns && *exits
-                            ? EHD_OK
-                            : ehd_fail(error, EHD_MEMORY, "exit: found no memory for its lines");
+    ehd_status status = columns && *exits ? EHD_OK : ehd_no_memory(error, "exit");
     if (!status) {
         grid_exit_columns(columns, state->pressure, grid);
         grid_exits(*exits, columns, grid);

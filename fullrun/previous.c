@@ -58,8 +58,7 @@ ehd_status previous_init(previous_state *self, const ehd_contact *reference, ehd
     self->pressure = compressible ? make_splines(self->num_lines, grid_width(grid)) : NULL;
     if (self->beyond && self->deflection && (self->pressure || !compressible)) return EHD_OK;
     previous_free(self);
-    return ehd_fail(error, EHD_MEMORY, "previous state: found no memory for %zu nodes",
-                    grid->num_nodes);
+    return ehd_no_memory(error, "previous state");
 }
 
 void previous_free(previous_state *self) {
@@ -117,8 +116,7 @@ ehd_status previous_carrier_init(previous_carrier *self, const ehd_contact *refe
     self->deflection = deflection_create(reference->kind, &self->wide);
     if (memory->failed || (across && !self->across) || !self->errors || !self->deflection) {
         previous_carrier_free(self);
-        return ehd_fail(error, EHD_MEMORY, "previous states: found no memory for %zu nodes",
-                        grid->num_nodes);
+        return ehd_no_memory(error, "previous states");
     }
     for (size_t k = 0; k < width; k++)
         self->nodes[k] = grid_x(grid, k);

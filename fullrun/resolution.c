@@ -111,8 +111,7 @@ static ehd_status count_inlet_nodes(full_resolution *self, const central_line *l
                                     const ehd_contact *contact, ehd_error *error) {
     size_t num_nodes = line->num_nodes;
     double *memory = malloc(5 * num_nodes * sizeof *memory);
-    if (!memory)
-        return ehd_fail(error, EHD_MEMORY, "resolution: found no memory for %zu nodes", num_nodes);
+    if (!memory) return ehd_no_memory(error, "resolution");
     double *log_viscosity = memory, *viscous = memory + num_nodes, *unused = memory + 2 * num_nodes;
 
     lubricant_evaluate(log_viscosity, unused, unused + num_nodes, unused + 2 * num_nodes,
@@ -260,9 +259,7 @@ static ehd_status solve_surrounded(inlet_change *change, coarse_grid *self, cons
     const ehd_grid *grid = &self->contact.grid;
     film_pair found;
     double *before = malloc(grid->num_nodes * sizeof *before);
-    if (!before)
-        return ehd_fail(error, EHD_MEMORY, "resolution: found no memory for %zu nodes",
-                        grid->num_nodes);
+    if (!before) return ehd_no_memory(error, "resolution");
 
     memcpy(before, self->state.film, grid->num_nodes * sizeof *before);
     ehd_status status = solve_on(&found, self, error);
@@ -353,9 +350,7 @@ static ehd_status solve_larger(inlet_change *change, coarse_grid *smaller, const
 
     self.contact.grid = larger.grid;
     ehd_status status = create_coarse(&self, error);
-    if (!status && !film)
-        status =
-            ehd_fail(error, EHD_MEMORY, "resolution: found no memory for %zu nodes", of->num_nodes);
+    if (!status && !film) status = ehd_no_memory(error, "resolution");
     if (!status) {
         enlarge_state(&self.state, &larger, smaller);
         status = solve_on(&found, &self, error);

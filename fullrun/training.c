@@ -15,7 +15,7 @@ ehd_status training_init(training *self, const program *caller, const training_s
     *self = (training){.program = caller, .set = set};
     self->points = calloc(set->num_points, sizeof *self->points);
     if (self->points) return EHD_OK;
-    return ehd_fail(error, EHD_MEMORY, "points: found no memory for %zu", set->num_points);
+    return ehd_no_memory(error, "points");
 }
 
 void training_free(training *self) {
@@ -44,8 +44,7 @@ static ehd_status keep_point(training *self, size_t point, const double *pressur
     self->num_failed += pressure == NULL;
     if (!pressure) return EHD_OK;
     kept->pressure = malloc(num_nodes * sizeof(double));
-    if (!kept->pressure)
-        return ehd_fail(error, EHD_MEMORY, "points: found no memory for %zu nodes", num_nodes);
+    if (!kept->pressure) return ehd_no_memory(error, "points");
     memcpy(kept->pressure, pressure, num_nodes * sizeof(double));
     return EHD_OK;
 }
@@ -57,9 +56,7 @@ ehd_status training_restore(training *self, size_t point, const double *pressure
 
     if (pressure) {
         all = calloc(grid->num_nodes, sizeof *all);
-        if (!all)
-            return ehd_fail(error, EHD_MEMORY, "points: found no memory for %zu nodes",
-                            grid->num_nodes);
+        if (!all) return ehd_no_memory(error, "points");
         grid_put_inner(all, pressure, grid, false);
     }
     ehd_status status = keep_point(self, point, all, rigid_approach, exit, error);
@@ -88,7 +85,7 @@ static ehd_status begin_worker(void **result, void *shared, ehd_error *error) {
     const ehd_contact *first = &owner->set->contacts[0];
     worker *self = calloc(1, sizeof *self);
     *result = self;
-    if (!self) return ehd_fail(error, EHD_MEMORY, "solver: found no memory");
+    if (!self) return ehd_no_memory(error, "solver");
 
     // the last modes have singular values of 1e-10 of the first: solutions must be better than that
     settings.tolerance = 1e-12;
@@ -187,7 +184,7 @@ ehd_status training_run(training *self, size_t num_workers, ehd_error *error) {
     const training_set *set = self->set;
     if (set->num_points == 0) return EHD_OK;
     bool *done = malloc(set->num_points * sizeof *done);
-    if (!done) return ehd_fail(error, EHD_MEMORY, "points: found no memory");
+    if (!done) return ehd_no_memory(error, "points");
 
     size_t num_left = 0;
     for (size_t i = 0; i < set->num_points; i++) {

@@ -29,7 +29,7 @@ static ehd_status deflect(double **deflections, const snapshot_set *set, const d
     *deflections = malloc(count * num_nodes * sizeof(double));
     if (!deflection || !*deflections) {
         deflection_free(deflection);
-        return ehd_fail(error, EHD_MEMORY, "deflections: found no memory for %zu states", count);
+        return ehd_no_memory(error, "deflections");
     }
     for (size_t s = 0; s < count; s++)
         deflection_apply(*deflections + s * num_nodes, deflection, pressures + s * num_nodes);
@@ -97,7 +97,7 @@ void bases_begin(reduced_basis *basis, const contact_kind *kind, const ehd_grid 
 
 ehd_status bases_weigh(reduced_basis *basis, ehd_error *error) {
     basis->weight = malloc(basis->grid.num_nodes * sizeof(double));
-    if (!basis->weight) return ehd_fail(error, EHD_MEMORY, "bases: found no memory");
+    if (!basis->weight) return ehd_no_memory(error, "bases");
     return test_weight_mode(basis->weight, basis, NULL, 0, error);
 }
 
@@ -124,7 +124,7 @@ ehd_status bases_build(reduced_basis *basis, pod_basis *pressure_pod, pod_basis 
         basis->pressure = bases_turn_modes(pressure_pod);
         if (deflections) basis->deformation_modes = bases_turn_modes(deformation_pod);
         if (!basis->pressure || (deflections && !basis->deformation_modes))
-            status = ehd_fail(error, EHD_MEMORY, "bases: found no memory");
+            status = ehd_no_memory(error, "bases");
     }
     if (!status) status = bases_weigh(basis, error);
     if (!status)

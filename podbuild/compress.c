@@ -58,9 +58,7 @@ static ehd_status scale_modes(
 
     part->rows = malloc(part->rank * num_nodes * sizeof *part->rows);
     part->singular_values = malloc(part->rank * sizeof *part->singular_values);
-    if (!part->rows || !part->singular_values)
-        return ehd_fail(error, EHD_MEMORY, "compressed snapshots: found no memory for %zu rows",
-                        part->rank);
+    if (!part->rows || !part->singular_values) return ehd_no_memory(error, "compressed snapshots");
     memcpy(part->singular_values, basis->singular_values,
            part->rank * sizeof *part->singular_values);
     for (size_t i = 0; i < part->rank; i++)
@@ -113,9 +111,7 @@ static ehd_status join(compressed_part *newer, const compressed_part *older,
                             .discarded = older->discarded + newer->discarded};
     double *rows = malloc((older_length + newer_length + 1) * sizeof *rows); // never of size 0
 
-    if (!rows)
-        return ehd_fail(error, EHD_MEMORY, "compressed snapshots: found no memory to join %zu rows",
-                        older->rank + newer->rank);
+    if (!rows) return ehd_no_memory(error, "compressed snapshots");
     if (older->rank) memcpy(rows, older->rows, older_length * sizeof *rows);
     if (newer->rank) memcpy(rows + older_length, newer->rows, newer_length * sizeof *rows);
     ehd_status status = compress_rows(&both, rows, older->rank + newer->rank, self, error);
@@ -179,9 +175,7 @@ ehd_status compressor_create(snapshot_compressor **self, size_t num_nodes,
     if (*self) (*self)->waiting = calloc(block, num_nodes * sizeof *(*self)->waiting);
     if (!*self || !(*self)->waiting) {
         *self = compressor_free(*self);
-        return ehd_fail(error, EHD_MEMORY,
-                        "compressed snapshots: found no memory for %zu snapshots of %zu nodes",
-                        block, num_nodes);
+        return ehd_no_memory(error, "compressed snapshots");
     }
     (*self)->num_nodes = num_nodes;
     (*self)->block = block;

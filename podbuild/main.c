@@ -167,7 +167,7 @@ static const char **list_inputs(const program *self, ehd_error *error) {
     if (inputs)
         memcpy(inputs, self->arguments, self->num_arguments * sizeof *inputs);
     else
-        ehd_fail(error, EHD_MEMORY, "podbuild: found no memory");
+        ehd_no_memory(error, "podbuild");
     return inputs;
 }
 

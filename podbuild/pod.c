@@ -163,8 +163,7 @@ static ehd_status form_modes(
     const size_t num_nodes = work->num_nodes, num_values = work->num_values;
     lapack_int info = 0;
     basis->modes = calloc(basis->num_modes * num_nodes, sizeof *basis->modes);
-    if (!basis->modes)
-        return ehd_fail(error, EHD_MEMORY, "POD: found no memory for %zu modes", basis->num_modes);
+    if (!basis->modes) return ehd_no_memory(error, "POD");
     for (size_t mode = 0; mode < basis->num_modes; mode++)
         memcpy(basis->modes + mode * num_nodes, work->left + mode * num_values,
                num_values * sizeof *basis->modes);
@@ -209,8 +208,7 @@ ehd_status pod_build(pod_basis *basis, const double *snapshots, size_t num_state
     basis->num_singular_values = work.num_values;
     basis->singular_values = malloc(work.num_values * sizeof *basis->singular_values);
     if (!basis->singular_values) {
-        status = ehd_fail(error, EHD_MEMORY, "POD: found no memory for %zu singular values",
-                          work.num_values);
+        status = ehd_no_memory(error, "POD");
         goto done;
     }
     memcpy(work.matrix, snapshots, num_nodes * num_states * sizeof *work.matrix);

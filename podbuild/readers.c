@@ -16,7 +16,7 @@ static ehd_status check_snapshots(const char *path, ehd_error *error) {
     // one field at a time, however many the file has
     const file_states *states = &files.files[0].states;
     double *field = array_new(files.grid.num_nodes, 1, sizeof *field);
-    if (!field) status = ehd_fail(error, EHD_MEMORY, "%s: found no memory", path);
+    if (!field) status = ehd_no_memory(error, path);
     for (size_t i = 0; i < states->count && !status; i++)
         if (states->outcome[i] == 0) status = snapshot_file_state(field, &files, 0, i, error);
     for (size_t i = 0; i < snapshot_file_compressed(&files, 0) && !status; i++)

@@ -55,8 +55,7 @@ static ehd_status read_columns(file_states *states, artefact *file, ehd_error *e
 
     states->memory = array_new(9 + NUM_EFFECTS + NUM_RISES, count, sizeof(double));
     states->outcome = array_new(2, count, sizeof *states->outcome);
-    if (!states->memory || !states->outcome)
-        return ehd_fail(error, EHD_MEMORY, "%s: found no memory", artefact_path(file));
+    if (!states->memory || !states->outcome) return ehd_no_memory(error, artefact_path(file));
     states->rigid_approach = states->memory;
     states->moes_M = states->memory + count;
     states->alpha_p_H = states->memory + 2 * count;
@@ -152,7 +151,7 @@ static ehd_status count_part(snapshot_files *self, snapshot_file *file, ehd_erro
     file->num_states = artefact_length(file->file, "state");
     file->num_rows = artefact_length(file->file, "pressure_mode");
     file->values = array_new(file->num_rows, 1, sizeof *file->values);
-    if (!file->values) return ehd_fail(error, EHD_MEMORY, "%s: found no memory", file->path);
+    if (!file->values) return ehd_no_memory(error, file->path);
     ehd_status status = part_read_origin(&file->origin, file->file, error);
     if (!status)
         status = artefact_get(file->file, "pressure_singular_values", file->values, file->num_rows,
@@ -194,7 +193,7 @@ ehd_status snapshot_files_open(snapshot_files *self, const char *const *paths, s
     ehd_status status = EHD_OK;
 
     *self = (snapshot_files){.files = array_new(num_paths, 1, sizeof *self->files)};
-    if (!self->files) return ehd_fail(error, EHD_MEMORY, "%s: found no memory", paths[0]);
+    if (!self->files) return ehd_no_memory(error, paths[0]);
     self->num_files = num_paths;
     for (size_t i = 0; i < num_paths; i++)
         self->files[i].path = paths[i];
@@ -229,7 +228,7 @@ void snapshot_files_close(snapshot_files *self) {
 static ehd_status get_pressure(double *pressure, const ehd_grid *grid, artefact *file,
                                const char *field, size_t entry, ehd_error *error) {
     double *inner = array_new(grid->num_inner, 1, sizeof *inner);
-    if (!inner) return ehd_fail(error, EHD_MEMORY, "%s: found no memory", artefact_path(file));
+    if (!inner) return ehd_no_memory(error, artefact_path(file));
 
     ehd_status status = artefact_get_part(file, field, entry, 1, inner, grid->num_inner, error);
     memset(pressure, 0, grid->num_nodes * sizeof(double));

@@ -25,9 +25,7 @@ void snapshot_set_free(snapshot_set *set) {
 
 static ehd_status grow(void **array, size_t rows, size_t columns, size_t size, ehd_error *error) {
     void *larger = array_resize(*array, rows, columns, size);
-    if (!larger)
-        return ehd_fail(error, EHD_MEMORY, "snapshots: found no memory for %zu of %zu numbers",
-                        rows, columns);
+    if (!larger) return ehd_no_memory(error, "snapshots");
     *array = larger;
     return EHD_OK;
 }

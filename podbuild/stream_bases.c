@@ -201,7 +201,7 @@ static ehd_status stream_all(pod_basis *pod, stream_error *bound, reading *self,
     double *field = deflected ? array_new(grid->num_nodes, 1, sizeof *field) : NULL;
     stream_pod *stream = NULL;
     ehd_status status = deflected && (!deflection || !field)
-                            ? ehd_fail(error, EHD_MEMORY, "deflections: found no memory")
+                            ? ehd_no_memory(error, "deflections")
                             : stream_pod_create(&stream, grid->num_nodes, settings, error);
 
     for (size_t i = 0; i < self->files->num_files && !status; i++)
@@ -296,7 +296,7 @@ static ehd_status project_part(projection *self, reading *from, size_t index, eh
     double *to = self->states->coordinates + self->set->num_states * num_unknowns;
     reduced_states states = {0};
     ehd_status status = turned ? project_modes(turned, self, from, index, error)
-                               : ehd_fail(error, EHD_MEMORY, "coordinates: found no memory");
+                               : ehd_no_memory(error, "coordinates");
 
     if (!status) status = part_read_states(&states, file->file, &from->files->grid, error);
     if (!status) {
@@ -339,7 +339,7 @@ static ehd_status project_all(reduced_basis *basis, reading *from, const stream_
         .set = &set,
         .states = &basis->states};
     ehd_status status = !self.fields || (independent && (!self.deflected || !deflection))
-                            ? ehd_fail(error, EHD_MEMORY, "coordinates: found no memory")
+                            ? ehd_no_memory(error, "coordinates")
                             : reduced_states_init(&basis->states, from->files->num_states,
                                                   grid_lines(grid), num_unknowns, error);
 
@@ -359,7 +359,7 @@ static ehd_status project_all(reduced_basis *basis, reading *from, const stream_
 /* The modes go over to the basis, node by node. */
 static ehd_status take_modes(double **modes, pod_basis *pod, ehd_error *error) {
     *modes = pod->num_modes > 0 ? bases_turn_modes(pod) : NULL;
-    if (pod->num_modes > 0 && !*modes) return ehd_fail(error, EHD_MEMORY, "bases: found no memory");
+    if (pod->num_modes > 0 && !*modes) return ehd_no_memory(error, "bases");
     free(pod->modes);
     pod->modes = NULL;
     return EHD_OK;
@@ -441,7 +441,7 @@ ehd_status stream_bases_build(reduced_basis *basis, pod_basis *pressure_pod,
 
     *pressure_pod = *deformation_pod = (pod_basis){0};
     bases_begin(basis, files->kind, &files->grid, &files->carriage, settings->kind);
-    ehd_status status = from.field ? EHD_OK : ehd_fail(error, EHD_MEMORY, "bases: found no memory");
+    ehd_status status = from.field ? EHD_OK : ehd_no_memory(error, "bases");
     progress_start(&from.shown, caller, count_readings(files, independent));
     if (!status)
         status =
@@ -489,7 +489,7 @@ ehd_status stream_part_build(reduced_basis *basis, pod_basis *modes, part_origin
 
     *modes = (pod_basis){0};
     bases_begin(basis, files->kind, &files->grid, &files->carriage, DEFORMATION_COUPLED);
-    ehd_status status = from.field ? EHD_OK : ehd_fail(error, EHD_MEMORY, "part: found no memory");
+    ehd_status status = from.field ? EHD_OK : ehd_no_memory(error, "part");
     progress_start(&from.shown, caller, count_readings(files, false));
     if (!status) status = stream_all(modes, &bound, &from, &way->pressure, &wanted, false, error);
     from.what = "coordinates";

@@ -114,8 +114,7 @@ static ehd_status svd_of_triangle(triangle_svd *svd, const stream_pod *self, ehd
     svd->values = array_new(self->rank, 1, sizeof(double));
     svd->left = array_new(self->rank, self->rank, sizeof(double));
     svd->right = array_new(self->rank, self->rank, sizeof(double));
-    if (!copy || !svd->values || !svd->left || !svd->right)
-        status = ehd_fail(error, EHD_MEMORY, "POD: found no memory for %d directions", rank);
+    if (!copy || !svd->values || !svd->left || !svd->right) status = ehd_no_memory(error, "POD");
     // the triangle by columns is its transpose by rows: its left vectors there are columns, and
     // columns of a matrix by columns are rows
     for (size_t j = 0; j < self->rank && !status; j++)
@@ -188,7 +187,7 @@ static ehd_status orthogonalise(stream_pod *self, size_t num, ehd_error *error) 
     double *made = self->directions + self->rank * num_nodes;
     double *work = array_new(num, longest, sizeof *work);
 
-    if (!work) return ehd_fail(error, EHD_MEMORY, "POD: found no memory for %zu directions", num);
+    if (!work) return ehd_no_memory(error, "POD");
     take_components(work, longest, made, num, self->directions, self->rank, num_nodes);
     add_components(made, num, -1, work, longest, self->directions, self->rank, num_nodes);
     take_components(work, longest, made, num, made, num, num_nodes);
@@ -209,7 +208,7 @@ static ehd_status subtract(stream_pod *self, size_t first, size_t num, bool agai
     double *part = again ? array_new(self->num_waiting, self->max_rank, sizeof *part)
                          : self->coordinates + first;
 
-    if (!part) return ehd_fail(error, EHD_MEMORY, "POD: found no memory for coordinates");
+    if (!part) return ehd_no_memory(error, "POD");
     take_components(part, self->max_rank, self->waiting, self->num_waiting, directions, num,
                     self->num_nodes);
     add_components(self->waiting, self->num_waiting, -1, part, self->max_rank, directions, num,
@@ -234,7 +233,7 @@ static ehd_status find_directions(
     double *values = array_new(num_rows, 1, sizeof *values);
 
     *num = 0;
-    if (!values) return ehd_fail(error, EHD_MEMORY, "POD: found no memory for %d rows", rows);
+    if (!values) return ehd_no_memory(error, "POD");
     cblas_dsyrk(CblasRowMajor, CblasLower, CblasNoTrans, rows, (int)self->num_nodes, 1,
                 self->waiting, (int)self->num_nodes, 0, vectors, rows);
     // by columns it is the upper part, and its vectors are rows
@@ -264,7 +263,7 @@ static ehd_status extend(bool *full, stream_pod *self, double allowed, ehd_error
     if (num_long == 0) return EHD_OK;
     double *vectors = array_new(num_long, num_long, sizeof *vectors);
 
-    if (!vectors) return ehd_fail(error, EHD_MEMORY, "POD: found no memory for %zu rows", num_long);
+    if (!vectors) return ehd_no_memory(error, "POD");
     ehd_status status =
         find_directions(&num, vectors, self, num_long, fmax(0, allowed - left_out), error);
     *full = !status && num > self->max_rank - self->rank;
@@ -400,8 +399,7 @@ ehd_status stream_pod_create(stream_pod **self, size_t num_nodes, const stream_s
     if (!made || !made->directions || !made->waiting || !made->coordinates || !made->triangle ||
         !made->scales || !made->rotated) {
         stream_pod_free(made);
-        return ehd_fail(error, EHD_MEMORY, "POD: found no memory for %zu directions of %zu nodes",
-                        settings->max_rank, num_nodes);
+        return ehd_no_memory(error, "POD");
     }
     *self = made;
     return EHD_OK;

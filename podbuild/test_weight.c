@@ -148,7 +148,7 @@ ehd_status test_weight_row_norm(double *weight, const reduced_basis *basis,
                            .count = calloc(num_nodes, sizeof(size_t))};
     ehd_status status = squares.sum && squares.count
                             ? reduced_model_build(&model, basis, NULL, 0, error)
-                            : ehd_fail(error, EHD_MEMORY, "row norms: found no memory");
+                            : ehd_no_memory(error, "row norms");
 
     if (!status) status = visit_states(&squares, contacts, num_contacts, error);
     if (!status) turn_over(weight, &squares, num_nodes);

@@ -115,8 +115,7 @@ static int compare_seconds(const void *a, const void *b) {
 static ehd_status solve(online_result *result, online_solver *solver, const ehd_contact *contact,
                         size_t repeats, ehd_error *error) {
     online_result *runs = calloc(repeats, sizeof *runs);
-    ehd_status status =
-        runs ? EHD_OK : ehd_fail(error, EHD_MEMORY, "--repeat: found no memory for %zu", repeats);
+    ehd_status status = runs ? EHD_OK : ehd_no_memory(error, "--repeat");
 
     for (size_t i = 0; i < repeats && !status; i++)
         status = program_interrupted()
@@ -210,7 +209,7 @@ static ehd_status text_with_sizes(char **whole, const char *text, const romrun_o
     if (stream && !fclose(stream)) return EHD_OK;
     free(*whole);
     *whole = NULL;
-    return ehd_fail(error, EHD_MEMORY, "settings: found no memory");
+    return ehd_no_memory(error, "settings");
 }
 
 /* The part of a model that a scene is solved with, and the solution. */
@@ -319,7 +318,7 @@ static ehd_status fill_result(stationary_run *self, bool with_fields, bool with_
 
     done->solution.seconds += done->first_seconds;
     self->exits = malloc(grid_whole(grid).inner_lines * sizeof(double));
-    if (!self->exits) return ehd_fail(error, EHD_MEMORY, "exits: found no memory for the lines");
+    if (!self->exits) return ehd_no_memory(error, "exits");
     online_exits(self->exits, done->solver);
     const bool with_traction = contact_has_traction(self->contact);
     const bool few_nodes = with_traction && online_has_traction(done->model);
@@ -327,8 +326,7 @@ static ehd_status fill_result(stationary_run *self, bool with_fields, bool with_
         self->pressure = malloc(grid->num_nodes * sizeof(double));
         self->film = malloc(grid->num_nodes * sizeof(double));
         status = online_prepare_fields(done->model, error);
-        if (!status && !(self->pressure && self->film))
-            status = ehd_fail(error, EHD_MEMORY, "fields: found no memory");
+        if (!status && !(self->pressure && self->film)) status = ehd_no_memory(error, "fields");
         if (!status) status = online_fields(self->pressure, self->film, done->solver, error);
         if (!status)
             online_judge_pressure(&done->solution, self->contact, self->pressure, grid->num_nodes);
@@ -878,9 +876,8 @@ static ehd_status solve_cases(case_list *list, const program *self, const romrun
                               const char *const *inputs, ehd_error *error) {
     char *scene_lines = case_list_settings(list), *text = NULL;
     cases_summary found;
-    ehd_status status = scene_lines
-                            ? text_with_sizes(&text, scene_lines, options, error)
-                            : ehd_fail(error, EHD_MEMORY, "%s: found no memory", options->cases);
+    ehd_status status = scene_lines ? text_with_sizes(&text, scene_lines, options, error)
+                                    : ehd_no_memory(error, options->cases);
     const cases_task task = {.caller = self,
                              .model = options->model,
                              .sizes = options->sizes,

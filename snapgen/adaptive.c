@@ -99,8 +99,7 @@ static ehd_status adaptive_init(adaptive *self, ehd_error *error) {
     self->rounds = malloc(count * sizeof *self->rounds);
     if (!self->places || !self->films || !self->trained || !self->state_of_point ||
         !self->verdicts || !self->indicated || !self->states || !self->rounds)
-        return ehd_fail(error, EHD_MEMORY, "%s: found no memory for %zu points", self->plan_path,
-                        count);
+        return ehd_no_memory(error, self->plan_path);
     find_places(self->places, self->set);
     for (size_t i = 0; i < count; i++)
         self->indicated[i] = INFINITY;
@@ -208,7 +207,7 @@ static size_t count_solved(const adaptive *self, size_t round) {
  */
 static ehd_status recall_rounds(adaptive *self, ehd_error *error) {
     double *work = malloc((2 * self->num_states + 1) * sizeof *work);
-    if (!work) return ehd_fail(error, EHD_MEMORY, "%s: found no memory", self->plan_path);
+    if (!work) return ehd_no_memory(error, self->plan_path);
 
     for (size_t s = 0; s < self->num_states; s++) {
         const adaptive_state *state = &self->states[s];
@@ -241,9 +240,8 @@ static ehd_status add_worst(adaptive *self, const double *indicated, size_t max_
                              accuracy};
     const trial_verdict unknown = {{NAN, NAN}, {NAN, NAN}};
     size_t *chosen = malloc((max_count + 1) * sizeof *chosen), count = 0;
-    ehd_status status =
-        chosen ? point_choice_worst(chosen, &count, &from, max_count, error)
-               : ehd_fail(error, EHD_MEMORY, "choice: found no memory for %zu points", max_count);
+    ehd_status status = chosen ? point_choice_worst(chosen, &count, &from, max_count, error)
+                               : ehd_no_memory(error, "choice");
 
     for (size_t i = 0; i < count; i++)
         add_point(self, chosen[i], judged ? &self->verdicts[chosen[i]] : &unknown);
@@ -286,7 +284,7 @@ static ehd_status add_corners_of(adaptive *self, size_t family, const double (*p
         numbers[count++] = i;
     }
     count = point_choice_corners(corners, (const double(*)[RANGE_AXES])here, count, rounding);
-    if (count == 0) return ehd_fail(error, EHD_MEMORY, "choice: found no memory for corners");
+    if (count == 0) return ehd_no_memory(error, "choice");
     for (size_t i = 0; i < count && self->num_states < self->settings->max_points; i++)
         add_point(self, numbers[corners[i]], &unknown);
     return EHD_OK;
@@ -299,9 +297,7 @@ static ehd_status add_corners(adaptive *self, ehd_error *error) {
     size_t *numbers = malloc(num_points * sizeof *numbers);
     size_t *corners = malloc(num_points * sizeof *corners);
     ehd_status status =
-        places && here && numbers && corners
-            ? EHD_OK
-            : ehd_fail(error, EHD_MEMORY, "choice: found no memory for %zu points", num_points);
+        places && here && numbers && corners ? EHD_OK : ehd_no_memory(error, "choice");
 
     if (!status) {
         normalise(places, self->set);
@@ -340,9 +336,8 @@ static bool is_good(const adaptive *self, size_t round) {
  * worst first, the others as far from all that is trained as there are. */
 static ehd_status add_check(adaptive *self, size_t count, ehd_error *error) {
     double *equal = calloc(self->set->num_points, sizeof *equal);
-    ehd_status status =
-        equal ? add_worst(self, self->indicated, (count + 1) / 2, -1, true, error)
-              : ehd_fail(error, EHD_MEMORY, "choice: found no memory for %zu points", count);
+    ehd_status status = equal ? add_worst(self, self->indicated, (count + 1) / 2, -1, true, error)
+                              : ehd_no_memory(error, "choice");
 
     if (!status) status = add_worst(self, equal, count / 2, -1, true, error);
     free(equal);
@@ -439,10 +434,7 @@ static ehd_status build_model(reduced_model *model, trial_costs *costs, const ad
     ehd_contact *contacts = malloc((self->num_states + 1) * sizeof *contacts);
     solved_state *solved = malloc((self->num_states + 1) * sizeof *solved);
     ehd_error cause = {""};
-    ehd_status status =
-        contacts && solved
-            ? EHD_OK
-            : ehd_fail(&cause, EHD_MEMORY, "found no memory for %zu points", self->num_states);
+    ehd_status status = contacts && solved ? EHD_OK : ehd_fail(&cause, EHD_MEMORY, "out of memory");
 
     for (size_t s = 0; s < self->num_states && !status; s++) {
         size_t point = self->states[s].point;
@@ -500,8 +492,8 @@ static ehd_status judge_candidates(adaptive *self, ehd_error *error) {
     reduced_model model = {0};
     trial_costs costs = {0};
     const double begun = program_seconds();
-    ehd_status status = left ? build_model(&model, &costs, self, error)
-                             : ehd_fail(error, EHD_MEMORY, "%s: found no memory", self->plan_path);
+    ehd_status status =
+        left ? build_model(&model, &costs, self, error) : ehd_no_memory(error, self->plan_path);
 
     for (size_t i = 0; i < num_points && !status; i++)
         left[i] = !self->trained[i];
@@ -537,8 +529,7 @@ static ehd_status judge_round(adaptive *self, ehd_error *error) {
     double worst = NAN;
     size_t num_lost = 0;
     bool any_left = self->num_states < self->set->num_points;
-    ehd_status status =
-        work ? EHD_OK : ehd_fail(error, EHD_MEMORY, "%s: found no memory", self->plan_path);
+    ehd_status status = work ? EHD_OK : ehd_no_memory(error, self->plan_path);
 
     if (!status && any_left) status = judge_candidates(self, error);
     if (!status) {
@@ -624,7 +615,7 @@ static ehd_status divide(adaptive *self, const adaptive_task *task, ehd_error *e
                                    .num_parts = 2,
                                    .force = self->caller->force};
 
-    if (!points) return ehd_fail(error, EHD_MEMORY, "%s: found no memory", self->plan_path);
+    if (!points) return ehd_no_memory(error, self->plan_path);
     for (size_t s = 0; s < self->num_states; s++)
         points[s] = self->states[s].point;
     const ehd_status status = parts_write(&request, task->parts, error);
@@ -836,7 +827,7 @@ static ehd_status resume_piece(adaptive *self, const adaptive_state *chosen, siz
     size_t num_found = 0;
     ehd_status status = found ? adaptive_file_resume(&self->file, found, &num_found, self->films,
                                                      &self->points, self->caller, error)
-                              : ehd_fail(error, EHD_MEMORY, "%s: found no memory", self->plan_path);
+                              : ehd_no_memory(error, self->plan_path);
     bool same = num_found == count;
 
     for (size_t i = 0; i < num_found && same; i++)
@@ -865,9 +856,8 @@ static ehd_status solve_piece(adaptive *self, const adaptive_task *task, ehd_err
     adaptive_state *chosen = malloc((self->num_states + 1) * sizeof *chosen);
     const size_t done_before = self->points.num_done, failed_before = self->points.num_failed;
     size_t count = 0;
-    ehd_status status = chosen
-                            ? choose_piece(chosen, &count, self, task, error)
-                            : ehd_fail(error, EHD_MEMORY, "%s: found no memory", self->plan_path);
+    ehd_status status = chosen ? choose_piece(chosen, &count, self, task, error)
+                               : ehd_no_memory(error, self->plan_path);
 
     if (!status) status = open_piece(self, task, chosen, count, error);
     if (!status && self->points.num_done > done_before)

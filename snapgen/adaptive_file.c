@@ -13,7 +13,7 @@ ehd_status adaptive_file_create(artefact **file, const program *caller, const tr
     const char **inputs = training_inputs(set, plan_path, NULL);
     ehd_status status = inputs ? artefact_create_growing(file, caller->output, &schema_snapshots,
                                                          "state", caller, set->text, inputs, error)
-                               : ehd_fail(error, EHD_MEMORY, "%s: found no memory", plan_path);
+                               : ehd_no_memory(error, plan_path);
 
     if (!status) status = grid_write(*file, set->kind, &set->grid, error);
     if (!status) status = snapshots_declare(*file, set, true, error);
@@ -49,9 +49,7 @@ static ehd_status put_choice(artefact *file, size_t place, const adaptive_state 
 /* The numbers of the states from `first` on, behind which the axis has its length. */
 static ehd_status put_numbers(artefact *file, size_t first, size_t count, ehd_error *error) {
     double *numbers = malloc((count + 1) * sizeof *numbers);
-    if (!numbers)
-        return ehd_fail(error, EHD_MEMORY, "%s: found no memory for %zu points",
-                        artefact_path(file), count);
+    if (!numbers) return ehd_no_memory(error, artefact_path(file));
 
     for (size_t i = 0; i < count; i++)
         numbers[i] = (double)(first + i);
@@ -226,9 +224,7 @@ static ehd_status copy_entry(artefact *to, size_t to_state, artefact *from, size
     const size_t length = entry_length(to, field);
     double *reals = malloc(length * sizeof *reals);
     int64_t *integers = malloc(length * sizeof *integers);
-    ehd_status status = reals && integers
-                            ? EHD_OK
-                            : ehd_fail(error, EHD_MEMORY, "%s: found no memory", artefact_path(to));
+    ehd_status status = reals && integers ? EHD_OK : ehd_no_memory(error, artefact_path(to));
 
     if (!status && entry_length(from, field) != length)
         status = ehd_fail(error, EHD_DATA, "%s: %s: found another length, expected %zu",

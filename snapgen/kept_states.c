@@ -23,7 +23,7 @@ ehd_status kept_states_init(kept_states *self, size_t num_nodes, size_t num_line
         if ((num_nodes > 0 && (!target->pressure || !target->film)) ||
             (num_lines > 0 && !target->exits)) {
             kept_states_free(self);
-            return ehd_fail(error, EHD_MEMORY, "trajectory: found no memory for its states");
+            return ehd_no_memory(error, "trajectory");
         }
     }
     return EHD_OK;

@@ -287,7 +287,7 @@ static ehd_status write_parts(const program *self, const training_set *set, size
                                    .num_parts = num_parts,
                                    .force = self->force};
 
-    if (!points) return ehd_fail(error, EHD_MEMORY, "%s: found no memory", self->arguments[0]);
+    if (!points) return ehd_no_memory(error, self->arguments[0]);
     for (size_t i = 0; i < set->num_points; i++)
         points[i] = i;
     const ehd_status status = parts_write(&request, self->output, error);

@@ -198,9 +198,7 @@ ehd_status point_choice_worst(size_t *chosen, size_t *num_chosen, const candidat
                      {1, 1, 1}};
     ehd_status status = EHD_OK;
 
-    if (!near.trained || !near.chosen)
-        status =
-            ehd_fail(error, EHD_MEMORY, "choice: found no memory for %zu points", from->num_points);
+    if (!near.trained || !near.chosen) status = ehd_no_memory(error, "choice");
     tree_scale(near.scale, from->points, from->num_points);
     for (size_t i = 0; i < from->num_points && !status; i++)
         near.trained[i] = near.chosen[i] = INFINITY;

@@ -23,7 +23,7 @@ typedef struct part {
 /* Sorted ln M of points. */
 static ehd_status sorted_places(double **places, const parts_request *of, ehd_error *error) {
     *places = malloc((of->num_points + 1) * sizeof **places);
-    if (!*places) return ehd_fail(error, EHD_MEMORY, "%s: found no memory", of->plan_path);
+    if (!*places) return ehd_no_memory(error, of->plan_path);
 
     for (size_t i = 0; i < of->num_points; i++)
         (*places)[i] = log(of->set->contacts[of->points[i]].moes_M);
@@ -62,8 +62,7 @@ static ehd_status cut(part *parts, const parts_request *of, ehd_error *error) {
     ehd_status status = sorted_places(&places, of, error);
 
     if (!status) border = malloc((last + 2) * sizeof *border);
-    if (!status && !border)
-        status = ehd_fail(error, EHD_MEMORY, "%s: found no memory", of->plan_path);
+    if (!status && !border) status = ehd_no_memory(error, of->plan_path);
     for (size_t k = 0; k <= last + 1 && !status; k++) {
         border[k] = k == 0      ? all.low
                     : k <= last ? places[k * of->num_points / of->num_parts]
@@ -142,7 +141,7 @@ static ehd_status write_plans(FILE *list, const parts_request *of, const part *p
         if (strcmp(name, before) == 0) return too_narrow(of, error);
         char *path = path_beside(list_path, name);
         status = path ? write_plan(of, &parts[k], k == 0, k == of->num_parts - 1, path, error)
-                      : place_no_memory(error, list_path);
+                      : ehd_no_memory(error, list_path);
         fprintf(list, "%s %.4g %.4g\n", name, low, high);
         free(path);
         strcpy(before, name);
@@ -163,8 +162,7 @@ static void write_grid(FILE *list, const training_set *set) {
 ehd_status parts_write(const parts_request *of, const char *list_path, ehd_error *error) {
     part *parts = malloc(of->num_parts * sizeof *parts);
     output_file list = {0};
-    ehd_status status = parts ? cut(parts, of, error)
-                              : ehd_fail(error, EHD_MEMORY, "%s: found no memory", of->plan_path);
+    ehd_status status = parts ? cut(parts, of, error) : ehd_no_memory(error, of->plan_path);
 
     if (!status) status = create(&list, of, list_path, error);
     if (!status) write_grid(list.stream, of->set);

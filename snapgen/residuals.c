@@ -64,8 +64,7 @@ static ehd_status keep_iteration(void *context, const double *residual, const do
 
     if (residuals) trace->residual = residuals;
     double *steps = residuals ? realloc(trace->step, bytes) : NULL;
-    if (!steps)
-        return ehd_fail(error, EHD_MEMORY, "residuals: found no memory for iteration %zu", count);
+    if (!steps) return ehd_no_memory(error, "residuals");
     trace->step = steps;
     memcpy(trace->residual + count * width, residual, width * sizeof(double));
     memcpy(trace->step + count * width, step, width * sizeof(double));
@@ -97,7 +96,7 @@ static ehd_status begin_tracer(void **worker, void *shared, ehd_error *error) {
     tracer *self = calloc(1, sizeof *self);
 
     *worker = NULL;
-    if (!self) return ehd_fail(error, EHD_MEMORY, "residuals: found no memory");
+    if (!self) return ehd_no_memory(error, "residuals");
     self->num_rows = training->model->rows.num_rows;
     ehd_status status = reduced_state_init(&self->state, training->model, error);
     if (!status) status = reduced_solver_create(&self->solver, training->model, &settings, error);
@@ -132,7 +131,7 @@ static ehd_status trace_point(void *shared, void *worker, size_t point, size_t p
         const ehd_grid *grid = &training->model->grid;
         size_t bytes = grid->inner_lines * sizeof *trace->exits;
         trace->exits = malloc(bytes);
-        if (!trace->exits) return ehd_fail(error, EHD_MEMORY, "residuals: found no memory");
+        if (!trace->exits) return ehd_no_memory(error, "residuals");
         memcpy(trace->exits, reduced_state_exits(&self->state) + grid_first_line(grid), bytes);
     }
     return status;
@@ -193,7 +192,7 @@ static ehd_status run_pool(repeated_training *training, size_t num_workers, ehd_
                             .finish = finish_point};
 
     training->traces = calloc(num_points + 1, sizeof *training->traces);
-    if (!training->traces) return ehd_fail(error, EHD_MEMORY, "residuals: found no memory");
+    if (!training->traces) return ehd_no_memory(error, "residuals");
     if (num_points == 0) return EHD_OK;
     progress_start(&training->progress, training->caller, num_points);
     ehd_status status = pool_run(&work, error);
@@ -270,7 +269,7 @@ static ehd_status put_compressed(artefact *file, const trajectories *repeated, s
     size_t width = repeated->first.num_nodes;
     double *zeros = calloc(width + 1, sizeof *zeros);
     const int64_t none = -1;
-    ehd_status status = zeros ? EHD_OK : ehd_fail(error, EHD_MEMORY, "residuals: found no memory");
+    ehd_status status = zeros ? EHD_OK : ehd_no_memory(error, "residuals");
 
     for (size_t i = 0; i < count && !status; i++) {
         for (int s = 0; s < 2 && !status; s++)
@@ -295,7 +294,7 @@ static ehd_status put_compressed(artefact *file, const trajectories *repeated, s
 static ehd_status put_exits(artefact *file, size_t place, const size_t *exits, size_t num_lines,
                             ehd_error *error) {
     int64_t *indices = malloc(num_lines * sizeof *indices);
-    if (!indices) return ehd_fail(error, EHD_MEMORY, "residuals: found no memory");
+    if (!indices) return ehd_no_memory(error, "residuals");
 
     for (size_t l = 0; l < num_lines; l++)
         indices[l] = (int64_t)exits[l] - 1;
@@ -372,7 +371,7 @@ static ehd_status begin_file(artefact *file, const repeated_training *training,
 /* The numbers of the iterations, once all are there. */
 static ehd_status number_iterations(artefact *file, size_t count, ehd_error *error) {
     double *numbers = malloc((count + 1) * sizeof *numbers);
-    if (!numbers) return ehd_fail(error, EHD_MEMORY, "residuals: found no memory");
+    if (!numbers) return ehd_no_memory(error, "residuals");
 
     for (size_t i = 0; i < count; i++)
         numbers[i] = (double)i;
@@ -415,8 +414,7 @@ static ehd_status run_trajectories(repeated_training *training, const reduced_ba
 static ehd_status keep_trained(training_set *set, const reduced_basis *basis, const char *plan_path,
                                const char *basis_path, ehd_error *error) {
     bool *keep = calloc(set->num_points + 1, sizeof *keep);
-    ehd_status status =
-        keep ? EHD_OK : ehd_fail(error, EHD_MEMORY, "%s: found no memory", plan_path);
+    ehd_status status = keep ? EHD_OK : ehd_no_memory(error, plan_path);
 
     for (size_t i = 0; i < set->num_points && !status; i++)
         keep[i] = reduced_states_have(&basis->states, &set->contacts[i]);
@@ -441,7 +439,7 @@ ehd_status residuals_run(size_t *num_failed, const program *caller, training_set
         .caller = caller, .set = set, .model = &model, .take = write_iterations, .sink = &sink};
     char identity[65];
     ehd_status status = inputs ? basis_read(&basis, identity, basis_path, error)
-                               : ehd_fail(error, EHD_MEMORY, "residuals: found no memory");
+                               : ehd_no_memory(error, "residuals");
 
     if (!status) training_set_take_grid(set, &basis.grid);
     if (!status) status = grid_check(&basis.grid, basis_path, &set->grid, plan_path, error);

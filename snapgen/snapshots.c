@@ -101,7 +101,7 @@ ehd_status snapshots_create(artefact **file, const program *caller, const traini
     const char **inputs = training_inputs(set, plan_path, NULL);
     ehd_status status = inputs ? artefact_create(file, caller->output, &schema_snapshots, caller,
                                                  set->text, inputs, error)
-                               : ehd_fail(error, EHD_MEMORY, "%s: found no memory", plan_path);
+                               : ehd_no_memory(error, plan_path);
 
     if (!status) status = artefact_put_axis(*file, "state", num_states(set), NULL, error);
     if (!status) status = grid_write(*file, set->kind, &set->grid, error);
@@ -127,9 +127,7 @@ static ehd_status put_exits(artefact *file, const ehd_grid *grid, size_t place,
     double *positions = malloc(whole_lines * sizeof *positions);
     int64_t *exits = malloc(num_lines * sizeof *exits);
     ehd_status status =
-        columns && positions && exits
-            ? EHD_OK
-            : ehd_fail(error, EHD_MEMORY, "%s: found no memory", artefact_path(file));
+        columns && positions && exits ? EHD_OK : ehd_no_memory(error, artefact_path(file));
 
     if (!status) {
         grid_exit_columns(columns, pressure, grid);
@@ -293,8 +291,7 @@ static ehd_status restore(training *points, size_t point, artefact *file, size_t
     if (outcome != 0) return training_restore(points, point, NULL, 0, 0, error);
     pressure = malloc(grid->num_inner * sizeof *pressure);
     exits = calloc(grid->inner_lines, sizeof *exits);
-    if (!pressure || !exits)
-        status = ehd_fail(error, EHD_MEMORY, "%s: found no memory", artefact_path(file));
+    if (!pressure || !exits) status = ehd_no_memory(error, artefact_path(file));
     if (!status)
         status = artefact_get_part(file, "pressure", state, 1, pressure, grid->num_inner, error);
     if (!status)
@@ -362,7 +359,7 @@ static ehd_status restore_points(training *points, artefact *file, ehd_error *er
     bool whole = true; // a point that is not is solved again
     ehd_status status = EHD_OK;
 
-    if (!outcomes) status = ehd_fail(error, EHD_MEMORY, "%s: found no memory", artefact_path(file));
+    if (!outcomes) status = ehd_no_memory(error, artefact_path(file));
     if (!status) status = artefact_get_integers(file, "status", outcomes, num_states(set), error);
     for (size_t i = 0; i < set->num_points && !status; i++) {
         if (outcomes[i] < 0) continue;

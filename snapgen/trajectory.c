@@ -103,7 +103,7 @@ static ehd_status observe(void *context, const double *residual, const double *s
 
     for (int i = 0; i < 2; i++) {
         double *longer = array_resize(self->iterations[i], count + 1, width, sizeof *longer);
-        if (!longer) return ehd_fail(error, EHD_MEMORY, "trajectories: found no memory");
+        if (!longer) return ehd_no_memory(error, "trajectories");
         self->iterations[i] = longer;
         memcpy(longer + count * width, found[i], width * sizeof *longer);
     }
@@ -298,7 +298,7 @@ static ehd_status run(trajectories *result, task *self, size_t num_workers, ehd_
     pthread_mutex_init(&self->showing, NULL);
     if (!result->kept || !result->failed || !self->first || !self->second || !self->done ||
         !self->histories || !self->progress_part)
-        status = ehd_fail(error, EHD_MEMORY, "trajectories: found no memory");
+        status = ehd_no_memory(error, "trajectories");
     for (size_t t = 0; t < num && !status; t++)
         status =
             histories_init_training(&self->histories[t], &self->set->trajectories[t].scene, error);

@@ -108,11 +108,11 @@ static ehd_status begin_judge(void **worker, void *shared, ehd_error *error) {
     judge *self = calloc(1, sizeof *self);
 
     *worker = self;
-    if (!self) return ehd_fail(error, EHD_MEMORY, "online solver: found no memory");
+    if (!self) return ehd_no_memory(error, "online solver");
     ehd_status status = reduced_state_init(&self->state, model, error);
     if (status) return status;
     self->indicator = indicator_create(model);
-    if (!self->indicator) return ehd_fail(error, EHD_MEMORY, "online solver: found no memory");
+    if (!self->indicator) return ehd_no_memory(error, "online solver");
     return reduced_solver_create(&self->solver, model, &settings, error);
 }
 
@@ -143,7 +143,7 @@ ehd_status trial_judge(trial_verdict *verdicts, const reduced_model *model,
                        size_t num_workers, ehd_error *error) {
     judgement shared = {model, contacts, verdicts};
     bool *done = malloc(num_contacts * sizeof *done);
-    if (!done) return ehd_fail(error, EHD_MEMORY, "points: found no memory for %zu", num_contacts);
+    if (!done) return ehd_no_memory(error, "points");
 
     for (size_t i = 0; i < num_contacts; i++)
         done[i] = !wanted[i];

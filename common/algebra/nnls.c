@@ -244,9 +244,7 @@ ehd_status nnls_solve_in(double *x, nnls_space *space, const double *matrix, con
 ehd_status nnls_solve(double *x, const double *matrix, const double *right, size_t num_rows,
                       size_t num_columns, double tolerance, ehd_error *error) {
     nnls_space *space = nnls_space_create(num_rows, num_columns);
-    if (!space)
-        return ehd_fail(error, EHD_MEMORY, "least squares: found no memory for %zu by %zu numbers",
-                        num_rows, num_columns);
+    if (!space) return ehd_no_memory(error, "least squares");
 
     const ehd_status status =
         nnls_solve_in(x, space, matrix, right, num_rows, num_columns, tolerance, error);

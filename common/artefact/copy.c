@@ -5,10 +5,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-static ehd_status no_memory(const artefact *file, const char *name, ehd_error *error) {
-    return ehd_fail(error, EHD_MEMORY, "%s: %s: found no memory", shown_name(file), name);
-}
-
 static ehd_status copy_attribute(artefact *to, artefact *from, const artefact_attribute *attribute,
                                  ehd_error *error) {
     const char *name = attribute->name;
@@ -37,7 +33,7 @@ static ehd_status copy_axis(artefact *to, artefact *from, const char *name, size
                             ehd_error *error) {
     double *values = array_new(length, 1, sizeof *values);
     bool scale = artefact_has_scale(from, name), index = true;
-    ehd_status status = values ? EHD_OK : no_memory(to, name, error);
+    ehd_status status = values ? EHD_OK : ehd_no_memory(error, shown_name(to));
 
     if (!status && scale) status = artefact_get_axis(from, name, values, length, error);
     for (size_t i = 0; i < length && scale && !status; i++)
@@ -68,7 +64,7 @@ static ehd_status copy_field(artefact *to, artefact *from, const artefact_field 
     int64_t *integers = array_new(length, each, sizeof *integers);
     double *reals = array_new(length, each, sizeof *reals);
     if (!integers || !reals)
-        status = no_memory(to, field->name, error);
+        status = ehd_no_memory(error, shown_name(to));
     else
         status = integer ? artefact_get_integers(from, field->name, integers, length * each, error)
                          : artefact_get(from, field->name, reals, length * each, error);

@@ -163,9 +163,7 @@ ehd_status check_content(const artefact *file, const artefact_field *field, cons
 
     if (!file->digests) return EHD_OK;
     content_digest *self = digest_begin(file, field);
-    if (!self)
-        return ehd_fail(error, EHD_MEMORY, "%s: %s: found no memory", shown_name(file),
-                        field->name);
+    if (!self) return ehd_no_memory(error, shown_name(file));
     digest_add(self, 0, num_entries(file, field), numbers);
     digest_end(self, digest);
     return check_digest(file, field->name, digest, error);
@@ -244,10 +242,9 @@ ehd_status put_digests(artefact *file, ehd_error *error) {
                    ? hdf5_write_failed(file, attribute_name, error)
                    : EHD_OK;
     FILE *list = open_memstream(&text, &size);
-    if (!list) return ehd_fail(error, EHD_MEMORY, "%s: found no memory", file->path);
+    if (!list) return ehd_no_memory(error, file->path);
     ehd_status status = list_all(list, file, error);
-    if (fclose(list) != 0 && !status)
-        status = ehd_fail(error, EHD_MEMORY, "%s: found no memory", file->path);
+    if (fclose(list) != 0 && !status) status = ehd_no_memory(error, file->path);
     if (!status && !hdf5_put_text(file->id, attribute_name, text))
         status = hdf5_write_failed(file, attribute_name, error);
     free(text);

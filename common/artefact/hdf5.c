@@ -128,7 +128,7 @@ ehd_status hdf5_blame(ehd_status status, const char *path, ehd_error *error) {
     has_unknown = false;
     if (status == EHD_MEMORY || status == EHD_INTERRUPTED) return status;
     if (((errno == ENOMEM || not_begun) && status != EHD_OK) || (unread && unknown.memory))
-        return ehd_fail(error, EHD_MEMORY, "%s: found too little memory, expected more", path);
+        return ehd_no_memory(error, path);
     if (unread && status != EHD_IO)
         return ehd_fail(error, unknown.system ? EHD_IO : EHD_DATA,
                         "%s: found a read failure (%s), expected to look up what is there", path,

@@ -256,7 +256,7 @@ ehd_status writer_new(artefact **result, const char *path, const artefact_schema
 
 no_memory:
     artefact_delete(file);
-    return ehd_fail(error, EHD_MEMORY, "%s: found too little memory, expected more", path);
+    return ehd_no_memory(error, path);
 }
 
 ehd_status give_final_name(artefact *file, ehd_error *error) {

@@ -19,7 +19,7 @@ ehd_status artefact_file_identity(char identity[65], const char *path, ehd_error
     identity[0] = '\0';
     FILE *stream = program_open(path);
     if (!stream && errno == ENOMEM) {
-        return ehd_fail(error, EHD_MEMORY, "%s: found too little memory, expected more", path);
+        return ehd_no_memory(error, path);
     }
     if (!stream) {
         return ehd_fail(error, EHD_NOINPUT, "%s: found %s, expected a readable file", path,
@@ -234,8 +234,7 @@ ehd_status put_provenance(artefact *file, const program *caller, const char *set
     char *creator = creator_text();
     ehd_status status = EHD_OK;
     if (!before || !line || !creator) {
-        status =
-            ehd_fail(error, EHD_MEMORY, "%s: found too little memory, expected more", file->path);
+        status = ehd_no_memory(error, file->path);
     } else if (!put_complete(file->id, 0) || !hdf5_put_string(file->id, "Conventions", "CF-1.8") ||
                !hdf5_put_string(file->id, "schema_name", file->schema->name) ||
                !hdf5_put_string(file->id, "schema_version", version) ||

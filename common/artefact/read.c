@@ -259,8 +259,7 @@ static ehd_status check_scale(const artefact *file, const char *axis, ehd_error 
     scale_use *uses = read_scale_uses(scale, &num_uses);
     ehd_status status = EHD_OK;
     if (!uses && num_uses > 0) {
-        status = ehd_fail(error, EHD_MEMORY, "%s: %s: found too little memory, expected more",
-                          shown_name(file), axis);
+        status = ehd_no_memory(error, shown_name(file));
     }
     for (size_t i = 0; uses && i < num_uses && status == EHD_OK; i++) {
         const artefact_field *field = find_misfit(file, &uses[i], axis);
@@ -403,8 +402,7 @@ ehd_status examine(artefact *file, const artefact_schema *const *schemas, ehd_er
     free(file->shapes);
     file->shapes = calloc(num_axes + num_fields + 1, sizeof *file->shapes);
     if (!file->lengths || !file->checked || !file->shapes) {
-        return ehd_fail(error, EHD_MEMORY, "%s: found too little memory, expected more",
-                        shown_name(file));
+        return ehd_no_memory(error, shown_name(file));
     }
     status = check_attributes(file, error);
     if (status == EHD_OK) status = check_fields(file, error);
@@ -423,8 +421,7 @@ static ehd_status open_file(artefact **result, const char *path,
     ehd_status status = check_readable(path, error);
     if (status != EHD_OK) return status;
     artefact *file = artefact_new(path);
-    if (!file)
-        return ehd_fail(error, EHD_MEMORY, "%s: found too little memory, expected more", path);
+    if (!file) return ehd_no_memory(error, path);
 
     file->id = hdf5_open(path, H5F_ACC_RDONLY, false);
     if (file->id < 0 && unfinished && strstr(hdf5_last_reason().text, has_writer))
@@ -516,9 +513,7 @@ ehd_status read_field(artefact *file, const artefact_field *field, char digest[6
 
     void *numbers = array_new(slice, entry_size(file, field), sizeof(double));
     content_digest *hash = digest ? digest_begin(file, field) : NULL;
-    if (!numbers || (digest && !hash))
-        status = ehd_fail(error, EHD_MEMORY, "%s: %s: found too little memory, expected more",
-                          shown_name(file), field->name);
+    if (!numbers || (digest && !hash)) status = ehd_no_memory(error, shown_name(file));
     for (size_t first = 0; first < length && !status; first += slice) {
         status = read_slice(file, field, first, length - first < slice ? length - first : slice,
                             numbers, hash, error);
@@ -697,8 +692,7 @@ static ehd_status show_number(artefact *file, const char *attribute, char **text
                         shown_name(file), attribute);
     *text = strdup(number);
     if (*text) return EHD_OK;
-    return ehd_fail(error, EHD_MEMORY, "%s: found too little memory, expected more",
-                    shown_name(file));
+    return ehd_no_memory(error, shown_name(file));
 }
 
 ehd_status artefact_show_attribute(artefact *file, const char *attribute, char **text,
@@ -739,9 +733,7 @@ static ehd_status read_entry(artefact *file, const artefact_field *field, size_t
     ehd_status status = check_memory(file, field, 1, error);
     double *numbers = status ? NULL : array_new(1, entry_size(file, field), sizeof *numbers);
 
-    if (!status && !numbers)
-        status = ehd_fail(error, EHD_MEMORY, "%s: %s: found too little memory, expected more",
-                          shown_name(file), field->name);
+    if (!status && !numbers) status = ehd_no_memory(error, shown_name(file));
     if (!status) status = read_slice(file, field, entry, 1, numbers, NULL, error);
     if (!status) status = check_numbers(file, field, numbers, entry_size(file, field), error);
     free(numbers);

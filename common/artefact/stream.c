@@ -105,9 +105,7 @@ static ehd_status check_same_settings(const artefact *file, const char *settings
     const bool same = found && expected && scene_text_matches(found, expected);
     free(expected);
     free(found);
-    if (!memory)
-        return ehd_fail(error, EHD_MEMORY, "%s: found too little memory, expected more",
-                        file->partial);
+    if (!memory) return ehd_no_memory(error, file->partial);
     return same ? EHD_OK : not_resumable(file, "other settings", error);
 }
 
@@ -120,9 +118,7 @@ static ehd_status resume_streaming(artefact *file, const program *caller, const 
                         "interrupted run left",
                         file->partial);
     file->history_line = history_line(caller);
-    if (!file->history_line)
-        return ehd_fail(error, EHD_MEMORY, "%s: found too little memory, expected more",
-                        file->path);
+    if (!file->history_line) return ehd_no_memory(error, file->path);
     ehd_status status = use_copy(file, error);
     if (status != EHD_OK) return status;
     file->id = hdf5_open(file->copy, H5F_ACC_RDWR, true);

@@ -45,9 +45,7 @@ static ehd_status read_values(double **values, size_t *count, hid_t dataset, con
     const ehd_status status = check_stored(path, (double)found, error);
     if (status) return status;
     *values = array_new(*count, 1, sizeof **values);
-    if (!*values)
-        return ehd_fail(error, EHD_MEMORY, "%s: %s: found no memory for %zu numbers", path, name,
-                        *count);
+    if (!*values) return ehd_no_memory(error, path);
     if (H5Dread(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, *values) >= 0)
         return EHD_OK;
     const hdf5_reason reason = hdf5_last_reason();

@@ -154,8 +154,7 @@ static ehd_status check_order(const artefact *file, const char *name, artefact_v
     if (ranges[values].order == ORDER_ASCENDING)
         return check_ascending(file, name, found, count, "them ascending", error);
     int64_t *sorted = array_new(count, 1, sizeof *sorted);
-    if (!sorted)
-        return ehd_fail(error, EHD_MEMORY, "%s: %s: found no memory", shown_name(file), name);
+    if (!sorted) return ehd_no_memory(error, shown_name(file));
     memcpy(sorted, found, count * sizeof *sorted);
     qsort(sorted, count, sizeof *sorted, compare_integers);
     const ehd_status status = check_ascending(file, name, sorted, count, "each once", error);
@@ -233,8 +232,7 @@ ehd_status learn_outcomes(artefact *file, ehd_error *error) {
     if (status) return status;
     file->outcomes = array_new(count, 1, sizeof *file->outcomes);
     file->outcome_axis = field->axes[0];
-    if (!file->outcomes)
-        return ehd_fail(error, EHD_MEMORY, "%s: found no memory", shown_name(file));
+    if (!file->outcomes) return ehd_no_memory(error, shown_name(file));
     return read_entries(file, field->name, ARTEFACT_INTEGER, 0, WHOLE_FIELD, file->outcomes, count,
                         error);
 }

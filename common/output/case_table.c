@@ -221,8 +221,7 @@ static void print_row(const case_table *self, const case_row *row, const case_te
 }
 
 static ehd_status no_memory(const case_table *self, ehd_error *error) {
-    return ehd_fail(error, EHD_MEMORY, "%s: found no memory for a table",
-                    self->caller->output ? self->caller->output : "stdout");
+    return ehd_no_memory(error, self->caller->output ? self->caller->output : "stdout");
 }
 
 static ehd_status not_resumable(const case_table *self, const char *found, ehd_error *error) {
@@ -472,7 +471,7 @@ static ehd_status put_hdf5(case_table *self, const case_row *rows, size_t count,
 ehd_status case_table_new(case_table **table, const program *caller, ehd_error *error) {
     case_table *self = *table = calloc(1, sizeof *self);
 
-    if (!self) return ehd_fail(error, EHD_MEMORY, "--cases: found no memory for a table");
+    if (!self) return ehd_no_memory(error, "--cases");
     self->caller = caller;
     return EHD_OK;
 }

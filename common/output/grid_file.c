@@ -15,9 +15,7 @@ static ehd_status write_axis(artefact *file, const char *name, size_t length, si
                              const ehd_grid *grid, double place(const ehd_grid *, size_t),
                              ehd_error *error) {
     double *values = malloc(length * sizeof *values);
-    if (!values)
-        return ehd_fail(error, EHD_MEMORY, "%s: %s: found no memory for %zu nodes",
-                        artefact_path(file), name, length);
+    if (!values) return ehd_no_memory(error, artefact_path(file));
 
     for (size_t i = 0; i < length; i++)
         values[i] = place(grid, grid_node_of_row(grid, i * along));
@@ -60,9 +58,7 @@ ehd_status grid_put_field(artefact *file, const char *name, size_t index, const 
                           const ehd_grid *grid, bool mirrored, ehd_error *error) {
     size_t count = count_inner(grid, mirrored);
     double *inner = malloc(count * sizeof *inner);
-    if (!inner)
-        return ehd_fail(error, EHD_MEMORY, "%s: %s: found no memory for %zu nodes",
-                        artefact_path(file), name, count);
+    if (!inner) return ehd_no_memory(error, artefact_path(file));
 
     grid_take_inner(inner, nodes, grid, mirrored);
     ehd_status status = artefact_put_part(file, name, index, 1, inner, error);
@@ -326,7 +322,7 @@ ehd_status scene_load(scene *given, char **text, const program *caller, ehd_erro
     if (status) return status;
 
     *text = scene_text(given);
-    return *text ? EHD_OK : ehd_fail(error, EHD_MEMORY, "%s: found no memory", path);
+    return *text ? EHD_OK : ehd_no_memory(error, path);
 }
 
 ehd_status contact_load(ehd_contact *contact, const scene *given, const program *caller,

@@ -202,11 +202,6 @@ static size_t add_leading_axes(column *columns, size_t num_columns, const entrie
 
 // ---- SI units
 
-static ehd_status no_memory(const artefact *file, ehd_error *error) {
-    return ehd_fail(error, EHD_MEMORY, "%s: found too little memory, expected more",
-                    artefact_path(file));
-}
-
 /* A frame is along an axis of the entries, or has one entry. */
 static ehd_status find_frame(column *one, const artefact *file, const entries *all,
                              ehd_error *error) {
@@ -230,7 +225,7 @@ static ehd_status show_attribute(column *one, artefact *file, ehd_error *error) 
     number_show(shown, value * one->si.factor);
     free(one->text);
     one->text = strdup(shown);
-    return one->text ? EHD_OK : no_memory(file, error);
+    return one->text ? EHD_OK : ehd_no_memory(error, artefact_path(file));
 }
 
 /* Scale and units of each column. */
@@ -253,7 +248,7 @@ static ehd_status read_axis(column *axis, artefact *file, ehd_error *error) {
     const size_t length = artefact_length(file, axis->name);
 
     axis->reals = array_new(length, 1, sizeof *axis->reals);
-    if (!axis->reals) return no_memory(file, error);
+    if (!axis->reals) return ehd_no_memory(error, artefact_path(file));
     if (artefact_has_scale(file, axis->name) && length > 0)
         return artefact_get_axis(file, axis->name, axis->reals, length, error);
     for (size_t i = 0; i < length; i++)
@@ -272,10 +267,10 @@ static ehd_status prepare(column *columns, size_t num_columns, artefact *file, s
             if (one->rank > 0) status = read_axis(one, file, error);
         } else if (one->field->type == ARTEFACT_INTEGER) {
             one->integers = array_new(size, 1, sizeof *one->integers);
-            if (!one->integers) status = no_memory(file, error);
+            if (!one->integers) status = ehd_no_memory(error, artefact_path(file));
         } else {
             one->reals = array_new(size, 1, sizeof *one->reals);
-            if (!one->reals) status = no_memory(file, error);
+            if (!one->reals) status = ehd_no_memory(error, artefact_path(file));
         }
     }
     return status;
@@ -395,7 +390,7 @@ ehd_status print_entries(artefact *file, const char *const *names, size_t num_na
     column *columns = calloc(num_names + ARTEFACT_MAX_RANK, sizeof *columns);
     size_t num_columns = num_names;
 
-    if (!columns) return no_memory(file, error);
+    if (!columns) return ehd_no_memory(error, artefact_path(file));
     for (size_t i = 0; i < num_names && !status; i++)
         status = find_column(&columns[i], file, names[i], error);
     if (!status) status = find_entries(&all, file, columns, num_names, error);

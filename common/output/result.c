@@ -321,7 +321,7 @@ static ehd_status get_exit(stored_result *stored, artefact *file, ehd_error *err
     const size_t several = artefact_length(file, "exit"), each = several > 0 ? several : 1;
     if (!artefact_has(file, "exit_position")) return EHD_OK;
     double *exits = array_new(stored->num_lines, each, sizeof *exits);
-    if (!exits) return ehd_fail(error, EHD_MEMORY, "%s: found no memory", artefact_path(file));
+    if (!exits) return ehd_no_memory(error, artefact_path(file));
 
     ehd_status status = artefact_get(file, "exit_position", exits, stored->num_lines * each, error);
     if (!status) stored->exit_position = exits[stored->num_lines / 2 * each];
@@ -353,9 +353,7 @@ static ehd_status get_field(double **field, size_t num_inner, artefact *file, co
                             ehd_error *error) {
     if (!artefact_has(file, name)) return EHD_OK;
     *field = array_new(num_inner, 1, sizeof **field);
-    if (!*field)
-        return ehd_fail(error, EHD_MEMORY, "%s: %s: found no memory for %zu nodes",
-                        artefact_path(file), name, num_inner);
+    if (!*field) return ehd_no_memory(error, artefact_path(file));
     return artefact_get(file, name, *field, num_inner, error);
 }
 

@@ -61,9 +61,7 @@ static ehd_status read_frame(si_units *self, artefact *file, const char *name, c
     self->frame_axis = field->axes[0];
     self->num_frames = artefact_length(file, field->axes[0]);
     self->frame = array_new(self->num_frames, 1, sizeof *self->frame);
-    if (!self->frame)
-        return ehd_fail(error, EHD_MEMORY, "%s: found too little memory, expected more",
-                        artefact_path(file));
+    if (!self->frame) return ehd_no_memory(error, artefact_path(file));
     return artefact_get_part(file, frame, 0, self->num_frames, self->frame, self->num_frames,
                              error);
 }

@@ -111,7 +111,7 @@ static ehd_status put_exits(artefact *file, const time_entry *entries, size_t co
     const size_t each = artefact_length(file, "exit") > 0 ? GRID_EXITS : 1;
     double *exits = malloc((count * num_lines * each + 1) * sizeof *exits);
 
-    if (!exits) return ehd_fail(error, EHD_MEMORY, "%s: found no memory", artefact_path(file));
+    if (!exits) return ehd_no_memory(error, artefact_path(file));
     for (size_t l = 0; l < count * num_lines; l++)
         memcpy(exits + l * each, entries[l / num_lines].exits + l % num_lines * GRID_EXITS,
                each * sizeof *exits);
@@ -182,8 +182,7 @@ ehd_status time_result_append(artefact *file, const ehd_grid *grid, const time_e
     int64_t *integers = malloc((count + 1) * sizeof *integers);
     ehd_status status = EHD_OK;
 
-    if (!column || !integers)
-        status = ehd_fail(error, EHD_MEMORY, "%s: found no memory", artefact_path(file));
+    if (!column || !integers) status = ehd_no_memory(error, artefact_path(file));
     for (size_t i = 0; i < count && !status; i++)
         status = put_fields(file, &entries[i], grid, index + i, error);
     if (!status)
@@ -347,7 +346,7 @@ static ehd_status allocate(time_series *series, const char *path, ehd_error *err
     series->status = array_new(count, 1, sizeof(int64_t));
     allocated = allocated && series->exit_position && series->friction_coefficient;
     if (allocated && series->newton_iterations && series->status) return EHD_OK;
-    return ehd_fail(error, EHD_MEMORY, "%s: found no memory for %zu times", path, count);
+    return ehd_no_memory(error, path);
 }
 
 static ehd_status get_time(time_series *series, artefact *file, ehd_error *error) {
@@ -371,7 +370,7 @@ static ehd_status get_real(double *values, size_t num_times, artefact *file, con
         values[t] = NAN;
     if (!artefact_has(file, name)) return EHD_OK;
     double *all = array_new(num_times, each, sizeof *all);
-    if (!all) return ehd_fail(error, EHD_MEMORY, "%s: found no memory", artefact_path(file));
+    if (!all) return ehd_no_memory(error, artefact_path(file));
 
     ehd_status status = artefact_get(file, name, all, num_times * each, error);
     for (size_t t = 0; t < num_times && !status; t++)

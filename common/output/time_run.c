@@ -67,7 +67,7 @@ static ehd_status trace_reserve(time_trace *trace, size_t capacity, ehd_error *e
 
     for (size_t i = 0; i < sizeof columns / sizeof *columns; i++) {
         double *larger = realloc(*columns[i], capacity * sizeof **columns[i]);
-        if (!larger) return ehd_fail(error, EHD_MEMORY, "trace: found no memory");
+        if (!larger) return ehd_no_memory(error, "trace");
         *columns[i] = larger;
     }
     trace->capacity = capacity;
@@ -521,8 +521,7 @@ static ehd_status prepare(runner *self, ehd_histories **histories, ehd_error *er
     }
     self->exits = malloc(MAX_WAITING * grid_whole(grid).inner_lines * GRID_EXITS * sizeof(double));
     whole = self->restart && self->exits && (!states || (self->pressure && self->film));
-    return whole ? EHD_OK
-                 : ehd_fail(error, EHD_MEMORY, "result: found no memory for %zu nodes", num_nodes);
+    return whole ? EHD_OK : ehd_no_memory(error, "result");
 }
 
 ehd_status time_run(time_trace *trace, const time_run_task *task, ehd_error *error) {

@@ -56,9 +56,7 @@ ehd_status traction_put_stresses(artefact *file, size_t index, const ehd_contact
     const ehd_grid *grid = &contact->grid;
     double *on_1 = array_new(grid->num_nodes, 2, sizeof *on_1);
 
-    if (!on_1)
-        return ehd_fail(error, EHD_MEMORY, "%s: shear_stress_1: found no memory for %zu nodes",
-                        artefact_path(file), grid->num_nodes);
+    if (!on_1) return ehd_no_memory(error, artefact_path(file));
     double *on_2 = on_1 + grid->num_nodes;
     contact_surface_stresses(on_1, on_2, contact, pressure, film, rigid_approach);
     ehd_status status = grid_put_field(file, "shear_stress_1", index, on_1, grid, true, error);

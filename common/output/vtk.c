@@ -32,15 +32,10 @@ typedef struct images {
 
 // ---- reading
 
-static ehd_status no_memory(const images *self, ehd_error *error) {
-    return ehd_fail(error, EHD_MEMORY, "%s: found too little memory, expected more",
-                    artefact_path(self->file));
-}
-
 static ehd_status read_axis(double **values, const images *self, const char *name, size_t length,
                             ehd_error *error) {
     *values = array_new(length, 1, sizeof **values);
-    if (!*values) return no_memory(self, error);
+    if (!*values) return ehd_no_memory(error, artefact_path(self->file));
     return artefact_get_axis(self->file, name, *values, length, error);
 }
 
@@ -80,7 +75,7 @@ static ehd_status prepare(images *self, ehd_error *error) {
         if (!artefact_has(self->file, one->name)) continue;
         one->values = array_new(self->num_x, self->num_lines, sizeof *one->values);
         status = one->values ? si_units_read(&one->si, self->file, one->name, true, error)
-                             : no_memory(self, error);
+                             : ehd_no_memory(error, artefact_path(self->file));
     }
     return status;
 }
@@ -231,7 +226,7 @@ static char *image_path(const char *path, size_t number) {
 static ehd_status put_entry(images *self, size_t time, size_t number, FILE *collection,
                             ehd_error *error) {
     char *path = image_path(self->caller->output, number);
-    if (!path) return no_memory(self, error);
+    if (!path) return ehd_no_memory(error, artefact_path(self->file));
     const char *slash = strrchr(path, '/');
     const ehd_status status = put_image(self, time, path, error);
 

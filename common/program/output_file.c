@@ -14,7 +14,7 @@
 static ehd_status check_folder(const char *path, ehd_error *error) {
     char *copy = strdup(path);
 
-    if (!copy) return ehd_fail(error, EHD_MEMORY, "%s: found no memory, expected some", path);
+    if (!copy) return ehd_no_memory(error, path);
     const int cause = access(dirname(copy), W_OK | X_OK) == 0 ? 0 : errno;
     free(copy);
     if (!cause) return EHD_OK;
@@ -92,7 +92,7 @@ ehd_status output_file_continue(output_file *self, const char *path, bool force,
 
     if (!self->path || asprintf(&self->partial, "%s.partial", path) < 0) {
         self->partial = NULL;
-        status = ehd_fail(error, EHD_MEMORY, "%s: found no memory, expected some", path);
+        status = ehd_no_memory(error, path);
     }
     if (!status) {
         self->stream = open_partial(self->partial, kept);

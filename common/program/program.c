@@ -136,7 +136,7 @@ static void say(const char *text) {
 }
 
 static void say_no_memory(void) {
-    say(": found too little memory, expected more\n");
+    say(": out of memory\n");
 }
 
 /* HDF5 may call exit(-1) where memory is refused. */
@@ -447,16 +447,16 @@ static ehd_status run_argp(program *self, const struct argp *argp, char **argume
     size_t length = 0;
     FILE *const terminal = stderr;
     FILE *const capture = open_memstream(&complaint, &length);
-    if (!capture) return ehd_fail(error, EHD_MEMORY, "command line: found no memory");
+    if (!capture) return ehd_no_memory(error, "command line");
 
     // getopt and argp complain on several lines; glibc lets a program exchange its stderr
     stderr = capture;
     const error_t failure = argp_parse(argp, self->argc, arguments, flags, NULL, input);
     stderr = terminal;
 
-    ehd_status status = fclose(capture) || failure == ENOMEM ? EHD_MEMORY : EHD_OK;
-    if (status) {
-        ehd_fail(error, status, "command line: found no memory");
+    ehd_status status = EHD_OK;
+    if (fclose(capture) || failure == ENOMEM) {
+        status = ehd_no_memory(error, "command line");
     } else if (failure) {
         const char *text = length > prefix ? complaint + prefix : "found a misused option";
         status = ehd_fail(error, EHD_USAGE, "%.*s (see --help)", (int)strcspn(text, "\n"), text);
@@ -519,7 +519,7 @@ static ehd_status parse_arguments(program *self, const program_options *options,
     self->overrides = calloc(room, sizeof *self->overrides);
     self->arguments = calloc(room, sizeof *self->arguments);
     if (!arguments || !self->overrides || !self->arguments) {
-        status = ehd_fail(error, EHD_MEMORY, "command line: found no memory");
+        status = ehd_no_memory(error, "command line");
     } else {
         memcpy(arguments, self->argv, (size_t)self->argc * sizeof *arguments);
         // getopt's complaints start with the first argument, argp's with its last part

@@ -17,3 +17,8 @@ ehd_status ehd_fail(ehd_error *error, ehd_status status, const char *format, ...
     }
     return status;
 }
+
+#undef ehd_no_memory
+ehd_status ehd_no_memory(ehd_error *error, const char *object) {
+    return ehd_fail(error, EHD_MEMORY, "%s: out of memory", object);
+}

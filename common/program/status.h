@@ -29,9 +29,13 @@ ehd_status ehd_fail(
     // input:
     ehd_status status, const char *format, ...) __attribute__((format(printf, 3, 4)));
 
+/* Writes "object: out of memory", where an allocation failed, and returns EHD_MEMORY. */
+ehd_status ehd_no_memory(ehd_error *error, const char *object);
+
 /* clang-tidy reads one source at a time and has to be told that a failure is returned as such. */
 #ifdef __clang_analyzer__
 #define ehd_fail(error, status, ...) (ehd_fail(error, status, __VA_ARGS__), (status))
+#define ehd_no_memory(...)           (ehd_no_memory(__VA_ARGS__), EHD_MEMORY)
 #endif
 
 #endif

@@ -36,7 +36,7 @@ ehd_status case_list_rewind(case_list *self, ehd_error *error) {
     ehd_status status = csv_open_rows(&self->table, self->table_path, error);
     if (status) return status;
     self->rows = calloc(self->table.width, sizeof(const setting *));
-    if (!self->rows) return place_no_memory(error, self->table_path);
+    if (!self->rows) return ehd_no_memory(error, self->table_path);
     return table_settings(self->rows, &self->table, name_column, error);
 }
 
@@ -47,7 +47,7 @@ ehd_status case_list_open(case_list **list, const char *scene_path, const char *
 
     if (!self || !(self->scene_path = strdup(scene_path)) ||
         !(self->table_path = strdup(table_path)))
-        status = place_no_memory(error, scene_path);
+        status = ehd_no_memory(error, scene_path);
     if (!status) {
         source_init(&self->base, self->scene_path, self->scene_path);
         status = source_apply_file(&self->base, self->scene_path, error);
@@ -70,7 +70,7 @@ static ehd_status keep_texts(case_texts *row, const case_list *self, ehd_error *
         bytes += strlen(table->fields[i]) + 1;
     row->line = table->where.line;
     row->texts = malloc(bytes);
-    if (!row->texts) return place_no_memory(error, self->table_path);
+    if (!row->texts) return ehd_no_memory(error, self->table_path);
     char *to = (char *)(row->texts + table->width);
     for (size_t i = 0; i < table->width; i++) {
         row->texts[i] = to;

@@ -31,12 +31,12 @@ static ehd_status append_line(bool *found, csv_file *self, ehd_error *error) {
     if (length <= 0 && ferror(self->stream))
         return ehd_fail(error, EHD_IO, "%s: found an error while reading (%s)", self->path,
                         strerror(errno));
-    if (length <= 0) return feof(self->stream) ? EHD_OK : place_no_memory(error, self->path);
+    if (length <= 0) return feof(self->stream) ? EHD_OK : ehd_no_memory(error, self->path);
     if (memchr(self->line, '\0', (size_t)length)) return found_zero(self, self->lines + 1, error);
     const size_t needed = self->length + (size_t)length + 1;
     if (needed > self->room) {
         char *grown = realloc(self->text, 2 * needed);
-        if (!grown) return place_no_memory(error, self->path);
+        if (!grown) return ehd_no_memory(error, self->path);
         self->text = grown;
         self->room = 2 * needed;
     }
@@ -160,7 +160,7 @@ static ehd_status check_once(const csv_file *self, ehd_error *error) {
     const char *again = NULL;
     char **sorted = malloc(self->width * sizeof *sorted);
 
-    if (!sorted) return place_no_memory(error, self->path);
+    if (!sorted) return ehd_no_memory(error, self->path);
     memcpy(sorted, self->names, self->width * sizeof *sorted);
     qsort(sorted, self->width, sizeof *sorted, compare_names);
     for (size_t i = 1; i < self->width && !again; i++)
@@ -198,7 +198,7 @@ static ehd_status read_header(csv_file *self, ehd_error *error) {
     const size_t room = count_char(record, self->separator) + 1;
     self->names = calloc(room, sizeof *self->names);
     self->fields = malloc(room * sizeof *self->fields);
-    if (!self->names || !self->fields) return place_no_memory(error, self->path);
+    if (!self->names || !self->fields) return ehd_no_memory(error, self->path);
     for (char *field; (field = next_field(&record, self->separator));)
         self->names[self->width++] = field;
     if (self->stream) { // the next rows must not overwrite the names
@@ -213,7 +213,7 @@ static const char byte_order_mark[] = "\xef\xbb\xbf";
 
 static ehd_status begin(csv_file *self, const char *path, ehd_error *error) {
     *self = (csv_file){.path = strdup(path)};
-    if (!self->path) return place_no_memory(error, path);
+    if (!self->path) return ehd_no_memory(error, path);
     self->where.file = self->path;
     return EHD_OK;
 }
@@ -348,7 +348,7 @@ static ehd_status read_rows(table_column *columns, size_t num_columns, size_t *c
     for (size_t c = 0; c < num_columns; c++) {
         if (places[c] == NO_COLUMN) continue;
         columns[c].values = malloc(room * sizeof(double));
-        if (!columns[c].values) return place_no_memory(error, self->path);
+        if (!columns[c].values) return ehd_no_memory(error, self->path);
     }
     while (!status && !(status = csv_next_row(&found, self, error)) && found)
         status = read_row(columns, num_columns, (*count)++, self, places, error);
@@ -363,7 +363,7 @@ ehd_status csv_read_table(const char *path, table_column *columns, size_t num_co
     for (size_t c = 0; c < num_columns; c++)
         columns[c].values = NULL;
     ehd_status status = csv_open(&file, path, error);
-    if (!status && !places) status = place_no_memory(error, path);
+    if (!status && !places) status = ehd_no_memory(error, path);
     for (size_t c = 0; c < num_columns && !status; c++)
         status = find_column(&places[c], &file, &columns[c], error);
     if (!status) status = read_rows(columns, num_columns, count, &file, places, error);

@@ -25,7 +25,7 @@ void part_list_free(part_list *self) {
 }
 
 static ehd_status add(part_list *self, char *path, const char *file, ehd_error *error) {
-    if (!path) return place_no_memory(error, file);
+    if (!path) return ehd_no_memory(error, file);
     self->paths[self->num++] = path;
     return EHD_OK;
 }

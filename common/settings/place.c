@@ -18,12 +18,6 @@ ehd_status place_fail(ehd_error *error, place where, const char *format, ...) {
     return ehd_fail(error, EHD_DATA, "%s:%zu: %s", where.file, where.line, text.text);
 }
 
-#undef place_no_memory
-ehd_status place_no_memory(ehd_error *error, const char *file) {
-    return ehd_fail(error, EHD_MEMORY, "%s: found no memory left, expected enough to hold it",
-                    file);
-}
-
 char *path_beside(const char *path, const char *name) {
     const char *slash = strrchr(path, '/');
     const size_t folder = *name == '/' || !slash ? 0 : (size_t)(slash - path) + 1;

@@ -18,12 +18,8 @@ ehd_status place_fail(
     // input:
     place where, const char *format, ...) __attribute__((format(printf, 3, 4)));
 
-/* EHD_MEMORY while reading `file`. */
-ehd_status place_no_memory(ehd_error *error, const char *file);
-
 #ifdef __clang_analyzer__ // as in status.h
-#define place_fail(...)      (place_fail(__VA_ARGS__), EHD_DATA)
-#define place_no_memory(...) (place_no_memory(__VA_ARGS__), EHD_MEMORY)
+#define place_fail(...) (place_fail(__VA_ARGS__), EHD_DATA)
 #endif
 
 /* The file called `name` in the folder of `path`, `name` itself if it is absolute; free with

@@ -55,7 +55,7 @@ static ehd_status read_base(const plan_reader *self, scene_source *base, char **
         status = source_apply_map(base, node, self->error);
     } else if (node->kind == TREE_SCALAR && *node->value) {
         *scene_path = path_beside(self->path, node->value);
-        if (!*scene_path) return place_no_memory(self->error, self->path);
+        if (!*scene_path) return ehd_no_memory(self->error, self->path);
         base->file = base->beside = *scene_path;
         status = source_apply_file(base, *scene_path, self->error);
     } else {
@@ -139,7 +139,7 @@ static ehd_status add_points(const plan_reader *self, const scene_source *base,
         return place_fail(self->error, (place){self->path, 0},
                           "groups: found more than %d points, expected less", MAX_POINTS);
     plan_point *grown = realloc(of->points, total * sizeof *grown);
-    if (!grown) return place_no_memory(self->error, self->path);
+    if (!grown) return ehd_no_memory(self->error, self->path);
     of->points = grown;
     for (size_t i = 0; i < varied->num_points && !status; i++) {
         scene_source source = *base;
@@ -240,7 +240,7 @@ static ehd_status read_part(const plan_reader *self, const tree_node *root, int 
     if (!status) status = read_times(self, tree_find(root, "candidates_times"), &times);
     if (status) return status;
     char *path = path_beside(self->path, name->value);
-    if (!path) return place_no_memory(self->error, self->path);
+    if (!path) return ehd_no_memory(self->error, self->path);
     whole.path = path;
     whole.times *= times;
     status = read_file(&whole, depth + 1);
@@ -259,7 +259,7 @@ static ehd_status read_groups(const plan_reader *self, const tree_node *root) {
         return place_fail(self->error, place_in(self, groups),
                           "groups: found none, expected a list of groups, each with a scene");
     of->where = calloc(of->num_groups, sizeof *of->where);
-    if (!of->where) return place_no_memory(self->error, self->path);
+    if (!of->where) return ehd_no_memory(self->error, self->path);
     if (!groups) return read_single(self, root);
 
     ehd_status status = check_keys(self, root, "plan", keys, "groups");
@@ -303,7 +303,7 @@ static int compare_numbers(const void *left, const void *right, void *context) {
 static ehd_status drop_equal_points(plan *of, const char *path, ehd_error *error) {
     size_t *order = calloc(of->num_points, sizeof *order), kept = 0;
     bool *equal = calloc(of->num_points, sizeof *equal);
-    ehd_status status = order && equal ? EHD_OK : place_no_memory(error, path);
+    ehd_status status = order && equal ? EHD_OK : ehd_no_memory(error, path);
     if (!status) {
         for (size_t i = 0; i < of->num_points; i++)
             order[i] = i;

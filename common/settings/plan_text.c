@@ -49,11 +49,11 @@ ehd_status plan_write_text(plan *of, const char *path, ehd_error *error) {
     of->text = NULL;
     size_t length = 0;
     FILE *stream = open_memstream(&of->text, &length);
-    if (!stream) return place_no_memory(error, path);
+    if (!stream) return ehd_no_memory(error, path);
     print_plan(stream, of);
     const bool failed = ferror(stream) != 0;
     const bool lost = fclose(stream) != 0 || failed;
-    return lost ? place_no_memory(error, path) : EHD_OK;
+    return lost ? ehd_no_memory(error, path) : EHD_OK;
 }
 
 // ---- reading
@@ -66,10 +66,6 @@ typedef struct text_reader {
     size_t group, room; // of the point that follows; points that there is memory for
     ehd_error *error;
 } text_reader;
-
-static ehd_status no_memory(const text_reader *self) {
-    return place_no_memory(self->error, self->where.file);
-}
 
 /* One of ", KEY from LOWEST to HIGHEST"; returns its length, 0 where it is something else. */
 static int read_bounds(plan_where *where, const char *text) {
@@ -103,7 +99,7 @@ static ehd_status read_group(text_reader *self, const char *line) {
                           "found a group without number and bounds, expected both");
     if (group >= of->num_groups) {
         plan_where *grown = realloc(of->where, (group + 1) * sizeof *grown);
-        if (!grown) return no_memory(self);
+        if (!grown) return ehd_no_memory(self->error, self->where.file);
         for (; of->num_groups <= group; of->num_groups++)
             grown[of->num_groups] = plan_anywhere();
         of->where = grown;
@@ -121,7 +117,7 @@ static ehd_status read_point(text_reader *self) {
     if (of->num_points == self->room) {
         const size_t room = 2 * self->room + 64;
         plan_point *grown = realloc(of->points, room * sizeof *grown);
-        if (!grown) return no_memory(self);
+        if (!grown) return ehd_no_memory(self->error, self->where.file);
         of->points = grown;
         self->room = room;
     }
@@ -171,7 +167,7 @@ ehd_status plan_parse(plan *of, const char *text, const char *name, ehd_error *e
     text_reader self = {.plan = of, .where = {name, 0}, .error = error};
     char *copy = strdup(text), *rest = NULL;
     *of = (plan){0};
-    if (!copy) return place_no_memory(error, name);
+    if (!copy) return ehd_no_memory(error, name);
     for (const setting *row = scene_settings(); row->key; row++)
         setting_clear(row, &self.scene);
     ehd_status status = EHD_OK;

@@ -122,7 +122,7 @@ ehd_status source_assign(scene_source *source, const setting *row, const char *t
     char *path = NULL;
     if (row->type == SETTING_FILE && *text && beside) {
         path = path_beside(beside, text);
-        if (!path) return place_no_memory(error, source->file);
+        if (!path) return ehd_no_memory(error, source->file);
     }
     const ehd_status status =
         setting_assign(&source->values, row, path ? path : text, where, error);

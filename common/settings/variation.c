@@ -22,7 +22,7 @@ static ehd_status add_column(variation *self, const char *name, place where, siz
     *column = (variation_column){.row = row, .num_values = num_values};
     column->texts = calloc(num_values, sizeof *column->texts);
     column->places = calloc(num_values, sizeof *column->places);
-    return column->texts && column->places ? EHD_OK : place_no_memory(error, where.file);
+    return column->texts && column->places ? EHD_OK : ehd_no_memory(error, where.file);
 }
 
 static ehd_status fill_from_list(variation_column *column, const tree_node *list, const char *path,
@@ -97,7 +97,7 @@ static ehd_status read_csv_header(variation *self, ehd_error *error) {
     const size_t room = csv_count_rows(points);
     const setting **rows = calloc(points->width, sizeof *rows);
     ehd_status status =
-        rows ? table_settings(rows, points, NULL, error) : place_no_memory(error, points->path);
+        rows ? table_settings(rows, points, NULL, error) : ehd_no_memory(error, points->path);
     for (size_t i = 0; i < points->width && !status; i++)
         status = add_column(self, rows[i]->key, points->where, room, error);
     free(rows);
@@ -131,7 +131,7 @@ static ehd_status read_csv(variation *self, const tree_node *points, const char 
                           "points: found %s, expected the name of a CSV file",
                           tree_show(shown, points));
     char *csv_path = path_beside(path, points->value);
-    if (!csv_path) return place_no_memory(error, path);
+    if (!csv_path) return ehd_no_memory(error, path);
     const ehd_status status = csv_open(&self->points, csv_path, error);
     free(csv_path);
     return status ? status : read_csv_rows(self, error);
@@ -221,7 +221,7 @@ static ehd_status fill_candidates(variation *self, const char *path, ehd_error *
     self->candidates = malloc(self->num_candidates * d * sizeof(double));
     if (!sequence.state || !self->candidates || type->init_state(sequence.state, (unsigned)d)) {
         free(sequence.state);
-        return place_no_memory(error, path);
+        return ehd_no_memory(error, path);
     }
     for (size_t corner = 0; corner < num_corners; corner++)
         set_corner(self->candidates + d * corner, d, corner);

@@ -27,7 +27,7 @@ static ehd_status read_stream(char **text, size_t *length, FILE *file, const cha
     do {
         room *= 2;
         char *grown = realloc(*text, room);
-        if (!grown) return place_no_memory(error, path);
+        if (!grown) return ehd_no_memory(error, path);
         *text = grown;
         *length += fread(*text + *length, 1, room - 1 - *length, file);
         if (ferror(file))
@@ -44,7 +44,7 @@ static ehd_status read_stream(char **text, size_t *length, FILE *file, const cha
 ehd_status tree_open(FILE **file, const char *path, ehd_error *error) {
     *file = program_open(path);
     if (*file) return EHD_OK;
-    if (errno == ENOMEM) return place_no_memory(error, path);
+    if (errno == ENOMEM) return ehd_no_memory(error, path);
     if (errno == EISDIR)
         return ehd_fail(error, EHD_NOINPUT, "%s: found a folder, expected a file", path);
     if (errno == ENOTSUP)
@@ -102,7 +102,7 @@ static bool indented_with_tab(const reader *self, size_t line) {
 static ehd_status fail_malformed(const reader *self) {
     const yaml_parser_t *parser = &self->parser;
     const place where = place_of(self, parser->problem_mark);
-    if (parser->error == YAML_MEMORY_ERROR) return place_no_memory(self->error, self->name);
+    if (parser->error == YAML_MEMORY_ERROR) return ehd_no_memory(self->error, self->name);
     if (parser->error == YAML_READER_ERROR)
         return place_fail(self->error, (place){self->name, line_at(self, parser->problem_offset)},
                           "found bytes that are no text (%s), expected UTF-8", parser->problem);
@@ -121,7 +121,7 @@ static ehd_status add_node(reader *self, tree_node **added, tree_node *parent, y
         return place_fail(self->error, place_of(self, mark),
                           "found more than %d values, expected less", MAX_NODES);
     tree_node *node = calloc(1, sizeof *node);
-    if (!node) return place_no_memory(self->error, self->name);
+    if (!node) return ehd_no_memory(self->error, self->name);
     node->line = mark.line + 1;
     if (parent) {
         *(parent->last ? &parent->last->next : &parent->first) = node;
@@ -166,7 +166,7 @@ static ehd_status copy_scalar(const reader *self, const yaml_event_t *event, cha
         return place_fail(self->error, place_of(self, event->start_mark),
                           "found a zero byte, expected text");
     *copy = malloc(length + 1);
-    if (!*copy) return place_no_memory(self->error, self->name);
+    if (!*copy) return ehd_no_memory(self->error, self->name);
     memcpy(*copy, text, length + 1);
     return EHD_OK;
 }
@@ -272,7 +272,7 @@ ehd_status tree_parse(tree_node **root, const char *text, size_t length, const c
     reader self = {.name = name, .text = text, .length = length, .error = error};
     const size_t skipped = length >= 3 && memcmp(text, "\xef\xbb\xbf", 3) == 0 ? 3 : 0;
     *root = NULL;
-    if (!yaml_parser_initialize(&self.parser)) return place_no_memory(error, name);
+    if (!yaml_parser_initialize(&self.parser)) return ehd_no_memory(error, name);
     // a byte order mark is no text where the encoding is given, as it is lest it select UTF-16
     yaml_parser_set_input_string(&self.parser, (const unsigned char *)text + skipped,
                                  length - skipped);

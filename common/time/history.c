@@ -210,8 +210,7 @@ static ehd_status prepare_table(history *self, double end_time, ehd_error *error
     if (!status) status = check_table(self, end_time, error);
     if (status || strcmp(self->given.interpolation, "linear") == 0) return status;
     self->spline = spline_create(self->count);
-    if (!self->spline)
-        return ehd_fail(error, EHD_MEMORY, "%s: found no memory for its spline", self->given.file);
+    if (!self->spline) return ehd_no_memory(error, self->given.file);
     spline_fit(self->spline, self->time, self->values);
     return EHD_OK;
 }
@@ -334,7 +333,7 @@ ehd_status histories_init(ehd_histories **result, const scene *given, ehd_error 
     ehd_histories *self = calloc(1, sizeof *self);
     ehd_status status = EHD_OK;
     *result = NULL;
-    if (!self) return ehd_fail(error, EHD_MEMORY, "transient: found no memory for histories");
+    if (!self) return ehd_no_memory(error, "transient");
     self->start_speed = given->transient.start_speed;
     for (int i = 0; i < NUM_VARY && !status; i++) {
         history *of = &self->of[i];

@@ -74,8 +74,7 @@ ehd_status path_filter_init(path_filter *self, const ehd_grid *grid, double leng
     self->work = malloc(2 * width * sizeof *self->work);
     if (!self->weight || !self->factor || !self->work) {
         path_filter_free(self);
-        return ehd_fail(error, EHD_MEMORY, "path filter: found no memory for %zu nodes",
-                        grid->num_nodes);
+        return ehd_no_memory(error, "path filter");
     }
     for (size_t l = 0; l < lines; l++) {
         double *weight = self->weight + l * width;

@@ -229,7 +229,7 @@ static ehd_status fit_lines(ehd_surface *self, ehd_error *error) {
         spline_fit(self->lines[l], self->x, self->values + l * self->num_x);
     }
     if (self->lines && self->lines[self->num_lines - 1]) return EHD_OK;
-    return ehd_fail(error, EHD_MEMORY, "%s: found no memory for its splines", self->given.file);
+    return ehd_no_memory(error, self->given.file);
 }
 
 static ehd_status prepare_file(ehd_surface *self, double of_length, double of_height,
@@ -353,7 +353,7 @@ ehd_status surface_init(ehd_surface **result, const scene *given, const ehd_cont
     status = check_slide_roll(given->surface.speed, reference->slide_roll, error);
     if (status) return status;
     ehd_surface *self = calloc(1, sizeof *self);
-    if (!self) return ehd_fail(error, EHD_MEMORY, "surface: found no memory");
+    if (!self) return ehd_no_memory(error, "surface");
     self->kind = kind;
     self->given = given->surface;
     self->is_half = reference->grid.half;

@@ -8,10 +8,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-static ehd_status no_memory(const char *name, ehd_error *error) {
-    return ehd_fail(error, EHD_MEMORY, "%s: found no memory for scenes between its points", name);
-}
-
 // ---- distances
 
 /* Points or trajectories of a set, as places. */
@@ -87,7 +83,7 @@ static void place_column(double *column, size_t width, const setting *row,
 static ehd_status crowd_of_trajectories(crowd *self, const training_set *set, ehd_error *error) {
     *self = (crowd){.count = set->num_trajectories, .width = MAX_SETTINGS, .set = set};
     self->places = calloc((self->count + 1) * self->width, sizeof *self->places);
-    if (!self->places) return no_memory("trajectories", error);
+    if (!self->places) return ehd_no_memory(error, "trajectories");
     for (const setting *row = scene_settings(); row->key; row++)
         if (row->type == SETTING_REAL)
             place_column(self->places + setting_index(row), self->width, row, set);
@@ -98,7 +94,7 @@ static ehd_status crowd_of_points(crowd *self, const training_set *set, ehd_erro
     tree_point *points = calloc(set->num_points + 1, sizeof *points);
 
     *self = (crowd){.count = set->num_points, .points = points, .set = set};
-    if (!points) return no_memory("points", error);
+    if (!points) return ehd_no_memory(error, "points");
     training_set_places(points, set);
     tree_scale(self->scale, points, set->num_points);
     return EHD_OK;
@@ -161,7 +157,7 @@ static ehd_status reserve(plan *between, size_t *room, const char *name, ehd_err
     if (between->num_points < *room) return EHD_OK;
     const size_t more = 2 * *room + 64;
     plan_point *grown = realloc(between->points, more * sizeof *grown);
-    if (!grown) return no_memory(name, error);
+    if (!grown) return ehd_no_memory(error, name);
     between->points = grown;
     *room = more;
     return EHD_OK;
@@ -229,7 +225,7 @@ ehd_status between_neighbours(plan *between, const plan *of, const training_set 
     size_t room = 0;
 
     *between = (plan){.num_groups = of->num_groups, .where = malloc(bytes + 1)};
-    if (!between->where) return no_memory(name, error);
+    if (!between->where) return ehd_no_memory(error, name);
     memcpy(between->where, of->where, bytes);
     ehd_status status = crowd_of_points(&points, trained, error);
     if (!status) status = crowd_of_trajectories(&trajectories, trained, error);
@@ -249,7 +245,7 @@ ehd_status between_neighbours(plan *between, const plan *of, const training_set 
 static ehd_status spread(bool *chosen, const crowd *self, size_t count, ehd_error *error) {
     const bool each_kind = self->points != NULL;
     double *nearest = malloc((self->count + 1) * sizeof *nearest); // squared, of those chosen
-    if (!nearest) return no_memory("scenes", error);
+    if (!nearest) return ehd_no_memory(error, "scenes");
 
     for (size_t i = 0; i < self->count; i++) {
         nearest[i] = INFINITY;
@@ -279,8 +275,8 @@ ehd_status between_spread(bool *chosen, const training_set *set, size_t count, e
 
 ehd_status between_sweep(bool *chosen, const training_set *set, size_t count, ehd_error *error) {
     size_t *walk = malloc((set->num_points + 1) * sizeof *walk), left = 0;
-    ehd_status status =
-        walk ? tree_walk(walk, set->parent, set->num_points, error) : no_memory("scenes", error);
+    ehd_status status = walk ? tree_walk(walk, set->parent, set->num_points, error)
+                             : ehd_no_memory(error, "scenes");
 
     for (size_t i = 0; i < set->num_points && !status; i++)
         if (!chosen[walk[i]]) walk[left++] = walk[i];

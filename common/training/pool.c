@@ -262,7 +262,7 @@ ehd_status pool_run(const pool_work *work, ehd_error *error) {
     ehd_status status;
 
     if (!prepare(&self)) {
-        status = ehd_fail(error, EHD_MEMORY, "points: found no memory for %zu", work->num_points);
+        status = ehd_no_memory(error, "points");
         goto done;
     }
     for (size_t i = 0; work->done && i < work->num_points; i++)

@@ -17,10 +17,6 @@ void training_point_name(char name[POINT_NAME], const ehd_contact *contact) {
     snprintf(name, POINT_NAME, "M=%.6g L=%.6g", contact->moes_M, contact->moes_L);
 }
 
-static ehd_status no_memory(const char *plan_path, ehd_error *error) {
-    return ehd_fail(error, EHD_MEMORY, "%s: found no memory for its points", plan_path);
-}
-
 // ---- points
 
 static bool lies_within(const ehd_contact *contact, const plan_where *where) {
@@ -250,7 +246,7 @@ void training_set_places(tree_point *places, const training_set *set) {
 static ehd_status make_tree(training_set *set, const size_t *branch, const char *plan_path,
                             ehd_error *error) {
     tree_point *points = malloc(set->num_points * sizeof *points);
-    if (!points) return no_memory(plan_path, error);
+    if (!points) return ehd_no_memory(error, plan_path);
 
     training_set_places(points, set);
     for (size_t i = 0; i < set->num_points; i++)
@@ -300,7 +296,7 @@ static ehd_status keep_branches(training_set *set, const char *plan_path, shard 
     size_t end = num_branches * piece.number / piece.total, before = 0;
     size_t *branch = malloc(num_points * sizeof *branch);
     bool *keep = calloc(num_points, sizeof *keep);
-    ehd_status status = branch && keep ? EHD_OK : no_memory(plan_path, error);
+    ehd_status status = branch && keep ? EHD_OK : ehd_no_memory(error, plan_path);
 
     for (size_t i = 0; i < num_points && !status; i++) {
         branch[i] = i * num_branches / num_points;
@@ -368,7 +364,7 @@ ehd_status training_set_init(training_set *set, const plan *of, const char *plan
     ehd_status status = EHD_OK;
     if (!set->contacts || !set->numbers || !set->groups || !set->estimated || !set->parent ||
         !set->order || !set->trajectories || !set->text)
-        status = no_memory(plan_path, error);
+        status = ehd_no_memory(error, plan_path);
 
     if (!status) status = make_points(set, of, plan_path, error);
     if (!status) status = settle_grid(set, plan_path, error);
@@ -397,7 +393,7 @@ ehd_status training_set_add_text(training_set *set, const char *line, const char
                                  ehd_error *error) {
     char *text;
 
-    if (asprintf(&text, "%s# %s\n", set->text, line) < 0) return no_memory(plan_path, error);
+    if (asprintf(&text, "%s# %s\n", set->text, line) < 0) return ehd_no_memory(error, plan_path);
     free(set->text);
     set->text = text;
     return EHD_OK;

@@ -5,10 +5,6 @@
 #include <stdbool.h>
 #include <stdlib.h>
 
-static ehd_status no_memory(size_t num_points, ehd_error *error) {
-    return ehd_fail(error, EHD_MEMORY, "order: found no memory for %zu points", num_points);
-}
-
 // ---- minimum spanning trees
 
 void tree_scale(double scale[TREE_AXES], const tree_point *points, size_t num_points) {
@@ -50,7 +46,7 @@ ehd_status tree_build(size_t *parent, const tree_point *points, size_t num_point
     double *nearest = malloc(num_points * sizeof *nearest); // distance to the tree of its family
     bool *added = calloc(num_points, sizeof *added);
     double scale[TREE_AXES];
-    ehd_status status = nearest && added ? EHD_OK : no_memory(num_points, error);
+    ehd_status status = nearest && added ? EHD_OK : ehd_no_memory(error, "order");
 
     tree_scale(scale, points, num_points);
     for (size_t i = 0; i < num_points && !status; i++) {
@@ -89,7 +85,7 @@ static int compare_ranked(const void *left, const void *right) {
 
 ehd_status tree_order(size_t *order, const size_t *parent, size_t num_points, ehd_error *error) {
     ranked *heights = calloc(num_points, sizeof *heights); // points on the longest way down
-    if (!heights) return no_memory(num_points, error);
+    if (!heights) return ehd_no_memory(error, "order");
 
     for (size_t i = 0; i < num_points; i++)
         heights[i] = (ranked){i, 1};
@@ -111,7 +107,7 @@ ehd_status tree_walk(size_t *walk, const size_t *parent, size_t num_points, ehd_
     size_t *first = malloc(num_points * sizeof *first);     // child
     size_t *sibling = malloc(num_points * sizeof *sibling); // next child of the same parent
     size_t root = NO_PARENT, length = 0;
-    ehd_status status = first && sibling ? EHD_OK : no_memory(num_points, error);
+    ehd_status status = first && sibling ? EHD_OK : ehd_no_memory(error, "order");
     if (status) goto done;
 
     for (size_t i = 0; i < num_points; i++)

@@ -37,8 +37,7 @@ static ehd_status keep_inside(training_set *set, const reduced_model *model,
                               const char *plan_path, const char *model_path, ehd_error *error) {
     size_t num_before = set->num_points;
     bool *keep = calloc(num_before + 1, sizeof *keep);
-    ehd_status status =
-        keep ? EHD_OK : ehd_fail(error, EHD_MEMORY, "%s: found no memory", plan_path);
+    ehd_status status = keep ? EHD_OK : ehd_no_memory(error, plan_path);
 
     if (!status)
         status = choose_points(keep, set, model, range, self, plan_path, model_path, error);
@@ -72,7 +71,7 @@ static ehd_status load_scenes(training_set *set, trained_range **range, const pr
     if (!status) status = grid_check(&set->grid, plan_path, &model.grid, model_path, error);
     if (!status) {
         *range = trained_range_create(&model);
-        if (!*range) status = ehd_fail(error, EHD_MEMORY, "%s: found no memory", model_path);
+        if (!*range) status = ehd_no_memory(error, model_path);
     }
     if (!status) status = keep_inside(set, &model, *range, self, plan_path, model_path, error);
     reduced_model_free(&model);
@@ -104,8 +103,7 @@ static ehd_status create_output(artefact **output, artefact **model, const progr
     if (!status && artefact_has(*model, "settings"))
         status = artefact_get_text(*model, "settings", &of_model, error);
     settings = calibration_settings(of_model ? of_model : "", set->text);
-    if (!status && (!inputs || !settings))
-        status = ehd_fail(error, EHD_MEMORY, "%s: found no memory", plan_path);
+    if (!status && (!inputs || !settings)) status = ehd_no_memory(error, plan_path);
     if (!status)
         status =
             artefact_create(output, self->output, &schema_model, self, settings, inputs, error);

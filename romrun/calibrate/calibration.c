@@ -119,7 +119,7 @@ static ehd_status samples_init(samples *self, const solved_scene *scenes, size_t
     if (complete && self->bound && self->bound_minimum && self->indicated && self->effectivity &&
         self->seconds && self->pressure && self->film)
         return EHD_OK;
-    return ehd_fail(error, EHD_MEMORY, "calibration: found no memory for %zu scenes", num_scenes);
+    return ehd_no_memory(error, "calibration");
 }
 
 static double relative(double reduced, double full) {
@@ -450,9 +450,7 @@ ehd_status calibration_measure_in_time(trade_position *position, online_model *m
     for (size_t t = 0; t < num_recordings; t++)
         num_steps += recordings[t].num_steps;
     steps.samples = malloc((num_steps + 1) * sizeof *steps.samples);
-    if (!status && (!steps.samples || !indicated))
-        status =
-            ehd_fail(error, EHD_MEMORY, "calibration: found no memory for %zu steps", num_steps);
+    if (!status && (!steps.samples || !indicated)) status = ehd_no_memory(error, "calibration");
     position->num_lost = 0;
     for (size_t t = 0; t < num_recordings && !status; t++) {
         bool lost = false;

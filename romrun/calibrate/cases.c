@@ -178,8 +178,7 @@ static void free_worker(worker *own) {
 
 static ehd_status make_worker(worker **made, const batch *self, ehd_error *error) {
     worker *own = *made = calloc(1, sizeof *own);
-    ehd_status status =
-        own ? EHD_OK : ehd_fail(error, EHD_MEMORY, "--cases: found no memory for a solver");
+    ehd_status status = own ? EHD_OK : ehd_no_memory(error, "--cases");
 
     for (int m = 0; m < NUM_SIZES && !status; m++) {
         if (!self->models[m].model) continue;
@@ -397,7 +396,7 @@ ehd_status cases_solve(cases_summary *summary, case_list *list, const cases_task
     batch *self = calloc(1, sizeof *self);
 
     *summary = (cases_summary){0};
-    if (!self) return ehd_fail(error, EHD_MEMORY, "--cases: found no memory for a table");
+    if (!self) return ehd_no_memory(error, "--cases");
     self->task = task;
     self->list = list;
     pthread_mutex_init(&self->lock, NULL);

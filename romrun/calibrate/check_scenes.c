@@ -19,10 +19,6 @@ enum { MIN_SCENES = 10, MAX_SCENES = 30, PERCENT_SPREAD = 67, MAX_TRAJECTORIES =
 
 static const shard all = {1, 1};
 
-static ehd_status no_memory(const char *name, ehd_error *error) {
-    return ehd_fail(error, EHD_MEMORY, "%s: found no memory for check scenes", name);
-}
-
 /* A set on the model's grid. */
 static ehd_status make_set(training_set *set, const plan *of, const reduced_model *model,
                            const char *name, ehd_error *error) {
@@ -40,7 +36,7 @@ static ehd_status make_set(training_set *set, const plan *of, const reduced_mode
 static ehd_status keep_trained(training_set *set, const reduced_model *model, const char *name,
                                ehd_error *error) {
     bool *keep = calloc(set->num_points + 1, sizeof *keep);
-    if (!keep) return no_memory(name, error);
+    if (!keep) return ehd_no_memory(error, name);
 
     for (size_t i = 0; i < set->num_points; i++)
         keep[i] = reduced_states_have(&model->states, &set->contacts[i]);
@@ -53,7 +49,7 @@ static ehd_status keep_inside(training_set *set, const reduced_model *model, con
                               ehd_error *error) {
     trained_range *range = trained_range_create(model);
     bool *keep = calloc(set->num_points + 1, sizeof *keep);
-    ehd_status status = range && keep ? EHD_OK : no_memory(name, error);
+    ehd_status status = range && keep ? EHD_OK : ehd_no_memory(error, name);
 
     for (size_t i = 0; i < set->num_points && !status; i++) {
         const ehd_contact *contact = &set->contacts[i];
@@ -106,7 +102,7 @@ static ehd_status choose(plan *between, const training_set *candidates, const tr
     const size_t num_moved = smaller(larger(trained->num_trajectories / 2, 1), MAX_TRAJECTORIES);
     bool *chosen = calloc(num_points + num_trajectories + 1, sizeof *chosen);
     bool *keep = calloc(between->num_points + 1, sizeof *keep);
-    ehd_status status = chosen && keep ? EHD_OK : no_memory(name, error);
+    ehd_status status = chosen && keep ? EHD_OK : ehd_no_memory(error, name);
 
     if (!status) status = between_spread(chosen, candidates, num_spread, error);
     if (!status) status = between_sweep(chosen, candidates, count - num_spread, error);

@@ -77,8 +77,7 @@ static int compare_seconds(const void *left, const void *right) {
 static ehd_status solve(fallback *self, full_solver *solver, const full_state *first,
                         const ehd_contact *contact, size_t repeats, ehd_error *error) {
     full_info *runs = calloc(repeats, sizeof *runs);
-    ehd_status status =
-        runs ? EHD_OK : ehd_fail(error, EHD_MEMORY, "--repeat: found no memory for %zu", repeats);
+    ehd_status status = runs ? EHD_OK : ehd_no_memory(error, "--repeat");
 
     for (size_t i = 0; i < repeats && !status; i++) {
         status = solve_once(self, solver, first, contact, error);
@@ -99,7 +98,7 @@ static ehd_status make_exits(fallback *self, const ehd_grid *grid, ehd_error *er
     self->exits = calloc(grid_whole(grid).inner_lines, sizeof *self->exits);
     if (!columns || !self->exits) {
         free(columns);
-        return ehd_fail(error, EHD_MEMORY, "exits: found no memory for the lines");
+        return ehd_no_memory(error, "exits");
     }
     grid_exit_columns(columns, self->state.pressure, grid);
     grid_exits(self->exits, columns, grid);

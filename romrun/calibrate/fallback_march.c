@@ -72,7 +72,7 @@ ehd_status fallback_march_create(fallback_march **created, parts_march *reduced,
     fallback_march *self = calloc(1, sizeof *self);
 
     *created = NULL;
-    if (!self) return ehd_fail(error, EHD_MEMORY, "full model: found no memory");
+    if (!self) return ehd_no_memory(error, "full model");
     self->reference = *reference;
     self->limit = part * accuracy;
     self->distrust = distrust;
@@ -82,9 +82,8 @@ ehd_status fallback_march_create(fallback_march **created, parts_march *reduced,
     self->of_reduced = parts_march_solver(reduced);
     self->errors = malloc(grid->num_nodes * sizeof *self->errors);
     self->exits = malloc(grid_lines(grid) * sizeof *self->exits);
-    ehd_status status = self->errors && self->exits
-                            ? full_state_init(&self->work, grid, error)
-                            : ehd_fail(error, EHD_MEMORY, "full model: found no memory");
+    ehd_status status = self->errors && self->exits ? full_state_init(&self->work, grid, error)
+                                                    : ehd_no_memory(error, "full model");
     if (!status)
         status = full_march_create(&self->full, &self->reference, &settings, start_film, error);
     if (status) {

@@ -37,8 +37,7 @@ static ehd_status store_step(void *sink, const march_step *step, size_t index, e
     if (target->num_steps == target->room) {
         size_t room = 2 * target->room + 64;
         recorded_step *steps = realloc(target->steps, room * sizeof *steps);
-        if (!steps)
-            return ehd_fail(error, EHD_MEMORY, "trajectory: found no memory for %zu steps", room);
+        if (!steps) return ehd_no_memory(error, "trajectory");
         target->steps = steps;
         target->room = room;
     }
@@ -126,7 +125,7 @@ ehd_status recordings_make(recording *recordings, const program *caller, const t
 
     if (num == 0) return EHD_OK;
     self.histories = calloc(num, sizeof *self.histories);
-    if (!self.histories) return ehd_fail(error, EHD_MEMORY, "trajectories: found no memory");
+    if (!self.histories) return ehd_no_memory(error, "trajectories");
     for (size_t t = 0; t < num && !status; t++)
         status = histories_init_training(&self.histories[t], &set->trajectories[t].scene, error);
     progress_start(&self.progress, caller, num);

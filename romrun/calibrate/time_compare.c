@@ -29,7 +29,7 @@ ehd_status time_compare(time_deviation *deviation, const double *time, const dou
     if (num_other < 3)
         return ehd_fail(error, EHD_DATA, "time: found %zu entries, expected at least 3", num_other);
     spline *between = spline_create(num_other);
-    if (!between) return ehd_fail(error, EHD_MEMORY, "time: found no memory");
+    if (!between) return ehd_no_memory(error, "time");
     spline_fit(between, other_time, other_values);
     for (size_t i = 0; i < num_times; i++) {
         if (time[i] < other_time[0] || time[i] > other_time[num_other - 1]) continue;

@@ -39,7 +39,7 @@ ehd_status trade_ladder(trade_table *table, const online_properties *whole, ehd_
 
     *table = (trade_table){0};
     table->positions = calloc((2 * strides + 1) * NUM_ROWS_PER_MODE, sizeof *table->positions);
-    if (!table->positions) return ehd_fail(error, EHD_MEMORY, "positions: found no memory");
+    if (!table->positions) return ehd_no_memory(error, "positions");
     for (size_t half = 0; half < 2 * strides; half++) {
         double part = 0.5 * (double)half / (double)strides;
         size_t modes = (size_t)lround(MIN_MODES * pow(max_modes / MIN_MODES, part));
@@ -186,7 +186,7 @@ ehd_status trade_indicator_shape(indicator_shape *shape, const double *deviation
     if (complete && all.largest > 0 && with_offset) *shape = best_offset(&all, *shape);
     ratios_free(&all);
     if (complete) return EHD_OK;
-    return ehd_fail(error, EHD_MEMORY, "calibration: found no memory for %zu scenes", count);
+    return ehd_no_memory(error, "calibration");
 }
 
 // ---- choosing

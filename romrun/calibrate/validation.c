@@ -33,8 +33,7 @@ static ehd_status solve_points(validation *self, const program *caller, size_t n
 
     self->scalars = calloc(num_points, sizeof *self->scalars);
     self->scenes = calloc(num_points, sizeof *self->scenes);
-    if (!status && (!self->scalars || !self->scenes))
-        status = ehd_fail(error, EHD_MEMORY, "points: found no memory");
+    if (!status && (!self->scalars || !self->scenes)) status = ehd_no_memory(error, "points");
     if (status) return status;
     self->solutions.store = keep_scalars;
     self->solutions.sink = self->scalars;
@@ -78,7 +77,7 @@ ehd_status validation_solve(validation *self, const trained_range *range, const 
     ehd_status status = EHD_OK;
 
     self->recordings = calloc(self->set.num_trajectories + 1, sizeof *self->recordings);
-    if (!self->recordings) return ehd_fail(error, EHD_MEMORY, "%s: found no memory", name);
+    if (!self->recordings) return ehd_no_memory(error, name);
     if (self->set.num_points > 0) status = solve_points(self, caller, num_workers, error);
     if (!status) status = recordings_make(self->recordings, caller, &self->set, num_workers, error);
     if (status == EHD_INTERRUPTED)
@@ -114,7 +113,7 @@ static ehd_status list_shown(shown_lubricants *shown, const validation *scenes, 
     const size_t count = scenes->num_scenes + scenes->num_recordings;
 
     shown->of = calloc(count + 1, sizeof *shown->of);
-    if (!shown->of) return ehd_fail(error, EHD_MEMORY, "calibration: found no memory");
+    if (!shown->of) return ehd_no_memory(error, "calibration");
     for (size_t i = 0; i < scenes->num_scenes; i++)
         shown->of[shown->count++] = shown_of(scenes->scenes[i].contact, false);
     for (size_t t = 0; t < scenes->num_recordings; t++)

@@ -39,10 +39,6 @@ static const char *const resources[] = {"contact.txt", "contact.yml", "model.ehd
 enum { NUM_RESOURCES = sizeof resources / sizeof *resources };
 static const char shared_object[] = "fmu.so";
 
-static ehd_status no_memory(ehd_error *error) {
-    return ehd_fail(error, EHD_MEMORY, "fmu: found no memory");
-}
-
 // ---- where things are
 
 /* ../lib/ehdrom from the program, in the build's folder as where it is installed. */
@@ -121,7 +117,8 @@ static ehd_status write_scene(const export_job *job, ehd_error *error) {
 
     strip(&settings, job->request->given);
     char *text = scene_text(&settings);
-    ehd_status status = text ? open_to_write(&file, job, "contact.yml", error) : no_memory(error);
+    ehd_status status =
+        text ? open_to_write(&file, job, "contact.yml", error) : ehd_no_memory(error, "fmu");
     if (!status) {
         fputs(text, file);
         status = close_written(file, "contact.yml", error);
@@ -214,7 +211,7 @@ static ehd_status find_approach(export_job *job, ehd_error *error) {
     if (opened)
         status = ehd_fail(error, (ehd_status)opened, "%s: %s", job->request->model,
                           ehdrom_model_error(model));
-    if (!status && ehdrom_contact_create(&contact, model)) status = no_memory(error);
+    if (!status && ehdrom_contact_create(&contact, model)) status = ehd_no_memory(error, "fmu");
     if (!status) status = ask_contact(job, contact, error);
     ehdrom_contact_free(contact);
     ehdrom_model_close(model);
@@ -275,7 +272,7 @@ static void keep_failure(void *to, fmu_outcome of, const char *text) {
 
 /* As an importer does. What is read then was written just before. */
 static ehd_status try_out(const export_job *job, ehd_error *error) {
-    no_memory(error);
+    ehd_no_memory(error, "fmu");
     errno = 0;
     fmu_instance *trial = fmu_create(job->contents.token, job->folder, keep_failure, error);
     const ehd_status otherwise = trial ? EHD_NOT_CONVERGED : EHD_IO;
@@ -305,7 +302,7 @@ static ehd_status add_file(export_job *job, const char *folder, const char *name
                            const char *file, ehd_error *error) {
     package_entry *entry = add(job, folder, name);
 
-    if (!entry) return no_memory(error);
+    if (!entry) return ehd_no_memory(error, "fmu");
     entry->path = job->paths[job->num_entries - 1];
     return path_in(job->paths[job->num_entries - 1], from, file, error);
 }
@@ -314,7 +311,7 @@ static ehd_status add_text(export_job *job, const char *name, const char *text, 
                            ehd_error *error) {
     package_entry *entry = add(job, "", name);
 
-    if (!entry) return no_memory(error);
+    if (!entry) return ehd_no_memory(error, "fmu");
     entry->bytes = text;
     entry->size = size;
     return EHD_OK;
@@ -365,13 +362,13 @@ static ehd_status write_texts(export_job *job, time_t when, ehd_error *error) {
                                 .step = job->step,
                                 .stop = 1000 * job->step};
     FILE *file = open_memstream(&job->description, &job->description_size);
-    if (!file) return no_memory(error);
+    if (!file) return ehd_no_memory(error, "fmu");
     fmu_describe(file, &of, job->request->fmi);
-    if (fclose(file)) return no_memory(error);
+    if (fclose(file)) return ehd_no_memory(error, "fmu");
     file = open_memstream(&job->page, &job->page_size);
-    if (!file) return no_memory(error);
+    if (!file) return ehd_no_memory(error, "fmu");
     fmu_document(file, &of);
-    return fclose(file) ? no_memory(error) : EHD_OK;
+    return fclose(file) ? ehd_no_memory(error, "fmu") : EHD_OK;
 }
 
 static ehd_status pack(export_job *job, ehd_error *error) {
@@ -423,7 +420,7 @@ static void remove_folder(const export_job *job) {
 ehd_status fmu_export(const program *caller, const fmu_request *request, ehd_error *error) {
     export_job *job = calloc(1, sizeof *job);
 
-    if (!job) return no_memory(error);
+    if (!job) return ehd_no_memory(error, "fmu");
     job->caller = caller;
     job->request = request;
     ehd_status status = find_installed(job, error);

@@ -806,7 +806,7 @@ static fmu_state *make_state(fmu_instance *self, void **state, size_t size) {
     if (fmu_state_size(*state) != size || !*state) {
         fmu_state *made = realloc(*state, sizeof *made + size);
         if (!made) {
-            say(self, FMU_FAILED, "state: found no memory for %zu bytes", size);
+            say(self, FMU_FAILED, "state: out of memory");
             return NULL;
         }
         made->size = size;

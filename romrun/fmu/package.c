@@ -128,8 +128,7 @@ static ehd_status put_entries(FILE *stream, package_entry *entries, size_t num_e
                                      .zerror_file = error_of,
                                      .opaque = stream};
     zipFile zip = zipOpen2_64(path, APPEND_STATUS_CREATE, NULL, &functions);
-    ehd_status status =
-        zip ? EHD_OK : ehd_fail(error, EHD_MEMORY, "%s: found no memory, expected some", path);
+    ehd_status status = zip ? EHD_OK : ehd_no_memory(error, path);
 
     qsort(entries, num_entries, sizeof *entries, by_name);
     for (size_t i = 0; i < num_entries && !status; i++)

@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const char no_memory[] = "contact: found no memory";
+static const char no_memory[] = "contact: out of memory";
 
 /* The model's kind and discretisation, by the names that scenes have for them. */
 static void take_from_model(scene *settings, const ehdrom_model *model) {

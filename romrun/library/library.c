@@ -134,7 +134,7 @@ ON_ANY_PROCESSOR const char *ehdrom_model_error(const ehdrom_model *self) {
     const char *refusal = processor_refusal();
 
     if (refusal) return refusal;
-    return self ? self->error.text : "model: found no memory";
+    return self ? self->error.text : "model: out of memory";
 }
 
 ehdrom_status ehdrom_model_describe(const ehdrom_model *self, ehdrom_model_info *info) {

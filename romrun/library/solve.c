@@ -471,8 +471,7 @@ ehd_status library_fields(ehdrom_contact *self) {
 
     if (!self->pressure) self->pressure = calloc(num_nodes, sizeof(double));
     if (!self->film) self->film = calloc(num_nodes, sizeof(double));
-    if (!self->pressure || !self->film)
-        return ehd_fail(&self->error, EHD_MEMORY, "fields: found no memory");
+    if (!self->pressure || !self->film) return ehd_no_memory(&self->error, "fields");
     status = self->last == LAST_SOLVED
                  ? online_fields(self->pressure, self->film, self->solver, &self->error)
                  : online_transient_fields(self->pressure, self->film, self->in_time, &self->error);

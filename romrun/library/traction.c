@@ -192,7 +192,7 @@ static ehd_status give_stresses(ehdrom_contact *self, double sliding, double *on
     const double unit = units_of(self, &of)->pressure * of.frame.hertz_pressure;
     double *nodes = array_new(num_nodes, 2, sizeof *nodes);
 
-    if (!nodes) return ehd_fail(&self->error, EHD_MEMORY, "shear stresses: found no memory");
+    if (!nodes) return ehd_no_memory(&self->error, "shear stresses");
     const ehd_status status = surface_stresses(nodes, nodes + num_nodes, self, &of, sliding);
     if (!status) {
         library_give_field(on_1, nodes, unit, self);

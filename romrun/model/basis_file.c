@@ -6,16 +6,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-static ehd_status no_memory(const artefact *file, ehd_error *error) {
-    return ehd_fail(error, EHD_MEMORY, "%s: found no memory", artefact_path(file));
-}
-
 // ---- grid
 
 ehd_status film_axes_write(artefact *file, const ehd_grid *grid, ehd_error *error) {
     size_t width = grid_width(grid), num_lines = grid_lines(grid);
     double *x = malloc(width * sizeof *x), *y = malloc(num_lines * sizeof *y);
-    ehd_status status = x && y ? EHD_OK : no_memory(file, error);
+    ehd_status status = x && y ? EHD_OK : ehd_no_memory(error, artefact_path(file));
 
     for (size_t k = 0; k < width && !status; k++)
         x[k] = grid_x(grid, k);
@@ -55,7 +51,7 @@ ehd_status modes_write(artefact *file, const char *field, const double *modes, c
                        size_t num_modes, bool inner, ehd_error *error) {
     size_t length = inner ? grid->num_inner : grid->num_nodes;
     double *transposed = malloc(length * num_modes * sizeof *transposed);
-    if (!transposed) return no_memory(file, error);
+    if (!transposed) return ehd_no_memory(error, artefact_path(file));
     for (size_t j = 0; j < num_modes; j++)
         for (size_t k = 0; k < length; k++)
             transposed[j * length + k] = modes[node_of(grid, k, inner) * num_modes + j];
@@ -69,7 +65,7 @@ ehd_status modes_read(double **modes, artefact *file, const char *field, const e
     size_t length = inner ? grid->num_inner : grid->num_nodes;
     double *transposed = array_new(length, num_modes, sizeof *transposed);
     *modes = array_new(grid->num_nodes, num_modes, sizeof(double));
-    ehd_status status = transposed && *modes ? EHD_OK : no_memory(file, error);
+    ehd_status status = transposed && *modes ? EHD_OK : ehd_no_memory(error, artefact_path(file));
 
     if (!status) status = artefact_get(file, field, transposed, length * num_modes, error);
     for (size_t j = 0; j < num_modes && !status; j++)
@@ -238,7 +234,7 @@ ehd_status states_write(artefact *file, const reduced_states *states, size_t num
     double *part = malloc(states->num_states * (states->num_unknowns + 1) * sizeof *part);
     size_t num_exits = states->num_states * grid->inner_lines;
     int64_t *exits = malloc((num_exits + 1) * sizeof *exits);
-    ehd_status status = part && exits ? EHD_OK : no_memory(file, error);
+    ehd_status status = part && exits ? EHD_OK : ehd_no_memory(error, artefact_path(file));
 
     for (size_t i = 0; i < 3 && !status; i++)
         if (parts[i].width > 0) {
@@ -278,7 +274,7 @@ ehd_status states_read(reduced_states *states, artefact *file, size_t num_pressu
     double *part = array_new(num_states, num_unknowns, sizeof *part);
     size_t num_exits = num_states * grid->inner_lines;
     int64_t *exits = array_new(num_states, grid->inner_lines, sizeof *exits);
-    ehd_status status = part && exits ? EHD_OK : no_memory(file, error);
+    ehd_status status = part && exits ? EHD_OK : ehd_no_memory(error, artefact_path(file));
 
     if (!status)
         status = reduced_states_init(states, num_states, grid_lines(grid), num_unknowns, error);

@@ -198,8 +198,7 @@ static bool grow(flat *self, size_t bytes) {
         const size_t room = 2 * needed;
         unsigned char *grown = realloc(self->bytes, room);
         if (!grown) {
-            self->status = ehd_fail(self->error, EHD_MEMORY, "%s: found no memory for %zu bytes",
-                                    self->path, room);
+            self->status = ehd_no_memory(self->error, self->path);
             return false;
         }
         self->bytes = grown;

@@ -41,10 +41,6 @@ size_t *band_value(band_line *line, int field) {
     return values[field];
 }
 
-static ehd_status no_memory(const artefact *file, ehd_error *error) {
-    return ehd_fail(error, EHD_MEMORY, "%s: found no memory", artefact_path(file));
-}
-
 // ---- writing
 
 static ehd_status put_axes(artefact *file, const reduced_model *model, ehd_error *error) {
@@ -65,7 +61,7 @@ static ehd_status put_axes(artefact *file, const reduced_model *model, ehd_error
 static ehd_status put_nodes(artefact *file, const char *field, const size_t *nodes, size_t count,
                             const ehd_grid *grid, bool inner, ehd_error *error) {
     int64_t *indices = malloc((count + 1) * sizeof *indices);
-    if (!indices) return no_memory(file, error);
+    if (!indices) return ehd_no_memory(error, artefact_path(file));
     for (size_t i = 0; i < count; i++)
         indices[i] = (int64_t)(inner ? grid_row_of_node(grid, nodes[i]) : nodes[i]);
     ehd_status status = artefact_put_integers(file, field, indices, error);
@@ -76,7 +72,7 @@ static ehd_status put_nodes(artefact *file, const char *field, const size_t *nod
 static ehd_status put_lines(artefact *file, const reduced_model *model, ehd_error *error) {
     size_t num_inner = model->grid.inner_lines, first = grid_first_line(&model->grid);
     int64_t *values = malloc(num_inner * sizeof *values);
-    ehd_status status = values ? EHD_OK : no_memory(file, error);
+    ehd_status status = values ? EHD_OK : ehd_no_memory(error, artefact_path(file));
 
     for (int f = 0; f < NUM_BAND_FIELDS && !status; f++) {
         for (size_t l = 0; l < num_inner; l++)
@@ -95,7 +91,7 @@ static ehd_status put_lines(artefact *file, const reduced_model *model, ehd_erro
 static ehd_status put_independent(artefact *file, const reduced_model *model, ehd_error *error) {
     size_t width = model->num_deformation;
     double *kernel = malloc(model->band.num_nodes * width * sizeof *kernel);
-    if (!kernel) return no_memory(file, error);
+    if (!kernel) return ehd_no_memory(error, artefact_path(file));
     for (size_t i = 0; i < model->band.num_nodes; i++)
         memcpy(kernel + i * width, model->cut.left + i * model->cut.num_rows,
                width * sizeof(double));

@@ -9,10 +9,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-static ehd_status no_memory(const artefact *file, ehd_error *error) {
-    return ehd_fail(error, EHD_MEMORY, "%s: found no memory", artefact_path(file));
-}
-
 /* Sizes of the stored model. */
 typedef struct stored_sizes {
     size_t pressure, deformation, rows, band;
@@ -35,7 +31,7 @@ static ehd_status read_part(double **part, arena *memory, artefact *file, const 
     double *whole = array_new(rows, columns, sizeof *whole);
 
     *part = arena_table(memory, num_kept, kept_columns, sizeof **part);
-    ehd_status status = whole && *part ? EHD_OK : no_memory(file, error);
+    ehd_status status = whole && *part ? EHD_OK : ehd_no_memory(error, artefact_path(file));
     if (!status && !artefact_has(file, field))
         status = ehd_fail(error, EHD_DATA, "%s: found no dataset %s, expected it for this basis",
                           artefact_path(file), field);
@@ -52,7 +48,7 @@ static ehd_status read_nodes(size_t **nodes, arena *memory, artefact *file, cons
     int64_t *indices = array_new(count, 1, sizeof *indices);
 
     *nodes = arena_array(memory, count, sizeof **nodes);
-    ehd_status status = indices && *nodes ? EHD_OK : no_memory(file, error);
+    ehd_status status = indices && *nodes ? EHD_OK : ehd_no_memory(error, artefact_path(file));
     if (!status) status = artefact_get_integers(file, field, indices, count, error);
     for (size_t i = 0; i < count && !status; i++)
         (*nodes)[i] = inner ? grid_node_of_row(grid, (size_t)indices[i]) : (size_t)indices[i];
@@ -68,7 +64,7 @@ static ehd_status match_nodes(size_t **indices, arena *memory, const size_t *nod
     ehd_status status = read_nodes(&stored, memory, file, field, num_stored, false, grid, error);
 
     *indices = arena_array(memory, count, sizeof **indices);
-    if (!status && !*indices) status = no_memory(file, error);
+    if (!status && !*indices) status = ehd_no_memory(error, artefact_path(file));
     for (size_t i = 0; i < count && !status; i++) {
         while (at < num_stored && stored[at] < nodes[i])
             at++;
@@ -92,7 +88,7 @@ static ehd_status reweigh(reduced_model *model, artefact *file, const stored_siz
     arena memory = {0};
     double *factors = arena_array(&memory, num_rows, sizeof *factors), *before = NULL;
     double *sampled = NULL;
-    ehd_status status = factors ? EHD_OK : no_memory(file, error);
+    ehd_status status = factors ? EHD_OK : ehd_no_memory(error, artefact_path(file));
 
     if (!status)
         status = read_part(&before, &memory, file, "row_factor", stored->rows, 1, NULL, num_rows, 1,
@@ -145,7 +141,7 @@ static ehd_status read_line(size_t *value, artefact *file, const char *name,
 static ehd_status read_lines(reduced_model *model, artefact *file, ehd_error *error) {
     size_t num_inner = model->grid.inner_lines, first = grid_first_line(&model->grid);
     int64_t *values = array_new(num_inner, 1, sizeof *values);
-    ehd_status status = values ? EHD_OK : no_memory(file, error);
+    ehd_status status = values ? EHD_OK : ehd_no_memory(error, artefact_path(file));
 
     for (size_t l = 0; l < model->band.num_lines; l++)
         model->band.lines[l] = (band_line){1, 1, 0, 1, 1};
@@ -196,7 +192,7 @@ static ehd_status read_band_line(reduced_model *model, artefact *file, ehd_error
 static ehd_status read_band(reduced_model *model, artefact *file, ehd_error *error) {
     model->band.lines =
         arena_array(&model->memory, model->band.num_lines, sizeof *model->band.lines);
-    if (!model->band.lines) return no_memory(file, error);
+    if (!model->band.lines) return ehd_no_memory(error, artefact_path(file));
     return model->band.num_lines > 1 ? read_lines(model, file, error)
                                      : read_band_line(model, file, error);
 }
@@ -215,7 +211,7 @@ static ehd_status read_cut(reduced_model *model, artefact *file, const stored_si
     cut->num_rows = (coupled ? model->rows.num_needed : width) + 1;
     cut->base = arena_table(&model->memory, cut->num_rows, num_pressure, sizeof(double));
     cut->left = arena_table(&model->memory, model->band.num_nodes, cut->num_rows, sizeof(double));
-    if (!status && (!cut->base || !cut->left)) status = no_memory(file, error);
+    if (!status && (!cut->base || !cut->left)) status = ehd_no_memory(error, artefact_path(file));
     if (!status && !coupled)
         status = read_part(&elasticity, &memory, file, "elasticity_jacobian", stored->deformation,
                            stored->pressure, NULL, width, num_pressure, error);
@@ -460,7 +456,7 @@ static ehd_status read_modes(double **modes, artefact *file, const char *field,
     ehd_status status = modes_read(&whole, file, field, grid, stored, inner, error);
 
     *modes = status ? NULL : array_new(num_nodes, wanted, sizeof(double));
-    if (!status && !*modes) status = no_memory(file, error);
+    if (!status && !*modes) status = ehd_no_memory(error, artefact_path(file));
     for (size_t k = 0; k < num_nodes && !status; k++)
         memcpy(*modes + k * wanted, whole + k * stored, wanted * sizeof(double));
     free(whole);

@@ -136,7 +136,7 @@ ehd_status reduced_model_find_band(reduced_model *model, const reduced_basis *ba
         arena_array(&model->memory, model->band.num_lines, sizeof *model->band.lines);
     if (!work || !model->band.lines) {
         free(work);
-        return ehd_fail(error, EHD_MEMORY, "reduced model: found no memory");
+        return ehd_no_memory(error, "reduced model");
     }
     find_extremes(model, basis, deflection, work);
     widen_exits(model);

@@ -8,10 +8,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-static ehd_status no_memory(ehd_error *error) {
-    return ehd_fail(error, EHD_MEMORY, "reduced model: found no memory");
-}
-
 /* Whether a node lies before the band and hence before any exit. */
 static bool is_before_band(const reduced_model *model, size_t node) {
     return reduced_model_column(model, node) <
@@ -106,7 +102,7 @@ static ehd_status list_rows(reduced_model *model, row_set *set, const reduced_ba
     set->num_rows = num_rows;
     set->node = arena_array(&model->memory, num_rows, sizeof *set->node);
     set->weight = arena_array(&model->memory, num_rows, sizeof *set->weight);
-    if (!set->node || !set->weight) return no_memory(error);
+    if (!set->node || !set->weight) return ehd_no_memory(error, "reduced model");
     for (size_t r = 0; r < num_rows; r++) {
         set->node[r] = rows ? rows[r] : grid_node_of_row(&basis->grid, r);
         set->weight[r] = basis->weight[set->node[r]];
@@ -138,7 +134,7 @@ static ehd_status gather_needed(reduced_model *model, row_set *set, const reduce
     set->pressure = gather_rows(&model->memory, basis->pressure, set->needed_node, set->num_needed,
                                 basis->num_pressure);
     set->film = gather_rows(&model->memory, film, set->needed_node, set->num_needed, film_width);
-    return set->pressure && set->film ? EHD_OK : no_memory(error);
+    return set->pressure && set->film ? EHD_OK : ehd_no_memory(error, "reduced model");
 }
 
 /* Of all rows of a point contact this is what takes memory: nodes of the band times needed nodes. */
@@ -167,7 +163,7 @@ static ehd_status fill_cut(reduced_model *model, const reduced_basis *basis,
                      : gather_band(model, basis->deformation_modes, basis->num_deformation);
     cut->base = arena_array(&model->memory, cut->num_rows * basis->num_pressure, sizeof(double));
     cut->left = arena_array(&model->memory, band->num_nodes * cut->num_rows, sizeof(double));
-    if (model->memory.failed) return no_memory(error);
+    if (model->memory.failed) return ehd_no_memory(error, "reduced model");
     fill_cut_base(model, basis, coupled);
     if (!coupled_basis) fill_left_independent(model, basis, deflection, work);
     return EHD_OK;
@@ -183,7 +179,7 @@ static ehd_status fill_tables(reduced_model *model, row_set *set, const reduced_
     double *work = arena_array(&memory, num_nodes, sizeof(double));
     const double *film = coupled_basis ? coupled : basis->deformation_modes;
     size_t film_width = coupled_basis ? num_pressure : basis->num_deformation;
-    ehd_status status = memory.failed ? no_memory(error) : EHD_OK;
+    ehd_status status = memory.failed ? ehd_no_memory(error, "reduced model") : EHD_OK;
 
     if (!status && (coupled_basis || set == &model->rows))
         deflect_modes(coupled, model, basis, deflection, work);
@@ -208,7 +204,7 @@ ehd_status reduced_model_build(reduced_model *model, const reduced_basis *basis,
                              .num_deformation = basis->num_deformation,
                              .num_unknowns =
                                  reduced_num_unknowns(basis->num_pressure, basis->num_deformation)};
-    ehd_status status = deflection ? EHD_OK : no_memory(error);
+    ehd_status status = deflection ? EHD_OK : ehd_no_memory(error, "reduced model");
     if (!status) status = check_rows(model, rows, count, error);
     if (!status) status = list_rows(model, &model->rows, basis, rows, count, error);
     if (!status) status = reduced_model_find_band(model, basis, deflection, error);
@@ -223,7 +219,7 @@ ehd_status reduced_model_build(reduced_model *model, const reduced_basis *basis,
 ehd_status reduced_model_add_control(reduced_model *model, const reduced_basis *basis,
                                      const size_t *rows, size_t num_rows, ehd_error *error) {
     ehd_deflection *deflection = deflection_create(basis->kind, &basis->grid);
-    ehd_status status = deflection ? EHD_OK : no_memory(error);
+    ehd_status status = deflection ? EHD_OK : ehd_no_memory(error, "reduced model");
 
     if (!status) status = list_rows(model, &model->control, basis, rows, num_rows, error);
     if (!status) status = fill_tables(model, &model->control, basis, deflection, error);
@@ -257,7 +253,8 @@ ehd_status reduced_model_add_cubature(reduced_model *model, const reduced_basis 
     cubature->friction = arena_array(&model->memory, num_nodes, sizeof(double));
     cubature->dry = arena_array(&model->memory, num_nodes, sizeof(double));
     cubature->moment = arena_array(&model->memory, basis->num_pressure, sizeof(double));
-    ehd_status status = deflection && !model->memory.failed ? EHD_OK : no_memory(error);
+    ehd_status status =
+        deflection && !model->memory.failed ? EHD_OK : ehd_no_memory(error, "reduced model");
     if (!status) {
         memcpy(set->needed_node, nodes, num_nodes * sizeof *nodes);
         memcpy(cubature->friction, friction, num_nodes * sizeof *friction);

@@ -124,8 +124,7 @@ static ehd_status space_checkpoints(reduced_model *model, ehd_error *error) {
                              1;
     model->checkpoints.exit =
         arena_array(&model->memory, model->checkpoints.num, sizeof *model->checkpoints.exit);
-    if (!model->checkpoints.exit)
-        return ehd_fail(error, EHD_MEMORY, "reduced model: found no memory for its tables");
+    if (!model->checkpoints.exit) return ehd_no_memory(error, "reduced model");
     for (size_t c = 0; c < model->checkpoints.num; c++)
         model->checkpoints.exit[c] = model->band.lines[0].min_exit + c * model->checkpoints.stride;
     return EHD_OK;
@@ -142,8 +141,7 @@ static ehd_status spread_checkpoints(reduced_model *model, ehd_error *error) {
     if (max_num > states->num_states) max_num = states->num_states;
     model->checkpoints.exit =
         arena_array(&model->memory, max_num * num_lines, sizeof *model->checkpoints.exit);
-    if (!model->checkpoints.exit)
-        return ehd_fail(error, EHD_MEMORY, "reduced model: found no memory for its tables");
+    if (!model->checkpoints.exit) return ehd_no_memory(error, "reduced model");
     for (model->checkpoints.num = 0; model->checkpoints.num < max_num;) {
         size_t farthest = 0;
         memcpy(model->checkpoints.exit + model->checkpoints.num++ * num_lines,
@@ -218,8 +216,7 @@ static ehd_status fill_checkpoints(const kept_table *tables, size_t num_tables,
     free(runs);
     free(begin);
     free(work);
-    return enough ? EHD_OK
-                  : ehd_fail(error, EHD_MEMORY, "reduced model: found no memory for its tables");
+    return enough ? EHD_OK : ehd_no_memory(error, "reduced model");
 }
 
 ehd_status reduced_model_place_checkpoints(reduced_model *model, ehd_error *error) {
@@ -240,8 +237,7 @@ ehd_status reduced_model_make_checkpoints(reduced_model *model, ehd_error *error
         model->checkpoints.band =
             arena_array(&model->memory, model->checkpoints.num * model->band.num_nodes,
                         num_pressure * sizeof(double));
-    if (model->memory.failed)
-        return ehd_fail(error, EHD_MEMORY, "reduced model: found no memory for its tables");
+    if (model->memory.failed) return ehd_no_memory(error, "reduced model");
     const kept_table tables[] = {{model->checkpoints.cut, model->cut.base,
                                   model->cut.num_rows * num_pressure, reduced_model_change_cut},
                                  {model->checkpoints.band, model->band.film,
@@ -256,8 +252,7 @@ ehd_status reduced_model_make_control_checkpoints(reduced_model *model, ehd_erro
     if (model->deformation != DEFORMATION_COUPLED || size == 0) return EHD_OK;
     model->checkpoints.control =
         arena_array(&model->memory, model->checkpoints.num, size * sizeof(double));
-    if (!model->checkpoints.control)
-        return ehd_fail(error, EHD_MEMORY, "reduced model: found no memory for its tables");
+    if (!model->checkpoints.control) return ehd_no_memory(error, "reduced model");
     const kept_table films = {model->checkpoints.control, control->film, size, change_control};
     return fill_checkpoints(&films, 1, model, error);
 }

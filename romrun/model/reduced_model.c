@@ -9,10 +9,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-static ehd_status no_memory(ehd_error *error) {
-    return ehd_fail(error, EHD_MEMORY, "reduced model: found no memory for its tables");
-}
-
 void reduced_model_free(reduced_model *model) {
     arena_free(&model->memory);
     reduced_states_free(&model->states);
@@ -117,7 +113,7 @@ ehd_status reduced_model_list_needed(reduced_model *model, row_set *set, ehd_err
     size_t num_nodes = model->grid.num_nodes, centre[4], count = 0;
     bool *needed = calloc(num_nodes, sizeof *needed);
 
-    if (!needed) return no_memory(error);
+    if (!needed) return ehd_no_memory(error, "reduced model");
     mark_stencils(needed, &model->grid, set->node, set->num_rows);
     find_centre(centre, model->centre.weight, &model->grid);
     for (size_t i = 0; i < 4 && set == &model->rows; i++)
@@ -128,7 +124,7 @@ ehd_status reduced_model_list_needed(reduced_model *model, row_set *set, ehd_err
     for (size_t k = 0; set->needed_node && k < num_nodes; k++)
         if (needed[k]) set->needed_node[set->num_needed++] = k;
     free(needed);
-    return set->needed_node ? EHD_OK : no_memory(error);
+    return set->needed_node ? EHD_OK : ehd_no_memory(error, "reduced model");
 }
 
 /* Index of a node in an ascending list that contains it; NO_NODE stays NO_NODE. */
@@ -151,7 +147,7 @@ ehd_status reduced_model_place_rows(reduced_model *model, row_set *set, ehd_erro
 
     set->stencils = arena_array(&model->memory, set->num_rows, sizeof *set->stencils);
     set->gap = arena_array(&model->memory, set->num_needed, sizeof *set->gap);
-    if (!set->stencils || !set->gap) return no_memory(error);
+    if (!set->stencils || !set->gap) return ehd_no_memory(error, "reduced model");
     for (size_t r = 0; r < set->num_rows; r++) {
         reynolds_stencil *stencil = &set->stencils[r];
         *stencil = reynolds_stencil_at(&model->grid, set->node[r]);
@@ -202,7 +198,7 @@ static ehd_status fill_kernel(reduced_model *model, ehd_error *error) {
     size_t width = grid_width(grid), lines = (grid->half ? 2 : 1) * model->band.num_lines;
 
     model->kernel = arena_array(&model->memory, lines * width, sizeof(double));
-    if (!model->kernel) return no_memory(error);
+    if (!model->kernel) return ehd_no_memory(error, "reduced model");
     for (size_t l = 0; l < lines; l++)
         for (size_t d = 0; d < width; d++)
             model->kernel[l * width + d] = deflection_influence(

@@ -48,8 +48,7 @@ ehd_status reduced_states_init(reduced_states *states, size_t num_states, size_t
         !states->thinning || !states->central_film_thickness || !states->stationary ||
         !states->rate || !states->load_rate || !states->effects || !states->rises) {
         reduced_states_free(states);
-        return ehd_fail(error, EHD_MEMORY, "reduced model: found no memory for %zu states",
-                        num_states);
+        return ehd_no_memory(error, "reduced model");
     }
     for (size_t s = 0; s < num_states; s++) {
         states->stationary[s] = true;

@@ -23,14 +23,10 @@ static double *entry(shown_lubricant *of, int column) {
     return column == 0 ? &of->alpha_p_H : &of->rises.of[column - 1];
 }
 
-static ehd_status no_memory(const artefact *file, ehd_error *error) {
-    return ehd_fail(error, EHD_MEMORY, "%s: found no memory", artefact_path(file));
-}
-
 ehd_status shown_put(artefact *file, const shown_lubricants *shown, ehd_error *error) {
     double *values = array_new(shown->count, 1, sizeof *values);
     int64_t *in_time = array_new(shown->count, 1, sizeof *in_time);
-    ehd_status status = values && in_time ? EHD_OK : no_memory(file, error);
+    ehd_status status = values && in_time ? EHD_OK : ehd_no_memory(error, artefact_path(file));
 
     if (!status && shown->count > 0)
         status = artefact_put_axis(file, "shown", shown->count, NULL, error);
@@ -55,7 +51,8 @@ ehd_status shown_get(shown_lubricants *shown, artefact *file, ehd_error *error) 
     bool all = count > 0 && artefact_has(file, "shown_in_time");
 
     *shown = (shown_lubricants){0, array_new(count, 1, sizeof *shown->of)};
-    ehd_status status = values && in_time && shown->of ? EHD_OK : no_memory(file, error);
+    ehd_status status =
+        values && in_time && shown->of ? EHD_OK : ehd_no_memory(error, artefact_path(file));
     for (int c = 0; c < NUM_COLUMNS; c++)
         all = all && artefact_has(file, name_of(c));
     for (int c = 0; c < NUM_COLUMNS && all && !status; c++) {

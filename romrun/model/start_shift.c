@@ -7,10 +7,6 @@
 #include <math.h>
 #include <string.h>
 
-static ehd_status no_memory(ehd_error *error) {
-    return ehd_fail(error, EHD_MEMORY, "reduced model: found no memory for its starts");
-}
-
 // ---- tables
 
 /* The last of the needed nodes, behind X = 0. */
@@ -193,7 +189,7 @@ ehd_status start_shift_build(reduced_model *model, ehd_error *error) {
             fill_profile(self, s, slope);
     }
     arena_free(&work);
-    return allocated ? EHD_OK : no_memory(error);
+    return allocated ? EHD_OK : ehd_no_memory(error, "reduced model");
 }
 
 // ---- the sum

@@ -101,15 +101,11 @@ static void *member(trade_position *position, size_t offset) {
     return (char *)position + offset;
 }
 
-static ehd_status no_memory(const artefact *file, ehd_error *error) {
-    return ehd_fail(error, EHD_MEMORY, "%s: found no memory", artefact_path(file));
-}
-
 // ---- writing
 
 static ehd_status put_counts(artefact *file, const trade_table *table, ehd_error *error) {
     int64_t *values = malloc(table->num_positions * sizeof *values);
-    ehd_status status = values ? EHD_OK : no_memory(file, error);
+    ehd_status status = values ? EHD_OK : ehd_no_memory(error, artefact_path(file));
 
     for (size_t c = 0; c < NUM_COUNTS && !status; c++) {
         if (!is_measured(&counts[c], table)) continue;
@@ -130,7 +126,7 @@ static ehd_status put_column(artefact *file, double *values, const column *self,
 
 static ehd_status put_reals(artefact *file, const trade_table *table, ehd_error *error) {
     double *values = malloc(table->num_positions * NUM_TRADE_QUANTILES * sizeof *values);
-    ehd_status status = values ? EHD_OK : no_memory(file, error);
+    ehd_status status = values ? EHD_OK : ehd_no_memory(error, artefact_path(file));
 
     for (size_t c = 0; c < NUM_REALS && !status; c++) {
         if (!is_measured(&reals[c], table)) continue;
@@ -168,7 +164,7 @@ static ehd_status put_shapes(artefact *file, const trade_table *table, ehd_error
     const size_t count = table->num_positions * NUM_BOUNDED;
     trade_table all = *table;
     double *values = malloc((count + 1) * sizeof *values);
-    ehd_status status = values ? EHD_OK : no_memory(file, error);
+    ehd_status status = values ? EHD_OK : ehd_no_memory(error, artefact_path(file));
 
     if (!status) status = artefact_put_axis(file, "bounded", NUM_BOUNDED, NULL, error);
     for (size_t f = 0; f < NUM_SHAPE_FIELDS && !status; f++) {
@@ -183,7 +179,7 @@ static ehd_status put_shapes(artefact *file, const trade_table *table, ehd_error
 static ehd_status put_indicator(artefact *file, const trade_table *table, ehd_error *error) {
     size_t num_positions = table->num_positions;
     double *values = malloc(num_positions * NUM_TRADE_PARTS * sizeof *values);
-    ehd_status status = values ? EHD_OK : no_memory(file, error);
+    ehd_status status = values ? EHD_OK : ehd_no_memory(error, artefact_path(file));
 
     if (!status) status = artefact_put_axis(file, "part", NUM_TRADE_PARTS, trade_parts, error);
     for (size_t c = 0; c < NUM_OF_INDICATOR && !status; c++)
@@ -202,7 +198,7 @@ static ehd_status put_indicator(artefact *file, const trade_table *table, ehd_er
 static ehd_status put_in_time(artefact *file, const trade_table *table, ehd_error *error) {
     const size_t count = table->num_positions * NUM_TIME_PARTS;
     double *values = malloc(count * sizeof *values);
-    ehd_status status = values ? EHD_OK : no_memory(file, error);
+    ehd_status status = values ? EHD_OK : ehd_no_memory(error, artefact_path(file));
 
     if (!status)
         status = artefact_put_axis(file, "part_in_time", NUM_TIME_PARTS, trade_time_parts, error);
@@ -237,7 +233,7 @@ ehd_status trade_write(artefact *file, const trade_table *table, ehd_error *erro
 
 static ehd_status get_counts(trade_table *table, artefact *file, ehd_error *error) {
     int64_t *values = array_new(table->num_positions, 1, sizeof *values);
-    ehd_status status = values ? EHD_OK : no_memory(file, error);
+    ehd_status status = values ? EHD_OK : ehd_no_memory(error, artefact_path(file));
 
     for (size_t c = 0; c < NUM_COUNTS && !status; c++) {
         if (!is_measured(&counts[c], table)) continue;
@@ -263,7 +259,7 @@ static ehd_status get_counts(trade_table *table, artefact *file, ehd_error *erro
 static ehd_status get_reals(trade_table *table, artefact *file, ehd_error *error) {
     size_t num_positions = table->num_positions;
     double *values = array_new(num_positions, NUM_TRADE_QUANTILES, sizeof *values);
-    ehd_status status = values ? EHD_OK : no_memory(file, error);
+    ehd_status status = values ? EHD_OK : ehd_no_memory(error, artefact_path(file));
 
     for (size_t c = 0; c < NUM_REALS && !status; c++) {
         if (!is_measured(&reals[c], table)) continue;
@@ -298,7 +294,7 @@ static ehd_status get_shapes(trade_table *table, artefact *file, ehd_error *erro
     const size_t count = table->num_positions * num_bounded;
     bool known = num_bounded == NUM_BOUNDED || num_bounded == OF_OTHERS + INDICATED_FRICTION;
     double *values = malloc((count + 1) * sizeof *values);
-    ehd_status status = values ? EHD_OK : no_memory(file, error);
+    ehd_status status = values ? EHD_OK : ehd_no_memory(error, artefact_path(file));
 
     for (size_t f = 0; f < NUM_SHAPE_FIELDS; f++)
         known = known && artefact_has(file, shape_fields[f].name);
@@ -321,7 +317,7 @@ static ehd_status get_indicator(trade_table *table, artefact *file, ehd_error *e
         artefact_length(file, "part") != NUM_TRADE_PARTS)
         return EHD_OK; // written without an indicator
     double *values = array_new(num_positions, NUM_TRADE_PARTS, sizeof *values);
-    ehd_status status = values ? EHD_OK : no_memory(file, error);
+    ehd_status status = values ? EHD_OK : ehd_no_memory(error, artefact_path(file));
 
     for (size_t c = 0; c < NUM_OF_INDICATOR && !status; c++) {
         if (artefact_has(file, of_indicator[c].field))
@@ -349,7 +345,7 @@ static ehd_status get_indicator(trade_table *table, artefact *file, ehd_error *e
 static ehd_status get_in_time(trade_table *table, artefact *file, ehd_error *error) {
     const size_t count = table->num_positions * NUM_TIME_PARTS;
     double *values = array_new(table->num_positions, NUM_TIME_PARTS, sizeof *values);
-    ehd_status status = values ? EHD_OK : no_memory(file, error);
+    ehd_status status = values ? EHD_OK : ehd_no_memory(error, artefact_path(file));
     bool all = table->num_trajectories > 0 && artefact_has(file, "indicated_in_time") &&
                artefact_length(file, "part_in_time") == NUM_TIME_PARTS;
 
@@ -383,7 +379,7 @@ static ehd_status get_table(trade_table *table, artefact *file, ehd_error *error
     table->num_trajectories = (size_t)num_trajectories;
     table->num_positions = artefact_length(file, "position");
     table->positions = array_new(table->num_positions, 1, sizeof *table->positions);
-    if (!table->positions) return no_memory(file, error);
+    if (!table->positions) return ehd_no_memory(error, artefact_path(file));
     status = get_counts(table, file, error);
     if (!status) status = get_reals(table, file, error);
     if (!status) status = get_in_time(table, file, error);

@@ -68,8 +68,7 @@ ehd_status weighting_quadrature(double *factors, const double *sampled, size_t n
     double *slope = malloc(num_rows * sizeof *slope);
     ehd_status status = EHD_OK;
 
-    if (!gram || !slope)
-        status = ehd_fail(error, EHD_MEMORY, "weights: found no memory for %zu rows", num_rows);
+    if (!gram || !slope) status = ehd_no_memory(error, "weights");
     if (!status) {
         memset(gram, 0, num_rows * num_rows * sizeof *gram);
         for (size_t r = 0; r < num_rows; r++)

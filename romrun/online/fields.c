@@ -7,11 +7,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-static ehd_status no_memory(const reduced_model *model, ehd_error *error) {
-    return ehd_fail(error, EHD_MEMORY, "fields: found no memory for %zu modes",
-                    model->num_pressure);
-}
-
 // ---- the modes
 
 static int compare_sizes(const void *a, const void *b) {
@@ -26,7 +21,7 @@ static ehd_status find_cut_exits(size_t *cut_exits, const reduced_model *model, 
     const size_t num = states->num_states, num_lines = model->band.num_lines;
     size_t *exit = malloc(num * sizeof *exit);
 
-    if (!exit) return no_memory(model, error);
+    if (!exit) return ehd_no_memory(error, "fields");
     for (size_t l = 0; l < num_lines; l++) {
         for (size_t s = 0; s < num; s++)
             exit[s] = states->exit[s * num_lines + l];
@@ -41,7 +36,7 @@ ehd_status field_modes_init(field_modes *self, const reduced_model *model,
                             const double *pressure_basis, ehd_error *error) {
     *self = (field_modes){.pressure = pressure_basis,
                           .cut_exits = malloc(model->band.num_lines * sizeof *self->cut_exits)};
-    if (!self->cut_exits) return no_memory(model, error);
+    if (!self->cut_exits) return ehd_no_memory(error, "fields");
     ehd_status status = find_cut_exits(self->cut_exits, model, error);
     if (status) field_modes_free(self);
     return status;
@@ -60,7 +55,7 @@ ehd_status field_modes_fill(double *table, size_t column, const ehd_grid *grid, 
     const size_t own = grid_width(&model->grid), wide = grid_width(grid);
     ehd_deflection *deflection = deflection_create(model->kind, grid);
     double *work = malloc(num_nodes * sizeof *work);
-    ehd_status status = deflection && work ? EHD_OK : no_memory(model, error);
+    ehd_status status = deflection && work ? EHD_OK : ehd_no_memory(error, "fields");
 
     for (size_t j = 0; j < num && !status; j++) {
         memset(work, 0, num_nodes * sizeof *work);
@@ -80,7 +75,7 @@ ehd_status field_modes_deflect(field_modes *self, const reduced_model *model, eh
     const ehd_grid *grid = &model->grid;
 
     self->own = array_new(grid->num_nodes, model->num_pressure, sizeof *self->own);
-    if (!self->own) return no_memory(model, error);
+    if (!self->own) return ehd_no_memory(error, "fields");
     self->deflection = self->own;
     self->column = model->num_pressure;
     self->line = grid_width(grid) * self->column;

@@ -17,9 +17,7 @@
 /* A table of zeros. */
 static ehd_status make_table(double **table, const spline_layout *layout, ehd_error *error) {
     *table = calloc(layout->num_lines * layout->line, sizeof **table);
-    return *table ? EHD_OK
-                  : ehd_fail(error, EHD_MEMORY, "splines: found no memory for %zu modes",
-                             layout->width);
+    return *table ? EHD_OK : ehd_no_memory(error, "splines");
 }
 
 /* Fills the curvatures of a table from its values. */
@@ -27,7 +25,7 @@ static ehd_status fill_curvatures(double *table, const spline_layout *layout, eh
     size_t columns = layout->num_columns, lines = layout->num_lines, width = layout->width;
     double *factor = malloc((columns + lines) * sizeof *factor);
 
-    if (!factor) return ehd_fail(error, EHD_MEMORY, "splines: found no memory");
+    if (!factor) return ehd_no_memory(error, "splines");
     for (size_t l = 0; l < lines; l++) {
         double *values = table + l * layout->line;
         spline_curvatures(values + layout->x_curvature, factor, values, columns, layout->column,
@@ -316,7 +314,7 @@ ehd_status previous_film_init(previous_film *self, const reduced_model *model,
     whole = init_sums(&self->pressure, &splines->pressure_layout) && whole;
     whole = whole && self->runs && self->cut_pressure && self->cut_node && self->difference;
     ehd_status status = whole ? reduced_state_init(&self->state, model, error)
-                              : ehd_fail(error, EHD_MEMORY, "previous state: found no memory");
+                              : ehd_no_memory(error, "previous state");
     if (!status) status = reduced_values_init(&self->values, model, error);
     if (status) previous_film_free(self);
     return status;

@@ -129,12 +129,12 @@ ehd_status online_open(online_model **model, const char *path, const part_sizes 
     if (self) self->path = strdup(path);
     if (!self || !self->path) {
         free(self);
-        return ehd_fail(error, EHD_MEMORY, "%s: found no memory", path);
+        return ehd_no_memory(error, path);
     }
     ehd_status status = part_list_read(&self->list, path, error);
     if (!status) {
         self->files = calloc(self->list.num, sizeof *self->files);
-        if (!self->files) status = ehd_fail(error, EHD_MEMORY, "%s: found no memory", path);
+        if (!self->files) status = ehd_no_memory(error, path);
     }
     for (size_t i = 0; i < self->list.num && !status; i++)
         status = open_file(self, i, sizes ? &sizes->of[i] : NULL, error);
@@ -351,7 +351,7 @@ ehd_status online_solver_create(online_solver **solver, const online_model *mode
     if (self) self->parts = calloc(model->num_parts, sizeof *self->parts);
     if (!self || !self->parts) {
         free(self);
-        return ehd_fail(error, EHD_MEMORY, "online solver: found no memory");
+        return ehd_no_memory(error, "online solver");
     }
     self->model = model;
     self->used = self->parts;
@@ -497,7 +497,7 @@ ehd_status online_transient_create(online_transient **transient, const online_mo
             status = not_prepared(&model->parts[p], "online_prepare_transient", error);
     if (status) return status;
     online_transient *self = calloc(1, sizeof *self);
-    if (!self) return ehd_fail(error, EHD_MEMORY, "online solver: found no memory");
+    if (!self) return ehd_no_memory(error, "online solver");
     self->model = model;
     self->reference = *reference;
     contact_take_grid(&self->reference, online_grid(model));

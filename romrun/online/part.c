@@ -80,7 +80,7 @@ void part_walk(flat *file, model_part *self) {
 
 ehd_status part_finish(model_part *self, ehd_error *error) {
     self->range = trained_range_create(&self->reduced);
-    return self->range ? EHD_OK : ehd_fail(error, EHD_MEMORY, "%s: found no memory", self->path);
+    return self->range ? EHD_OK : ehd_no_memory(error, self->path);
 }
 
 ehd_status part_open(model_part *self, const char *path, const model_sizes *sizes,
@@ -97,7 +97,7 @@ ehd_status part_show(model_part *self, const shown_lubricants *shown, ehd_error 
     shown_lubricants *own = &self->reduced.shown;
     shown_lubricant *copy = array_new(shown->count, 1, sizeof *copy);
 
-    if (!copy) return ehd_fail(error, EHD_MEMORY, "%s: found no memory", self->path);
+    if (!copy) return ehd_no_memory(error, self->path);
     for (size_t i = 0; i < shown->count; i++)
         copy[i] = shown->of[i];
     if (!self->flat || self->shows) free(own->of); // a flat file's own are part of it
@@ -180,7 +180,7 @@ ehd_status part_solver_init(part_solver *self, const model_part *model, ehd_erro
     self->range_memory = range_memory_create(model->range);
     ehd_status status = reduced_state_init(&self->state, &model->reduced, error);
     if (!status && (!self->indicator || !self->range_memory))
-        status = ehd_fail(error, EHD_MEMORY, "online solver: found no memory");
+        status = ehd_no_memory(error, "online solver");
     return status ? status
                   : reduced_solver_create(&self->reduced, &model->reduced, &settings, error);
 }

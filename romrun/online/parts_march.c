@@ -57,13 +57,13 @@ ehd_status parts_march_create(parts_march **created, reduced_march *const *parts
         for (size_t p = 0; p < num_parts; p++)
             reduced_march_free(parts[p]);
         parts_march_free(self);
-        return ehd_fail(error, EHD_MEMORY, "online solver: found no memory");
+        return ehd_no_memory(error, "online solver");
     }
     memcpy(self->parts, parts, num_parts * sizeof(reduced_march *));
     self->num_parts = num_parts;
     if (!allocate(self)) {
         parts_march_free(self);
-        return ehd_fail(error, EHD_MEMORY, "online solver: found no memory");
+        return ehd_no_memory(error, "online solver");
     }
     *created = self;
     return EHD_OK;

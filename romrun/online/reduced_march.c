@@ -204,8 +204,7 @@ static ehd_status prepare_path(reduced_march *self, ehd_error *error) {
                         reference->lubricant.density != NULL, error);
 
     if (!status) status = previous_film_init(&self->base, self->model, self->splines, error);
-    return status || find_way(self) ? status
-                                    : ehd_fail(error, EHD_MEMORY, "online solver: found no memory");
+    return status || find_way(self) ? status : ehd_no_memory(error, "online solver");
 }
 
 ehd_status reduced_march_create(reduced_march **created, const reduced_model *model,
@@ -222,7 +221,7 @@ ehd_status reduced_march_create(reduced_march **created, const reduced_model *mo
     if (!status) status = discretization_check_in_time(model->grid.discretization, error);
     if (status) return status;
     reduced_march *self = calloc(1, sizeof *self);
-    if (!self) return ehd_fail(error, EHD_MEMORY, "online solver: found no memory");
+    if (!self) return ehd_no_memory(error, "online solver");
     self->model = model;
     self->splines = splines;
     self->reference = *reference;
@@ -237,7 +236,7 @@ ehd_status reduced_march_create(reduced_march **created, const reduced_model *mo
     bool whole = self->range_memory && !self->memory.failed;
     if (whole) sort_rows(self);
     status = whole ? reduced_solver_create(&self->solver, model, &in_time, error)
-                   : ehd_fail(error, EHD_MEMORY, "online solver: found no memory");
+                   : ehd_no_memory(error, "online solver");
     if (!status) status = reduced_state_init(&self->factors.state, model, error);
     for (size_t i = 0; i <= BDF_PREVIOUS && !status; i++)
         status = previous_film_init(&self->states[i], model, splines, error);
@@ -1219,7 +1218,7 @@ static ehd_status mean_lift(double *lift, const reduced_march *self, const hande
     double *pressure = malloc(2 * num_nodes * sizeof *pressure);
     double weight = 0, sum = 0;
 
-    if (!pressure) return ehd_fail(error, EHD_MEMORY, "reduced march: found no memory");
+    if (!pressure) return ehd_no_memory(error, "reduced march");
     double *film = pressure + num_nodes;
     reduced_fields(pressure, film, projected, self->model, &self->splines->fields);
     for (size_t k = 0; k < num_nodes; k++) {

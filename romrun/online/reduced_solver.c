@@ -21,7 +21,7 @@ ehd_status reduced_state_init(reduced_state *state, const reduced_model *model, 
     if (lines) state->exits = calloc(model->band.num_lines, sizeof *state->exits);
     if (state->coordinates && (state->exits || !lines)) return EHD_OK;
     reduced_state_free(state);
-    return ehd_fail(error, EHD_MEMORY, "reduced state: found no memory");
+    return ehd_no_memory(error, "reduced state");
 }
 
 void reduced_state_free(reduced_state *state) {
@@ -63,7 +63,7 @@ ehd_status reduced_values_init(reduced_values *values, const reduced_model *mode
     values->checkpoint = model->checkpoints.num; // none
     if (values->pressure && values->cut) return EHD_OK;
     reduced_values_free(values);
-    return ehd_fail(error, EHD_MEMORY, "online solver: found no memory");
+    return ehd_no_memory(error, "online solver");
 }
 
 void reduced_values_free(reduced_values *values) {
@@ -118,7 +118,7 @@ ehd_status reduced_solver_create(reduced_solver **solver, const reduced_model *m
     reduced_solver *self = calloc(1, sizeof *self);
 
     *solver = NULL;
-    if (!self) return ehd_fail(error, EHD_MEMORY, "online solver: found no memory");
+    if (!self) return ehd_no_memory(error, "online solver");
     self->model = model;
     self->settings = *settings;
     nodes_init(&self->nodes, model, &self->memory);
@@ -134,7 +134,7 @@ ehd_status reduced_solver_create(reduced_solver **solver, const reduced_model *m
             &self->memory, (model->band.num_nodes + 1) * model->num_unknowns, sizeof(double));
     if (self->memory.failed) {
         reduced_solver_free(self);
-        return ehd_fail(error, EHD_MEMORY, "online solver: found no memory");
+        return ehd_no_memory(error, "online solver");
     }
     *solver = self;
     return EHD_OK;

@@ -39,7 +39,7 @@ ehd_status reduced_tangent_create(reduced_tangent **created, const reduced_model
     reduced_tangent *self = calloc(1, sizeof *self);
 
     *created = NULL;
-    if (!self) return ehd_fail(error, EHD_MEMORY, "derivatives: found no memory");
+    if (!self) return ehd_no_memory(error, "derivatives");
     self->model = model;
     nodes_init(&self->nodes, model, &self->memory);
     system_init(&self->system, model, &self->memory);
@@ -50,7 +50,7 @@ ehd_status reduced_tangent_create(reduced_tangent **created, const reduced_model
     self->coordinates = arena_array(&self->memory, model->num_unknowns, sizeof(double));
     if (self->memory.failed || reduced_state_init(&self->state, model, NULL)) {
         reduced_tangent_free(self);
-        return ehd_fail(error, EHD_MEMORY, "derivatives: found no memory");
+        return ehd_no_memory(error, "derivatives");
     }
     *created = self;
     return EHD_OK;

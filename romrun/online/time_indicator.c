@@ -164,7 +164,7 @@ ehd_status time_indicator_init(time_indicator *self, const reduced_model *model,
     self->residual = arena_array(memory, most, sizeof(double));
     if (memory->failed) {
         time_indicator_free(self);
-        return ehd_fail(error, EHD_MEMORY, "online solver: found no memory");
+        return ehd_no_memory(error, "online solver");
     }
     choose_nodes(self);
     for (size_t i = 0; i < self->num_nodes; i++)

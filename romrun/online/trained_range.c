@@ -347,7 +347,7 @@ const char *trained_range_check(const trained_range *self, range_memory *memory,
                                 const frame_rates *rates) {
     range_memory *own = memory ? NULL : range_memory_create(self);
 
-    if (!memory && !own) return "found no memory to compare the contact with the training";
+    if (!memory && !own) return "no memory to compare the contact with the training";
     const char *reason = check(self, memory ? memory : own, of, rates);
     if (own && reason == lubricant_memory_reason(own->lubricants))
         reason = "a lubricant that is not in training";

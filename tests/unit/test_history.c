@@ -515,7 +515,7 @@ static void survives_failing_allocations(void **state) {
         const ehd_status status = histories_init(&self, &of, &error);
         failed = allocation_failed();
         assert_int_equal(status, failed ? EHD_MEMORY : EHD_OK);
-        if (failed) assert_non_null(strstr(error.text, "found no memory"));
+        if (failed) assert_non_null(strstr(error.text, "out of memory"));
         histories_free(self);
     }
     assert_true(call > 6);

@@ -1582,7 +1582,7 @@ static void survives_failing_allocations(void **state) {
         status = plan_read(&of, path_of("plan.yml"), NULL, 0, &error);
         failed = allocation_failed();
         assert_int_equal(status, failed ? EHD_MEMORY : EHD_OK);
-        if (failed) assert_non_null(strstr(error.text, "found no memory"));
+        if (failed) assert_non_null(strstr(error.text, "out of memory"));
         plan_free(&of);
     }
     assert_true(call > 20);
