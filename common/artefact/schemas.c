@@ -907,6 +907,8 @@ static const artefact_field model_fields[] = {
     REAL("indicator_factor_in_time_minimum", "1", NEED_OPTIONAL, VALUES_NOT_NEGATIVE,
          "factor of what is indicated in time of the minimum film thickness by rows and exit",
          "position"),
+    REAL("indicator_floor_in_time", "1", NEED_OPTIONAL, VALUES_NOT_NEGATIVE,
+         "deviation that is indicated in time of the central film thickness at least", "position"),
     REAL("indicator_floor_in_time_minimum", "1", NEED_OPTIONAL, VALUES_NOT_NEGATIVE,
          "deviation that is indicated in time of the minimum film thickness at least", "position"),
     REAL(
@@ -974,7 +976,7 @@ static const artefact_attribute model_attributes[] = {
 
 const artefact_schema schema_model = {"ehdrom-model",
                                       2,
-                                      8,
+                                      9,
                                       "Reduced model of an elastohydrodynamic contact",
                                       model_axes,
                                       model_fields,

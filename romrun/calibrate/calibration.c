@@ -6,6 +6,7 @@
 #include "common/physics/laws.h"
 #include "common/program/program.h"
 #include "common/time/march.h"
+#include "romrun/calibrate/time_factors.h"
 #include "romrun/online/parts_march.h"
 
 #include <math.h>
@@ -307,19 +308,6 @@ ehd_status calibration_measure(trade_position *position, const online_model *mod
 
 // ---- in time
 
-/* What the steps of all trajectories are measured to be, and to be indicated as. */
-typedef struct step_sample {
-    size_t trajectory;
-    double central, minimum; // deviation of the films
-    film_bounds bounds;
-} step_sample;
-
-typedef struct step_samples {
-    size_t trajectory; // of the steps that follow
-    size_t count;
-    step_sample *samples; // with room for all steps
-} step_samples;
-
 /* Measurements on the trajectories that were not lost. */
 typedef struct repetition {
     double worst[TRADE_PRESSURE];
@@ -340,102 +328,11 @@ static void add_step(repetition *self, step_samples *steps, const march_step *ou
 
     for (int q = 0; q < TRADE_PRESSURE; q++)
         self->worst[q] = fmax(self->worst[q], deviation[q]);
-    steps->samples[steps->count++] = (step_sample){steps->trajectory, deviation[TRADE_CENTRAL_FILM],
-                                                   deviation[TRADE_MINIMUM_FILM], *bounds};
-}
-
-/* How much the minimum film of a step is estimated to be off by factors, unbounded. */
-static double estimated_minimum(const film_factors *factors, const film_bounds *bounds) {
-    return factors->central * bounds->arriving + factors->minimum * bounds->arising +
-           factors->floor;
-}
-
-/* The smallest factor of the central film that covers each step trade_margin times. */
-static double central_factor(const step_samples *steps) {
-    double factor = 0;
-
-    for (size_t i = 0; i < steps->count; i++) {
-        const step_sample *here = &steps->samples[i];
-        if (here->bounds.central > 0)
-            factor = fmax(factor, trade_margin * here->central / here->bounds.central);
-    }
-    return factor;
-}
-
-/* The smallest factor, of the errors that arise at the constriction, that covers the minimum film of
- * each step trade_margin times, beside the other two factors. */
-static double minimum_factor(const step_samples *steps, double central, double floor) {
-    double factor = trade_margin;
-
-    for (size_t i = 0; i < steps->count; i++) {
-        const step_sample *here = &steps->samples[i];
-        const double wanted =
-            trade_margin * here->minimum - central * here->bounds.arriving - floor;
-        if (here->bounds.arising > 0) factor = fmax(factor, wanted / here->bounds.arising);
-    }
-    return factor;
-}
-
-/* The sum over the trajectories that were not lost of the largest estimate of the minimum film. The
- * steps of a trajectory follow each other. */
-static double sum_of_largest(const step_samples *steps, const film_factors *factors,
-                             const bool *lost) {
-    double sum = 0, largest = 0;
-
-    for (size_t i = 0; i < steps->count; i++) {
-        const step_sample *here = &steps->samples[i];
-        if (i > 0 && here->trajectory != here[-1].trajectory) {
-            sum += largest;
-            largest = 0;
-        }
-        if (!lost[here->trajectory])
-            largest = fmax(largest, estimated_minimum(factors, &here->bounds));
-    }
-    return sum + largest;
-}
-
-static film_factors with_floor(const step_samples *steps, double central, double floor) {
-    return (film_factors){central, minimum_factor(steps, central, floor), floor};
-}
-
-/* Factors that cover each step trade_margin times. The minimum film has a factor and a floor: a step
- * whose error is as small as the noise of its bound would alone decide the factor, one that is far
- * off alone the floor. The floor is at least the error of usual steps (with a smaller one, 3 of 106
- * steps of tests/pipeline/calibrate.bats, "step by step", are off by more than is estimated), and so
- * that the estimates of the trajectories are least on average, which is convex in it.
- * errors: room for one of each step. */
-static film_factors fit_in_time(const step_samples *steps, const bool *lost, double *errors) {
-    const double central = central_factor(steps), usual = 0.95, precision = 1e-3;
-    double low = 0, high = 0;
-
-    for (size_t i = 0; i < steps->count; i++)
-        errors[i] = trade_margin * steps->samples[i].minimum;
-    if (steps->count > 0) {
-        low = trade_quantile_of(errors, steps->count, usual);
-        high = trade_quantile_of(errors, steps->count, 1);
-    }
-    const double least = precision * (high - low);
-    while (high - low > least) {
-        const double third = (high - low) / 3;
-        const film_factors lower = with_floor(steps, central, low + third),
-                           upper = with_floor(steps, central, high - third);
-        if (sum_of_largest(steps, &lower, lost) <= sum_of_largest(steps, &upper, lost))
-            high -= third;
-        else
-            low += third;
-    }
-    return with_floor(steps, central, low);
-}
-
-/* The largest estimate of either film of each trajectory, [num_trajectories]; 1: it is lost. */
-static void find_indicated(double *indicated, const film_factors *factors,
-                           const step_samples *steps) {
-    for (size_t i = 0; i < steps->count; i++) {
-        const film_bounds *bounds = &steps->samples[i].bounds;
-        double *worst = &indicated[steps->samples[i].trajectory];
-        const double central = factors->central * bounds->central;
-        *worst = fmin(fmax(*worst, fmax(central, estimated_minimum(factors, bounds))), 1);
-    }
+    steps->samples[steps->count++] =
+        (step_sample){.trajectory = steps->trajectory,
+                      .deviation = {[REDUCED_CENTRAL_FILM] = deviation[TRADE_CENTRAL_FILM],
+                                    [REDUCED_MINIMUM_FILM] = deviation[TRADE_MINIMUM_FILM]},
+                      .bounds = *bounds};
 }
 
 /* The start, or a step that is accepted. */
@@ -464,7 +361,7 @@ static ehd_status repeat(bool *lost, repetition *sum, step_samples *steps,
 
     const march_solver solver = online_march(in_time);
     reduced_march *const reduced = parts_march_part(solver.self, 0);
-    reduced_march_indicate(reduced, (film_factors){1, 1, 0}); // it is asked for its bounds
+    reduced_march_indicate(reduced, (film_factors){1, 1, 0, 0}); // it is asked for its bounds
     for (size_t i = 0; i < wanted->num_steps && !status && !outcome.status; i++) {
         double before = program_seconds_of_thread();
         status = repeat_step(&outcome, &solver, &wanted->steps[i], i == 0, error);
@@ -511,11 +408,12 @@ ehd_status calibration_measure_in_time(trade_position *position, online_model *m
     for (int q = 0; q < TRADE_PRESSURE; q++)
         position->worst_in_time[q] = sum.num_steps ? sum.worst[q] : NAN;
     if (!status) {
-        const film_factors factors = fit_in_time(&steps, lost, errors);
+        const film_factors factors = time_factors_fit(&steps, lost, errors);
         position->factor_in_time = factors.central;
         position->factor_in_time_minimum = factors.minimum;
-        position->floor_in_time_minimum = factors.floor;
-        find_indicated(indicated, &factors, &steps);
+        position->floor_in_time = factors.central_floor;
+        position->floor_in_time_minimum = factors.minimum_floor;
+        time_factors_apply(indicated, &factors, &steps);
         for (int i = 0; i < NUM_TIME_PARTS; i++)
             position->indicated_in_time[i] =
                 trade_quantile_of(indicated, num_recordings, trade_time_parts[i]);

@@ -16,7 +16,7 @@
 
 _Static_assert(sizeof(size_t) == 8 && sizeof(double) == 8, "numbers have 8 bytes");
 
-enum { ALIGNMENT = 64, NAME_BYTES = 48, VERSION = 5, ORDER = 0x01020304 };
+enum { ALIGNMENT = 64, NAME_BYTES = 48, VERSION = 6, ORDER = 0x01020304 };
 
 static const char magic[8] = {'E', 'H', 'D', 'R', 'O', 'M', 'F', '\n'};
 

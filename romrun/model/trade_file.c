@@ -82,13 +82,14 @@ static const column of_indicator[] = {
      false}};
 enum { NUM_OF_INDICATOR = sizeof of_indicator / sizeof *of_indicator };
 
-/* The same in time, which came later: all or none. */
+/* In time: all or none, but for the last, which came later and is 0 without. */
 static const column in_time[] = {
     {"indicator_factor_in_time", offsetof(trade_position, factor_in_time), NULL, true},
     {"indicator_factor_in_time_minimum", offsetof(trade_position, factor_in_time_minimum), NULL,
      true},
     {"indicator_floor_in_time_minimum", offsetof(trade_position, floor_in_time_minimum), NULL,
-     true}};
+     true},
+    {"indicator_floor_in_time", offsetof(trade_position, floor_in_time), NULL, true}};
 enum { NUM_IN_TIME = sizeof in_time / sizeof *in_time };
 
 enum { NUM_COUNTS = sizeof counts / sizeof *counts, NUM_REALS = sizeof reals / sizeof *reals };
@@ -349,10 +350,11 @@ static ehd_status get_in_time(trade_table *table, artefact *file, ehd_error *err
     bool all = table->num_trajectories > 0 && artefact_has(file, "indicated_in_time") &&
                artefact_length(file, "part_in_time") == NUM_TIME_PARTS;
 
-    for (size_t c = 0; c < NUM_IN_TIME; c++)
+    for (size_t c = 0; c < NUM_IN_TIME - 1; c++)
         all = all && artefact_has(file, in_time[c].field);
     for (size_t c = 0; c < NUM_IN_TIME && all && !status; c++)
-        status = get_of_indicator(table, values, &in_time[c], file, error);
+        if (artefact_has(file, in_time[c].field))
+            status = get_of_indicator(table, values, &in_time[c], file, error);
     if (all && !status) status = artefact_get(file, "indicated_in_time", values, count, error);
     for (size_t i = 0; i < count && all && !status; i++)
         table->positions[i / NUM_TIME_PARTS].indicated_in_time[i % NUM_TIME_PARTS] = values[i];

@@ -62,7 +62,8 @@ typedef struct trade_position {
     double step_iterations, step_seconds; // of a step, mean
     double factor_in_time;         // of the indicator in time, central film; 0: not calibrated
     double factor_in_time_minimum; // of what arises at the minimum film
-    double floor_in_time_minimum;  // added there
+    double floor_in_time;          // added to the central film's, 0 in models of before 2.9
+    double floor_in_time_minimum;  // added to the minimum film's
     // larger deviation of both films at all steps of a part of the trajectories; 1: they are lost
     double indicated_in_time[NUM_TIME_PARTS];
     size_t num_lost; // trajectories with a step not converged or not trusted

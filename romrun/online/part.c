@@ -18,7 +18,7 @@ static ehd_status read_factors(model_part *self, ehd_error *error) {
     ehd_status status = trade_get(&table, &calibrated, self->source, error);
 
     self->largest_residual = self->most_iterations = INFINITY;
-    self->in_time = (film_factors){NAN, NAN, NAN};
+    self->in_time = (film_factors){NAN, NAN, NAN, NAN};
     if (status || !calibrated) return status;
     for (size_t i = 0; i < table.num_positions; i++) {
         const trade_position *position = &table.positions[i];
@@ -32,7 +32,7 @@ static ehd_status read_factors(model_part *self, ehd_error *error) {
         if (position->max_iterations > 0) self->most_iterations = position->max_iterations;
         if (!(position->factor_in_time > 0)) continue;
         self->in_time = (film_factors){position->factor_in_time, position->factor_in_time_minimum,
-                                       position->floor_in_time_minimum};
+                                       position->floor_in_time, position->floor_in_time_minimum};
     }
     trade_free(&table);
     return EHD_OK;
@@ -50,7 +50,9 @@ static void walk_factors(flat *file, model_part *self) {
     self->checked_in_time = flat_whole(file, "checked_in_time", self->checked_in_time, 0, 1) != 0;
     self->in_time.central = flat_real(file, "factor_in_time", self->in_time.central);
     self->in_time.minimum = flat_real(file, "factor_in_time_minimum", self->in_time.minimum);
-    self->in_time.floor = flat_real(file, "floor_in_time_minimum", self->in_time.floor);
+    self->in_time.central_floor = flat_real(file, "floor_in_time", self->in_time.central_floor);
+    self->in_time.minimum_floor =
+        flat_real(file, "floor_in_time_minimum", self->in_time.minimum_floor);
     const double *others =
         flat_array(file, "other_factors", self->other_factor, NUM_INDICATED, sizeof *others);
     const indicator_shape *shapes =

@@ -227,7 +227,7 @@ ehd_status reduced_march_create(reduced_march **created, const reduced_model *mo
     self->reference = *reference;
     if (isnan(reference->smoothing)) self->reference.smoothing = model->carriage.smoothing;
     self->ring = bdf_ring_empty();
-    self->of_films = (film_factors){NAN, NAN, NAN};
+    self->of_films = (film_factors){NAN, NAN, NAN, NAN};
     self->start_tolerance = settings->tolerance;
     self->tolerance = NAN;
     self->range = trained_range_create(model);
@@ -542,9 +542,9 @@ static void set_indicated(march_step *outcome, reduced_march *self, const ehd_co
                    central,
         .arriving = time_indicator_arriving(indicator, at) / density / minimum,
         .arising = time_indicator_local(indicator, REDUCED_MINIMUM_FILM, minimum) / minimum};
-    outcome->indicated = factors->central * self->bounds.central;
+    outcome->indicated = factors->central * self->bounds.central + factors->central_floor;
     outcome->indicated_minimum = factors->central * self->bounds.arriving +
-                                 factors->minimum * self->bounds.arising + factors->floor;
+                                 factors->minimum * self->bounds.arising + factors->minimum_floor;
     // an iterate was beyond the end of the viscosity law
     if (isnan(outcome->indicated)) outcome->indicated = INFINITY;
     if (isnan(outcome->indicated_minimum)) outcome->indicated_minimum = INFINITY;

@@ -20,10 +20,12 @@ ehd_status reduced_march_create(
     const reduced_settings *settings, ehd_error *error);
 reduced_march *reduced_march_free(reduced_march *self); // accepts and returns NULL
 
-/* Of what is indicated: of the central film, and of what the fluid brings to the minimum; of what
- * arises there; and what is added to that. */
+/* From film_bounds to the estimated errors of both films:
+ * central * bounds.central + central_floor, and
+ * central * bounds.arriving + minimum * bounds.arising + minimum_floor. */
 typedef struct film_factors {
-    double central, minimum, floor;
+    double central, minimum;
+    double central_floor, minimum_floor;
 } film_factors;
 
 /* Has each step indicate how far its films are off. NaN, the default: it does not, and how fast

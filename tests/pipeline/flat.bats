@@ -150,9 +150,9 @@ for name, head in ("newer", struct.pack("<II", version + 1, order)), ("older", s
         ("turned", struct.pack("<I", version) + data[12:16][::-1]):
     open(name + ".ehdrom", "wb").write(data[:8] + head + data[16:])
 PYTHON
-    refused 65 "newer.ehdrom: found version 6 \(byte order 0x1020304\), expected 5" romrun line.yml --model newer.ehdrom
-    refused 65 "older.ehdrom: found version 0 .*, expected 5" romrun --check older.ehdrom
-    refused 65 "turned.ehdrom: found version 5 \(byte order 0x4030201\), expected 5 \(0x1020304\)" \
+    refused 65 "newer.ehdrom: found version 7 \(byte order 0x1020304\), expected 6" romrun line.yml --model newer.ehdrom
+    refused 65 "older.ehdrom: found version 0 .*, expected 6" romrun --check older.ehdrom
+    refused 65 "turned.ehdrom: found version 6 \(byte order 0x4030201\), expected 6 \(0x1020304\)" \
         romrun line.yml --model turned.ehdrom
     # without the checksum: each number that places something, replaced by others
     export EHDROM_DIGEST=no

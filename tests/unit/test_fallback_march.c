@@ -356,7 +356,7 @@ static void steps_are_given_up_before_they_are_wrong(void **state) {
     for (int i = 0; i < 2; i++) {
         reduced_basis few;
         run *both = malloc(sizeof *both);
-        begin_indicating(both, &few, 1, (film_factors){1e-9, 1e-9, i ? 0.09 : 0.11});
+        begin_indicating(both, &few, 1, (film_factors){1e-9, 1e-9, 0, i ? 0.09 : 0.11});
         go_on(both, 1, 2);
         assert_int_equal(both->by_full_model[1], !i);
         assert_int_equal(both->by_full_model[2], !i);
@@ -373,7 +373,7 @@ static void what_a_return_changes_is_indicated(void **state) {
     run *both = malloc(sizeof *both);
     size_t returned = 0;
 
-    begin_indicating(both, &few, 1, (film_factors){1e-9, 1e-9, 0});
+    begin_indicating(both, &few, 1, (film_factors){1e-9, 1e-9, 0, 0});
     for (size_t i = 1; i <= NUM_STEPS && !returned; i++) {
         const contact_frame frame = frame_at_step(both, i);
         march_step step = {.status = EHD_OK};

@@ -87,7 +87,7 @@ static void marching_init(marching *self, const problem *from, bool full_rank, b
 static void indicate_bounds(marching *self) {
     const contact_frame start = frame_after(self, 0, 1);
 
-    reduced_march_indicate(self->march, (film_factors){1, 1, 0});
+    reduced_march_indicate(self->march, (film_factors){1, 1, 0, 0});
     check_ok(self->solver.start(&self->last, self->solver.self, &start, &error));
 }
 

@@ -1,0 +1,93 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "romrun/calibrate/time_factors.h"
+
+#include "romrun/calibrate/trade.h"
+
+#include <math.h>
+
+/* How much a film of a step is estimated to be off, without a limit. */
+static double estimated(const film_factors *factors, const film_bounds *bounds, reduced_film film) {
+    return film == REDUCED_CENTRAL_FILM
+               ? factors->central * bounds->central + factors->central_floor
+               : factors->central * bounds->arriving + factors->minimum * bounds->arising +
+                     factors->minimum_floor;
+}
+
+/* The factors with another floor of a film, and with the smallest factor of it, but at least `least`,
+ * that covers each step trade_margin times. The minimum film's depends on the central film's. */
+static film_factors with_floor(film_factors factors, const step_samples *steps, reduced_film film,
+                               double least, double floor) {
+    const bool central = film == REDUCED_CENTRAL_FILM;
+    double *factor = central ? &factors.central : &factors.minimum;
+
+    *(central ? &factors.central_floor : &factors.minimum_floor) = floor;
+    *factor = least;
+    for (size_t i = 0; i < steps->count; i++) {
+        const step_sample *here = &steps->samples[i];
+        const double known = central ? 0 : factors.central * here->bounds.arriving;
+        const double bound = central ? here->bounds.central : here->bounds.arising;
+        const double wanted = trade_margin * here->deviation[film] - known - floor;
+        if (bound > 0) *factor = fmax(*factor, wanted / bound);
+    }
+    return factors;
+}
+
+/* The sum over the trajectories that were not lost of the largest estimate of a film. The steps of a
+ * trajectory follow each other. */
+static double sum_of_largest(film_factors factors, const step_samples *steps, reduced_film film,
+                             const bool *lost) {
+    double sum = 0, largest = 0;
+
+    for (size_t i = 0; i < steps->count; i++) {
+        const step_sample *here = &steps->samples[i];
+        if (i > 0 && here->trajectory != here[-1].trajectory) {
+            sum += largest;
+            largest = 0;
+        }
+        if (!lost[here->trajectory])
+            largest = fmax(largest, estimated(&factors, &here->bounds, film));
+    }
+    return sum + largest;
+}
+
+/* With the floor from `low` to `high` for which the estimates of the trajectories are least on
+ * average; they are convex in it. */
+static film_factors with_best_floor(film_factors factors, const step_samples *steps,
+                                    reduced_film film, const bool *lost, double low, double high) {
+    const double least = 1e-3 * (high - low);
+
+    while (high - low > least) {
+        const double third = (high - low) / 3;
+        const film_factors lower = with_floor(factors, steps, film, trade_margin, low + third),
+                           upper = with_floor(factors, steps, film, trade_margin, high - third);
+        if (sum_of_largest(lower, steps, film, lost) <= sum_of_largest(upper, steps, film, lost))
+            high -= third;
+        else
+            low += third;
+    }
+    return with_floor(factors, steps, film, trade_margin, low);
+}
+
+film_factors time_factors_fit(const step_samples *steps, const bool *lost, double *errors) {
+    const double usual = 0.95;
+    film_factors factors = with_floor((film_factors){0}, steps, REDUCED_CENTRAL_FILM, 0, 0);
+
+    for (int film = REDUCED_CENTRAL_FILM; film < NUM_REDUCED_FILMS && steps->count > 0; film++) {
+        if (film == REDUCED_CENTRAL_FILM && factors.central <= trade_margin) continue;
+        for (size_t i = 0; i < steps->count; i++)
+            errors[i] = trade_margin * steps->samples[i].deviation[film];
+        const double low = trade_quantile_of(errors, steps->count, usual);
+        const double high = trade_quantile_of(errors, steps->count, 1);
+        factors = with_best_floor(factors, steps, (reduced_film)film, lost, low, high);
+    }
+    return factors;
+}
+
+void time_factors_apply(double *indicated, const film_factors *factors, const step_samples *steps) {
+    for (size_t i = 0; i < steps->count; i++) {
+        const step_sample *here = &steps->samples[i];
+        double *worst = &indicated[here->trajectory];
+        for (int film = 0; film < NUM_REDUCED_FILMS; film++)
+            *worst = fmin(fmax(*worst, estimated(factors, &here->bounds, (reduced_film)film)), 1);
+    }
+}
