@@ -5,6 +5,8 @@
 
 #include <math.h>
 
+const double time_margin = 3;
+
 /* How much a film of a step is estimated to be off, without a limit. */
 static double estimated(const film_factors *factors, const film_bounds *bounds, reduced_film film) {
     return film == REDUCED_CENTRAL_FILM
@@ -14,7 +16,7 @@ static double estimated(const film_factors *factors, const film_bounds *bounds, 
 }
 
 /* The factors with another floor of a film, and with the smallest factor of it, but at least `least`,
- * that covers each step trade_margin times. The minimum film's depends on the central film's. */
+ * that covers each step time_margin times. The minimum film's depends on the central film's. */
 static film_factors with_floor(film_factors factors, const step_samples *steps, reduced_film film,
                                double least, double floor) {
     const bool central = film == REDUCED_CENTRAL_FILM;
@@ -26,7 +28,7 @@ static film_factors with_floor(film_factors factors, const step_samples *steps, 
         const step_sample *here = &steps->samples[i];
         const double known = central ? 0 : factors.central * here->bounds.arriving;
         const double bound = central ? here->bounds.central : here->bounds.arising;
-        const double wanted = trade_margin * here->deviation[film] - known - floor;
+        const double wanted = time_margin * here->deviation[film] - known - floor;
         if (bound > 0) *factor = fmax(*factor, wanted / bound);
     }
     return factors;
@@ -58,14 +60,14 @@ static film_factors with_best_floor(film_factors factors, const step_samples *st
 
     while (high - low > least) {
         const double third = (high - low) / 3;
-        const film_factors lower = with_floor(factors, steps, film, trade_margin, low + third),
-                           upper = with_floor(factors, steps, film, trade_margin, high - third);
+        const film_factors lower = with_floor(factors, steps, film, time_margin, low + third),
+                           upper = with_floor(factors, steps, film, time_margin, high - third);
         if (sum_of_largest(lower, steps, film, lost) <= sum_of_largest(upper, steps, film, lost))
             high -= third;
         else
             low += third;
     }
-    return with_floor(factors, steps, film, trade_margin, low);
+    return with_floor(factors, steps, film, time_margin, low);
 }
 
 film_factors time_factors_fit(const step_samples *steps, const bool *lost, double *errors) {
@@ -73,9 +75,9 @@ film_factors time_factors_fit(const step_samples *steps, const bool *lost, doubl
     film_factors factors = with_floor((film_factors){0}, steps, REDUCED_CENTRAL_FILM, 0, 0);
 
     for (int film = REDUCED_CENTRAL_FILM; film < NUM_REDUCED_FILMS && steps->count > 0; film++) {
-        if (film == REDUCED_CENTRAL_FILM && factors.central <= trade_margin) continue;
+        if (film == REDUCED_CENTRAL_FILM && factors.central <= time_margin) continue;
         for (size_t i = 0; i < steps->count; i++)
-            errors[i] = trade_margin * steps->samples[i].deviation[film];
+            errors[i] = time_margin * steps->samples[i].deviation[film];
         const double low = trade_quantile_of(errors, steps->count, usual);
         const double high = trade_quantile_of(errors, steps->count, 1);
         factors = with_best_floor(factors, steps, (reduced_film)film, lost, low, high);
