@@ -118,9 +118,23 @@ static ehd_status integer_misfits(const artefact *file, const char *name, int64_
                     shown_name(file), name, found, ranges[values].least, last);
 }
 
+/* Without a branch, so that several are compared at once: nearly always it is all of them. NaN, which
+ * lies nowhere, is compared with no number: that raises an exception, also by isless, of which gcc 12
+ * makes such comparisons. */
+static bool reals_lie_between(const double *found, size_t count, double low, double high) {
+    size_t unknown = 0, outside = 0;
+
+    for (size_t i = 0; i < count; i++)
+        unknown += isnan(found[i]) ? 1 : 0;
+    if (unknown > 0) return false;
+    for (size_t i = 0; i < count; i++)
+        outside += ((found[i] >= low) & (found[i] <= high)) ? 0 : 1;
+    return outside == 0;
+}
+
 ehd_status check_real(const artefact *file, const char *name, artefact_values values, double found,
                       ehd_error *error) {
-    const bool fits = (found >= ranges[values].low && found <= ranges[values].high) ||
+    const bool fits = reals_lie_between(&found, 1, ranges[values].low, ranges[values].high) ||
                       (ranges[values].nan && isnan(found));
 
     return fits ? EHD_OK : real_misfits(file, name, found, values, error);
@@ -165,15 +179,6 @@ static ehd_status check_order(const artefact *file, const char *name, artefact_v
 /* Whether the entries of a field have a status each. */
 static bool has_outcomes(const artefact *file, const artefact_field *field) {
     return file->outcomes && strcmp(field->axes[0], file->outcome_axis) == 0;
-}
-
-/* Without a branch, so that several are compared at once: nearly always it is all of them. */
-static bool reals_lie_between(const double *found, size_t count, double low, double high) {
-    size_t outside = 0;
-
-    for (size_t i = 0; i < count; i++)
-        outside += ((found[i] >= low) & (found[i] <= high)) ? 0 : 1;
-    return outside == 0;
 }
 
 static bool integers_lie_between(const int64_t *found, size_t count, int64_t low, int64_t high) {

@@ -27,10 +27,12 @@ static ehd_status read_factors(model_part *self, ehd_error *error) {
         self->indicator_factor_minimum = position->indicator_factor_minimum;
         memcpy(self->other_factor, position->other_factor, sizeof self->other_factor);
         memcpy(self->shape, position->shape, sizeof self->shape);
-        if (position->indicator_factor > 0) self->largest_residual = position->largest_residual;
+        if (isgreater(position->indicator_factor, 0))
+            self->largest_residual = position->largest_residual;
         self->checked_in_time = table.num_trajectories > position->num_lost;
-        if (position->max_iterations > 0) self->most_iterations = position->max_iterations;
-        if (!(position->factor_in_time > 0)) continue;
+        if (isgreater(position->max_iterations, 0))
+            self->most_iterations = position->max_iterations;
+        if (!isgreater(position->factor_in_time, 0)) continue;
         self->in_time = (film_factors){position->factor_in_time, position->factor_in_time_minimum,
                                        position->floor_in_time, position->floor_in_time_minimum};
     }

@@ -19,7 +19,7 @@ C
     small_point_model
     moving_scene "x_min: -4, x_max: 2, step: 0.05" "end_time: 0.3, fixed_step: 0.05"
     time_plan train "1, 2" "0.1"
-    model_in_time 8 --no-check
+    model_in_time 8
     si_scene
     printf '  shear: {law: eyring, tau0: 5e6}\nslide_roll: 0.1\n' >>si.yml
     { cat point.yml && echo "slide_roll: 0.1"; } >sliding.yml
