@@ -4,6 +4,7 @@
 #include "common/program/output_file.h"
 #include "common/settings/place.h"
 
+#include <ctype.h>
 #include <gsl/gsl_sort.h>
 #include <limits.h>
 #include <math.h>
@@ -95,6 +96,10 @@ static double density_of(const part *range, const training_set *set) {
 static void write_quoted(FILE *stream, const char *text) {
     fputc('"', stream);
     for (; *text; text++) {
+        if (iscntrl((unsigned char)*text)) { // YAML would read a line break as a blank
+            fprintf(stream, "\\x%02X", (unsigned char)*text);
+            continue;
+        }
         if (*text == '"' || *text == '\\') fputc('\\', stream);
         fputc(*text, stream);
     }

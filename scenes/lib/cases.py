@@ -86,14 +86,22 @@ def _without_comments(lines):
             yield line
 
 
+def _separator(header):
+    """A comma if the header has one outside of quotes, else a semicolon or a tab, as the programs have it."""
+    unquoted = "".join(header.split('"')[::2])
+    return next((mark for mark in ",;\t" if mark in unquoted), ",")
+
+
 def read_cases(file="cases.csv"):
-    """Cases of a CSV file: a line each under a header of settings of the scene (any keys, such as physical.load). An
-    empty field leaves what the scene says; the column `name`, which there need not be, names the cases; columns title
-    and published_... are no settings; lines that begin with # and empty ones are left out."""
+    """Cases of a CSV file: a line each under a header of settings of the scene (any keys, such as physical.load), with
+    commas, semicolons or tabs between them. An empty field leaves what the scene says; the column `name`, which there
+    need not be, names the cases; columns title and published_... are no settings; lines that begin with # and empty ones
+    are left out."""
     try:
         with open(file, newline="", encoding="utf-8-sig") as source:
+            lines = list(_without_comments(source))
             header, *records = [[text.strip() for text in record] for record in
-                                csv.reader(_without_comments(source), strict=True)] or [[]]
+                                csv.reader(lines, strict=True, delimiter=_separator((lines or [""])[0]))] or [[]]
     except (OSError, ValueError, csv.Error) as error:
         stop(f"{file}: found '{getattr(error, 'strerror', None) or error}', expected a table of cases")
     for number, record in enumerate(records, 1):

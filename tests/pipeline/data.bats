@@ -86,6 +86,10 @@ CSV
     printf 'moes.M,moes.L\n9,3,4\n' >cases.csv
     run_make
     [[ $status == 2 && $output == *"cases.csv: case 1: found 3 fields, expected the 2 of the header"* ]]
+    # semicolons, as romrun --cases takes them
+    printf 'name;moes.M;moes.L\n"a;b";9;3\n' >cases.csv
+    run_make
+    [ "$status" -eq 0 ]
     printf 'moes.M,moes.L\n"9,3\n' >cases.csv
     run_make
     [[ $status == 2 && $output == *"cases.csv: found 'unexpected end of data', expected a table of cases"* ]]

@@ -55,9 +55,10 @@ solves() {
     sed 's/M: \[6, 24\]/M: [100, 105]/' region.yml >close.yml
     refused 65 "found points of too few different M, expected 16 parts" snapgen close.yml --num-parts 16 -o none.txt
     # a folder of any name
-    mkdir 'a "b'
-    cp region.yml base.yml 'a "b'
-    snapgen 'a "b/region.yml' --num-parts 2 -o quoted.txt --force
+    local folder=$'a "b\nc'
+    mkdir "$folder"
+    cp region.yml base.yml "$folder"
+    snapgen "$folder/region.yml" --num-parts 2 -o quoted.txt --force
     snapgen "$(tail -n 1 quoted.txt | cut -d ' ' -f 1)" --num-parts 2 -o again.txt --force
     sed 's/M: \[6, 24\]/M: [8, 8.0000001]/' region.yml >narrow.yml
     refused 65 "found points of too few different M, expected 16 parts" snapgen narrow.yml --num-parts 16 -o none.txt
