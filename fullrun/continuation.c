@@ -69,8 +69,8 @@ static void add_effort(full_info *total, const full_info *part) {
     total->seconds_linear = linear;
 }
 
-/* Returns a contact on the way from start to goal, s = 0 … 1. M and Eyring's stress of a thinned flow are interpolated
- * geometrically, L and p_H linearly. */
+/* Returns a contact between start (s = 0) and goal (s = 1). Interpolates L and p_H linearly, and the logarithms of M and of
+ * Eyring's stress of a thinned flow. */
 static ehd_contact contact_between(const ehd_contact *start, const ehd_contact *goal, double s) {
     ehd_contact between = *goal;
 
@@ -88,8 +88,8 @@ static ehd_contact contact_between(const ehd_contact *start, const ehd_contact *
     return between;
 }
 
-/* Continuation from a solved contact to the goal: strides halve on failure and double on success.
- * `state`: in, the solution at the start; out, that reached. */
+/* Solves contacts between a solved contact and the goal. The stride in s halves on failure and doubles on success. `state` is
+ * the solution at the start, and becomes the last solution reached. */
 static ehd_status continue_to(full_info *info, full_state *state, full_solver *solver,
                               const ehd_contact *start, const ehd_contact *goal, ehd_error *error) {
     double done = 0, stride = 1;

@@ -364,12 +364,13 @@ static ehd_status solve_stationary(stationary_run *self, ehd_error *error) {
     return status;
 }
 
-/* How often the program halves a step that it has chosen. Of the contacts that were tried (b/a 0.05 to 20 and lines, M 0.1
- * to 2000, L 0 to 25) those whose step proves too coarse need one halving. Each takes four times the nodes of a point contact. */
+/* Largest number of times that the program halves its default step. Contacts with b/a from 0.05 to 20 and lines were tried, with
+ * M from 0.1 to 2000 and L from 0 to 25. Those whose default step was too coarse needed one halving. Each halving takes four
+ * times as many nodes of a point contact. */
 enum { MAX_HALVINGS = 2 };
 
-/* Halves the step of a grid whose step nobody gives, where it does not resolve the contact, as far as
- * there are memory and nodes for it. */
+/* Halves the default step if it does not resolve the contact. Returns whether it did: it needs enough memory, and at most as
+ * many nodes as a grid may have. */
 static bool halve_step(ehd_contact *finer, const stationary_run *self) {
     const fullrun_options *options = self->options;
     const film_effects *effects = &self->resolution.effects;

@@ -456,8 +456,9 @@ static void set_effects(full_resolution *self, const film_pair films[3], const i
         self->effects.of[EFFECT_STEP], SAFETY * step_effect(minimum, of_minimum, 2, LIMIT_MINIMUM));
 }
 
-/* Sets the error estimates of the rolling resistance. It includes the part in front of the grid of a line contact, so the
- * inlet's length changes it less than the film, and the far field around a point contact, which itself is not exact. */
+/* Sets the error estimates of the rolling resistance. Of a line contact the resistance includes the part in front of the
+ * grid, and the error estimate of the film is an upper bound. Of a point contact it includes the far field, whose own error
+ * is added. */
 static void set_rolling_effects(full_resolution *self, const film_pair films[3],
                                 const inlet_change *change, const full_state *state,
                                 const ehd_contact *contact) {

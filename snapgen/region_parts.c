@@ -96,7 +96,7 @@ static double density_of(const part *range, const training_set *set) {
 static void write_quoted(FILE *stream, const char *text) {
     fputc('"', stream);
     for (; *text; text++) {
-        if (iscntrl((unsigned char)*text)) { // YAML would read a line break as a blank
+        if (iscntrl((unsigned char)*text)) { // YAML reads a line break in quotes as a blank
             fprintf(stream, "\\x%02X", (unsigned char)*text);
             continue;
         }

@@ -118,9 +118,9 @@ static ehd_status integer_misfits(const artefact *file, const char *name, int64_
                     shown_name(file), name, found, ranges[values].least, last);
 }
 
-/* Without a branch, so that several are compared at once: nearly always it is all of them. NaN, which
- * lies nowhere, is compared with no number: that raises an exception, also by isless, of which gcc 12
- * makes such comparisons. */
+/* Tells whether all numbers lie between the bounds; NaN does not. The loops have no branches, so that the compiler can
+ * vectorise them. NaN is found first, because an ordered comparison with NaN raises FE_INVALID, which a host may trap. isless
+ * does not help: gcc 12 vectorises it to an instruction that raises it too. */
 static bool reals_lie_between(const double *found, size_t count, double low, double high) {
     size_t unknown = 0, outside = 0;
 

@@ -13,13 +13,14 @@ typedef struct contact_place {
     const ehd_lubricant *lubricant; // NULL: any
 } contact_place;
 
-/* Of a contact, which must outlive it. */
+/* Returns the place of a contact in the training's coordinates. It keeps a pointer to the lubricant, so the contact must
+ * outlive it. */
 contact_place contact_place_of(const ehd_contact *contact);
 
-/* The same without a lubricant, so that only M, alpha p_H and the thinning count. */
+/* Returns the place of a contact with any lubricant: only M, alpha p_H and the thinning count. */
 contact_place contact_place_of_any(const ehd_contact *contact);
 
-/* The thinning by the sliding as a coordinate: its logarithm, or that of 1e-6 if it is less. The flow is then
+/* Returns the thinning by the sliding as a coordinate: its logarithm, or that of 1e-6 if it is less. The flow is then
  * Newtonian: in 18 line contacts (Roelands and Barus, M from 0.5 to 66, L from 4.5 to 21) thinning
  * of 1e-6 changes the central film by at most 1.4e-5 and the minimum film by 6e-5. */
 double thinning_coordinate(double sliding);

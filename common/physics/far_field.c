@@ -144,8 +144,8 @@ far_value far_field_load(const ehd_contact *contact, double rigid_approach) {
 
 // ---- traction beyond
 
-/* r at which the gap q r^2/2 of half widths along has the slope R_x/a of the surfaces, that is one of
- * lengths; not before the cells of the grid end. */
+/* Returns the r at which the gap has a slope of 1 in lengths, R_x/a in the units of the grid. If that lies within the grid,
+ * returns the r at which the cells of the grid end. */
 static double rim_of(const far_rays *rays, size_t ray, const ehd_contact *contact) {
     const double along = rays->upstream[ray], across = sqrt(fmax(0, 1 - along * along));
     const double slope = hypot(along, contact->grid.shape.far.ratio * across);
@@ -153,8 +153,8 @@ static double rim_of(const far_rays *rays, size_t ray, const ehd_contact *contac
     return fmax(contact->radius / contact->half_width / slope, 1 / rays->inverse_end[ray]);
 }
 
-/* Adds the moment of the pressure and the shear along a ray, from the end of the grid to the rim of the film, in equal parts
- * of ln r. */
+/* Adds the integrals along one ray, of the pressure's moment and of the shear stress, from the end of the grid to the rim of
+ * the film. The variable of integration is ln r. */
 static void add_ray(traction_sums *sums, const far_rays *rays, size_t ray,
                     const ehd_contact *contact, double rigid_approach) {
     const contact_shape *shape = &contact->grid.shape;

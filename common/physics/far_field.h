@@ -18,25 +18,25 @@ typedef struct far_value {
 /* Whether there is a far field: around a grid with lines and BOUNDARY_OPEN. */
 bool far_field_is_there(const ehd_grid *grid);
 
-/* H far away, q r^2/2 + H0 + 4/(3 pi c r), with r^2 = X^2 + k^2 Y^2, k the ellipticity and c the
- * compliance: the deflection is that of the whole load in one point. */
+/* Returns H far away, q r^2/2 + H0 + 4/(3 pi c r), with r^2 = X^2 + k^2 Y^2, the ellipticity k and the compliance c. The last
+ * term is the deflection by the whole load in one point. */
 double far_field_film(const contact_shape *shape, double rigid_approach, double x, double y);
 
-/* P there: lambda |U| S(phi) r q^2/(2H)^2, with phi from the side on which the fluid comes in and S
- * of far_angle_shape. With H = q r^2/2 + c it solves the isoviscous Reynolds equation up to terms of
+/* Returns P far away, lambda |U| S(phi) r q^2/(2H)^2. The angle phi begins at the side of the inlet, and S is
+ * far_angle_shape. With H = q r^2/2 + c it solves the isoviscous Reynolds equation up to terms of
  * c^2/r^4, and of c/r^2 near the exit. U is contact->far_speed. */
 far_value far_field_pressure(const ehd_contact *contact, double rigid_approach, double x, double y);
 
-/* The load that it carries beyond the cells of the inner nodes; 0 where there is none. */
+/* Returns the load of the far field beyond the cells of the inner nodes, 0 if the grid has no far field. */
 far_value far_field_load(const ehd_contact *contact, double rigid_approach);
 
-/* Returns what the far field adds to the integrals of friction and rolling, beyond the cells of the inner nodes (README.md,
- * traction beyond the grid). It reaches to where the slope of the gap is one; the film ends there without pressure. Without
- * a far field all are 0. */
+/* Returns the integrals of friction and rolling over the far field (README.md, traction beyond the grid). It begins where the
+ * cells of the inner nodes end, and it ends where the slope of the gap is one, with a pressure of 0. Returns zeros if the grid
+ * has no far field. */
 traction_sums far_field_traction(const ehd_contact *contact, double rigid_approach);
 
-/* What the rolling of far_field_traction may be off by what the far field leaves out: as much as its last
- * term, the deflection, is of the pressure where the grid ends, over a factor e of the distance. */
+/* Returns an error estimate of the rolling of far_field_traction, whose pressure is a series that is cut off. The estimate is
+ * the rolling of the last term, the deflection, at its size at the end of the grid, over a factor e of the distance. */
 double far_field_rolling_error(const ehd_contact *contact, double rigid_approach);
 
 /* Whether a node of a grid with lines is a boundary node. */

@@ -29,7 +29,7 @@ ehd_status ehd_fail(
     // input:
     ehd_status status, const char *format, ...) __attribute__((format(printf, 3, 4)));
 
-/* Writes "object: out of memory", where an allocation failed, and returns EHD_MEMORY. */
+/* Writes "object: out of memory" into *error, which may be NULL, and returns EHD_MEMORY. */
 ehd_status ehd_no_memory(ehd_error *error, const char *object);
 
 /* clang-tidy reads one source at a time and has to be told that a failure is returned as such. */

@@ -41,7 +41,7 @@ static const double NOISE_KEPT = 0.9; // of what was met of the solver's noise, 
 enum { WATCHED_ATTEMPTS = 3000, STILL_ATTEMPTS = 100, MAX_HALVINGS = 60 };
 static const double MIN_STEP = 1e-9;            // relative to the first one
 static const double ROUNDING = 8 * DBL_EPSILON; // of a time, relative, by sums and multiples
-// Longest step while bodies are apart, over the shortest time of the histories: they have no error that would limit it. The
+// Longest step while the bodies are apart, as a part of the shortest time of the histories: no error limits these steps. The
 // shortest time of a sine is 1/(2 pi) of its period, so a contact that lasts for a hundredth of the period is not missed.
 static const double WATCHED_PART = 1. / 16;
 static const double SLIVER = 1e-3; // of a step: times closer than that are one

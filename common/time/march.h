@@ -61,9 +61,9 @@ extern const double march_exit_margin;
 /* A solver that can take steps. `self` is its own. */
 typedef struct march_solver {
     void *self;
-    /* Solves the state that is `step` later, in the frame given, from the accepted states. These do
-     * not change, so that a step can be repeated. outcome->frame is the given frame,
-     * except when the bodies are apart or have just touched. Not converged is an outcome, not an error. */
+    /* Solves the state that is `step` later, in the frame given. The accepted states do not change, so a step can be
+     * repeated. outcome->frame is the given frame, except when the bodies are apart or have just touched. A step that does not
+     * converge is an outcome, not an error. */
     ehd_status (*attempt)(march_step *outcome, void *self, const contact_frame *frame, double step,
                           ehd_error *error);
     void (*accept)(void *self); // the state of the last attempt
@@ -74,10 +74,10 @@ typedef struct march_solver {
      * accepted. */
     ehd_status (*start)(march_step *outcome, void *self, const contact_frame *frame,
                         ehd_error *error);
-    /* Finds the lightest stationary contact that the solver can solve at the speed, radius and modulus of a frame, whose
-     * load is 1. Gives its rigid approach H0, in the reference frame, and its load; both are NaN if there is none. Bodies
-     * touch there. Accepted states stay valid, but an earlier attempt must not be accepted after this call. Only apart_march
-     * (apart.h) calls it. */
+    /* Finds the lightest stationary contact that the solver can solve, at the speed, radius and modulus of a frame with a load
+     * of 1. Returns its rigid approach H0 in the reference frame and its load, or NaN for both if there is no such contact.
+     * apart_march (apart.h), the only caller, takes this approach for the one at which the bodies touch. After the call the
+     * accepted states are valid, and the last attempt is not. */
     ehd_status (*touching)(double *approach, double *load, void *self, const contact_frame *frame,
                            ehd_error *error);
     /* Everything needed to go on from the last accepted state, as numbers; EHD_DATA when they are

@@ -98,7 +98,7 @@ static size_t free_point(pool *self) {
     return root ? point_at(self, self->next++) : NO_PARENT;
 }
 
-/* Makes the points ready that waited for this one. */
+/* Marks the points that waited for this one as ready. */
 static void release_children(pool *self, size_t point) {
     if (!self->place) return;
     for (size_t child = self->first_child[point]; child != NO_PARENT;

@@ -7,16 +7,16 @@
 
 const double time_margin = 3;
 
-/* How much a film of a step is estimated to be off, without a limit. */
-static double estimated(const film_factors *factors, const film_bounds *bounds, reduced_film film) {
+/* Returns the error estimate of a film of a step, without an upper limit. */
+static double estimate(const film_factors *factors, const film_bounds *bounds, reduced_film film) {
     return film == REDUCED_CENTRAL_FILM
                ? factors->central * bounds->central + factors->central_floor
                : factors->central * bounds->arriving + factors->minimum * bounds->arising +
                      factors->minimum_floor;
 }
 
-/* The factors with another floor of a film, and with the smallest factor of it, but at least `least`,
- * that covers each step time_margin times. The minimum film's depends on the central film's. */
+/* Returns the factors with another floor of a film. The factor of this film becomes the smallest one, from
+ * `least` on, with which each estimate is at least time_margin times the error. */
 static film_factors with_floor(film_factors factors, const step_samples *steps, reduced_film film,
                                double least, double floor) {
     const bool central = film == REDUCED_CENTRAL_FILM;
@@ -34,8 +34,7 @@ static film_factors with_floor(film_factors factors, const step_samples *steps, 
     return factors;
 }
 
-/* The sum over the trajectories that were not lost of the largest estimate of a film. The steps of a
- * trajectory follow each other. */
+/* Returns the sum of the largest estimates of a film, one of each trajectory that was not lost. */
 static double sum_of_largest(film_factors factors, const step_samples *steps, reduced_film film,
                              const bool *lost) {
     double sum = 0, largest = 0;
@@ -47,18 +46,23 @@ static double sum_of_largest(film_factors factors, const step_samples *steps, re
             largest = 0;
         }
         if (!lost[here->trajectory])
-            largest = fmax(largest, estimated(&factors, &here->bounds, film));
+            largest = fmax(largest, estimate(&factors, &here->bounds, film));
     }
     return sum + largest;
 }
 
-/* With the floor from `low` to `high` for which the estimates of the trajectories are least on
- * average; they are convex in it. */
+/* Returns the factors with the floor of a film for which sum_of_largest has its minimum. The sum is convex in
+ * the floor, and the search divides the interval in three. */
 static film_factors with_best_floor(film_factors factors, const step_samples *steps,
-                                    reduced_film film, const bool *lost, double low, double high) {
-    const double least = 1e-3 * (high - low);
+                                    reduced_film film, const bool *lost, double *errors) {
+    const double usual = 0.95, precision = 1e-3;
 
-    while (high - low > least) {
+    for (size_t i = 0; i < steps->count; i++)
+        errors[i] = time_margin * steps->samples[i].deviation[film];
+    double low = trade_quantile_of(errors, steps->count, usual);
+    double high = trade_quantile_of(errors, steps->count, 1);
+    const double width = precision * (high - low);
+    while (high - low > width) {
         const double third = (high - low) / 3;
         const film_factors lower = with_floor(factors, steps, film, time_margin, low + third),
                            upper = with_floor(factors, steps, film, time_margin, high - third);
@@ -71,18 +75,12 @@ static film_factors with_best_floor(film_factors factors, const step_samples *st
 }
 
 film_factors time_factors_fit(const step_samples *steps, const bool *lost, double *errors) {
-    const double usual = 0.95;
     film_factors factors = with_floor((film_factors){0}, steps, REDUCED_CENTRAL_FILM, 0, 0);
 
-    for (int film = REDUCED_CENTRAL_FILM; film < NUM_REDUCED_FILMS && steps->count > 0; film++) {
-        if (film == REDUCED_CENTRAL_FILM && factors.central <= time_margin) continue;
-        for (size_t i = 0; i < steps->count; i++)
-            errors[i] = time_margin * steps->samples[i].deviation[film];
-        const double low = trade_quantile_of(errors, steps->count, usual);
-        const double high = trade_quantile_of(errors, steps->count, 1);
-        factors = with_best_floor(factors, steps, (reduced_film)film, lost, low, high);
-    }
-    return factors;
+    if (steps->count == 0) return factors;
+    if (factors.central > time_margin)
+        factors = with_best_floor(factors, steps, REDUCED_CENTRAL_FILM, lost, errors);
+    return with_best_floor(factors, steps, REDUCED_MINIMUM_FILM, lost, errors);
 }
 
 void time_factors_apply(double *indicated, const film_factors *factors, const step_samples *steps) {
@@ -90,6 +88,6 @@ void time_factors_apply(double *indicated, const film_factors *factors, const st
         const step_sample *here = &steps->samples[i];
         double *worst = &indicated[here->trajectory];
         for (int film = 0; film < NUM_REDUCED_FILMS; film++)
-            *worst = fmin(fmax(*worst, estimated(factors, &here->bounds, (reduced_film)film)), 1);
+            *worst = fmin(fmax(*worst, estimate(factors, &here->bounds, (reduced_film)film)), 1);
     }
 }

@@ -82,7 +82,8 @@ static const column of_indicator[] = {
      false}};
 enum { NUM_OF_INDICATOR = sizeof of_indicator / sizeof *of_indicator };
 
-/* In time: all or none, but for the last, which came later and is 0 without. */
+/* Columns of the error estimates in time. A file has all of them or none; files of before schema 2.9 lack the last one, which
+ * is then 0. */
 static const column in_time[] = {
     {"indicator_factor_in_time", offsetof(trade_position, factor_in_time), NULL, true},
     {"indicator_factor_in_time_minimum", offsetof(trade_position, factor_in_time_minimum), NULL,

@@ -20,9 +20,9 @@ ehd_status reduced_march_create(
     const reduced_settings *settings, ehd_error *error);
 reduced_march *reduced_march_free(reduced_march *self); // accepts and returns NULL
 
-/* From film_bounds to the estimated errors of both films:
- * central * bounds.central + central_floor, and
- * central * bounds.arriving + minimum * bounds.arising + minimum_floor. */
+/* Factors and floors of the error estimates, relative to the films. The estimate of the central film is
+ * central * bounds.central + central_floor, and that of the minimum film is
+ * central * bounds.arriving + minimum * bounds.arising + minimum_floor, with film_bounds below. */
 typedef struct film_factors {
     double central, minimum;
     double central_floor, minimum_floor;

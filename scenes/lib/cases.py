@@ -87,7 +87,7 @@ def _without_comments(lines):
 
 
 def _separator(header):
-    """A comma if the header has one outside of quotes, else a semicolon or a tab, as the programs have it."""
+    """Returns a comma if the header has one outside of quotes, else a semicolon or a tab. The programs have the same rule."""
     unquoted = "".join(header.split('"')[::2])
     return next((mark for mark in ",;\t" if mark in unquoted), ",")
 

@@ -259,7 +259,7 @@ PYTHON
         done
     done
     echo "${kilobytes[@]}"
-    # a row takes 600 bytes; HDF5 keeps an index of where rows are, some bytes for each
+    # in memory a row takes 600 bytes; the index of HDF5 takes some bytes for each row
     ((kilobytes[2] - kilobytes[0] < 2000 && kilobytes[3] - kilobytes[1] < 3000 + rows / 60))
 }
 

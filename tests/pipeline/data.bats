@@ -86,7 +86,7 @@ CSV
     printf 'moes.M,moes.L\n9,3,4\n' >cases.csv
     run_make
     [[ $status == 2 && $output == *"cases.csv: case 1: found 3 fields, expected the 2 of the header"* ]]
-    # semicolons, as romrun --cases takes them
+    # a table with semicolons, which romrun --cases accepts
     printf 'name;moes.M;moes.L\n"a;b";9;3\n' >cases.csv
     run_make
     [ "$status" -eq 0 ]

@@ -1,6 +1,6 @@
 #!/usr/bin/env bats
 # SPDX-License-Identifier: GPL-3.0-or-later
-# A million steps through the library take no more memory than a thousand, nor do many rows of a table.
+# The memory of the library does not grow with the number of steps, and that of romrun --cases not with the number of rows.
 
 load common
 

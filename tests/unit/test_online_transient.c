@@ -303,7 +303,7 @@ static void a_step_can_be_repeated(void **unused) {
 
 // ---- steps of any lengths
 
-/* Conditions in which the load swings, or the approach by as much as that load would move it. */
+/* Conditions with a sinusoidal load, or with an approach that varies as much as under this load. */
 static online_conditions conditions_of(double time, bool by_approach, double approach) {
     online_conditions conditions = conditions_at(time);
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Factors of the error estimates in time, fitted to steps that are made up. */
+/* The fit of the factors of the error estimates in time, on made-up steps. */
 #include "romrun/calibrate/time_factors.h"
 #include "tests/unit/check.h"
 #include "tests/unit/random.h"
@@ -13,7 +13,7 @@ static step_samples steps;
 static bool lost[NUM_TRAJECTORIES];
 static double errors[NUM_STEPS];
 
-/* Errors up to 1e-4, whose bounds are up to twice too small or four times too large. */
+/* Makes steps with random errors up to 1e-4. A bound is between half and four times the error. */
 static void make_steps(uint64_t seed) {
     steps = (step_samples){.count = NUM_STEPS, .samples = samples};
     for (size_t i = 0; i < NUM_STEPS; i++) {
@@ -53,7 +53,7 @@ static film_factors fit_that_covers(void) {
     return factors;
 }
 
-/* Of the largest estimates of a film of the trajectories that were not lost. */
+/* Returns the mean of the largest estimates of a film, one of each trajectory that was not lost. */
 static double mean_of(const film_factors *factors,
                       double (*of)(const film_factors *, const step_sample *)) {
     double largest[NUM_TRAJECTORIES] = {0}, sum = 0;
@@ -100,7 +100,7 @@ static void test_a_step_that_is_far_off_decides_no_floor(void **state) {
     assert_true(factors.central_floor < 4e-4 && factors.minimum_floor < 4e-4);
 }
 
-/* No other floor has a smaller mean, but for the precision of the search. */
+/* Compares the mean with that of other floors. The search has a precision of 0.1 %. */
 static void test_the_mean_is_the_smallest(void **state) {
     (void)state;
     make_steps(3);
@@ -129,8 +129,8 @@ static void test_the_mean_is_the_smallest(void **state) {
     }
 }
 
-/* Where bounds are small, a larger factor costs the others less than a floor; a lost trajectory, whose
- * bounds were large before it was lost, does not count. */
+/* The bounds of most trajectories are small. A larger factor then raises their estimates less than a floor does. The bounds
+ * of one trajectory are large: the fit prefers the floor, unless that trajectory was lost. */
 static void test_lost_trajectories_are_covered_and_not_in_the_mean(void **state) {
     (void)state;
     make_steps(4);
