@@ -55,7 +55,7 @@ chain() { # NAME SCENE PODBUILD_OPTION...
 }
 {
     chain line line
-    chain both line --deformation independent --pressure-modes 10 --deformation-modes 8
+    chain both line --deformation independent --pressure-modes 12 --deformation-modes 10
     chain point point
     for name in line point; do podbuild --compress s-$name.h5 -q -o p-$name.h5; done
     for name in line both point; do romrun --export m-$name.h5 -o m-$name.ehdrom; done
