@@ -31,6 +31,7 @@ struct full_march {
     double *mass[BDF_PREVIOUS]; // [num_nodes] rho H of previous states at the inner nodes
     double *previous;           // [num_nodes] their sum with the formula's weights
     double *taken_up;           // [num_nodes] errors in rho H of the last attempt's film
+    double *kept;               // [num_nodes] errors in rho H of the last accepted film
     double *film;               // [num_nodes] that film without them; scratch
     double *surface;            // [num_nodes] heights in the last attempt's frame; NULL: smooth
     bool mirrored;              // X of the surface: of find_mirrored_start
@@ -53,7 +54,7 @@ full_march *full_march_free(full_march *self) {
 }
 
 double full_march_bytes(const ehd_contact *reference) {
-    const double own = (BDF_PREVIOUS + 5) * sizeof(double) + sizeof(bool);
+    const double own = (BDF_PREVIOUS + 6) * sizeof(double) + sizeof(bool);
 
     return full_solver_bytes(&reference->grid) + previous_bytes(reference, BDF_PREVIOUS + 2) +
            own * (double)reference->grid.num_nodes;
@@ -89,6 +90,7 @@ ehd_status full_march_create(full_march **created, const ehd_contact *reference,
     self->noisy = arena_array(memory, num_nodes, sizeof *self->noisy);
     self->entrained = arena_array(memory, num_nodes, sizeof(double));
     self->taken_up = arena_array(memory, num_nodes, sizeof(double));
+    self->kept = arena_array(memory, num_nodes, sizeof(double));
     self->film = arena_array(memory, num_nodes, sizeof(double));
     if (reference->surface) self->surface = arena_array(memory, num_nodes, sizeof(double));
     self->exits =
@@ -388,7 +390,7 @@ static ehd_status start(march_step *outcome, void *solver, const contact_frame *
                             .residual = info.residual};
     if (backwards) outcome->scalars.exit_position = exit;
     full_list_exits(self->exits, &first->state, &self->reference.grid, backwards);
-    self->ring.num_previous = 0;
+    bdf_ring_keep(&self->ring, 0);
     memset(self->taken_up, 0, self->reference.grid.num_nodes * sizeof(double));
     if (is_along_path(self)) {
         self->base.frame = first->frame;
@@ -420,9 +422,21 @@ static void predict(full_march *self, const bdf_formula *formula) {
             formula->predictor[i] * state_before(self, i + 1)->state.rigid_approach;
 }
 
-static void carry_over(full_march *self, const bdf_formula *formula, const contact_frame *frame) {
+/* Filters the accepted states as a step takes it. */
+static void filter_previous(full_march *self, double step) {
+    const double share =
+        frame_step_share(&state_before(self, 1)->frame, step, &self->reference.grid);
+
+    for (size_t i = 1; i <= self->ring.num_previous && is_along_path(self); i++)
+        if (state_before(self, i)->share != share)
+            previous_filter(state_before(self, i), share, &self->carrier);
+}
+
+static void carry_over(full_march *self, const bdf_formula *formula, const contact_frame *frame,
+                       double step) {
     size_t num_inner = self->reference.grid.num_inner;
 
+    filter_previous(self, step);
     memset(self->previous, 0, num_inner * sizeof(double));
     for (size_t i = 0; i < self->ring.num_previous; i++) {
         previous_mass(self->mass[i], state_before(self, i + 1), frame, &self->carrier);
@@ -525,7 +539,8 @@ static double largest_error(const full_march *self, const bdf_formula *formula,
  * sum along the grid's lines, where errors of both signs cancel and what passes a
  * node without being left in the film does not count. Before the dry contact the film is what the
  * pressure lets in: there errors fifty times as large do no harm. It is on its way for the time that
- * this takes, a unit of T at most. It comes from where the entrainment comes from. */
+ * this takes, a unit of T at most. It comes from where the entrainment comes from. Noise of shorter steps
+ * than the shortest one counts as that of such steps. */
 static double error_on_the_way(const full_march *self, const bdf_formula *formula,
                                const full_state *state, const ehd_contact *contact,
                                double entrainment, double step) {
@@ -548,7 +563,8 @@ static double error_on_the_way(const full_march *self, const bdf_formula *formul
         if (fabs(grid_x(grid, k)) <= grid->step)
             largest = fmax(largest, fmax(sum - lowest, highest - sum));
     }
-    return largest / (step * fmax(fabs(entrainment), 1));
+    const double counted = fmax(step, frame_shortest_step(entrainment, grid));
+    return largest / (counted * fmax(fabs(entrainment), 1));
 }
 
 /* Local error, relative to the central film, as the march takes it (march.h). */
@@ -567,6 +583,20 @@ static double local_error(full_march *self, const bdf_formula *formula, const fu
 
 // ---- what the steps do to the films
 
+/* Errors of the last accepted film, with what the step's share of the filter changes of it. */
+static void add_filter_errors(double *errors, full_march *self) {
+    const previous_state *last = state_before(self, 1);
+    const size_t num_nodes = self->reference.grid.num_nodes;
+    ehd_contact contact;
+
+    frame_contact(&contact, &last->frame, &self->reference);
+    memcpy(errors, self->kept, num_nodes * sizeof *errors);
+    for (size_t k = 0; k < num_nodes; k++)
+        if (last->filtered[k] != 0 && grid_is_dry(&contact.grid, k))
+            errors[k] += march_error_growth * last->filtered[k] / last->state.film[k] *
+                         mass_at(&last->state, &contact, k);
+}
+
 /* A film keeps the errors that it takes up in the dry contact on its way to the centre. Before, and
  * around the spike and the constriction, pressure settles it anew: with errors from there too, the
  * effect on the minimum film of M = 20, L = 5 was estimated 18 % where it is 1.9 %, and nothing else
@@ -577,7 +607,8 @@ static void take_up_errors(full_march *self, const bdf_formula *formula, const f
     const ehd_grid *grid = &contact->grid;
     double *carried = self->film;
 
-    previous_errors(carried, &state_before(self, 1)->frame, frame, &self->carrier);
+    add_filter_errors(self->taken_up, self);
+    previous_errors(carried, self->taken_up, &state_before(self, 1)->frame, frame, &self->carrier);
     memset(self->taken_up, 0, grid->num_nodes * sizeof(double));
     for (size_t r = 0; r < grid->num_inner; r++) {
         const size_t k = grid_node_of_row(grid, r);
@@ -651,8 +682,8 @@ static void list_exits(march_step *outcome, full_march *self, const ehd_contact 
 /* What is left of the rows in time: the weighted sum of the previous states and, along the path, no
  * entrainment but that of the base. */
 static void prepare_rows(full_march *self, const bdf_formula *formula, ehd_contact *contact,
-                         const contact_frame *frame) {
-    carry_over(self, formula, frame);
+                         const contact_frame *frame, double step) {
+    carry_over(self, formula, frame, step);
     if (!is_along_path(self)) return;
     if (previous_base(&self->carrier, frame))
         cblas_daxpy((int)contact->grid.num_inner, contact->entrainment, self->entrained, 1,
@@ -708,7 +739,7 @@ static ehd_status attempt(march_step *outcome, void *solver, const contact_frame
     frame_contact(&contact, frame, &self->reference);
     const double entrainment = contact.entrainment;
     const bool backwards = entrainment < 0;
-    prepare_rows(self, &formula, &contact, frame);
+    prepare_rows(self, &formula, &contact, frame, step);
     place_surface(self, frame);
     predict(self, &formula);
     ehd_status status = full_solve(&info, &next->state, self->solver, &contact, &squeeze, error);
@@ -747,27 +778,14 @@ static ehd_status attempt(march_step *outcome, void *solver, const contact_frame
     return EHD_OK;
 }
 
-/* The filter's errors are taken up too. */
-static void keep_errors(full_march *self, const previous_state *solved) {
-    const ehd_grid *grid = &self->reference.grid;
-    ehd_contact contact;
-
-    frame_contact(&contact, &solved->frame, &self->reference);
-    for (size_t k = 0; k < grid->num_nodes; k++)
-        if (self->carrier.filtered[k] != 0 && grid_is_dry(grid, k))
-            self->taken_up[k] += march_error_growth * self->carrier.filtered[k] /
-                                 solved->state.film[k] * mass_at(&solved->state, &contact, k);
-    previous_keep_errors(&self->carrier, self->taken_up);
-}
-
 static void accept(void *solver) {
     full_march *self = solver;
     previous_state *solved = state_before(self, 0);
 
     previous_watch_base(&self->carrier, &solved->frame);
     previous_prepare(solved, &self->carrier);
-    keep_errors(self, solved);
-    bdf_ring_accept(&self->ring, solved->frame.time);
+    memcpy(self->kept, self->taken_up, self->reference.grid.num_nodes * sizeof *self->kept);
+    bdf_ring_accept(&self->ring, solved->frame.time, 0);
 }
 
 /* Halves the load as long as the stationary solution is one to be trusted; takes the last such load, or else the first load
@@ -802,7 +820,7 @@ static ehd_status touching(double *approach, double *load, void *solver, const c
 static void restart(void *solver) {
     full_march *self = solver;
 
-    self->ring.num_previous = 1;
+    bdf_ring_restart(&self->ring);
 }
 
 const full_state *full_march_state(const full_march *self, const contact_frame **frame) {
@@ -835,7 +853,7 @@ void full_march_take(full_march *self, size_t steps, const full_state *state,
     full_state_copy(&taken->state, state, &self->reference.grid);
     previous_prepare(taken, &self->carrier);
     self->ring.time[place] = frame->time;
-    self->ring.num_previous = steps;
+    bdf_ring_keep(&self->ring, steps);
 }
 
 const full_state *full_march_base(const full_march *self, const contact_frame **frame) {
@@ -851,11 +869,11 @@ ehd_status full_march_take_base(full_march *self, const full_state *state,
 }
 
 void full_march_errors(double *errors, const full_march *self) {
-    previous_kept_errors(errors, &self->carrier);
+    memcpy(errors, self->kept, self->reference.grid.num_nodes * sizeof *errors);
 }
 
 void full_march_take_errors(full_march *self, const double *errors) {
-    previous_keep_errors(&self->carrier, errors);
+    memcpy(self->kept, errors, self->reference.grid.num_nodes * sizeof *errors);
 }
 
 full_march_effort full_march_effort_of(const full_march *self) {
@@ -922,7 +940,10 @@ static ehd_status restore_state(void *solver, size_t index, const contact_frame 
 }
 
 static saved_states saved_states_of(const full_march *self) {
-    return (saved_states){.size = state_size(self), .save = save_state, .restore = restore_state};
+    return (saved_states){.num_states = BDF_PREVIOUS,
+                          .size = state_size(self),
+                          .save = save_state,
+                          .restore = restore_state};
 }
 
 /* Along the path the base goes first, and at its end the time that it is of use to, NEVER while that
@@ -953,7 +974,7 @@ static void save(double *saved, const void *solver) {
         saved[NUM_FRAME + state_size(self)] = isinf(until) ? NEVER : until;
     }
     saved += saved_base_size(self);
-    previous_kept_errors(saved, &self->carrier);
+    memcpy(saved, self->kept, num_nodes * sizeof *saved);
     ring_save(saved + num_nodes, &self->ring, &states, self);
 }
 
@@ -981,7 +1002,7 @@ static ehd_status restore(void *solver, const double *saved, ehd_error *error) {
         if (!isfinite(saved[k]))
             return ehd_fail(error, EHD_DATA, "saved state: found %g, expected finite values",
                             saved[k]);
-    previous_keep_errors(&self->carrier, saved);
+    memcpy(self->kept, saved, num_nodes * sizeof *saved);
     return ring_restore(&self->ring, self, saved + num_nodes, &states, error);
 }
 

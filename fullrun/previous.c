@@ -53,10 +53,12 @@ ehd_status previous_init(previous_state *self, const ehd_contact *reference, ehd
 
     if (status) return status;
     self->beyond = malloc(wide.num_nodes * sizeof *self->beyond);
+    self->filtered = malloc(grid->num_nodes * sizeof *self->filtered);
     self->num_lines = grid_lines(grid);
     self->deflection = make_splines(self->num_lines, grid_width(grid));
     self->pressure = compressible ? make_splines(self->num_lines, grid_width(grid)) : NULL;
-    if (self->beyond && self->deflection && (self->pressure || !compressible)) return EHD_OK;
+    if (self->beyond && self->filtered && self->deflection && (self->pressure || !compressible))
+        return EHD_OK;
     previous_free(self);
     return ehd_no_memory(error, "previous state");
 }
@@ -64,15 +66,16 @@ ehd_status previous_init(previous_state *self, const ehd_contact *reference, ehd
 void previous_free(previous_state *self) {
     full_state_free(&self->state);
     free(self->beyond);
-    self->beyond = NULL;
+    free(self->filtered);
+    self->beyond = self->filtered = NULL;
     self->deflection = free_splines(self->deflection, self->num_lines);
     self->pressure = free_splines(self->pressure, self->num_lines);
 }
 
 double previous_bytes(const ehd_contact *reference, size_t num_states) {
     const double of_spline = spline_bytes(1000) / 1000;
-    const double of_state = sizeof(full_state) + 2 * sizeof(double),
-                 of_carrier = 7 * sizeof(double) + of_spline;
+    const double of_state = sizeof(full_state) + 3 * sizeof(double),
+                 of_carrier = 6 * sizeof(double) + of_spline;
     const double of_wide_state = sizeof(double), of_deflection = 15 * sizeof(double);
     double splines = reference->lubricant.density ? 2 : 1;
     size_t margin, side;
@@ -106,7 +109,6 @@ ehd_status previous_carrier_init(previous_carrier *self, const ehd_contact *refe
     self->pressure = arena_array(memory, grid->num_inner, sizeof(double));
     self->along = arena_array(memory, grid_lines(grid) * grid->inner_x, sizeof(double));
     self->lines = arena_array(memory, self->num_across, sizeof(double));
-    self->filtered = arena_array(memory, grid->num_nodes, sizeof(double));
     self->base_film = arena_array(memory, grid->num_nodes, sizeof(double));
     self->across_values = arena_array(memory, self->num_across, sizeof(double));
     bool across = grid->inner_lines > 1;
@@ -170,9 +172,10 @@ void previous_watch_base(previous_carrier *self, const contact_frame *frame) {
     if (is_reversed(self, frame)) self->base_until = fmin(self->base_until, frame->time);
 }
 
-/* Copies a field to carrier->values; along the path its difference from the base is filtered, or all
- * of it where that is NULL. */
-static void set_values(previous_carrier *self, const double *field, const double *base) {
+/* Copies a field to carrier->values. Along the path a share of the filter is applied to its difference from the base, or to
+ * all of it where that is NULL. */
+static void set_values(previous_carrier *self, const double *field, const double *base,
+                       double share) {
     const size_t width = grid_width(&self->reference.grid);
     const size_t num_nodes = self->reference.grid.num_nodes;
 
@@ -181,32 +184,37 @@ static void set_values(previous_carrier *self, const double *field, const double
     for (size_t k = 0; k < num_nodes && base; k++)
         self->values[k] -= base[k];
     for (size_t l = 0; l < self->filter.num_lines; l++)
-        path_filter_apply(&self->filter, self->values + l * width, l, 1);
+        path_filter_apply(&self->filter, self->values + l * width, l, 1, share);
     for (size_t k = 0; k < num_nodes && base; k++)
         self->values[k] += base[k];
 }
 
 void previous_prepare(previous_state *self, previous_carrier *carrier) {
+    self->beyond[0] = NAN;
+    previous_filter(self, 1, carrier);
+}
+
+void previous_filter(previous_state *self, double share, previous_carrier *carrier) {
     const ehd_grid *grid = &carrier->reference.grid;
     const previous_state *base = previous_base(carrier, &self->frame);
 
     const ehd_surface *surface = carrier->reference.surface;
 
-    self->beyond[0] = NAN;
+    self->share = share;
     // of a surface that is not smooth only the rest of the film is interpolated and filtered
-    memcpy(carrier->filtered, self->state.film, grid->num_nodes * sizeof(double));
+    memcpy(self->filtered, self->state.film, grid->num_nodes * sizeof(double));
     for (size_t k = 0; surface && k < grid->num_nodes; k++)
-        carrier->filtered[k] -=
+        self->filtered[k] -=
             surface_height(surface, &self->frame, grid_x(grid, k), grid_y(grid, k));
-    set_values(carrier, carrier->filtered, base ? carrier->base_film : NULL);
+    set_values(carrier, self->filtered, base ? carrier->base_film : NULL, share);
     for (size_t k = 0; k < grid->num_nodes; k++) {
-        carrier->filtered[k] = carrier->values[k] - carrier->filtered[k];
+        self->filtered[k] = carrier->values[k] - self->filtered[k];
         // natural splines of the film without gap, whose curvature at the grid's ends is small
         carrier->values[k] -= grid_gap(grid, k);
     }
     fit_lines(self->deflection, carrier->values, carrier);
     if (!self->pressure) return;
-    set_values(carrier, self->state.pressure, base ? base->state.pressure : NULL);
+    set_values(carrier, self->state.pressure, base ? base->state.pressure : NULL, share);
     fit_lines(self->pressure, carrier->values, carrier);
 }
 
@@ -391,24 +399,14 @@ void previous_mass(double *mass, const previous_state *self, const contact_frame
     add_mass(mass, ratio, base, of_base, here, carrier);
 }
 
-void previous_keep_errors(previous_carrier *self, const double *errors) {
-    fit_lines(self->errors, errors, self);
-}
-
-void previous_kept_errors(double *errors, const previous_carrier *self) {
-    const size_t width = grid_width(&self->reference.grid);
-
-    for (size_t l = 0; l < grid_lines(&self->reference.grid); l++)
-        memcpy(errors + l * width, spline_values(self->errors[l]), width * sizeof *errors);
-}
-
-void previous_errors(double *errors, const contact_frame *then, const contact_frame *now,
-                     previous_carrier *carrier) {
+void previous_errors(double *carried, const double *errors, const contact_frame *then,
+                     const contact_frame *now, previous_carrier *carrier) {
     const ehd_grid *grid = &carrier->reference.grid;
     const double ratio = frame_film_ratio(now, then);
     const origin before = {frame_stretch(now, then), frame_shift(now, then)};
 
-    memset(errors, 0, grid->num_inner * sizeof *errors);
-    resample(errors, carrier->errors, before, carrier);
-    cblas_dscal((int)grid->num_inner, ratio, errors, 1);
+    fit_lines(carrier->errors, errors, carrier);
+    memset(carried, 0, grid->num_inner * sizeof *carried);
+    resample(carried, carrier->errors, before, carrier);
+    cblas_dscal((int)grid->num_inner, ratio, carried, 1);
 }

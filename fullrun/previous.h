@@ -17,6 +17,8 @@ typedef struct previous_state {
     size_t num_lines;
     spline **deflection; // [num_lines] film without gap, along each line
     spline **pressure;   // NULL when incompressible: rho H is then the film
+    double share;        // of the filter that the splines have had (frame_step_share)
+    double *filtered;    // [num_nodes] what that changed of the film
     double *beyond; // [num_nodes of the carrier's wide grid] deflection without H0; the first one
                     // is NaN while it is not known
 } previous_state;
@@ -31,8 +33,7 @@ typedef struct previous_carrier {
     size_t num_across;       // lines of the whole grid with its boundary
     double *lines, *across_values; // [num_across] their Y, and scratch
     spline *across;                // NULL on a line contact
-    spline **errors;               // [lines] of previous_keep_errors
-    double *filtered;              // [num_nodes] what the filter last changed of a film
+    spline **errors;               // [lines] of previous_errors
     ehd_grid wide;                 // the grid, with `margin` columns and `side` lines around it
     size_t margin, side;           // (of a half grid lines on the one side)
     ehd_deflection *deflection;    // on the wide grid
@@ -67,9 +68,11 @@ const previous_state *previous_base(const previous_carrier *self, const contact_
 /* A state in this frame is accepted: with one of the other direction the base is done with. */
 void previous_watch_base(previous_carrier *self, const contact_frame *frame);
 
-/* Makes the splines of a state that is set. Along the path its film and pressure are filtered;
- * carrier->filtered is then what that changed of the film, else zero. */
+/* Makes the splines of a state that is set. Along the path its film and pressure are filtered. */
 void previous_prepare(previous_state *self, previous_carrier *carrier);
+
+/* Makes the splines of a prepared state again with another share of the filter. */
+void previous_filter(previous_state *self, double share, previous_carrier *carrier);
 
 /* rho H of a previous state at the inner nodes of frame `now`, or where the fluid was that is there
  * now. Beyond the state's grid, where a contact that has grown has nodes and where fluid comes from,
@@ -80,14 +83,13 @@ void previous_mass(
     // input:
     const previous_state *self, const contact_frame *now, previous_carrier *carrier);
 
-/* Errors of rho H at the nodes that the fluid takes along with it, and where they are then: at the
- * inner nodes of frame `now`, from frame `then`; zero beyond the grid. */
-void previous_keep_errors(previous_carrier *self, const double *errors);
-void previous_kept_errors(double *errors, const previous_carrier *self); // the same again
+/* Carries errors of rho H along with the fluid: from the nodes of frame `then` to the inner nodes of frame `now`; zero where the
+ * fluid comes from beyond the grid. */
 void previous_errors(
     // output:
-    double *errors, // [num_inner]
+    double *carried, // [num_inner]
     // input:
+    const double *errors, // [num_nodes]
     const contact_frame *then, const contact_frame *now, previous_carrier *carrier);
 
 #endif

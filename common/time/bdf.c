@@ -2,7 +2,6 @@
 #include "common/time/bdf.h"
 
 #include <math.h>
-#include <stdbool.h>
 #include <string.h>
 
 const double bdf_most_growth = 1 + 1.4142135623730951;
@@ -95,7 +94,7 @@ bdf_formula bdf_step(double step, const double *intervals, size_t num_previous) 
 bdf_ring bdf_ring_empty(void) {
     bdf_ring ring = {.num_previous = 0};
 
-    for (size_t i = 0; i <= BDF_PREVIOUS; i++)
+    for (size_t i = 0; i < BDF_STATES; i++)
         ring.place[i] = i;
     return ring;
 }
@@ -113,11 +112,48 @@ bdf_formula bdf_ring_formula(const bdf_ring *ring, double step) {
     return bdf_step(step, intervals, ring->num_previous);
 }
 
-void bdf_ring_accept(bdf_ring *ring, double time) {
-    size_t oldest = ring->place[BDF_PREVIOUS];
+static void swap(bdf_ring *ring, size_t i, size_t k) {
+    const size_t place = ring->place[i];
 
+    ring->place[i] = ring->place[k];
+    ring->place[k] = place;
+}
+
+/* Whether a state is passing. Steps that grow, as after a start, are not. */
+static bool is_passing(const bdf_ring *ring, double time, double least) {
+    const double grown = 1.5;  // steps of a march at most double
+    const double slack = 1e-9; // by the rounding of times
+    const double step = time - ring->time[ring->place[1]];
+
+    return ring->num_previous == BDF_PREVIOUS && step < least * (1 - slack) &&
+           step < grown * interval(ring, 1);
+}
+
+void bdf_ring_accept(bdf_ring *ring, double time, double least) {
+    const size_t oldest = ring->place[BDF_PREVIOUS];
+
+    ring->passing = is_passing(ring, time, least);
     ring->time[ring->place[0]] = time;
+    if (ring->passing) {
+        swap(ring, 0, BDF_STATES - 1);
+        return;
+    }
     memmove(ring->place + 1, ring->place, BDF_PREVIOUS * sizeof *ring->place);
     ring->place[0] = oldest;
     if (ring->num_previous < BDF_PREVIOUS) ring->num_previous++;
+}
+
+size_t bdf_ring_accepted(const bdf_ring *ring, size_t steps) {
+    if (!ring->passing || steps == 0) return ring->place[steps];
+    return ring->place[steps == 1 ? BDF_STATES - 1 : steps - 1];
+}
+
+void bdf_ring_keep(bdf_ring *ring, size_t num_states) {
+    ring->num_previous = num_states;
+    ring->passing = false;
+}
+
+void bdf_ring_restart(bdf_ring *ring) {
+    if (ring->passing) swap(ring, 1, BDF_STATES - 1);
+    bdf_ring_keep(ring, 1);
 }

@@ -5,6 +5,7 @@
 #ifndef EHD_BDF_H
 #define EHD_BDF_H
 
+#include <stdbool.h>
 #include <stddef.h>
 
 enum {
@@ -35,12 +36,16 @@ extern const double bdf_most_growth;
  * latest state that is far enough from the last one for the step, or else of first order. */
 bdf_formula bdf_step(double step, const double *intervals, size_t num_previous);
 
-/* Which of BDF_PREVIOUS + 1 states is which: place[0] is the one being solved, place[i] the i-th
- * before it, of which the first num_previous count. */
+enum { BDF_STATES = BDF_PREVIOUS + 2 };
+
+/* Which of BDF_STATES states is which: place[0] is the one being solved, place[i] the i-th before it, of which the first
+ * num_previous count. A state that is accepted too soon after place[1] is passing: it lies at the last place, and the next
+ * step begins at place[1] again. */
 typedef struct bdf_ring {
-    size_t place[BDF_PREVIOUS + 1];
+    size_t place[BDF_STATES];
     size_t num_previous;
-    double time[BDF_PREVIOUS + 1]; // of the states, by place
+    bool passing;            // the last accepted state
+    double time[BDF_STATES]; // of the states, by place
 } bdf_ring;
 
 /* A ring that holds no states. */
@@ -49,7 +54,17 @@ bdf_ring bdf_ring_empty(void);
 /* Formula for a step from the last state. */
 bdf_formula bdf_ring_formula(const bdf_ring *ring, double step);
 
-/* The state being solved becomes the last one. */
-void bdf_ring_accept(bdf_ring *ring, double time);
+/* Makes the state being solved the last one. It is passing if it is less than `least` after the state that its step began at,
+ * unless steps grow or there are fewer than BDF_PREVIOUS states yet. */
+void bdf_ring_accept(bdf_ring *ring, double time, double least);
+
+/* Place of the accepted state `steps` (0 … num_previous) before the one being solved; a passing state is the last of them. */
+size_t bdf_ring_accepted(const bdf_ring *ring, size_t steps);
+
+/* Makes the last accepted state the only one. */
+void bdf_ring_restart(bdf_ring *ring);
+
+/* Keeps the states at place[1] to place[num_states] alone. */
+void bdf_ring_keep(bdf_ring *ring, size_t num_states);
 
 #endif

@@ -87,6 +87,14 @@ double frame_shift(const contact_frame *now, const contact_frame *then) {
     return (now->path - then->path) / then->half_width;
 }
 
+double frame_shortest_step(double entrainment, const ehd_grid *grid) {
+    return 0.25 * grid->step / fmax(fabs(entrainment), 1);
+}
+
+double frame_step_share(const contact_frame *last, double step, const ehd_grid *grid) {
+    return fmin(step / frame_shortest_step(last->speed / last->half_width, grid), 1);
+}
+
 double frame_film_ratio(const contact_frame *now, const contact_frame *then) {
     return then->film_scale / now->film_scale;
 }

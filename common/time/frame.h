@@ -47,6 +47,16 @@ double frame_film_ratio(const contact_frame *now, const contact_frame *then);
  * X' = stretch X - shift, by the path in between. */
 double frame_shift(const contact_frame *now, const contact_frame *then);
 
+/* The shortest step along the path, in T: the fluid moves by a quarter of the grid's step, at a dimensionless entrainment of at
+ * least 1. Of shorter ones only interpolation would be left, so error control does not take them (README.md); starts, events and
+ * other integrators do. */
+double frame_shortest_step(double entrainment, const ehd_grid *grid);
+
+/* A step from the state `last` over the shortest one, at most 1. The filter of films, error estimates and rates of change take
+ * this share: noise of the solution, which does not shrink with the step, then adds up along the path and not with the number
+ * of steps, and a step of no length changes nothing. */
+double frame_step_share(const contact_frame *last, double step, const ehd_grid *grid);
+
 /* A frame scaled by another load. */
 contact_frame frame_with_load(const contact_kind *kind, const contact_frame *frame, double load);
 

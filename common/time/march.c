@@ -29,10 +29,6 @@ static const double MOST_TAKEN_UP = 8;
 
 static const double FIRST_OF_FIXED = 1. / 8; // a longer first-order step launches a front
 
-/* Of the grid's step: the path of a step that is not shortened for its error's sake. What is left
- * of the error then is the grid's, by interpolation once a step. */
-static const double SHORTEST_PATH = 0.25;
-
 static const double MAX_GROWTH = 2; // below bdf_most_growth
 static const double MIN_SHRINK = 0.2;
 static const double FAILED_SHRINK = 0.25; // where Newton did not converge
@@ -138,21 +134,35 @@ ehd_status march_begin(march_step *outcome, march *self, ehd_error *error) {
     // an event that is one with the start is no stop
     self->state =
         (march_state){.step = settings->first_step, .last_event = INFINITY, .untrusted_since = NAN};
-    self->state.load = march_load_of(outcome);
+    load_forecast_start(&self->state.forecast, outcome);
     outcome->step = 0;
     judge_accuracy(self, outcome);
     watch_trust(self, outcome);
     return EHD_OK;
 }
 
-double march_load_of(const march_step *step) {
-    return step->apart ? 1 : step->scalars.load * step->frame.load;
+void load_forecast_start(load_forecast *self, const march_step *start) {
+    const double load = start->apart ? 1 : start->scalars.load * start->frame.load;
+
+    *self = (load_forecast){.load = load, .scale = start->apart ? load : start->frame.load};
 }
 
-double march_expected_load(double load, double load_rate, double step, double last_step) {
-    const double told = last_step > 0 ? fmin(step, bdf_most_growth * last_step) : step;
+void load_forecast_accept(load_forecast *self, const march_step *step) {
+    const double before = self->load;
 
-    return fmin(fmax(load + load_rate * told, 0.5 * load), 2 * load);
+    load_forecast_start(self, step);
+    if (step->apart || step->begins) return;
+    self->last_step = step->step;
+    self->rate = (self->load - before) / step->step;
+}
+
+double load_forecast_scale(const load_forecast *self, double step, const ehd_grid *grid) {
+    const double told = self->last_step > 0 ? fmin(step, bdf_most_growth * self->last_step) : step;
+    const double load =
+        fmin(fmax(self->load + self->rate * told, 0.5 * self->load), 2 * self->load);
+    const double share = fmin(step / frame_shortest_step(1, grid), 1);
+
+    return share < 1 ? self->scale + share * (load - self->scale) : load;
 }
 
 /* Up to which distance times are one: a linear table whose times have nine digits, k/30, with a
@@ -179,7 +189,7 @@ static double step_of_surface(const march *self) {
 
     if (!surface || !isnan(self->settings.fixed_step)) return step;
     const contact_frame frame = march_frame(&self->settings, self->reference->kind, self->histories,
-                                            state->time, state->load);
+                                            state->time, state->forecast.load);
     for (int i = 0; i < MAX_HALVINGS; i++) {
         const double path = histories_path(self->histories, state->time + step) - frame.path;
         const double longest =
@@ -302,9 +312,9 @@ static double accepted_error(const march *self) {
 
 /* Along the path no step is shortened beyond it. */
 static double shortest_step(const march *self, const contact_frame *frame) {
-    return is_along_path(self) ? SHORTEST_PATH * self->reference->grid.step /
-                                     fmax(fabs(frame->speed) / frame->half_width, 1)
-                               : 0;
+    return is_along_path(self)
+               ? frame_shortest_step(frame->speed / frame->half_width, &self->reference->grid)
+               : 0;
 }
 
 /* What a step is at most shortened to. */
@@ -333,7 +343,7 @@ static ehd_status attempt(march_step *outcome, march *self, const next_stop *nex
                           ehd_error *error) {
     march_state *state = &self->state;
     double step = next->time - state->time;
-    double load = march_expected_load(state->load, state->load_rate, step, state->last_step);
+    const double load = load_forecast_scale(&state->forecast, step, &self->reference->grid);
     const contact_frame frame = frame_at_stop(self, next, load);
     ehd_status status = self->solver.attempt(outcome, self->solver.self, &frame, step, error);
 
@@ -402,14 +412,10 @@ static double first_step_after_jump(const march *self, const march_step *outcome
 /* The step counts; it was the solver's last attempt. */
 static void accept(march *self, march_step *outcome, const next_stop *reached) {
     march_state *state = &self->state;
-    const bool begins = outcome->apart || outcome->begins;
-    const double load = march_load_of(outcome);
 
     self->solver.accept(self->solver.self);
     state->noise *= NOISE_KEPT;
-    state->last_step = begins ? 0 : outcome->step;
-    state->load_rate = begins ? 0 : (load - state->load) / outcome->step;
-    state->load = load;
+    load_forecast_accept(&state->forecast, outcome);
     state->time = outcome->frame.time;
     state->num_steps++;
     state->at_kink = reached->is_kink;
@@ -419,7 +425,7 @@ static void accept(march *self, march_step *outcome, const next_stop *reached) {
     state->step = step_after(self, outcome);
     if (reached->is_jump) self->solver.restart(self->solver.self);
     if (reached->is_jump || outcome->begins) {
-        state->last_step = 0;
+        state->forecast.last_step = 0;
         state->step = first_step_after_jump(self, outcome);
     }
     if (outcome->apart && is_adaptive(self))

@@ -107,15 +107,23 @@ typedef struct march_settings {
     double reference_approach; // H0 that a factor of 1 stands for; when the approach is given
 } march_settings;
 
+/* Forecast of the load that scales the next frame, where the load is an outcome. All members are doubles, so that the struct can
+ * be saved. */
+typedef struct load_forecast {
+    double load;      // of the last accepted state; of bodies apart that of the reference
+    double scale;     // load that scaled the frame of that state
+    double rate;      // of change of the load in the last accepted step
+    double last_step; // that step; 0: none since the start, a jump or a contact's loss
+} load_forecast;
+
 /* Where a march stands: everything that it needs to go on, with the solver's states. */
 typedef struct march_state {
     double time, step;                    // of the next attempt
-    double last_step;                     // the accepted one since the start or a jump, 0: none
     double rejected_step, rejected_error; // of the last attempt rejected at this step, 0: none
     double noise;      // of the solver's local errors, as far as it was met lately
     double at_kink;    // 1 where the histories have a kink at `time`, else 0
     double last_event; // of the histories that is one with `time`, else `time`
-    double load, load_rate;
+    load_forecast forecast;
     double num_steps, num_rejected,
         num_iterations;     // whole; all members are numbers of one type, so
                             // that the struct can be saved as such
@@ -155,13 +163,15 @@ ehd_status march_check_start(double speed, bool approach_given, ehd_error *error
  * is indicated (NaN), nor with an accuracy of 0. */
 bool march_deviates(char reason[MARCH_REASON], double central, double minimum, double accuracy);
 
-/* The load of a step, which scales later frames; while bodies are apart any will do. */
-double march_load_of(const march_step *step);
+/* Starts a forecast from the outcome of a start, or continues it with an accepted step. */
+void load_forecast_start(load_forecast *self, const march_step *start);
+void load_forecast_accept(load_forecast *self, const march_step *step);
 
-/* Guesses the load after the next step, to scale its frame where the load is an outcome; any value near it will do. The load
- * rate is extrapolated at most bdf_most_growth times the last step (0: no limit), since a much shorter one tells
- * little about it. */
-double march_expected_load(double load, double load_rate, double step, double last_step);
+/* Returns the load that scales the frame after a step; any value near the true one will do. The rate is extrapolated at most
+ * bdf_most_growth times the last step, since a much shorter one tells little about it. In a step shorter than a quarter of the
+ * grid's step only this share of the way is gone: where a short step changed the frame by the error of the last forecast,
+ * films interpolated in the new frame would change at a rate beyond all bounds. */
+double load_forecast_scale(const load_forecast *self, double step, const ehd_grid *grid);
 
 /* Takes the march to its start, time 0. Not converged is an outcome: then nothing else may follow.
  * In self->settings the reference approach NaN is replaced by that of the start. */

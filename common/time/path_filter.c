@@ -124,12 +124,13 @@ static void solve(double *values, const double *factor, size_t count) {
     }
 }
 
-void path_filter_apply(path_filter *self, double *values, size_t line, size_t stride) {
+void path_filter_apply(path_filter *self, double *values, size_t line, size_t stride,
+                       double share) {
     const size_t count = self->num_columns;
     double *taken = self->work; // off the values: small, so that rounding is of it alone
 
     differences(taken, taken + count, values, self->weight + line * count, count, stride);
     solve(taken, self->factor + line * count * BAND, count);
     for (size_t i = 0; i < count; i++)
-        values[i * stride] -= taken[i];
+        values[i * stride] -= share * taken[i];
 }

@@ -40,12 +40,13 @@ double path_filter_length(const ehd_contact *contact);
 /* How the contact's films are carried, with that length along the path. */
 ehd_carriage path_carriage(const ehd_contact *contact);
 
-/* Filters the values along a line, which are `stride` apart. Uses `work`. */
+/* Applies a share of the filter's change, 0 … 1, to the values along a line, which are `stride` apart. A step takes the share
+ * frame_step_share: then a path is filtered alike by many short steps and by few longer ones. Uses `work`. */
 void path_filter_apply(
     // in and out:
     path_filter *self,
     double *values, // [num_columns, stride]
     // input:
-    size_t line, size_t stride);
+    size_t line, size_t stride, double share);
 
 #endif

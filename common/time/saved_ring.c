@@ -17,14 +17,23 @@ ehd_status saved_frame(contact_frame *frame, const double *saved, size_t size, e
     return EHD_OK;
 }
 
+enum { NUM_PREVIOUS, IS_PASSING, NUM_HEAD };
+
+/* The previous states and the passing one, which there is only behind all of them. */
+static size_t num_saved(const bdf_ring *ring) {
+    return ring->num_previous + (ring->passing ? 1 : 0);
+}
+
 size_t ring_saved_size(const saved_states *states) {
-    return 1 + BDF_PREVIOUS * (NUM_FRAME + states->size);
+    return NUM_HEAD + states->num_states * (NUM_FRAME + states->size);
 }
 
 void ring_save(double *saved, const bdf_ring *ring, const saved_states *states, const void *self) {
     memset(saved, 0, ring_saved_size(states) * sizeof *saved);
-    *saved++ = (double)ring->num_previous;
-    for (size_t i = 0; i < ring->num_previous; i++, saved += NUM_FRAME + states->size) {
+    saved[NUM_PREVIOUS] = (double)ring->num_previous;
+    saved[IS_PASSING] = ring->passing ? 1 : 0;
+    saved += NUM_HEAD;
+    for (size_t i = 0; i < num_saved(ring); i++, saved += NUM_FRAME + states->size) {
         contact_frame frame;
         states->save(saved + NUM_FRAME, &frame, self, ring->place[i + 1]);
         memcpy(saved, &frame, sizeof frame);
@@ -33,20 +42,26 @@ void ring_save(double *saved, const bdf_ring *ring, const saved_states *states, 
 
 ehd_status ring_restore(bdf_ring *ring, void *self, const double *saved, const saved_states *states,
                         ehd_error *error) {
-    const double count = *saved++;
+    const double count = saved[NUM_PREVIOUS], passing = saved[IS_PASSING];
 
-    ring->num_previous = 0;
+    bdf_ring_keep(ring, 0);
     if (!(isgreaterequal(count, 1) && count <= BDF_PREVIOUS && count == floor(count)))
         return ehd_fail(error, EHD_DATA, "saved state: found %g previous states, expected 1 to %d",
                         count, BDF_PREVIOUS);
-    for (size_t i = 0; i < (size_t)count; i++, saved += NUM_FRAME + states->size) {
-        size_t place = ring->place[i + 1];
+    if (passing != 0 &&
+        (passing != 1 || count < BDF_PREVIOUS || states->num_states == BDF_PREVIOUS))
+        return ehd_fail(error, EHD_DATA, "saved state: found %g passing states, expected %s",
+                        passing, count < BDF_PREVIOUS ? "0" : "0 or 1");
+    saved += NUM_HEAD;
+    for (size_t i = 0; i < (size_t)(count + passing); i++, saved += NUM_FRAME + states->size) {
+        const size_t place = ring->place[i + 1];
         contact_frame frame;
         ehd_status status = saved_frame(&frame, saved, states->size, error);
         if (!status) status = states->restore(self, place, &frame, saved + NUM_FRAME, error);
         if (status) return status;
         ring->time[place] = frame.time;
     }
-    ring->num_previous = (size_t)count;
+    bdf_ring_keep(ring, (size_t)count);
+    ring->passing = passing == 1;
     return EHD_OK;
 }

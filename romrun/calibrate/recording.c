@@ -48,7 +48,7 @@ static ehd_status store_step(void *sink, const march_step *step, size_t index, e
                                                                   &step->frame, step->scalars.load),
         .step = step->step,
         // the march resets it at a jump
-        .jump = index > 0 && self->march.state.last_step == 0,
+        .jump = index > 0 && self->march.state.forecast.last_step == 0,
         .scalars = frame_to_reference(&step->scalars, &step->frame, target->reference)};
     return EHD_OK;
 }

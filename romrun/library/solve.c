@@ -129,6 +129,7 @@ static ehd_status take_reference(ehdrom_contact *self) {
         status =
             online_transient_create(&self->in_time, self->model->online, &self->reference, error);
     if (status) return status;
+    online_transient_allow_short_steps(self->in_time);
     self->is_reference = true;
     return EHD_OK;
 }
@@ -332,7 +333,7 @@ ehdrom_status ehdrom_restart(ehdrom_contact *self) {
 
 /* In front of a saved state: what it belongs to. */
 enum { SAVED_MARK, SAVED_COUNT, SAVED_M, SAVED_L, SAVED_ALPHA, SAVED_LENGTH, NUM_SAVED };
-static const double saved_mark = 3003; // of this version of the layout
+static const double saved_mark = 3004; // of this version of the layout
 
 static void head_of(double head[NUM_SAVED], const ehdrom_contact *self) {
     const ehd_contact *reference = &self->reference;

@@ -428,12 +428,13 @@ void exits_watch_in_time(exit_search *self, double far) {
 }
 
 /* New exit that is HELD_AT_TURN, and has turned round now or not. */
-static size_t hold_at_turn(exit_watch *watch, size_t exit, size_t next, bool turns) {
+static size_t hold_at_turn(const exit_search *self, exit_watch *watch, size_t exit, size_t next,
+                           bool turns) {
     if (watch->held) return exit;
-    if (!turns) return next;
-    if (index_distance(next, exit) > 1) return next > exit ? exit + 1 : exit - 1;
+    if (watch->turns == 0 || next == exit) return next;
+    if (!turns || index_distance(next, exit) > 1) return next > exit ? exit + 1 : exit - 1;
     watch->held = true;
-    return next > exit ? next : exit;
+    return next > exit && watch->asked <= settled_distance(self->model) ? next : exit;
 }
 
 /* New exit that is HELD_IN_CYCLE; `before`: change of the pressure in the iteration before. */
@@ -458,9 +459,13 @@ static size_t watch_exit(const exit_search *self, exit_watch *watch, double chan
 
     watch->change = change;
     watch->turns += turns;
-    if (direction) watch->direction = direction;
-    if (self->hold == HELD_AT_TURN) return hold_at_turn(watch, exit, next, turns);
-    return hold_in_cycle(self, watch, before, exit, next);
+    const size_t held = self->hold == HELD_AT_TURN ? hold_at_turn(self, watch, exit, next, turns)
+                                                   : hold_in_cycle(self, watch, before, exit, next);
+    if (direction) {
+        watch->direction = direction;
+        watch->asked = index_distance(next, exit);
+    }
+    return held;
 }
 
 bool exits_adapt(exit_search *self, node_state *nodes, reduced_state *state,

@@ -11,13 +11,14 @@
 typedef struct exit_watch {
     double change; // of the pressure, in the last iteration
     int direction, turns;
-    bool held; // for good (HELD_AT_TURN)
+    size_t asked; // nodes by which it should have moved when it last should have
+    bool held;    // for good (HELD_AT_TURN)
 } exit_watch;
 
 /* When it is held. */
 typedef enum {
-    // in time, near the solution (far): where it would go back by one node, at the farther one of
-    // both; where by more, it goes by one
+    // in time, near the solution (far): once it has turned round it moves by single nodes, and where it would then go back by
+    // one node it is held at the farther one of both, or at the nearer one if at the farther one it was far from settled
     HELD_AT_TURN,
     // stationary, on the way from another contact: after it has turned round it moves by single
     // nodes, and after three more turns it is held; at once where it would move by a node or two

@@ -14,18 +14,19 @@
 
 // ---- tables
 
-/* A table of zeros. */
+/* Makes a table of zeros, with room behind it for the work of fill_curvatures. */
 static ehd_status make_table(double **table, const spline_layout *layout, ehd_error *error) {
-    *table = calloc(layout->num_lines * layout->line, sizeof **table);
+    const size_t work = layout->num_columns + layout->num_lines;
+
+    *table = calloc(layout->num_lines * layout->line + work, sizeof **table);
     return *table ? EHD_OK : ehd_no_memory(error, "splines");
 }
 
-/* Fills the curvatures of a table from its values. */
-static ehd_status fill_curvatures(double *table, const spline_layout *layout, ehd_error *error) {
+/* Fills the curvatures of a table of make_table from its values. */
+static void fill_curvatures(double *table, const spline_layout *layout) {
     size_t columns = layout->num_columns, lines = layout->num_lines, width = layout->width;
-    double *factor = malloc((columns + lines) * sizeof *factor);
+    double *factor = table + lines * layout->line;
 
-    if (!factor) return ehd_no_memory(error, "splines");
     for (size_t l = 0; l < lines; l++) {
         double *values = table + l * layout->line;
         spline_curvatures(values + layout->x_curvature, factor, values, columns, layout->column,
@@ -37,8 +38,6 @@ static ehd_status fill_curvatures(double *table, const spline_layout *layout, eh
             spline_curvatures(values + layout->y_curvature, factor, values, lines, layout->line,
                               width, layout->even_y);
         }
-    free(factor);
-    return EHD_OK;
 }
 
 static bool is_line(const reduced_model *model) {
@@ -80,7 +79,8 @@ static ehd_status make_kernel_table(film_splines *self, const contact_kind *kind
         for (size_t c = 0; c < layout.num_columns; c++)
             self->kernel[l * layout.line + c * layout.column] =
                 deflection_influence(kind, &self->grid, (double)c * step, (double)l * across);
-    return fill_curvatures(self->kernel, &layout, error);
+    fill_curvatures(self->kernel, &layout);
+    return EHD_OK;
 }
 
 // ---- the modes
@@ -148,7 +148,8 @@ static ehd_status make_film_table(film_splines *self, const reduced_model *model
                                   self->side, &self->fields, model, error);
     else if (!status)
         extend_modes(self, model, deformation_basis);
-    return status ? status : fill_curvatures(self->film, &self->layout, error);
+    if (!status) fill_curvatures(self->film, &self->layout);
+    return status;
 }
 
 static ehd_status make_pressure_table(film_splines *self, const reduced_model *model,
@@ -160,7 +161,8 @@ static ehd_status make_pressure_table(film_splines *self, const reduced_model *m
     for (size_t k = 0; k < model->grid.num_nodes && !status; k++)
         memcpy(self->pressure + k * layout.column, self->fields.pressure + k * width,
                width * sizeof(double));
-    return status ? status : fill_curvatures(self->pressure, &layout, error);
+    if (!status) fill_curvatures(self->pressure, &layout);
+    return status;
 }
 
 /* Grid and layouts, which follow from the model. */
@@ -246,12 +248,13 @@ static ehd_status filter_table(double **filtered, const double *table, const spl
     memcpy(*filtered, table, layout->num_lines * layout->line * sizeof *table);
     for (size_t l = 0; l < layout->num_lines; l++)
         for (size_t j = 0; j < layout->width; j++)
-            path_filter_apply(&filter, *filtered + l * layout->line + j, l, layout->column);
+            path_filter_apply(&filter, *filtered + l * layout->line + j, l, layout->column, 1);
     path_filter_free(&filter);
     for (size_t c = 0; c < layout->num_columns * layout->num_lines; c++)
         memset(*filtered + c * layout->column + layout->x_curvature, 0,
                (layout->column - layout->x_curvature) * sizeof **filtered);
-    return fill_curvatures(*filtered, layout, error);
+    fill_curvatures(*filtered, layout);
+    return EHD_OK;
 }
 
 ehd_status path_films_init(path_films *self, const film_splines *splines,
@@ -332,15 +335,24 @@ void previous_film_free(previous_film *self) {
     memset(self, 0, sizeof *self);
 }
 
-/* Value, or at an offset curvature, of the pressure's modes at a node: along the path that of the
- * filtered ones for the difference from the base. */
+/* A row of the table of modes times coordinates, with the filter's share of its row in the filtered table. */
+static double sum_row(const node_sums *self, size_t at, size_t width) {
+    double sum = 0;
+
+    if (self->share < 1) sum += (1 - self->share) * dot(self->table + at, self->coordinates, width);
+    if (self->share > 0) sum += self->share * dot(self->filtered + at, self->coordinates, width);
+    return sum;
+}
+
+/* Value, or at an offset curvature, of the pressure's modes at a node: along the path of the base and of what differs from
+ * it, with its share of the filter. */
 static double sum_modes(const previous_film *self, const path_films *path,
                         const film_splines *splines, size_t offset, size_t node) {
     const size_t width = splines->pressure_layout.width;
     const size_t at = node * splines->pressure_layout.column + offset;
 
-    if (!path) return dot(splines->pressure + at, self->state.coordinates, width);
-    return dot(path->pressure + at, self->difference, width) +
+    if (!path) return sum_row(&self->pressure, at, width);
+    return sum_row(&self->pressure, at, width) +
            dot(splines->pressure + at, path->base->state.coordinates, width);
 }
 
@@ -385,8 +397,11 @@ static void prepare_cut(previous_film *self, const reduced_model *model,
 }
 
 /* Forgets what was summed. */
-static void prepare_sums(node_sums *self, const double *table, const double *coordinates) {
+static void prepare_sums(node_sums *self, const double *table, const double *filtered, double share,
+                         const double *coordinates) {
     self->table = table;
+    self->filtered = filtered;
+    self->share = share;
     self->coordinates = coordinates;
     self->state++;
 }
@@ -394,32 +409,31 @@ static void prepare_sums(node_sums *self, const double *table, const double *coo
 void previous_film_prepare(previous_film *self, const reduced_model *model,
                            const film_splines *splines, const ehd_contact *reference) {
     prepare_cut(self, model, splines);
-    prepare_sums(&self->film, splines->film, self->state.coordinates + film_offset(model));
-    prepare_sums(&self->pressure, splines->pressure, self->state.coordinates);
+    prepare_sums(&self->film, splines->film, NULL, 0, self->state.coordinates + film_offset(model));
+    prepare_sums(&self->pressure, splines->pressure, NULL, 0, self->state.coordinates);
     if (reference->lubricant.density && is_line(model)) prepare_window(self, NULL, model, splines);
 }
 
-void previous_film_prepare_path(previous_film *self, const path_films *path,
+void previous_film_prepare_path(previous_film *self, const path_films *path, double share,
                                 const reduced_model *model, const film_splines *splines,
                                 const ehd_contact *reference) {
     for (size_t j = 0; j < model->num_unknowns; j++)
         self->difference[j] = self->state.coordinates[j] - path->base->state.coordinates[j];
     prepare_cut(self, model, splines);
-    prepare_sums(&self->film, path->film, self->difference + film_offset(model));
-    prepare_sums(&self->pressure, path->pressure, self->difference);
+    prepare_sums(&self->film, splines->film, path->film, share,
+                 self->difference + film_offset(model));
+    prepare_sums(&self->pressure, splines->pressure, path->pressure, share, self->difference);
     if (reference->lubricant.density && is_line(model)) prepare_window(self, path, model, splines);
 }
 
-double path_filter_change(const previous_film *self, size_t node, const path_films *path,
-                          const reduced_model *model, const film_splines *splines) {
+double path_filter_change(const previous_film *self, size_t node, const reduced_model *model,
+                          const film_splines *splines) {
     const spline_layout *layout = &splines->layout;
     const size_t width = grid_width(&model->grid);
     const size_t at = (node / width + splines->side) * layout->line +
                       (node % width + splines->margin) * layout->column;
-    const double *difference = self->difference + film_offset(model);
-
-    return dot(path->film + at, difference, layout->width) -
-           dot(splines->film + at, difference, layout->width);
+    return sum_row(&self->film, at, layout->width) -
+           dot(splines->film + at, self->film.coordinates, layout->width);
 }
 
 // ---- evaluation
@@ -475,13 +489,6 @@ static void add_cut(double *sum, const previous_film *self, size_t line, size_t 
     *(vector *)sum += total;
 }
 
-/* sum[i] = row i of a table times coordinates. */
-static void times_coordinates(double *sum, const double *table, const double *coordinates,
-                              size_t rows, size_t width) {
-    for (size_t i = 0; i < rows; i++)
-        sum[i] = dot(table + i * width, coordinates, width);
-}
-
 /* Values and curvatures of a state at a node; `cut` is NULL, or the state whose cut is added. */
 static const double *sums_at(const node_sums *self, const previous_film *cut, size_t line,
                              size_t column, const film_splines *splines) {
@@ -490,8 +497,8 @@ static const double *sums_at(const node_sums *self, const previous_film *cut, si
     double *sum = self->sum + node * parts;
 
     if (self->of_state[node] == self->state) return sum;
-    times_coordinates(sum, self->table + node * layout->column, self->coordinates, parts,
-                      layout->width);
+    for (size_t i = 0; i < parts; i++)
+        sum[i] = sum_row(self, node * layout->column + i * layout->width, layout->width);
     if (cut) add_cut(sum, cut, line, column, splines);
     self->of_state[node] = self->state;
     return sum;
@@ -644,9 +651,8 @@ double previous_film_pressure(const previous_film *self, size_t node, const redu
     return dot(splines->fields.pressure + node * num, self->state.coordinates, num);
 }
 
-ehd_status path_films_set_base(path_films *self, const previous_film *base,
-                               const reduced_model *model, const film_splines *splines,
-                               ehd_error *error) {
+void path_films_set_base(path_films *self, const previous_film *base, const reduced_model *model,
+                         const film_splines *splines) {
     const spline_layout *layout = &splines->layout;
     const double *coordinates = base->state.coordinates;
     const double approach = coordinates[model->num_unknowns - 1];
@@ -661,15 +667,14 @@ ehd_status path_films_set_base(path_films *self, const previous_film *base,
             dot(splines->film + k * layout->column, coordinates + film_offset(model),
                 layout->width);
     }
-    ehd_status status = fill_curvatures(self->base_film, &self->base_layout, error);
-    if (!status) status = fill_curvatures(self->base_cut, &self->base_layout, error);
-    for (size_t k = 0; k < model->grid.num_nodes && self->base_pressure; k++)
+    fill_curvatures(self->base_film, &self->base_layout);
+    fill_curvatures(self->base_cut, &self->base_layout);
+    if (!self->base_pressure) return;
+    for (size_t k = 0; k < model->grid.num_nodes; k++)
         self->base_pressure[k * self->base_pressure_layout.column] =
             dot(splines->pressure + k * splines->pressure_layout.column, coordinates,
                 model->num_pressure);
-    if (!status && self->base_pressure)
-        status = fill_curvatures(self->base_pressure, &self->base_pressure_layout, error);
-    return status;
+    fill_curvatures(self->base_pressure, &self->base_pressure_layout);
 }
 
 /* The base's film at a point of the splines' grid. */

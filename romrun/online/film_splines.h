@@ -80,15 +80,16 @@ ehd_status path_films_init(
     ehd_error *error);
 void path_films_free(path_films *self);
 
-/* Sets the start, prepared with previous_film_prepare, which is the caller's. EHD_MEMORY. */
-ehd_status path_films_set_base(path_films *self, const struct previous_film *base,
-                               const reduced_model *model, const film_splines *splines,
-                               ehd_error *error);
+/* Sets the start, prepared with previous_film_prepare, which is the caller's. */
+void path_films_set_base(path_films *self, const struct previous_film *base,
+                         const reduced_model *model, const film_splines *splines);
 
 /* Values and curvatures of a state at nodes, from those of the modes. */
 typedef struct node_sums {
     const spline_layout *layout;
     const double *table, *coordinates; // of the modes
+    const double *filtered;            // table of the filtered modes, along the path; else NULL
+    double share;                      // of the filter, which the state's coordinates take
     double *sum;                       // [num_nodes of the layout, 2 or 4]
     size_t *of_state;                  // [num_nodes of the layout] for which state that is
     size_t state;                      // this one; counts, from 1 on
@@ -122,14 +123,14 @@ void previous_film_free(previous_film *self);
 void previous_film_prepare(previous_film *self, const reduced_model *model,
                            const film_splines *splines, const ehd_contact *reference);
 
-/* The same for carrying it along the path. */
-void previous_film_prepare_path(previous_film *self, const path_films *path,
+/* Prepares a state for carrying it along the path with a share of the filter (frame_step_share). */
+void previous_film_prepare_path(previous_film *self, const path_films *path, double share,
                                 const reduced_model *model, const film_splines *splines,
                                 const ehd_contact *reference);
 
-/* What the filter changes of the film of a state prepared so, at a node of its own frame. */
-double path_filter_change(const previous_film *self, size_t node, const path_films *path,
-                          const reduced_model *model, const film_splines *splines);
+/* What this share of the filter changes of the film of a state prepared so, at a node of its own frame. */
+double path_filter_change(const previous_film *self, size_t node, const reduced_model *model,
+                          const film_splines *splines);
 
 /* rho H of up to BDF_PREVIOUS states, mass[num_films], at node `node` of frame `now`. The density
  * of a point contact is that of the uncut modes before the exit line, linear between grid lines. */

@@ -446,8 +446,8 @@ void online_exits(double *positions, const online_solver *solver) {
  * as such. */
 typedef struct accepted_moment {
     double time;
-    double load, load_rate, last_step; // scale the next frame where the approach is given
-    double path, speed;                // of the fluid
+    load_forecast forecast; // scales the next frame where the approach is given
+    double path, speed;     // of the fluid
 } accepted_moment;
 
 struct online_transient {
@@ -526,6 +526,11 @@ void online_transient_set_tolerance(online_transient *self, double tolerance) {
         reduced_march_set_tolerance(parts_march_part(self->march, p), tolerance);
 }
 
+void online_transient_allow_short_steps(online_transient *self) {
+    for (size_t p = 0; p < self->model->num_parts; p++)
+        reduced_march_allow_short_steps(parts_march_part(self->march, p));
+}
+
 march_solver online_march(online_transient *self) {
     return parts_march_solver(self->march);
 }
@@ -567,14 +572,13 @@ static void fill_state(online_state *state, const online_transient *self) {
 
 static contact_frame frame_of(const online_transient *self, const online_conditions *conditions,
                               double step) {
-    double values[NUM_VARY] = {[VARY_LOAD] =
-                                   isnan(conditions->load)
-                                       ? march_expected_load(self->now.load, self->now.load_rate,
-                                                             step, self->now.last_step)
-                                       : conditions->load,
-                               [VARY_SPEED] = conditions->speed,
-                               [VARY_RADIUS] = conditions->radius,
-                               [VARY_MODULUS] = conditions->modulus};
+    double values[NUM_VARY] = {
+        [VARY_LOAD] = isnan(conditions->load)
+                          ? load_forecast_scale(&self->now.forecast, step, &self->reference.grid)
+                          : conditions->load,
+        [VARY_SPEED] = conditions->speed,
+        [VARY_RADIUS] = conditions->radius,
+        [VARY_MODULUS] = conditions->modulus};
 
     contact_frame frame =
         frame_at(self->reference.kind, self->now.time + step, values, conditions->approach);
@@ -617,8 +621,7 @@ ehd_status online_transient_start(online_state *state, online_transient *self,
     self->started = self->solved = self->at_start = self->linearised = false;
     self->conditions = *conditions;
     self->now.time = 0;
-    self->now.load = 1;
-    self->now.load_rate = self->now.last_step = 0;
+    self->now.forecast = (load_forecast){.load = 1, .scale = 1};
     self->now.path = 0;
     self->now.speed = conditions->speed;
     contact_frame frame = frame_of(self, conditions, 0);
@@ -626,7 +629,7 @@ ehd_status online_transient_start(online_state *state, online_transient *self,
     if (status) return status;
     self->started = self->last.status != EHD_NOT_CONVERGED;
     self->at_start = self->started && !self->last.apart;
-    self->now.load = march_load_of(&self->last);
+    load_forecast_start(&self->now.forecast, &self->last);
     fill_state(state, self);
     return EHD_OK;
 }
@@ -656,15 +659,11 @@ ehd_status online_step(online_state *state, online_transient *self,
 
 void online_accept(online_transient *self) {
     const march_solver solver = self->solver;
-    const double load = march_load_of(&self->last);
 
     if (!self->solved) return;
     self->solved = self->at_start = false;
     solver.accept(solver.self);
-    self->now.last_step = self->last.apart || self->last.begins ? 0 : self->last.step;
-    self->now.load_rate =
-        self->now.last_step > 0 ? (load - self->now.load) / self->now.last_step : 0;
-    self->now.load = load;
+    load_forecast_accept(&self->now.forecast, &self->last);
     self->now.time = self->last.frame.time;
     self->now.path = self->last.frame.path;
     self->now.speed = self->last.frame.speed;
@@ -692,12 +691,16 @@ void online_save(double *saved, const online_transient *self) {
 }
 
 static ehd_status check_moment(const accepted_moment *of, ehd_error *error) {
-    if (!(isgreaterequal(of->time, 0) && isgreater(of->load, 0) && isfinite(of->load_rate) &&
-          isgreaterequal(of->last_step, 0)))
-        return ehd_fail(error, EHD_DATA,
-                        "saved state: found time %g, load %g, its rate %g and a last step of %g, "
-                        "expected a time, a load above 0, a finite rate and a step",
-                        of->time, of->load, of->load_rate, of->last_step);
+    const load_forecast *forecast = &of->forecast;
+
+    if (!(isgreaterequal(of->time, 0) && isgreater(forecast->load, 0) &&
+          isgreater(forecast->scale, 0) && isfinite(forecast->rate) &&
+          isgreaterequal(forecast->last_step, 0)))
+        return ehd_fail(
+            error, EHD_DATA,
+            "saved state: found time %g, load %g, scale %g, its rate %g and a last step of %g, "
+            "expected a time, loads above 0, a finite rate and a step",
+            of->time, forecast->load, forecast->scale, forecast->rate, forecast->last_step);
     if (!(isfinite(of->path) && isgreaterequal(of->speed, 0)))
         return ehd_fail(error, EHD_DATA,
                         "saved state: found path %g and speed %g, expected a path and a speed of "

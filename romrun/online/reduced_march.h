@@ -44,6 +44,10 @@ film_bounds reduced_march_bounds(const reduced_march *self);
  * leave a part; NaN, the default: they have the tolerance of the settings, as the start has. */
 void reduced_march_set_tolerance(reduced_march *self, double tolerance);
 
+/* Lets accepted states of films along the path be passing (bdf.h) where steps are short, as those of another integrator may be.
+ * A march of its own histories (march.h) does not need it. */
+void reduced_march_allow_short_steps(reduced_march *self);
+
 /* The solver of the march, for an observer. */
 reduced_solver *reduced_march_inner(reduced_march *self);
 

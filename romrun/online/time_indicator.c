@@ -265,10 +265,13 @@ static double entering(const time_indicator *self, double entrainment) {
 void time_indicator_carry(time_indicator *self, const contact_frame *then, const contact_frame *now,
                           double entrainment, double step) {
     const size_t first = self->num_inlet - 1; // at the entry
+    const double share = frame_step_share(then, step, &self->model->grid);
+    const double entered = self->errors.kept[0]; // with the last films
     double inside[MOST_NODES];
 
     film_errors_carry(&self->errors, then, now);
-    film_errors_enter(&self->errors, then, now, self->entry, entering(self, entrainment));
+    film_errors_enter(&self->errors, then, now, self->entry,
+                      entered + share * (entering(self, entrainment) - entered));
     for (size_t i = first; i < self->num_nodes; i++)
         inside[i] = at_most_all(self, i, step * self->residual[i]);
     film_errors_add(&self->errors, 1, inside + first, self->x + first, self->num_nodes - first);

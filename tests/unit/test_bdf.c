@@ -5,6 +5,7 @@
 #include "tests/unit/frames.h"
 
 #include <math.h>
+#include <stdbool.h>
 #include <string.h>
 
 /* Steps as an adaptive march takes them: growing, shrinking, equal. */
@@ -148,7 +149,7 @@ static void ring_keeps_the_last_states(void **state) {
     for (int step = 0; step < 9; step++) {
         double time = 0.1 * step * step;
         content[ring.place[0]] = time;
-        bdf_ring_accept(&ring, time);
+        bdf_ring_accept(&ring, time, 0);
         assert_int_equal(ring.num_previous, step < BDF_PREVIOUS ? step + 1 : BDF_PREVIOUS);
         for (size_t i = 1; i <= ring.num_previous; i++) {
             double before = 0.1 * (step + 1 - (int)i) * (step + 1 - (int)i);
@@ -159,13 +160,49 @@ static void ring_keeps_the_last_states(void **state) {
     }
 }
 
+static bdf_ring after_times(const double *times, size_t count, double least) {
+    bdf_ring ring = bdf_ring_empty();
+
+    for (size_t i = 0; i < count; i++)
+        bdf_ring_accept(&ring, times[i], least);
+    return ring;
+}
+
+static double accepted_time(const bdf_ring *ring, size_t before) {
+    return ring->time[bdf_ring_accepted(ring, before)];
+}
+
+/* Of steps that are shorter than the least interval only every so many states stay; steps that grow all do. */
+static void states_that_follow_too_soon_are_passing(void **state) {
+    (void)state;
+    const double times[] = {0, 1, 2, 2.25, 2.5, 3.25, 4.25, 4.5, 5.25};
+    const bool passing[] = {false, false, false, true, true, false, false, true, false};
+    for (size_t count = 1; count <= 9; count++) {
+        bdf_ring ring = after_times(times, count, 1);
+        assert_int_equal(ring.passing, passing[count - 1]);
+        check_close(accepted_time(&ring, 1), times[count - 1], 0, 0);
+        for (size_t i = 1; i < ring.num_previous; i++)
+            assert_true(ring.time[ring.place[i]] - ring.time[ring.place[i + 1]] >= 1);
+        if (!passing[count - 1]) continue;
+        const double last = ring.time[ring.place[1]];
+        assert_true(last < times[count - 1]);
+        check_close(accepted_time(&ring, 2), last, 0, 0);
+        bdf_ring_restart(&ring); // makes it count
+        assert_int_equal(ring.num_previous, 1);
+        check_close(ring.time[ring.place[1]], times[count - 1], 0, 0);
+    }
+    const double growing[] = {0, 0.1, 0.3, 0.7, 1.5, 2.5};
+    for (size_t count = 1; count <= 6; count++)
+        assert_false(after_times(growing, count, 1).passing);
+}
+
 static void ring_gives_the_formula_of_its_times(void **state) {
     (void)state;
     for (size_t num_previous = 1; num_previous <= BDF_PREVIOUS; num_previous++) {
         bdf_ring ring = bdf_ring_empty();
         const double times[] = {0, 0.25, 0.375}, backwards[] = {0.125, 0.25};
         for (size_t i = 0; i < num_previous; i++)
-            bdf_ring_accept(&ring, times[i]);
+            bdf_ring_accept(&ring, times[i], 0);
         bdf_formula ours = bdf_ring_formula(&ring, 0.5);
         bdf_formula expected =
             bdf_step(0.5, num_previous == 2 ? backwards + 1 : backwards, num_previous);
@@ -181,6 +218,7 @@ int main(void) {
         cmocka_unit_test(a_step_much_longer_than_the_last_is_of_lower_order),
         cmocka_unit_test(a_short_step_does_not_enlarge_what_states_are_off),
         cmocka_unit_test(ring_keeps_the_last_states),
+        cmocka_unit_test(states_that_follow_too_soon_are_passing),
         cmocka_unit_test(ring_gives_the_formula_of_its_times),
     };
     return cmocka_run_group_tests_name("bdf", tests, NULL, NULL);

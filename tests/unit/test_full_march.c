@@ -412,8 +412,8 @@ static void approach_gives_the_load_back(void **state) {
         assert_int_equal(second.count, first.count);
         for (size_t k = 0; k < first.count; k++) {
             // the frames' loads differ a little, and with them the grids' physical places
-            check_close(second.load[k], first.load[k], 1e-4, 0);
-            check_close(second.film[k], first.film[k], 1e-4, 0);
+            check_close(second.load[k], first.load[k], 2e-4, 0);
+            check_close(second.film[k], first.film[k], 2e-4, 0);
             check_close(second.approach[k], first.approach[k], 1e-9, 1e-9);
         }
         marched_end(&first);
@@ -613,7 +613,7 @@ static void repeat_attempts(const scene *of) {
     marched_on(&first);
     const march_solver *solver = &first.march.solver;
     const double time = first.march.state.time,
-                 step = first.march.state.last_step; // of second order
+                 step = first.march.state.forecast.last_step; // of second order
     march_step one, other, again;
     ehd_error error = {""};
     contact_frame near =
@@ -656,8 +656,8 @@ static double dent(double x) {
 static void add_dent(march_solver *solver, const ehd_grid *grid, bool path,
                      double (*of)(double x)) {
     const size_t size = solver->saved_size(solver->self), errors = grid->num_nodes;
-    const size_t state = (size - errors - 1 - path) / (BDF_PREVIOUS + path);
-    const size_t first_state = 1 + errors + path * (state + 1);
+    const size_t state = (size - errors - 2 - path) / (BDF_PREVIOUS + path);
+    const size_t first_state = 2 + errors + path * (state + 1);
     double *saved = calloc(size, sizeof *saved);
     assert_non_null(saved);
     solver->save(saved, solver->self);

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The stepping interface of the library, as the force element of somebody else's integrator. */
+#include "common/time/path_filter.h"
 #include "fullrun/full_march.h"
 #include "podbuild/bases.h"
 #include "romrun/online/online.h"
@@ -17,23 +18,23 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A contact of 121 nodes whose load swings by 10 %; steps are a power of two, so that times are
- * exact. */
+/* A contact whose load swings by 10 %; steps are a power of two, so that times are exact. */
 static const char scene_of_training[] =
-    "contact: line\nregime: transient\ntransport: upwind\nmoes: {M: 12, L: 4}\ngrid: {x_min: -4, "
-    "x_max: 2, step: "
-    "0.05}\n"
+    "contact: line\nregime: transient\nmoes: {M: 12, L: 4}\n"
     "lubricant: {viscosity: {law: barus, alpha: 2e-8}, density: {law: dowson-higginson}}\n"
     "transient: {end_time: 2, fixed_step: 0.015625, load: {law: sine, amplitude: 0.1, period: "
     "1}}\n";
 static const double STEP = 0.015625;
-enum { NUM_STEPS = 128, NUM_STATES = NUM_STEPS + 1, NUM_MODES = 40 };
+// along the path the training begins with shorter steps
+enum { NUM_STEPS = 128, MOST_STATES = NUM_STEPS + 8 };
 
+static size_t num_modes; // of pressure and of deformation
 static scene given;
 static ehd_contact reference;
 static ehd_histories *histories;
-static online_model *models[2];      // coupled, independent
-static double full_exit[NUM_STATES]; // of the training
+static online_model *models[2];                               // coupled, independent
+static double full_exit[MOST_STATES], full_time[MOST_STATES]; // of the training
+static size_t num_states;
 static ehd_error error;
 
 #define check_ok(call) assert_string_equal(((call) == EHD_OK) ? "" : error.text, "")
@@ -63,7 +64,9 @@ static ehd_status keep_step(void *sink, const march_step *step, size_t index, eh
     set->alpha_p_H[index] = contact.alpha_p_H;
     set->central_film_thickness[index] = step->scalars.central_film_thickness;
     set->stationary[index] = index == 0;
+    full_time[index] = step->frame.time;
     full_exit[index] = frame_to_reference(&step->scalars, &step->frame, &reference).exit_position;
+    num_states = index + 1;
     set->effects[index] = film_effects_unknown();
     set->rises[index] = lubricant_rises_at(&contact.lubricant, contact.hertz_pressure);
     const frame_rates rates =
@@ -71,6 +74,7 @@ static ehd_status keep_step(void *sink, const march_step *step, size_t index, eh
     set->rate[index] = rates.all;
     set->load_rate[index] = rates.load;
     self->last = step->frame;
+    set->num_states = set->num_snapshots = index + 1;
     return EHD_OK;
 }
 
@@ -82,18 +86,18 @@ static void training_init(training *self) {
                                 &set->central_film_thickness, &set->rate,   &set->load_rate};
 
     memset(self, 0, sizeof *self);
+    set->carriage = path_carriage(&reference);
     set->kind = reference.kind;
     set->grid = reference.grid;
-    set->num_states = set->num_snapshots = NUM_STATES;
-    set->pressure = calloc(NUM_STATES * num_nodes, sizeof(double));
-    set->snapshots = calloc(NUM_STATES * num_nodes, sizeof(double));
+    set->pressure = calloc(MOST_STATES * num_nodes, sizeof(double));
+    set->snapshots = calloc(MOST_STATES * num_nodes, sizeof(double));
     for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
-        *numbers[i] = calloc(NUM_STATES, sizeof(double));
-    set->thinning = calloc(NUM_STATES, sizeof *set->thinning);
-    set->exit = calloc(NUM_STATES, sizeof *set->exit);
-    set->stationary = calloc(NUM_STATES, sizeof *set->stationary);
-    set->effects = calloc(NUM_STATES, sizeof *set->effects);
-    set->rises = calloc(NUM_STATES, sizeof *set->rises);
+        *numbers[i] = calloc(MOST_STATES, sizeof(double));
+    set->thinning = calloc(MOST_STATES, sizeof *set->thinning);
+    set->exit = calloc(MOST_STATES, sizeof *set->exit);
+    set->stationary = calloc(MOST_STATES, sizeof *set->stationary);
+    set->effects = calloc(MOST_STATES, sizeof *set->effects);
+    set->rises = calloc(MOST_STATES, sizeof *set->rises);
     check_ok(full_march_create(&self->march, &reference, &settings, NAN, &error));
 }
 
@@ -111,12 +115,12 @@ static void training_run(training *self) {
     check_ok(keep_step(self, &first, 0, &error));
     check_ok(march_run(&outcome, &run, &error));
     assert_int_equal(outcome, EHD_OK);
-    assert_int_equal((size_t)run.state.num_steps, NUM_STEPS);
+    assert_in_range((size_t)run.state.num_steps, NUM_STEPS, MOST_STATES - 1);
 }
 
 /* Writes a model with all rows, and opens it. */
 static online_model *make_model(const snapshot_set *set, deformation_kind kind, const char *path) {
-    const bases_settings settings = {{.num_modes = NUM_MODES}, {.num_modes = NUM_MODES}, kind};
+    const bases_settings settings = {{.num_modes = num_modes}, {.num_modes = num_modes}, kind};
     reduced_basis basis;
     pod_basis pressure, deformation;
     online_model *opened;
@@ -130,14 +134,17 @@ static online_model *make_model(const snapshot_set *set, deformation_kind kind, 
     return opened;
 }
 
-static int set_up(void **state) {
+/* `transport`: how the films are carried, on a grid of `step`. */
+static int set_up(void **state, const char *transport, double step, size_t modes) {
     training self;
-    char path[128];
+    char path[128], text[1024];
 
     if (make_folder(state)) return -1;
+    num_modes = modes;
     snprintf(path, sizeof path, "%s/model.h5", folder);
-    check_ok(scene_parse(&given, scene_of_training, strlen(scene_of_training), "scene", NULL, 0,
-                         &error));
+    snprintf(text, sizeof text, "%stransport: %s\ngrid: {x_min: -4, x_max: 2, step: %g}\n",
+             scene_of_training, transport, step);
+    check_ok(scene_parse(&given, text, strlen(text), "scene", NULL, 0, &error));
     given.approach_length = 10;
     check_ok(scene_contact(&reference, &given, &error));
     check_ok(histories_init(&histories, &given, &error));
@@ -150,6 +157,14 @@ static int set_up(void **state) {
     full_march_free(self.march);
     snapshot_set_free(&self.set);
     return 0;
+}
+
+static int set_up_path(void **state) {
+    return set_up(state, "path", 0.015625, 70);
+}
+
+static int set_up_upwind(void **state) {
+    return set_up(state, "upwind", 0.05, 40);
 }
 
 static int tear_down(void **state) {
@@ -165,6 +180,7 @@ static online_transient *create(const online_model *model) {
     online_transient *contact;
 
     check_ok(online_transient_create(&contact, model, &reference, &error));
+    online_transient_allow_short_steps(contact);
     return contact;
 }
 
@@ -231,6 +247,10 @@ static void check_all_same(const online_state *found, const online_state *expect
         check_same(&found[i], &expected[i]);
 }
 
+static bool is_path(void) {
+    return reference.transport == TRANSPORT_PATH;
+}
+
 #define for_both_models for (size_t m = 0; m < 2; m++)
 
 // ---- what a step is
@@ -239,15 +259,16 @@ static void check_all_same(const online_state *found, const online_state *expect
  * off by up to a step of the grid, and jump. */
 static void the_exit_moves_as_in_the_full_model(void **unused) {
     (void)unused;
-    static online_state states[NUM_STEPS];
+    const double near = is_path() ? 0.1 : 0.03; // of a step of the grid
     for_both_models {
         online_transient *contact = create(models[m]);
-        const online_state first = start(contact);
-        check_close(first.scalars.exit_position, full_exit[0], 0, 0.01 * reference.grid.step);
-        go(states, contact, 0, NUM_STEPS);
-        for (size_t i = 0; i < NUM_STEPS; i++)
-            check_close(states[i].scalars.exit_position, full_exit[i + 1], 0,
-                        0.03 * reference.grid.step);
+        online_state state = start(contact);
+        check_close(state.scalars.exit_position, full_exit[0], 0, 0.01 * reference.grid.step);
+        for (size_t i = 1; i < num_states; i++) {
+            state = step_from(contact, full_time[i - 1], full_time[i] - full_time[i - 1]);
+            online_accept(contact);
+            check_close(state.scalars.exit_position, full_exit[i], 0, near * reference.grid.step);
+        }
         online_transient_free(contact);
     }
 }
@@ -345,12 +366,16 @@ static bool goes_in_small_steps(any_steps *self, online_state *state, double ste
     return converged;
 }
 
+/* Difference of the films over the central one. The tolerance of a step is on the central film and on what all steps of a
+ * passage do: along the path one step may do twice as much to it, and five times as much to the minimum film. */
 static double off(const online_state *found, const online_state *expected) {
+    const double of_central = is_path() ? 0.5 : 1, of_minimum = is_path() ? 0.2 : 1;
     const contact_scalars *a = &found->scalars, *b = &expected->scalars;
     const double central = b->central_film_thickness;
 
-    return fmax(fabs(a->central_film_thickness - central) / central,
-                fabs(a->minimum_film_thickness - b->minimum_film_thickness) / central);
+    return fmax(of_central * fabs(a->central_film_thickness - central),
+                of_minimum * fabs(a->minimum_film_thickness - b->minimum_film_thickness)) /
+           central;
 }
 
 /* Takes a step of a random length, of 1e-9 to 1 of the time in which the load swings, or shorter
@@ -415,6 +440,8 @@ static void steps_may_have_any_lengths(void **unused) {
 /* An integrator that locates an event may take a step of 1e-7. The step after it has the same result as without it. */
 static void a_short_step_leaves_the_next_one_as_it_is(void **unused) {
     (void)unused;
+    // right after the start a short step is not passing, and least squares leave more
+    const double near = is_path() ? 1e-4 : 1e-6;
     for_both_models {
         online_state states[10];
         online_transient *contact = create(models[m]);
@@ -426,7 +453,7 @@ static void a_short_step_leaves_the_next_one_as_it_is(void **unused) {
         }
         const online_state behind = step_from(contact, 2e-9, STEP);
         assert_int_not_equal(behind.status, EHD_NOT_CONVERGED);
-        assert_true(off(&behind, &at_rest) < 1e-6);
+        assert_true(off(&behind, &at_rest) < near);
         start(contact);
         go(states, contact, 0, 10);
         const online_state without = step_from(contact, 10 * STEP, STEP);
@@ -653,9 +680,9 @@ static void check_tangent(online_transient *contact, const online_conditions *at
     const contact_scalars turned = differentiate(contact, other).scalars;
     const contact_scalars *own = &found[BY_GIVEN].scalars;
     if (by_load)
-        check_close(turned.load, 1 / own->rigid_approach, 1e-9, 0);
+        check_close(turned.load, 1 / own->rigid_approach, 1e-8, 0);
     else
-        check_close(turned.rigid_approach, 1 / own->load, 1e-9, 0);
+        check_close(turned.rigid_approach, 1 / own->load, 1e-8, 0);
     for (int by = 0; by < NUM_BY; by++) {
         const contact_scalars expected = difference(contact, *at, by), *f = &found[by].scalars;
         const double near = 1e-3, noise = 1e-5;
@@ -663,7 +690,7 @@ static void check_tangent(online_transient *contact, const online_conditions *at
         check_close(f->minimum_film_thickness, expected.minimum_film_thickness, near, noise);
         check_close(f->central_pressure, expected.central_pressure, near, noise);
         check_close(f->rigid_approach, expected.rigid_approach, near, noise);
-        check_close(f->exit_position, expected.exit_position, 3 * near, noise);
+        check_close(f->exit_position, expected.exit_position, (is_path() ? 20 : 3) * near, noise);
         check_close(f->load, expected.load, near, noise);
     }
 }
@@ -781,7 +808,7 @@ static void fields_are_those_of_the_accepted_state(void **unused) {
     const ehd_grid *grid = &reference.grid;
     double *pressure = malloc(2 * grid->num_nodes * sizeof *pressure),
            *film = pressure + grid->num_nodes;
-    size_t centre = 81; // X = 0
+    const size_t centre = (size_t)lround(4 / grid->step) + 1; // X = 0
 
     assert_non_null(pressure);
     check_close(grid_x(grid, centre), 0, 0, 1e-12);
@@ -955,7 +982,7 @@ static void two_threads_agree_with_one(void **unused) {
 // ---- beside march_run
 
 typedef struct march_trace {
-    march_step steps[NUM_STEPS];
+    march_step steps[MOST_STATES];
     size_t count;
 } march_trace;
 
@@ -984,19 +1011,21 @@ static void march_run_takes_the_same_steps(void **unused) {
         trace.count = 0;
         check_ok(march_begin(&first, &run, &error));
         check_ok(march_run(&outcome, &run, &error));
-        assert_int_equal(trace.count, NUM_STEPS);
+        assert_in_range(trace.count, NUM_STEPS, MOST_STATES - 1);
         check_close(state.scalars.central_film_thickness, first.scalars.central_film_thickness, 0,
                     0);
-        for (size_t i = 0; i < NUM_STEPS; i++) {
+        for (size_t i = 0; i < trace.count; i++) {
             const march_step *step = &trace.steps[i];
-            go(&state, by_hand, i, 1);
+            state = step_from(by_hand, state.time, step->step);
+            online_accept(by_hand);
             contact_scalars expected = frame_to_reference(&step->scalars, &step->frame, &reference);
             check_close(state.time, step->frame.time, 0, 0);
             check_close(state.scalars.central_film_thickness, expected.central_film_thickness, 0,
                         0);
             check_close(state.scalars.rigid_approach, expected.rigid_approach, 0, 0);
             check_close(state.scalars.load, expected.load, 0, 0);
-            check_close(state.local_error, step->local_error, 0, 0);
+            if (!is_path()) // there it has the march's own factor
+                check_close(state.local_error, step->local_error, 0, 0);
             assert_int_equal(state.iterations, step->iterations);
         }
         online_transient_free(by_hand);
@@ -1242,7 +1271,6 @@ int main(void) {
         cmocka_unit_test(a_bouncing_mass_gets_the_impulse_of_the_force),
         cmocka_unit_test(the_tangent_of_a_step_is_that_of_repeating_it),
         cmocka_unit_test(derivatives_leave_the_contact_as_it_is),
-        cmocka_unit_test(the_stationary_response_is_that_to_a_slow_swing),
         cmocka_unit_test(a_step_counts_once),
         cmocka_unit_test(after_a_jump_the_past_does_not_count),
         cmocka_unit_test(fields_are_those_of_the_accepted_state),
@@ -1252,7 +1280,6 @@ int main(void) {
         cmocka_unit_test(two_threads_agree_with_one),
         cmocka_unit_test(march_run_takes_the_same_steps),
         cmocka_unit_test(the_approach_gives_the_load_back),
-        cmocka_unit_test(a_start_from_an_approach_finds_its_load),
         cmocka_unit_test(conditions_out_of_range_are_refused),
         cmocka_unit_test(calls_out_of_order_are_refused),
         cmocka_unit_test(what_was_not_trained_is_not_trusted),
@@ -1261,5 +1288,13 @@ int main(void) {
         cmocka_unit_test(memory_may_fail),
     };
 
-    return cmocka_run_group_tests(tests, set_up, tear_down);
+    // the stationary contact, for which it does not matter how films are carried
+    const struct CMUnitTest of_upwind[] = {
+        cmocka_unit_test(the_stationary_response_is_that_to_a_slow_swing),
+        cmocka_unit_test(a_start_from_an_approach_finds_its_load),
+    };
+
+    return cmocka_run_group_tests_name("along the path", tests, set_up_path, tear_down) +
+           cmocka_run_group_tests_name("upwind", tests, set_up_upwind, tear_down) +
+           cmocka_run_group_tests_name("stationary", of_upwind, set_up_upwind, tear_down);
 }

@@ -22,7 +22,7 @@ static double *filtered(const ehd_grid *grid, double length, double (*of)(double
     assert_int_equal(path_filter_init(&filter, grid, length, NULL), EHD_OK);
     for (size_t i = 0; i < width; i++)
         values[i] = of(grid_x(grid, i), k);
-    path_filter_apply(&filter, values, line, 1);
+    path_filter_apply(&filter, values, line, 1, 1);
     path_filter_free(&filter);
     return values;
 }

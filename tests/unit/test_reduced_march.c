@@ -295,7 +295,7 @@ static void saved_exits_outside_of_the_band_are_refused(void **state) {
     marching_init(&self, &basis);
     size_t size = self.solver.saved_size(self.solver.self);
     size_t num_lines = self.model.band.num_lines,
-           first = 1 + sizeof(contact_frame) / sizeof(double);
+           first = 2 + sizeof(contact_frame) / sizeof(double);
     double *slots = calloc(size, sizeof *slots);
     assert_non_null(slots);
     self.solver.save(slots, self.solver.self);

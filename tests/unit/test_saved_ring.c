@@ -8,8 +8,8 @@
 /* A solver whose states are two numbers, and which refuses a negative one. */
 typedef struct counter {
     bdf_ring ring;
-    contact_frame frames[BDF_PREVIOUS + 1];
-    double states[BDF_PREVIOUS + 1][2];
+    contact_frame frames[BDF_STATES];
+    double states[BDF_STATES][2];
 } counter;
 
 static void save_state(double *target, contact_frame *frame, const void *self, size_t place) {
@@ -29,29 +29,34 @@ static ehd_status restore_state(void *self, size_t place, const contact_frame *f
     return EHD_OK;
 }
 
-static const saved_states states = {.size = 2, .save = save_state, .restore = restore_state};
+static const saved_states states = {
+    .num_states = BDF_STATES - 1, .size = 2, .save = save_state, .restore = restore_state};
+
+static void take_step(counter *self, double time, double least) {
+    const size_t place = self->ring.place[0];
+
+    self->frames[place] = (contact_frame){.time = time,
+                                          .load = 10 * time,
+                                          .radius = 1,
+                                          .modulus = 1,
+                                          .half_width = 1,
+                                          .hertz_pressure = 1,
+                                          .film_scale = 1};
+    self->states[place][0] = time;
+    self->states[place][1] = -time;
+    bdf_ring_accept(&self->ring, time, least);
+}
 
 /* After `count` steps: the state of time T is {T, -T}. */
 static counter after_steps(int count) {
     counter self = {.ring = bdf_ring_empty()};
 
-    for (int i = 1; i <= count; i++) {
-        size_t place = self.ring.place[0];
-        self.frames[place] = (contact_frame){.time = i,
-                                             .load = 10 * i,
-                                             .radius = 1,
-                                             .modulus = 1,
-                                             .half_width = 1,
-                                             .hertz_pressure = 1,
-                                             .film_scale = 1};
-        self.states[place][0] = i;
-        self.states[place][1] = -i;
-        bdf_ring_accept(&self.ring, i);
-    }
+    for (int i = 1; i <= count; i++)
+        take_step(&self, i, 0);
     return self;
 }
 
-enum { SAVED = 1 + BDF_PREVIOUS * (NUM_FRAME + 2) };
+enum { SAVED = 2 + (BDF_STATES - 1) * (NUM_FRAME + 2) };
 
 static void states_come_back_in_their_order(void **state) {
     (void)state;
@@ -69,6 +74,30 @@ static void states_come_back_in_their_order(void **state) {
             check_close(after.frames[place].load, 10 * after.ring.time[place], 0, 0);
             check_close(after.states[place][1], -after.ring.time[place], 0, 0);
         }
+    }
+}
+
+static void a_passing_state_comes_back(void **state) {
+    (void)state;
+    counter before = after_steps(5), after = after_steps(2);
+    double saved[SAVED];
+    ehd_error error;
+    take_step(&before, 5.25, 0.5);
+    assert_true(before.ring.passing);
+    ring_save(saved, &before.ring, &states, &before);
+    assert_int_equal(ring_restore(&after.ring, &after, saved, &states, &error), EHD_OK);
+    const double times[] = {5.25, 5, 4};
+    for (size_t i = 0; i < 3; i++)
+        check_close(after.states[bdf_ring_accepted(&after.ring, i + 1)][0], times[i], 0, 0);
+    // where none may be
+    saved_states without = states;
+    without.num_states = BDF_PREVIOUS;
+    assert_int_equal(ring_restore(&after.ring, &after, saved, &without, &error), EHD_DATA);
+    for (int i = 0; i < 2; i++) {
+        saved[1] = i == 0 ? 0.5 : 1;
+        if (i == 1) saved[0] = 2; // no passing state behind two others
+        assert_int_equal(ring_restore(&after.ring, &after, saved, &states, &error), EHD_DATA);
+        assert_int_equal(after.ring.num_previous, 0);
     }
 }
 
@@ -95,7 +124,7 @@ static void a_state_that_is_refused_leaves_none(void **state) {
     (void)state;
 
     ring_save(saved, &before.ring, &states, &before);
-    saved[1 + NUM_FRAME + 2 + NUM_FRAME] = -1; // of the second one
+    saved[2 + NUM_FRAME + 2 + NUM_FRAME] = -1; // of the second one
     assert_int_equal(ring_restore(&after.ring, &after, saved, &states, &error), EHD_DATA);
     assert_int_equal(after.ring.num_previous, 0);
 }
@@ -116,6 +145,7 @@ static void a_frame_that_is_none_is_refused(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(states_come_back_in_their_order),
+        cmocka_unit_test(a_passing_state_comes_back),
         cmocka_unit_test(numbers_that_are_no_states_are_refused),
         cmocka_unit_test(a_state_that_is_refused_leaves_none),
         cmocka_unit_test(a_frame_that_is_none_is_refused),
