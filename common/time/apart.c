@@ -17,10 +17,19 @@ void apart_init(apart_march *self, march_solver inner, const ehd_contact *refere
                           .now = {.approach = -INFINITY}};
 }
 
+/* A frame under a load. At rest, where no stationary film separates the bodies, with the entrainment of the reference. */
+static contact_frame moving_under(const apart_march *self, const contact_frame *frame,
+                                  double load) {
+    contact_frame under = frame_with_load(self->reference->kind, frame, load);
+
+    if (under.speed == 0) under.speed = 1;
+    return under;
+}
+
 /* The stationary film under a load, in the reference frame. */
 static double stationary_film(const apart_march *self, const contact_frame *frame, double load) {
     const contact_kind *kind = self->reference->kind;
-    const contact_frame under = frame_with_load(kind, frame, load);
+    const contact_frame under = moving_under(self, frame, load);
     ehd_contact contact;
 
     frame_contact(&contact, &under, self->reference);
@@ -33,7 +42,7 @@ static ehd_status find_touching(apart_march *self, const contact_frame *frame, e
     if (self->speed == frame->speed && self->radius == frame->radius &&
         self->modulus == frame->modulus)
         return EHD_OK;
-    contact_frame loaded = frame_with_load(self->reference->kind, frame, 1);
+    contact_frame loaded = moving_under(self, frame, 1);
     loaded.approach = NAN;
     const ehd_status status =
         self->inner.touching(&self->approach, &self->load, self->inner.self, &loaded, error);
@@ -55,7 +64,7 @@ static ehd_status find_known(bool *known, apart_march *self, const contact_frame
 
     *known = by_load(frame) ? frame->load <= NEGLIGIBLE
                             : stationary_film(self, frame, NEGLIGIBLE) <= frame->approach;
-    if (*known || by_load(frame) || frame->speed == 0) return EHD_OK;
+    if (*known || by_load(frame)) return EHD_OK;
     status = find_touching(self, frame, error);
     *known = !status && islessequal(self->load, NEGLIGIBLE) &&
              isgreaterequal(frame->approach, self->approach);
@@ -107,7 +116,7 @@ static ehd_status find_parting(bool *parts, apart_march *self, const contact_fra
     ehd_status status = EHD_OK;
 
     *parts = !failed && !by_load(frame) && attempted->scalars.load <= 0;
-    if (!failed || !may || frame->speed == 0) return EHD_OK;
+    if (!failed || !may) return EHD_OK;
     status = find_touching(self, frame, error);
     *parts = !status && (by_load(frame) ? isless(frame->load, self->load)
                                         : isgreater(frame->approach, self->approach));
@@ -144,30 +153,32 @@ static ehd_status attempt_contact(march_step *outcome, apart_march *self,
 /* Returns an approach beyond which bodies cannot touch. The approach of a contact is less than its central film, and that of
  * the lightest contact is less than twice the formula's. */
 static double farthest_touch(const apart_march *self, const contact_frame *frame) {
-    const contact_frame under = frame_with_load(self->reference->kind, frame, 1);
+    const contact_frame under = moving_under(self, frame, 1);
     ehd_contact contact;
 
     frame_contact(&contact, &under, self->reference);
     return 2 * stationary_film(self, frame, fmin(MIN_MOES_M / contact.moes_M, 1));
 }
 
-/* Decides whether bodies that are apart touch. They do not where they recede. */
+/* Decides whether bodies that are apart touch. They do not where they recede, unless they overlap: then nothing but a
+ * pressure can hold them apart. */
 static ehd_status find_touch(bool *touches, apart_march *self, const contact_frame *frame,
                              ehd_error *error) {
-    const bool may = by_load(frame) ? frame->load > 0
-                                    : !isgreater(frame->approach, self->now.approach) &&
-                                          frame->approach < farthest_touch(self, frame);
+    const bool may =
+        by_load(frame) ? frame->load > 0
+                       : (!isgreater(frame->approach, self->now.approach) || frame->approach < 0) &&
+                             frame->approach < farthest_touch(self, frame);
     ehd_status status = EHD_OK;
 
     *touches = false;
-    if (frame->speed == 0 || !may) return EHD_OK;
+    if (!may) return EHD_OK;
     status = find_touching(self, frame, error);
     *touches = !status && (by_load(frame) ? isgreaterequal(frame->load, self->load)
                                           : isless(frame->approach, self->approach));
     return status;
 }
 
-/* A contact that is found again starts from the stationary film. */
+/* A contact that is found again starts from the stationary film, at rest from that of the reference's entrainment. */
 static ehd_status attempt_apart(march_step *outcome, apart_march *self, const contact_frame *frame,
                                 double step, ehd_error *error) {
     bool touches;
@@ -180,8 +191,13 @@ static ehd_status attempt_apart(march_step *outcome, apart_march *self, const co
         return EHD_OK;
     }
     const contact_frame light =
-        by_load(frame) ? *frame : frame_with_load(self->reference->kind, frame, self->load);
+        moving_under(self, frame, by_load(frame) ? frame->load : self->load);
     status = self->inner.start(outcome, self->inner.self, &light, error);
+    if (!status && outcome->status == EHD_OK && frame->speed == 0) {
+        outcome->status = EHD_UNTRUSTED;
+        outcome->reason =
+            "bodies that touch at rest, whose film is taken from the speed of the reference";
+    }
     outcome->begins = self->begins = true;
     touch(self, outcome, frame);
     if (status || outcome->status == EHD_NOT_CONVERGED) self->now.inner = 0;

@@ -609,7 +609,8 @@ static ehd_status start(march_step *outcome, void *solver, const contact_frame *
         reduced_guess(&first->state, self->model, contact_place_of(&contact));
         info.scalars = reduced_scalars(self->solver, &first->state, &contact);
     }
-    if (!status && info.status == EHD_OK && frame->speed > 0 && !isnan(frame->approach)) {
+    if (!status && info.status != EHD_NOT_CONVERGED && frame->speed > 0 &&
+        !isnan(frame->approach)) {
         status = find_load(&info, self, &first->frame, error);
         if (!status && info.status == EHD_NOT_CONVERGED) {
             first->frame = *frame;

@@ -198,6 +198,42 @@ static void a_contact_below_touching_is_found_again(void **state) {
     assert_false(step_to(0.3, 1, -0.21).begins);
 }
 
+/* Bodies whose undeformed surfaces overlap cannot be apart for long. */
+static void overlapping_bodies_touch_while_they_recede(void **state) {
+    (void)state;
+    scene given;
+    set_up_contact("approach", "", &given);
+    inner.speed_of_loss = 1;
+    begin(1, -0.5);
+    assert_true(step_to(0.1, 1, -0.2).apart);
+    const march_step found = step_to(0.2, 1, -0.19);
+    assert_true(found.begins && !found.apart);
+    check_close(found.scalars.load * found.frame.load, load_at(-0.19), 1e-12, 0);
+    // beyond the overlap they stay apart while they recede
+    set_up_contact("approach", "", &given);
+    inner.speed_of_loss = 1;
+    begin(1, -0.5);
+    assert_true(step_to(0.1, 1, 0.02).apart);
+    assert_true(step_to(0.2, 1, 0.03).apart);
+}
+
+/* A mass at a standing contact does not fall through. The film of such a contact is not known. */
+static void bodies_touch_at_rest(void **state) {
+    (void)state;
+    for (int i = 0; i < 2; i++) {
+        scene given;
+        set_up_contact("approach", "", &given);
+        begin(1, 3);
+        contact_frame frame = frame_of(0.1, 1, -0.3);
+        frame.speed = i;
+        march_step step;
+        assert_int_equal(solver.attempt(&step, solver.self, &frame, 0.1, &error), EHD_OK);
+        assert_true(step.begins && !step.apart);
+        check_close(step.scalars.load * step.frame.load, load_at(-0.3), 1e-12, 0);
+        assert_int_equal(step.status, i == 0 ? EHD_UNTRUSTED : EHD_OK);
+    }
+}
+
 /* Without receding too. */
 static void a_load_that_is_not_positive_parts_bodies(void **state) {
     (void)state;
@@ -290,6 +326,8 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(no_contact_is_missed),
         cmocka_unit_test(a_contact_below_touching_is_found_again),
+        cmocka_unit_test(overlapping_bodies_touch_while_they_recede),
+        cmocka_unit_test(bodies_touch_at_rest),
         cmocka_unit_test(a_load_that_is_not_positive_parts_bodies),
         cmocka_unit_test(a_step_that_fails_is_no_lost_contact),
         cmocka_unit_test(steps_in_which_bodies_part_or_touch_are_short),

@@ -523,6 +523,36 @@ static void a_contact_is_lost_and_regained(void **unused) {
     }
 }
 
+/* Bodies that are apart meet the approach of a load within one step: they have that load, also where the lightest contact, which
+ * the start begins with, is not to be trusted. At rest too, but then the result is not trusted. */
+static void bodies_touch_at_the_approach_that_is_given(void **unused) {
+    (void)unused;
+    for_both_models {
+        online_transient *contact = create(models[m]);
+        for (double load = 0.92; load < 1.1; load += 0.04)
+            for (double speed = 0; speed <= 1; speed++) {
+                online_conditions at = {
+                    .load = load, .approach = NAN, .speed = 1, .radius = 1, .modulus = 1};
+                online_state state;
+                check_ok(online_transient_start(&state, contact, &at, &error));
+                const double approach = state.scalars.rigid_approach;
+                at_approach(contact, 4, 0);
+                at = (online_conditions){
+                    .load = NAN, .approach = approach, .speed = speed, .radius = 1, .modulus = 1};
+                check_ok(online_step(&state, contact, &at, STEP, &error));
+                check_close(state.scalars.load, load, 1e-3, 0);
+                check_close(state.scalars.rigid_approach, approach, 1e-6, 0);
+                assert_int_equal(state.status, speed == 0 ? EHD_UNTRUSTED : EHD_OK);
+                online_accept(contact);
+                at.approach -= 1e-3;
+                check_ok(online_step(&state, contact, &at, STEP, &error));
+                assert_int_not_equal(state.status, EHD_NOT_CONVERGED);
+                assert_true(state.scalars.load > 0.9 * load);
+            }
+        online_transient_free(contact);
+    }
+}
+
 /* Without a load the bodies are apart, and their gap is not known. Under a load they touch again. */
 static void without_a_load_there_is_no_contact(void **unused) {
     (void)unused;
@@ -1267,6 +1297,7 @@ int main(void) {
         cmocka_unit_test(a_short_step_leaves_the_next_one_as_it_is),
         cmocka_unit_test(steps_may_have_any_lengths),
         cmocka_unit_test(a_contact_is_lost_and_regained),
+        cmocka_unit_test(bodies_touch_at_the_approach_that_is_given),
         cmocka_unit_test(without_a_load_there_is_no_contact),
         cmocka_unit_test(a_bouncing_mass_gets_the_impulse_of_the_force),
         cmocka_unit_test(the_tangent_of_a_step_is_that_of_repeating_it),
