@@ -4,10 +4,10 @@
 #define EHD_ARTEFACT_INTERNAL_H
 
 #include "common/artefact/artefact.h"
+#include "common/artefact/sha256.h"
 #include "common/program/arena.h"
 
 #include <hdf5.h>
-#include <nettle/sha2.h>
 
 /* A dataset as it was found when a file was opened. */
 typedef struct dataset_shape {
@@ -173,9 +173,6 @@ ehd_status put_digests(artefact *file, ehd_error *error);
 const char *digest_outcome(hid_t file);
 
 // ---- provenance.c
-
-/* SHA-256 as 64 hexadecimal digits. */
-void sha256_end(struct sha256_ctx *context, char text[65]);
 
 /* "2026-01-31T12:00:00Z fullrun 0.1.0: fullrun scene.yml -o result.h5", or NULL (memory); free().
  */

@@ -7,7 +7,7 @@
 #include <string.h>
 #include <time.h>
 
-void sha256_end(struct sha256_ctx *context, char text[65]) {
+void sha256_end(struct sha256_ctx *context, char text[SHA256_TEXT]) {
     uint8_t digest[SHA256_DIGEST_SIZE];
 
     sha256_digest(context, sizeof digest, digest);

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "common/output/case_table.h"
 
+#include "common/artefact/sha256.h"
 #include "common/artefact/table.h"
 #include "common/output/grid_file.h"
 #include "common/output/print.h"
@@ -17,6 +18,7 @@
 #include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 /* The columns; units and scales are those of the schema's rows. */
@@ -140,6 +142,12 @@ static int64_t integer_of(const case_row *row, size_t column) {
     return value;
 }
 
+/* What a CSV table had after some rows: a line "BYTES SHA-256" behind the text that identifies the run. */
+typedef struct done_mark {
+    size_t bytes;
+    char checksum[SHA256_TEXT];
+} done_mark;
+
 struct case_table {
     const program *caller;
     const case_list *list;
@@ -151,7 +159,10 @@ struct case_table {
     artefact *file;         // HDF5, or
     output_file out;        // CSV, or
     FILE *stream;           // CSV: that of `out`, or stdout
-    char *identity;         // CSV: path of the file that identifies the run
+    char *identity;         // CSV: path of the file that identifies the run and has its marks
+    FILE *marks;            // CSV: that file, open to append
+    done_mark mark;         // CSV: the last one
+    struct sha256_ctx hash; // CSV: of the bytes up to the mark
     csv_file done;          // CSV: what an interrupted run left, read row by row
     size_t status_column, next_status;
 };
@@ -270,16 +281,38 @@ static char *read_whole(const char *path) {
     return tree_read_text(&text, &length, path, &ignored) ? NULL : text;
 }
 
-static ehd_status write_identity(const case_table *self, const char *text, ehd_error *error) {
-    FILE *stream = fopen(self->identity, "w");
+static ehd_status failed_mark(const case_table *self, ehd_error *error) {
+    return ehd_fail(error, EHD_IO, "%s: found a failed write (%s), expected space", self->identity,
+                    strerror(errno));
+}
 
-    if (!stream)
+/* Opens the file that identifies the run and keeps its first `kept` bytes. */
+static ehd_status open_marks(case_table *self, size_t kept, ehd_error *error) {
+    self->marks = fopen(self->identity, kept > 0 ? "r+" : "w");
+    if (!self->marks)
         return ehd_fail(error, EHD_CANTCREATE, "%s: found %s, expected to create it",
                         self->identity, strerror(errno));
-    const bool whole = fputs(text, stream) >= 0;
-    if (fclose(stream) == 0 && whole) return EHD_OK;
-    return ehd_fail(error, EHD_IO, "%s: found a failed write, expected the whole file",
-                    self->identity);
+    return ftruncate(fileno(self->marks), (off_t)kept) == 0 && fseek(self->marks, 0, SEEK_END) == 0
+               ? EHD_OK
+               : failed_mark(self, error);
+}
+
+/* Writes text to the table and then the mark behind it. */
+static ehd_status put_text(case_table *self, const char *text, size_t length, ehd_error *error) {
+    struct sha256_ctx so_far;
+
+    if (fwrite(text, 1, length, self->stream) != length || fflush(self->stream) != 0)
+        return ehd_fail(error, EHD_IO, "%s: found a failed write (%s), expected space",
+                        self->caller->output ? self->caller->output : "stdout", strerror(errno));
+    if (!self->marks) return EHD_OK;
+    self->mark.bytes += length;
+    sha256_update(&self->hash, length, (const uint8_t *)text);
+    so_far = self->hash;
+    sha256_end(&so_far, self->mark.checksum);
+    return fprintf(self->marks, "%zu %s\n", self->mark.bytes, self->mark.checksum) > 0 &&
+                   fflush(self->marks) == 0
+               ? EHD_OK
+               : failed_mark(self, error);
 }
 
 /* Whether PATH.partial begins with the header of this table. */
@@ -304,16 +337,18 @@ static ehd_status open_done(case_table *self, const char *partial, ehd_error *er
     return status;
 }
 
-/* Counts the whole rows of PATH.partial and their bytes, up to the first row that is incomplete. */
-static ehd_status measure_done(case_table *self, const char *partial, size_t *bytes,
+/* Counts the whole rows within the first `most` bytes of PATH.partial and their bytes, up to the first row that is incomplete. */
+static ehd_status measure_done(case_table *self, const char *partial, size_t most, size_t *bytes,
                                ehd_error *error) {
     ehd_error torn;
     bool found = true;
     ehd_status status = open_done(self, partial, error);
 
     if (status) return status;
+    self->num_rows = 0;
     *bytes = self->done.bytes;
-    while (!(status = csv_next_row(&found, &self->done, &torn)) && found && self->done.ended) {
+    while (!(status = csv_next_row(&found, &self->done, &torn)) && found && self->done.ended &&
+           self->done.bytes <= most) {
         *bytes = self->done.bytes;
         self->num_rows++;
     }
@@ -321,8 +356,80 @@ static ehd_status measure_done(case_table *self, const char *partial, size_t *by
                                                     : open_done(self, partial, error);
 }
 
-/* Finds the rows that an interrupted run left, and their bytes. A table with other columns counts as none. */
-static ehd_status find_done(case_table *self, size_t *bytes, ehd_error *error) {
+/* Hashes the first `bytes` of a file. False: it has not as many. */
+static bool hash_file(struct sha256_ctx *hash, const char *path, size_t bytes) {
+    FILE *stream = fopen(path, "r");
+    uint8_t block[4096];
+
+    sha256_init(hash);
+    while (stream && bytes > 0) {
+        const size_t length = fread(block, 1, bytes < sizeof block ? bytes : sizeof block, stream);
+        if (length == 0) break;
+        sha256_update(hash, length, block);
+        bytes -= length;
+    }
+    if (stream) fclose(stream);
+    return stream && bytes == 0;
+}
+
+/* Finds the last mark that lies within the first `size` bytes of the table. Returns the end of its line in the text, 0: there
+ * is none. */
+static size_t last_mark(done_mark *mark, const char *text, size_t size) {
+    size_t at = 0, end = 0;
+    done_mark next;
+    int length = 0;
+
+    while (sscanf(text + at, "%zu %64[0-9a-f]%n", &next.bytes, next.checksum, &length) == 2 &&
+           text[at + (size_t)length] == '\n' && next.bytes <= size) {
+        *mark = next;
+        end = at += (size_t)length + 1;
+    }
+    return end;
+}
+
+/* Takes over the rows up to the last mark, if their checksum is right. *kept: bytes of the identity up to it. */
+static ehd_status take_marked(case_table *self, size_t *kept, size_t *bytes, const char *partial,
+                              const char *marks, ehd_error *error) {
+    struct stat found;
+    const size_t size = stat(partial, &found) == 0 ? (size_t)found.st_size : 0;
+    char checksum[SHA256_TEXT];
+
+    *kept = last_mark(&self->mark, marks, size);
+    if (*kept == 0) return not_resumable(self, "rows without a checksum", error);
+    if (!hash_file(&self->hash, partial, self->mark.bytes))
+        return not_resumable(self, "fewer rows than were written", error);
+    struct sha256_ctx so_far = self->hash;
+    sha256_end(&so_far, checksum);
+    if (strcmp(checksum, self->mark.checksum) != 0)
+        return not_resumable(self, "damaged rows", error);
+    return measure_done(self, partial, self->mark.bytes, bytes, error);
+}
+
+/* EHD_DATA: the rows that were left are of another run, or damaged. EHD_CANTCREATE: there are some, without --resume. */
+static ehd_status check_done(case_table *self, size_t *kept, size_t *bytes, const char *partial,
+                             const char *text, bool resume, ehd_error *error) {
+    const size_t length = strlen(text);
+
+    if (!resume)
+        return ehd_fail(error, EHD_CANTCREATE,
+                        "%s: found an interrupted run with %zu cases, expected --resume to "
+                        "continue it or --force to replace it",
+                        partial, self->num_rows);
+    char *found = read_whole(self->identity);
+    ehd_status status = EHD_OK;
+    if (!found || strncmp(found, text, length) != 0)
+        status = not_resumable(self, "other settings or inputs", error);
+    else
+        status = take_marked(self, kept, bytes, partial, found + length, error);
+    free(found);
+    *kept += length;
+    return status;
+}
+
+/* Finds the rows that an interrupted run left: their bytes, and those of what identifies the run and has their marks. A table
+ * with other columns counts as none. */
+static ehd_status find_done(case_table *self, size_t *kept, size_t *bytes, const char *text,
+                            bool resume, ehd_error *error) {
     char *partial = NULL, *header = header_of(self);
     ehd_status status = EHD_OK;
 
@@ -331,62 +438,69 @@ static ehd_status find_done(case_table *self, size_t *bytes, ehd_error *error) {
         status = no_memory(self, error);
     }
     if (!status && access(self->identity, F_OK) == 0 && has_header(partial, header))
-        status = measure_done(self, partial, bytes, error);
+        status = measure_done(self, partial, SIZE_MAX, bytes, error);
+    if (!status && self->num_rows > 0)
+        status = check_done(self, kept, bytes, partial, text, resume, error);
     free(partial);
     free(header);
     return status;
 }
 
-/* EHD_DATA: the rows that were left are of another run. EHD_CANTCREATE: there are some, without --resume. */
-static ehd_status check_done(const case_table *self, const char *text, bool resume,
-                             ehd_error *error) {
-    char *found = resume ? read_whole(self->identity) : NULL;
-    const bool same = found && strcmp(found, text) == 0;
+static ehd_status put_header(case_table *self, ehd_error *error) {
+    char *header = header_of(self);
+    const ehd_status status =
+        header ? put_text(self, header, strlen(header), error) : no_memory(self, error);
 
-    free(found);
-    if (resume) return same ? EHD_OK : not_resumable(self, "other settings or inputs", error);
-    return ehd_fail(error, EHD_CANTCREATE,
-                    "%s.partial: found an interrupted run with %zu cases, expected --resume to "
-                    "continue it or --force to replace it",
-                    self->caller->output, self->num_rows);
+    free(header);
+    return status;
 }
 
 static ehd_status begin_csv_file(case_table *self, const char *settings_text,
                                  const char *const *inputs, bool resume, ehd_error *error) {
     const program *caller = self->caller;
     char *text = NULL;
-    size_t bytes = 0;
+    size_t bytes = 0, kept = 0;
 
     if (asprintf(&self->identity, "%s.resume", caller->output) < 0) self->identity = NULL;
     ehd_status status = self->identity ? describe(&text, self, settings_text, inputs, error)
                                        : no_memory(self, error);
-    if (!status && (resume || !caller->force)) status = find_done(self, &bytes, error);
-    if (!status && self->num_rows > 0) status = check_done(self, text, resume, error);
-    if (status || self->num_rows == 0) bytes = 0;
+    if (!status && (resume || !caller->force))
+        status = find_done(self, &kept, &bytes, text, resume, error);
+    if (status || self->num_rows == 0) bytes = kept = 0;
     if (!status)
         status = output_file_continue(&self->out, caller->output, caller->force, bytes, error);
-    if (!status && bytes == 0) status = write_identity(self, text, error);
-    free(text);
     self->stream = self->out.stream;
-    if (!status && bytes == 0) print_header(self, self->stream);
+    if (!status) status = open_marks(self, kept, error);
+    if (!status && bytes == 0) {
+        sha256_init(&self->hash);
+        self->mark.bytes = 0;
+        if (fputs(text, self->marks) < 0) status = failed_mark(self, error);
+        if (!status) status = put_header(self, error);
+    }
+    free(text);
     return status;
 }
 
 static ehd_status begin_csv(case_table *self, const char *settings_text, const char *const *inputs,
                             bool resume, ehd_error *error) {
     if (self->caller->output) return begin_csv_file(self, settings_text, inputs, resume, error);
-    self->stream = stdout; // program_finish says where that fails
-    print_header(self, self->stream);
-    return EHD_OK;
+    self->stream = stdout;
+    return put_header(self, error);
 }
 
 static ehd_status put_csv(case_table *self, const case_row *rows, const case_texts *texts,
                           size_t count, ehd_error *error) {
-    for (size_t i = 0; i < count; i++)
-        print_row(self, &rows[i], &texts[i], self->stream);
-    if (fflush(self->stream) == 0) return EHD_OK;
-    return ehd_fail(error, EHD_IO, "%s: found a failed write (%s), expected space",
-                    self->caller->output ? self->caller->output : "stdout", strerror(errno));
+    char *text = NULL;
+    size_t length;
+    FILE *stream = open_memstream(&text, &length);
+    ehd_status status = stream ? EHD_OK : no_memory(self, error);
+
+    for (size_t i = 0; i < count && stream; i++)
+        print_row(self, &rows[i], &texts[i], stream);
+    if (stream && fclose(stream) != 0) status = no_memory(self, error);
+    if (!status) status = put_text(self, text, length, error);
+    free(text);
+    return status;
 }
 
 // ---- HDF5
@@ -525,6 +639,7 @@ ehd_status case_table_put(case_table *self, const case_row *rows, const case_tex
 
 static void release(case_table **table) {
     csv_close(&(*table)->done);
+    if ((*table)->marks) fclose((*table)->marks);
     free((*table)->identity);
     free(*table);
     *table = NULL;

@@ -44,6 +44,10 @@ static const interrupted targets[] = {
     {"point", "snapgen point-plan.yml -j 1 -q -o " FUZZ_OUTPUT, 80},
     {"result", "fullrun time.yml --allow-untrusted -q -o " FUZZ_OUTPUT, 60},
     {"reduced", "romrun time.yml --model m-line.h5 --allow-untrusted -q -o " FUZZ_OUTPUT, 60},
+    {"cases",
+     "romrun line.yml --cases cases.csv --model m-line.h5 --jobs 1 --allow-untrusted -q "
+     "-o " FUZZ_OUTPUT,
+     90},
 };
 enum { NUM_TARGETS = sizeof targets / sizeof *targets };
 

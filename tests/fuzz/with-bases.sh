@@ -44,6 +44,12 @@ printf 'groups:\n- {scene: line.yml, points: work.csv}\n' >csv-plan.yml
 printf 'groups:\n- {scene: line.yml, vary: {moes.M: [9.5, 13]}}\n' >small-plan.yml
 printf 'groups:\n- {scene: line.yml, vary: {moes.M: [8, 9, 11, 13, 15], moes.L: [2, 3, 4, 5, 6]}}\n' >wide-plan.yml
 
+# more rows than are written together
+{
+    echo moes.M
+    seq -f 1%.3f 0 0.005 5
+} >cases.csv
+
 chain() { # NAME SCENE PODBUILD_OPTION...
     local name=$1 plan=$2-plan.yml
     shift 2
