@@ -145,8 +145,9 @@ ehd_status residual_snapshots_pod(pod_basis *pod, const residual_snapshots *snap
 
     if (snapshots->reader)
         return stream_pod_of(pod, snapshots, kind, false, num_inner, num_modes, error);
-    return pod_build(pod, kind == RESIDUALS ? snapshots->residuals : snapshots->steps,
-                     snapshots->count, num_inner, &settings, error);
+    const double *fields = kind == RESIDUALS ? snapshots->residuals : snapshots->steps;
+    const ehd_status status = pod_check_snapshots(fields, snapshots->count, num_inner, 0, error);
+    return status ? status : pod_build(pod, fields, snapshots->count, num_inner, &settings, error);
 }
 
 // ---- converged residuals

@@ -153,6 +153,14 @@ void bdf_ring_keep(bdf_ring *ring, size_t num_states) {
     ring->passing = false;
 }
 
+void bdf_ring_promote(bdf_ring *ring) {
+    const size_t passing = ring->place[BDF_STATES - 1];
+
+    memmove(ring->place + 2, ring->place + 1, BDF_PREVIOUS * sizeof *ring->place);
+    ring->place[1] = passing;
+    ring->passing = false;
+}
+
 void bdf_ring_restart(bdf_ring *ring) {
     if (ring->passing) swap(ring, 1, BDF_STATES - 1);
     bdf_ring_keep(ring, 1);

@@ -61,6 +61,9 @@ void bdf_ring_accept(bdf_ring *ring, double time, double least);
 /* Place of the accepted state `steps` (0 … num_previous) before the one being solved; a passing state is the last of them. */
 size_t bdf_ring_accepted(const bdf_ring *ring, size_t steps);
 
+/* Lets the next step begin at the passing state after all. The oldest state is left out. */
+void bdf_ring_promote(bdf_ring *ring);
+
 /* Makes the last accepted state the only one. */
 void bdf_ring_restart(bdf_ring *ring);
 

@@ -79,6 +79,8 @@ struct reduced_march {
     bool allows_short;                // states may be passing
     previous_film states[BDF_STATES]; // indexed by the ring
     bdf_ring ring;
+    bdf_ring accepted;   // the ring before the attempt, if `promoted`
+    bool promoted;       // the attempt begins at the passing state
     bdf_formula formula; // of the attempt
     previous_sums previous;
     // along the path: the start and d/dX of its rho H, as the rows have it
@@ -628,6 +630,7 @@ static ehd_status start(march_step *outcome, void *solver, const contact_frame *
                             .indicated_minimum = NAN,
                             .iterations = info.iterations,
                             .residual = info.residual};
+    self->promoted = false;
     bdf_ring_keep(&self->ring, 0);
     if (info.status != EHD_NOT_CONVERGED) {
         frame_contact(&contact, &first->frame, &self->reference);
@@ -1027,9 +1030,8 @@ static double iteration_tolerance(const reduced_march *self, double step) {
     return fmax(self->start_tolerance, fmin(part * self->tolerance * path, most));
 }
 
-static ehd_status attempt(march_step *outcome, void *solver, const contact_frame *frame,
-                          double step, ehd_error *error) {
-    reduced_march *self = solver;
+static ehd_status attempt_from(march_step *outcome, reduced_march *self, const contact_frame *frame,
+                               double step, ehd_error *error) {
     previous_film *next = state_before(self, 0);
     double start = program_seconds();
     ehd_contact contact;
@@ -1085,6 +1087,26 @@ static ehd_status attempt(march_step *outcome, void *solver, const contact_frame
     }
     self->effort.seconds += program_seconds() - start;
     return EHD_OK;
+}
+
+/* Makes the ring again that of the accepted states. */
+static void forget_attempt(reduced_march *self) {
+    if (self->promoted) self->ring = self->accepted;
+    self->promoted = false;
+}
+
+/* A step that does not converge from the state before a passing one begins at the passing one. */
+static ehd_status attempt(march_step *outcome, void *solver, const contact_frame *frame,
+                          double step, ehd_error *error) {
+    reduced_march *self = solver;
+
+    forget_attempt(self);
+    const ehd_status status = attempt_from(outcome, self, frame, step, error);
+    if (status || outcome->status != EHD_NOT_CONVERGED || !self->ring.passing) return status;
+    self->accepted = self->ring;
+    self->promoted = true;
+    bdf_ring_promote(&self->ring);
+    return attempt_from(outcome, self, frame, step, error);
 }
 
 // ---- derivatives
@@ -1194,6 +1216,7 @@ static void accept(void *solver) {
     reduced_last_values(&solved->values, self->solver);
     if (self->formula.rate > 0) renew_factors(self, solved);
     prepare_film(solved, self, 1);
+    self->promoted = false;
     bdf_ring_accept(&self->ring, solved->frame.time, least_interval(self, &solved->frame));
     self->last_load_frame = self->load_frame;
     if (!self->ring.passing) keep_errors(self);
@@ -1203,6 +1226,7 @@ static void accept(void *solver) {
 static void restart(void *solver) {
     reduced_march *self = solver;
 
+    forget_attempt(self);
     if (self->ring.passing) self->last_doubtful = self->doubtful;
     bdf_ring_restart(&self->ring);
     drop_factors(self);
@@ -1335,6 +1359,7 @@ ehd_status reduced_march_take(reduced_march *self, size_t steps, const handed_st
                       reduced_state_exits(&taken->state));
     prepare_film(taken, self, 1);
     self->ring.time[place] = state->frame.time;
+    self->promoted = false;
     bdf_ring_keep(&self->ring, steps);
     if (steps == 1) {
         self->last_load_frame = *load_frame;
@@ -1491,7 +1516,7 @@ static void save(double *saved, const void *solver) {
         save_state(saved + NUM_FRAME, &self->base.state, self->model);
         memcpy(ring - NUM_ERROR_PLACES, self->taken_up.kept, sizeof self->taken_up.kept);
     }
-    ring_save(ring, &self->ring, &states, self);
+    ring_save(ring, self->promoted ? &self->accepted : &self->ring, &states, self);
     if (self->factors.valid) {
         rest.frame = self->factors.frame;
         save_state(behind + NUM_REST, &self->factors.state, self->model);
@@ -1519,6 +1544,7 @@ static ehd_status restore(void *solver, const double *saved, ehd_error *error) {
     saved_rest rest;
     ehd_status status = restore_base(self, saved, error);
 
+    forget_attempt(self);
     if (!status) status = ring_restore(&self->ring, self, ring, &states, error);
     if (status) return status;
     memcpy(&rest, behind, sizeof rest);

@@ -187,6 +187,12 @@ static void states_that_follow_too_soon_are_passing(void **state) {
         const double last = ring.time[ring.place[1]];
         assert_true(last < times[count - 1]);
         check_close(accepted_time(&ring, 2), last, 0, 0);
+        bdf_ring promoted = ring;
+        bdf_ring_promote(&promoted);
+        assert_false(promoted.passing);
+        assert_int_equal(promoted.num_previous, BDF_PREVIOUS);
+        for (size_t i = 1; i <= BDF_PREVIOUS; i++)
+            assert_int_equal(promoted.place[i], bdf_ring_accepted(&ring, i));
         bdf_ring_restart(&ring); // makes it count
         assert_int_equal(ring.num_previous, 1);
         check_close(ring.time[ring.place[1]], times[count - 1], 0, 0);
