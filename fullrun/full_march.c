@@ -424,8 +424,9 @@ static void predict(full_march *self, const bdf_formula *formula) {
 
 /* Filters the accepted states as a step takes it. */
 static void filter_previous(full_march *self, double step) {
+    const contact_frame *last = &state_before(self, 1)->frame;
     const double share =
-        frame_step_share(&state_before(self, 1)->frame, step, &self->reference.grid);
+        frame_step_share(last->speed / last->half_width, step, &self->reference.grid);
 
     for (size_t i = 1; i <= self->ring.num_previous && is_along_path(self); i++)
         if (state_before(self, i)->share != share)

@@ -91,8 +91,11 @@ double frame_shortest_step(double entrainment, const ehd_grid *grid) {
     return 0.25 * grid->step / fmax(fabs(entrainment), 1);
 }
 
-double frame_step_share(const contact_frame *last, double step, const ehd_grid *grid) {
-    return fmin(step / frame_shortest_step(last->speed / last->half_width, grid), 1);
+double frame_step_share(double entrainment, double step, const ehd_grid *grid) {
+    const double whole =
+        0.25; // in shortest steps: of fixed steps a fifth of the grid's long, whose films drift with less
+
+    return fmin(step / (whole * frame_shortest_step(entrainment, grid)), 1);
 }
 
 double frame_film_ratio(const contact_frame *now, const contact_frame *then) {

@@ -52,10 +52,10 @@ double frame_shift(const contact_frame *now, const contact_frame *then);
  * other integrators do. */
 double frame_shortest_step(double entrainment, const ehd_grid *grid);
 
-/* A step from the state `last` over the shortest one, at most 1. The filter of films, error estimates and rates of change take
- * this share: noise of the solution, which does not shrink with the step, then adds up along the path and not with the number
- * of steps, and a step of no length changes nothing. */
-double frame_step_share(const contact_frame *last, double step, const ehd_grid *grid);
+/* The path of a step at a dimensionless entrainment of at least 1, in sixteenths of the grid's step and at most 1. The filter of
+ * films, error estimates, rates of change and the forecast of the load take this share: noise of the solution, which does not
+ * shrink with the step, then adds up along the path and not with the number of steps, and a step of no length changes nothing. */
+double frame_step_share(double entrainment, double step, const ehd_grid *grid);
 
 /* A frame scaled by another load. */
 contact_frame frame_with_load(const contact_kind *kind, const contact_frame *frame, double load);

@@ -160,7 +160,7 @@ double load_forecast_scale(const load_forecast *self, double step, const ehd_gri
     const double told = self->last_step > 0 ? fmin(step, bdf_most_growth * self->last_step) : step;
     const double load =
         fmin(fmax(self->load + self->rate * told, 0.5 * self->load), 2 * self->load);
-    const double share = fmin(step / frame_shortest_step(1, grid), 1);
+    const double share = frame_step_share(1, step, grid);
 
     return share < 1 ? self->scale + share * (load - self->scale) : load;
 }

@@ -168,8 +168,8 @@ void load_forecast_start(load_forecast *self, const march_step *start);
 void load_forecast_accept(load_forecast *self, const march_step *step);
 
 /* Returns the load that scales the frame after a step; any value near the true one will do. The rate is extrapolated at most
- * bdf_most_growth times the last step, since a much shorter one tells little about it. In a step shorter than a quarter of the
- * grid's step only this share of the way is gone: where a short step changed the frame by the error of the last forecast,
+ * bdf_most_growth times the last step, since a much shorter one tells little about it. In a short step only
+ * frame_step_share of the way is gone: where a short step changed the frame by the error of the last forecast,
  * films interpolated in the new frame would change at a rate beyond all bounds. */
 double load_forecast_scale(const load_forecast *self, double step, const ehd_grid *grid);
 

@@ -337,7 +337,8 @@ static bool lacks_zone(const reduced_march *self) {
  * as one within the path that frame_step_share takes for whole. */
 static frame_rates rates_of_step(const reduced_march *self) {
     const contact_frame *now = &self->load_frame, *last = &self->last_load_frame;
-    const double share = frame_step_share(last, now->time - last->time, &self->model->grid);
+    const double share = frame_step_share(last->speed / last->half_width, now->time - last->time,
+                                          &self->model->grid);
     frame_rates rates = frame_rates_between(now, last);
 
     rates.all *= share;
@@ -735,7 +736,8 @@ static void prepare_film(previous_film *film, const reduced_march *self, double 
 
 /* Filters the accepted states as a step takes it. */
 static void filter_previous(reduced_march *self, double step) {
-    const double share = frame_step_share(&state_before(self, 1)->frame, step, &self->model->grid);
+    const contact_frame *last = &state_before(self, 1)->frame;
+    const double share = frame_step_share(last->speed / last->half_width, step, &self->model->grid);
 
     for (size_t i = 1; i <= self->ring.num_previous && is_along_path(self); i++)
         if (state_before(self, i)->film.share != share)

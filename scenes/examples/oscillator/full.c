@@ -20,7 +20,8 @@ static int pass(failure *error, ehd_status status, const ehd_error *of) {
 typedef struct full_element {
     march_solver solver;
     const ehd_contact *reference;
-    double time, load, load_rate; // accepted
+    double time;            // accepted
+    load_forecast forecast; // of the load that scales the frames
     march_step last;
 } full_element;
 
@@ -54,7 +55,7 @@ static int full_start(reply *now, void *contact, failure *error) {
     contact_frame frame = full_frame(self, 1, NAN, 0);
     ehd_status status = self->solver.start(&self->last, self->solver.self, &frame, &own);
 
-    self->load = 1;
+    if (!status) load_forecast_start(&self->forecast, &self->last);
     if (!status) *now = full_reply(self);
     return pass(error, status, &own);
 }
@@ -62,7 +63,7 @@ static int full_start(reply *now, void *contact, failure *error) {
 static int full_step(reply *now, void *contact, double approach, double step, failure *error) {
     ehd_error own = {""};
     full_element *self = contact;
-    double load = march_expected_load(self->load, self->load_rate, step, self->last.step);
+    double load = load_forecast_scale(&self->forecast, step, &self->reference->grid);
     contact_frame frame = full_frame(self, load, approach, step);
     ehd_status status = self->solver.attempt(&self->last, self->solver.self, &frame, step, &own);
 
@@ -74,11 +75,9 @@ static int full_step(reply *now, void *contact, double approach, double step, fa
 
 static void full_accept(void *contact) {
     full_element *self = contact;
-    double load = full_reply(self).force;
 
     self->solver.accept(self->solver.self);
-    self->load_rate = (load - self->load) / self->last.step;
-    self->load = load;
+    load_forecast_accept(&self->forecast, &self->last);
     self->time = self->last.frame.time;
 }
 
