@@ -178,6 +178,7 @@ check: $(PROGRAMS) $(LIBRARY) $(USE_LIBRARY) $(FMU_FILES) $(USE_FMU) $(TESTS) $(
 	@$(run_tests) $(PIPELINES) $(TESTS)
 
 check-long: export TIMEOUT ?= 7200
+check-long: $(BUILD)/unit/test_online_transient
 check-long: $(PROGRAMS) $(FMU_FILES) $(LONG_TESTS) $(USE_LIBRARY) $(FAULT_TOOLS) $(FLIP) ## the tests that take minutes
 	@$(run_tests) $(LONG_TESTS) $(LONG_PIPELINES)
 
