@@ -33,7 +33,7 @@ static const double BEHIND = 4.5e-3;  // where, seen from the joint
 
 static const double POSITION_ERROR = 2e-11; // m, of a step
 static const double FILM_ERROR = 1e-3;      // of the central film, relative
-static const double EQUILIBRIUM = 1e-13;    // m, to which the positions of a step are found
+static const double EQUILIBRIUM = 1e-14;    // m, to which the positions of a step are found
 enum { MAX_TRIALS = 12, MAX_THREADS = 64 };
 
 enum { NOT_CONVERGED = 3, UNTRUSTED = 4, USAGE = 64, CANNOT_CREATE = 73, IO_FAILED = 74 };
