@@ -332,6 +332,9 @@ C
     stranger s "moes_M: found 0, expected above 0" "f['moes_M'][0] = 0"
     patch s.h5 "f['exit_node'][0] = -1" # which podbuild does not read
     refused 65 "exit_node: found -1, expected 0 to 121" podbuild --check bad.h5
+    # whose squares are more than a number can be
+    patch r.h5 "f['weighted_residual'][1] = 1e308"
+    refuse 65 "bad.h5: .*found 1e\+308 in snapshot .*, expected .* at most 1e\+140" deimselect bad.h5 --basis b.h5 -o x.h5 --no-check
     # but not of a state that was not solved
     patch s.h5 "f['status'][0], f['moes_M'][0] = 1, numpy.nan"
     podbuild bad.h5 -o x.h5

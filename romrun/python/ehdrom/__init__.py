@@ -351,7 +351,7 @@ class Contact(_Handle):
         if isinstance(value, (bool, numpy.bool_)):
             value = "true" if value else "false"
         if isinstance(value, str) or value is None:
-            text = _ffi.NULL if value is None else _characters(value.encode(), key)
+            text = _ffi.NULL if value is None else _characters(value.encode(), "settings")
             self._passed(_lib.ehdrom_contact_set(self._handle, name, text))
         else:
             self._passed(_lib.ehdrom_contact_set_number(self._handle, name, value))
