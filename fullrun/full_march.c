@@ -422,13 +422,13 @@ static void predict(full_march *self, const bdf_formula *formula) {
             formula->predictor[i] * state_before(self, i + 1)->state.rigid_approach;
 }
 
-/* Filters the accepted states as a step takes it. */
+/* Applies this step's share of the filter to the accepted states. */
 static void filter_previous(full_march *self, double step) {
-    const contact_frame *last = &state_before(self, 1)->frame;
+    if (!is_along_path(self)) return;
     const double share =
-        frame_step_share(last->speed / last->half_width, step, &self->reference.grid);
+        frame_step_share(&state_before(self, 1)->frame, step, &self->reference.grid);
 
-    for (size_t i = 1; i <= self->ring.num_previous && is_along_path(self); i++)
+    for (size_t i = 1; i <= self->ring.num_previous; i++)
         if (state_before(self, i)->share != share)
             previous_filter(state_before(self, i), share, &self->carrier);
 }
@@ -540,8 +540,8 @@ static double largest_error(const full_march *self, const bdf_formula *formula,
  * sum along the grid's lines, where errors of both signs cancel and what passes a
  * node without being left in the film does not count. Before the dry contact the film is what the
  * pressure lets in: there errors fifty times as large do no harm. It is on its way for the time that
- * this takes, a unit of T at most. It comes from where the entrainment comes from. Noise of shorter steps
- * than the shortest one counts as that of such steps. */
+ * this takes, a unit of T at most. It comes from where the entrainment comes from. In steps shorter than
+ * frame_shortest_step the error is divided by the path of that step, since noise does not shrink further. */
 static double error_on_the_way(const full_march *self, const bdf_formula *formula,
                                const full_state *state, const ehd_contact *contact,
                                double entrainment, double step) {
@@ -564,8 +564,8 @@ static double error_on_the_way(const full_march *self, const bdf_formula *formul
         if (fabs(grid_x(grid, k)) <= grid->step)
             largest = fmax(largest, fmax(sum - lowest, highest - sum));
     }
-    const double counted = fmax(step, frame_shortest_step(entrainment, grid));
-    return largest / (counted * fmax(fabs(entrainment), 1));
+    const contact_frame *frame = &self->states[self->ring.place[0]].frame;
+    return largest / fmax(step, frame_shortest_step(frame, grid)) / fmax(fabs(entrainment), 1);
 }
 
 /* Local error, relative to the central film, as the march takes it (march.h). */

@@ -9,12 +9,15 @@ static const double NEGLIGIBLE = 0.01;
 
 static const double SLACK = 1e-9; // of a step, by the rounding of times
 
+static const apart_moment together = {.approach = -INFINITY, .doubtful = -INFINITY};
+
 void apart_init(apart_march *self, march_solver inner, const ehd_contact *reference,
                 double longest_step) {
     *self = (apart_march){.inner = inner,
                           .reference = reference,
                           .longest_step = longest_step,
-                          .now = {.approach = -INFINITY}};
+                          .now = together,
+                          .speed = NAN};
 }
 
 /* A frame under a load. At rest, where no stationary film separates the bodies, with the entrainment of the reference. */
@@ -46,7 +49,7 @@ static ehd_status find_touching(apart_march *self, const contact_frame *frame, e
     loaded.approach = NAN;
     const ehd_status status =
         self->inner.touching(&self->approach, &self->load, self->inner.self, &loaded, error);
-    self->speed = status ? 0 : frame->speed;
+    self->speed = status ? NAN : frame->speed;
     self->radius = frame->radius;
     self->modulus = frame->modulus;
     return status;
@@ -91,18 +94,25 @@ static ehd_status part(march_step *outcome, apart_march *self, const contact_fra
                             .apart = true};
     self->next.apart = 1;
     self->next.approach = frame->approach;
+    self->next.doubtful = -INFINITY;
     self->next.frame = free;
     return status;
 }
 
-/* Notes an outcome of bodies in contact. */
-static void touch(apart_march *self, const march_step *outcome, const contact_frame *frame) {
+/* Notes an outcome of bodies in contact. It is not to be trusted as long as a film that was found at rest is in the contact. */
+static void touch(march_step *outcome, apart_march *self, const contact_frame *frame,
+                  double doubtful) {
     self->next = (apart_moment){
         .inner = 1,
         .approach = by_load(frame)
                         ? frame_to_reference(&outcome->scalars, &outcome->frame, self->reference)
                               .rigid_approach
-                        : frame->approach};
+                        : frame->approach,
+        .doubtful = doubtful};
+    if (outcome->status != EHD_OK || !(frame->path < doubtful)) return;
+    outcome->status = EHD_UNTRUSTED;
+    outcome->reason =
+        "bodies that touched at rest, whose film is taken from the speed of the reference";
 }
 
 /* Decides whether the bodies part in this attempt. With a given approach they do if the load is not positive, or if the
@@ -142,7 +152,7 @@ static ehd_status attempt_contact(march_step *outcome, apart_march *self,
     }
     if (status) return status;
     if (!parts)
-        touch(self, outcome, frame);
+        touch(outcome, self, frame, self->now.doubtful);
     else if (frame->load > 0 && is_too_long(self, step))
         *outcome = too_long("the bodies part in this step, which has to be shorter", frame);
     else
@@ -193,15 +203,13 @@ static ehd_status attempt_apart(march_step *outcome, apart_march *self, const co
     const contact_frame light =
         moving_under(self, frame, by_load(frame) ? frame->load : self->load);
     status = self->inner.start(outcome, self->inner.self, &light, error);
-    if (!status && outcome->status == EHD_OK && frame->speed == 0) {
-        outcome->status = EHD_UNTRUSTED;
-        outcome->reason =
-            "bodies that touch at rest, whose film is taken from the speed of the reference";
-    }
-    outcome->begins = self->begins = true;
-    touch(self, outcome, frame);
     if (status || outcome->status == EHD_NOT_CONVERGED) self->now.inner = 0;
-    return status;
+    if (status) return status;
+    outcome->frame.speed = frame->speed;
+    outcome->begins = self->begins = true;
+    const double length = outcome->frame.half_width * (1 + outcome->scalars.exit_position);
+    touch(outcome, self, frame, frame->speed == 0 ? frame->path + length : -INFINITY);
+    return EHD_OK;
 }
 
 // ---- as a solver
@@ -237,7 +245,7 @@ static ehd_status start(march_step *outcome, void *solver, const contact_frame *
     ehd_status status = EHD_OK;
 
     self->begins = false;
-    self->now = self->next = (apart_moment){.approach = -INFINITY};
+    self->now = self->next = together;
     if (!parts) {
         status = self->inner.start(outcome, self->inner.self, frame, error);
         if (!status && outcome->status == EHD_NOT_CONVERGED)
@@ -247,7 +255,7 @@ static ehd_status start(march_step *outcome, void *solver, const contact_frame *
     if (parts)
         status = part(outcome, self, frame, error);
     else
-        touch(self, outcome, &outcome->frame);
+        touch(outcome, self, &outcome->frame, -INFINITY);
     self->now = self->next;
     return status;
 }
@@ -272,7 +280,7 @@ static void save(double *saved, const void *solver) {
 }
 
 static bool is_valid(const apart_moment *moment) {
-    if (!(moment->inner == 0 || moment->inner == 1)) return false;
+    if (!(moment->inner == 0 || moment->inner == 1) || isnan(moment->doubtful)) return false;
     if (moment->apart == 1) return frame_is_valid(&moment->frame) && !isinf(moment->approach);
     return moment->apart == 0 && moment->inner == 1 && isfinite(moment->approach);
 }

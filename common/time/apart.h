@@ -8,9 +8,10 @@
 
 /* State of the bodies at one time. All members are doubles, so that the struct can be saved. */
 typedef struct apart_moment {
-    double apart;        // 1: they are apart, else 0
-    double inner;        // 1: the inner solver has states, though maybe old ones, else 0
-    double approach;     // in the reference frame; NaN: apart, and the load was given
+    double apart;    // 1: they are apart, else 0
+    double inner;    // 1: the inner solver has states, though maybe old ones, else 0
+    double approach; // in the reference frame; NaN: apart, and the load was given
+    double doubtful; // path of the fluid up to which the contact has a film that was found at rest
     contact_frame frame; // of bodies apart, under the reference's load
 } apart_moment;
 
@@ -22,7 +23,7 @@ typedef struct apart_march {
     double longest_step;
     apart_moment now, next; // the accepted one, that of the last attempt
     bool begins; // the last attempt found the contact again: the inner solver started from it
-    // found last: where bodies touch under some conditions; speed 0: nothing was found yet
+    // found last: where bodies touch under some conditions; speed NaN: nothing was found yet
     double speed, radius, modulus, approach, load;
 } apart_march;
 

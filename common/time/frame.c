@@ -87,15 +87,17 @@ double frame_shift(const contact_frame *now, const contact_frame *then) {
     return (now->path - then->path) / then->half_width;
 }
 
-double frame_shortest_step(double entrainment, const ehd_grid *grid) {
-    return 0.25 * grid->step / fmax(fabs(entrainment), 1);
+double frame_grid_step(const contact_frame *frame, const ehd_grid *grid) {
+    return grid->step / fmax(fabs(frame->speed / frame->half_width), 1);
 }
 
-double frame_step_share(double entrainment, double step, const ehd_grid *grid) {
-    const double whole =
-        0.25; // in shortest steps: of fixed steps a fifth of the grid's long, whose films drift with less
+double frame_shortest_step(const contact_frame *frame, const ehd_grid *grid) {
+    return 0.25 * frame_grid_step(frame, grid);
+}
 
-    return fmin(step / (whole * frame_shortest_step(entrainment, grid)), 1);
+double frame_step_share(const contact_frame *frame, double step, const ehd_grid *grid) {
+    // a sixteenth of the grid's step: with a quarter, films drifted in fixed steps of a fifth of the grid's step
+    return fmin(16 * step / frame_grid_step(frame, grid), 1);
 }
 
 double frame_film_ratio(const contact_frame *now, const contact_frame *then) {

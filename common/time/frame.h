@@ -47,15 +47,17 @@ double frame_film_ratio(const contact_frame *now, const contact_frame *then);
  * X' = stretch X - shift, by the path in between. */
 double frame_shift(const contact_frame *now, const contact_frame *then);
 
-/* The shortest step along the path, in T: the fluid moves by a quarter of the grid's step, at a dimensionless entrainment of at
- * least 1. Of shorter ones only interpolation would be left, so error control does not take them (README.md); starts, events and
- * other integrators do. */
-double frame_shortest_step(double entrainment, const ehd_grid *grid);
+/* Returns the time in T in which the fluid moves by one step of the grid, at a dimensionless entrainment of at least 1. */
+double frame_grid_step(const contact_frame *frame, const ehd_grid *grid);
 
-/* The path of a step at a dimensionless entrainment of at least 1, in sixteenths of the grid's step and at most 1. The filter of
- * films, error estimates, rates of change and the forecast of the load take this share: noise of the solution, which does not
- * shrink with the step, then adds up along the path and not with the number of steps, and a step of no length changes nothing. */
-double frame_step_share(double entrainment, double step, const ehd_grid *grid);
+/* Returns the shortest step in T that error control takes along the path: a quarter of frame_grid_step. Interpolation dominates
+ * the error of shorter steps. Starts, events and other integrators may take them. */
+double frame_shortest_step(const contact_frame *frame, const ehd_grid *grid);
+
+/* Returns the path of a step in sixteenths of the grid's step, at most 1. Noise of the solution does not shrink with the step. The
+ * filter, the error estimates, the rates and the load's forecast are multiplied by this share, so that noise adds up along the
+ * path and not with the number of steps. */
+double frame_step_share(const contact_frame *frame, double step, const ehd_grid *grid);
 
 /* A frame scaled by another load. */
 contact_frame frame_with_load(const contact_kind *kind, const contact_frame *frame, double load);

@@ -157,10 +157,11 @@ void load_forecast_accept(load_forecast *self, const march_step *step) {
 }
 
 double load_forecast_scale(const load_forecast *self, double step, const ehd_grid *grid) {
-    const double told = self->last_step > 0 ? fmin(step, bdf_most_growth * self->last_step) : step;
+    const double reach = self->last_step > 0 ? fmin(step, bdf_most_growth * self->last_step) : step;
     const double load =
-        fmin(fmax(self->load + self->rate * told, 0.5 * self->load), 2 * self->load);
-    const double share = frame_step_share(1, step, grid);
+        fmin(fmax(self->load + self->rate * reach, 0.5 * self->load), 2 * self->load);
+    const contact_frame reference = {.speed = 1, .half_width = 1};
+    const double share = frame_step_share(&reference, step, grid);
 
     return share < 1 ? self->scale + share * (load - self->scale) : load;
 }
@@ -312,9 +313,7 @@ static double accepted_error(const march *self) {
 
 /* Along the path no step is shortened beyond it. */
 static double shortest_step(const march *self, const contact_frame *frame) {
-    return is_along_path(self)
-               ? frame_shortest_step(frame->speed / frame->half_width, &self->reference->grid)
-               : 0;
+    return is_along_path(self) ? frame_shortest_step(frame, &self->reference->grid) : 0;
 }
 
 /* What a step is at most shortened to. */

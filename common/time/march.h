@@ -167,10 +167,9 @@ bool march_deviates(char reason[MARCH_REASON], double central, double minimum, d
 void load_forecast_start(load_forecast *self, const march_step *start);
 void load_forecast_accept(load_forecast *self, const march_step *step);
 
-/* Returns the load that scales the frame after a step; any value near the true one will do. The rate is extrapolated at most
- * bdf_most_growth times the last step, since a much shorter one tells little about it. In a short step only
- * frame_step_share of the way is gone: where a short step changed the frame by the error of the last forecast,
- * films interpolated in the new frame would change at a rate beyond all bounds. */
+/* Returns a load near the next one, to scale the frame of a step. The rate is extrapolated over at most bdf_most_growth times the
+ * last step, since a shorter step gives no reliable rate. In short steps the scale moves only by frame_step_share towards the
+ * forecast. Otherwise the error of the last forecast would change the frame at an unlimited rate. */
 double load_forecast_scale(const load_forecast *self, double step, const ehd_grid *grid);
 
 /* Takes the march to its start, time 0. Not converged is an outcome: then nothing else may follow.

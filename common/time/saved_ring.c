@@ -40,6 +40,21 @@ void ring_save(double *saved, const bdf_ring *ring, const saved_states *states, 
     }
 }
 
+/* Whether each accepted state is later than the one before it. */
+static ehd_status check_times(bdf_ring *ring, ehd_error *error) {
+    const size_t count = num_saved(ring);
+
+    for (size_t i = 1; i < count; i++) {
+        const double later = ring->time[bdf_ring_accepted(ring, i)];
+        const double time = ring->time[bdf_ring_accepted(ring, i + 1)];
+        if (later > time) continue;
+        bdf_ring_keep(ring, 0);
+        return ehd_fail(error, EHD_DATA,
+                        "saved state: found time %g after %g, expected a later one", later, time);
+    }
+    return EHD_OK;
+}
+
 ehd_status ring_restore(bdf_ring *ring, void *self, const double *saved, const saved_states *states,
                         ehd_error *error) {
     const double count = saved[NUM_PREVIOUS], passing = saved[IS_PASSING];
@@ -48,10 +63,10 @@ ehd_status ring_restore(bdf_ring *ring, void *self, const double *saved, const s
     if (!(isgreaterequal(count, 1) && count <= BDF_PREVIOUS && count == floor(count)))
         return ehd_fail(error, EHD_DATA, "saved state: found %g previous states, expected 1 to %d",
                         count, BDF_PREVIOUS);
-    if (passing != 0 &&
-        (passing != 1 || count < BDF_PREVIOUS || states->num_states == BDF_PREVIOUS))
+    const bool may_pass = count == BDF_PREVIOUS && states->num_states > BDF_PREVIOUS;
+    if (passing != 0 && !(passing == 1 && may_pass))
         return ehd_fail(error, EHD_DATA, "saved state: found %g passing states, expected %s",
-                        passing, count < BDF_PREVIOUS ? "0" : "0 or 1");
+                        passing, may_pass ? "0 or 1" : "0");
     saved += NUM_HEAD;
     for (size_t i = 0; i < (size_t)(count + passing); i++, saved += NUM_FRAME + states->size) {
         const size_t place = ring->place[i + 1];
@@ -63,5 +78,5 @@ ehd_status ring_restore(bdf_ring *ring, void *self, const double *saved, const s
     }
     bdf_ring_keep(ring, (size_t)count);
     ring->passing = passing == 1;
-    return EHD_OK;
+    return check_times(ring, error);
 }

@@ -9,7 +9,7 @@
 
 /* How a solver's own states become numbers and come back. */
 typedef struct saved_states {
-    size_t num_states; // at most: BDF_PREVIOUS, or one more where one may be passing
+    size_t num_states; // BDF_PREVIOUS, or one more if a state may be passing
     size_t size;       // numbers of a state, without its frame
     /* The state at a place of the ring, and its frame. */
     void (*save)(double *target, contact_frame *frame, const void *self, size_t place);

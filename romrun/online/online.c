@@ -693,9 +693,9 @@ void online_save(double *saved, const online_transient *self) {
 static ehd_status check_moment(const accepted_moment *of, ehd_error *error) {
     const load_forecast *forecast = &of->forecast;
 
-    if (!(isgreaterequal(of->time, 0) && isgreater(forecast->load, 0) &&
-          isgreater(forecast->scale, 0) && isfinite(forecast->rate) &&
-          isgreaterequal(forecast->last_step, 0)))
+    if (!(isgreaterequal(of->time, 0) && isgreater(forecast->load, 0) && isfinite(forecast->load) &&
+          isgreater(forecast->scale, 0) && isfinite(forecast->scale) && isfinite(forecast->rate) &&
+          isgreaterequal(forecast->last_step, 0) && isfinite(forecast->last_step)))
         return ehd_fail(
             error, EHD_DATA,
             "saved state: found time %g, load %g, scale %g, its rate %g and a last step of %g, "

@@ -34,21 +34,13 @@ typedef struct error_estimate {
     size_t *way;     // [num_way] nodes
     size_t *way_row; // [num_way] the row there, or NO_ROW
     double *x;       // [num_way] X there
-    double
-        *missed; // [num_way] what the attempt misses of rho H there, but for the formula's factor
-    // [num_way] what the filter changes of the last accepted rho H there, and where that is in the attempt
+    double *missed;  // [num_way] error of rho H in the attempt, without the formula's factor
+    // [num_way] change of the last accepted rho H by the filter, and the places X to which the fluid has carried it
     double *changed, *changed_x;
     double *way_mass; // [num_way] rho H there; infinite where no error is told
 } error_estimate;
 
 static const size_t NO_ROW = SIZE_MAX;
-
-/* Least time between the states that steps along the path begin at, in shortest steps (frame_shortest_step): the path is then
- * one step of the grid. Least squares of rows in time give the film's change a weight of 1/step, so that in shorter steps what
- * modes miss of the film outweighs the flow of the constriction, and adds up step by step. Of scenes/examples/line-in-time the
- * minimum film is off the full model with equal steps, at worst over T = 1.4: 1.2e-5 with paths of 1 step of the grid, 4e-5 of
- * 0.75, 4e-4 of 0.5, 4e-3 of 0.3 and 0.1 of 0.08 if each step begins at the last one's end. */
-static const double LEAST_PATH = 4;
 
 /* Equations of conditions beside those of the attempt. */
 typedef struct march_beside {
@@ -99,8 +91,8 @@ struct reduced_march {
     double doubtful, last_doubtful;
     factors_origin factors;
     // frames scaled by the load of the solution, of the attempt and of the last accepted state:
-    // where the approach is given they differ from the frames solved in
-    contact_frame load_frame, last_load_frame;
+    // where the approach is given they differ from the frames solved in; and of the state from which rates are measured
+    contact_frame load_frame, last_load_frame, rate_frame;
     reduced_info info; // of the attempt
     march_beside beside[2];
     double *beside_mass; // [num_rows, BDF_PREVIOUS] work
@@ -333,17 +325,27 @@ static bool lacks_zone(const reduced_march *self) {
            frame_most_cut_load;
 }
 
-/* Rates of change in the attempt. A load that is an outcome has noise, so that a change within a short path of the fluid counts
- * as one within the path that frame_step_share takes for whole. */
+/* Returns the rates of change in the attempt. A load that is an outcome has noise, so that its change is measured from an earlier
+ * state if steps are short, and its share is taken (frame_step_share) until there is one. */
 static frame_rates rates_of_step(const reduced_march *self) {
-    const contact_frame *now = &self->load_frame, *last = &self->last_load_frame;
-    const double share = frame_step_share(last->speed / last->half_width, now->time - last->time,
-                                          &self->model->grid);
-    frame_rates rates = frame_rates_between(now, last);
+    const contact_frame *now = &self->load_frame, *last = &self->rate_frame;
+    frame_rates rates = frame_rates_between(now, &self->last_load_frame);
 
-    rates.all *= share;
-    rates.load *= share;
+    if (isnan(now->approach)) return rates;
+    const double share = frame_step_share(last, now->time - last->time, &self->model->grid);
+    const double load = share * frame_rates_between(now, last).load;
+    rates.all += load - rates.load;
+    rates.load = load;
     return rates;
+}
+
+/* Measures the next rates from the accepted state, if that is far enough from the one before or the first after a jump. */
+static void move_rate_frame(reduced_march *self) {
+    const contact_frame *now = &self->load_frame, *last = &self->rate_frame;
+
+    if (self->ring.num_previous < 2 ||
+        frame_step_share(last, now->time - last->time, &self->model->grid) == 1)
+        self->rate_frame = *now;
 }
 
 /* Marks states beyond the model as untrusted: a contact outside of the trained range, an exit at
@@ -734,12 +736,12 @@ static void prepare_film(previous_film *film, const reduced_march *self, double 
         previous_film_prepare(film, self->model, self->splines, &self->reference);
 }
 
-/* Filters the accepted states as a step takes it. */
+/* Applies this step's share of the filter to the accepted states. */
 static void filter_previous(reduced_march *self, double step) {
-    const contact_frame *last = &state_before(self, 1)->frame;
-    const double share = frame_step_share(last->speed / last->half_width, step, &self->model->grid);
+    if (!is_along_path(self)) return;
+    const double share = frame_step_share(&state_before(self, 1)->frame, step, &self->model->grid);
 
-    for (size_t i = 1; i <= self->ring.num_previous && is_along_path(self); i++)
+    for (size_t i = 1; i <= self->ring.num_previous; i++)
         if (state_before(self, i)->film.share != share)
             prepare_film(state_before(self, i), self, share);
 }
@@ -874,7 +876,8 @@ static void miss_on_the_way(reduced_march *self) {
 }
 
 /* What a film takes up of them on its way to the centre, as in the full model: along the central
- * line, linear between the places. Noise of shorter steps than the shortest one counts as that of such steps. */
+ * line, linear between the places. In steps shorter than frame_shortest_step the error is divided by the
+ * path of that step, since noise does not shrink further. */
 static double error_on_the_way(const reduced_march *self, double step) {
     const error_estimate *estimate = &self->estimate;
     const double *x = estimate->x, *missed = estimate->missed;
@@ -885,8 +888,10 @@ static double error_on_the_way(const reduced_march *self, double step) {
         lowest = fmin(lowest, sum);
         highest = fmax(highest, sum);
     }
-    const double counted = fmax(step, frame_shortest_step(self->entrainment, &self->model->grid));
-    return fmax(sum - lowest, highest - sum) / (counted * fmax(self->entrainment, 1));
+    const contact_frame *frame = &self->states[self->ring.place[0]].frame;
+    return fmax(sum - lowest, highest - sum) /
+           (fmax(step, frame_shortest_step(frame, &self->model->grid)) *
+            fmax(self->entrainment, 1));
 }
 
 /* Along the path, whether the film before the centre misses its prediction by more than a step of
@@ -902,7 +907,7 @@ static bool is_another_solution(const reduced_march *self, double central_film) 
     return false;
 }
 
-/* Local error of the formula's step, relative to the central film, as the march takes it (march.h), away from the exit. */
+/* Returns the local error of the formula's step, away from the exit, relative to the central film. */
 static double local_error(reduced_march *self, double central_film, double step) {
     const bool on_the_way = is_along_path(self) && step * self->entrainment <= march_short_path;
 
@@ -924,7 +929,7 @@ static double largest_taken_up(const reduced_march *self) {
     return largest;
 }
 
-/* Adds what the filter changes of the last accepted films, where the fluid has carried it. */
+/* Adds the filter's change of the last accepted film, at the places to which the fluid has carried it. */
 static void add_filter_errors(reduced_march *self, const contact_frame *now) {
     const previous_film *last = state_before(self, 1);
     const double shift = frame_shift(now, &last->frame), stretch = frame_stretch(now, &last->frame);
@@ -1033,15 +1038,15 @@ static double iteration_tolerance(const reduced_march *self, double step) {
 }
 
 static ehd_status attempt_from(march_step *outcome, reduced_march *self, const contact_frame *frame,
-                               double step, ehd_error *error) {
+                               double from_last, ehd_error *error) {
     previous_film *next = state_before(self, 0);
     double start = program_seconds();
+    // after a passing state the formula's step begins at the state before it
+    const double step =
+        self->ring.passing ? frame->time - self->ring.time[self->ring.place[1]] : from_last;
     ehd_contact contact;
     reduced_info info;
 
-    const double from_last = step;
-    // after a passing state the formula's step begins at the state before it
-    if (self->ring.passing) step = frame->time - self->ring.time[self->ring.place[1]];
     self->formula = bdf_ring_formula(&self->ring, step);
     self->previous.attempt++;
     next->frame = *frame;
@@ -1091,13 +1096,14 @@ static ehd_status attempt_from(march_step *outcome, reduced_march *self, const c
     return EHD_OK;
 }
 
-/* Makes the ring again that of the accepted states. */
+/* Undoes the promotion of the last attempt. */
 static void forget_attempt(reduced_march *self) {
     if (self->promoted) self->ring = self->accepted;
     self->promoted = false;
 }
 
-/* A step that does not converge from the state before a passing one begins at the passing one. */
+/* If a step from the state before a passing one does not converge, repeats it from the passing one. What the films have taken up
+ * until then, along one step of the grid at most, is not counted. */
 static ehd_status attempt(march_step *outcome, void *solver, const contact_frame *frame,
                           double step, ehd_error *error) {
     reduced_march *self = solver;
@@ -1195,19 +1201,16 @@ static void drop_factors(reduced_march *self) {
     reduced_drop_factors(self->solver);
 }
 
-/* Least time between the states that steps begin at, of a state in a frame. */
+/* Returns the least time between the states that steps begin at (common/time/README.md, Steps of another integrator). */
 static double least_interval(const reduced_march *self, const contact_frame *frame) {
-    return self->allows_short && is_along_path(self)
-               ? LEAST_PATH *
-                     frame_shortest_step(frame->speed / frame->half_width, &self->model->grid)
-               : 0;
+    return self->allows_short && is_along_path(self) ? frame_grid_step(frame, &self->model->grid)
+                                                     : 0;
 }
 
 /* The errors of the attempt become those of the accepted film. */
 static void keep_errors(reduced_march *self) {
     if (is_along_path(self)) film_errors_keep(&self->taken_up);
     if (!isnan(self->of_films.central)) time_indicator_keep(&self->indicator);
-    self->last_doubtful = self->doubtful;
 }
 
 static void accept(void *solver) {
@@ -1219,8 +1222,10 @@ static void accept(void *solver) {
     if (self->formula.rate > 0) renew_factors(self, solved);
     prepare_film(solved, self, 1);
     self->promoted = false;
+    move_rate_frame(self);
     bdf_ring_accept(&self->ring, solved->frame.time, least_interval(self, &solved->frame));
     self->last_load_frame = self->load_frame;
+    self->last_doubtful = self->doubtful;
     if (!self->ring.passing) keep_errors(self);
     self->effort.seconds += program_seconds() - start;
 }
@@ -1229,7 +1234,6 @@ static void restart(void *solver) {
     reduced_march *self = solver;
 
     forget_attempt(self);
-    if (self->ring.passing) self->last_doubtful = self->doubtful;
     bdf_ring_restart(&self->ring);
     drop_factors(self);
 }
@@ -1364,7 +1368,7 @@ ehd_status reduced_march_take(reduced_march *self, size_t steps, const handed_st
     self->promoted = false;
     bdf_ring_keep(&self->ring, steps);
     if (steps == 1) {
-        self->last_load_frame = *load_frame;
+        self->last_load_frame = self->rate_frame = *load_frame;
         self->last_doubtful = -INFINITY;
         time_indicator_clear(&self->indicator);
     }
@@ -1476,11 +1480,11 @@ static saved_states saved_states_of(const reduced_march *self) {
                           .restore = restore_previous};
 }
 
-/* Saved after the accepted states: the last load frame, up to where films are doubtful, whether
- * there are kept factors, rate and frame of these, and what rows do to the films; the factors'
- * state follows, and the indicator's errors. */
+/* Saved after the accepted states: frames under the load of the last one and of the one that rates are measured from, up to
+ * where films are doubtful, whether there are kept factors, rate and frame of these, and what rows do to the films; the
+ * factors' state follows, and the indicator's errors. */
 typedef struct saved_rest {
-    contact_frame load_frame;
+    contact_frame load_frame, rate_frame;
     double doubtful;
     double valid, rate;
     contact_frame frame;
@@ -1508,6 +1512,7 @@ static void save(double *saved, const void *solver) {
     const saved_states states = saved_states_of(self);
     double *ring = saved + saved_base_size(self), *behind = ring + ring_saved_size(&states);
     saved_rest rest = {.load_frame = self->last_load_frame,
+                       .rate_frame = self->rate_frame,
                        .doubtful = self->last_doubtful,
                        .valid = self->factors.valid ? 1 : 0,
                        .rate = self->factors.rate};
@@ -1553,6 +1558,7 @@ static ehd_status restore(void *solver, const double *saved, ehd_error *error) {
     film_errors_set(&self->indicator.errors, behind + NUM_REST + saved_state_size(self->model));
     self->indicator.kept_local = rest.local;
     self->last_load_frame = rest.load_frame;
+    self->rate_frame = rest.rate_frame;
     self->last_doubtful = rest.doubtful;
     drop_factors(self);
     if (rest.valid != 1) return EHD_OK;

@@ -265,8 +265,8 @@ static double entering(const time_indicator *self, double entrainment) {
 void time_indicator_carry(time_indicator *self, const contact_frame *then, const contact_frame *now,
                           double entrainment, double step) {
     const size_t first = self->num_inlet - 1; // at the entry
-    const double share = frame_step_share(then->speed / then->half_width, step, &self->model->grid);
-    const double entered = self->errors.kept[0]; // with the last films
+    const double share = frame_step_share(then, step, &self->model->grid);
+    const double entered = self->errors.kept[0]; // error with which the last films entered
     double inside[MOST_NODES];
 
     film_errors_carry(&self->errors, then, now);

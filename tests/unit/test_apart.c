@@ -225,12 +225,27 @@ static void bodies_touch_at_rest(void **state) {
         set_up_contact("approach", "", &given);
         begin(1, 3);
         contact_frame frame = frame_of(0.1, 1, -0.3);
+        const double path = frame.path;
         frame.speed = i;
         march_step step;
         assert_int_equal(solver.attempt(&step, solver.self, &frame, 0.1, &error), EHD_OK);
         assert_true(step.begins && !step.apart);
         check_close(step.scalars.load * step.frame.load, load_at(-0.3), 1e-12, 0);
         assert_int_equal(step.status, i == 0 ? EHD_UNTRUSTED : EHD_OK);
+        assert_true(step.frame.speed == i);
+        // until the fluid has carried the film out of the contact
+        solver.accept(solver.self);
+        const double width = step.frame.half_width;
+        double saved[64];
+        assert_true(solver.saved_size(solver.self) <= 64);
+        solver.save(saved, solver.self);
+        for (int k = 0; k < 3; k++) {
+            frame.path = path + (k == 2 ? 1.1 : 0.9) * width;
+            if (k == 1) assert_int_equal(solver.restore(solver.self, saved, &error), EHD_OK);
+            assert_int_equal(solver.attempt(&step, solver.self, &frame, 0.1, &error), EHD_OK);
+            solver.accept(solver.self);
+            assert_int_equal(step.status, i == 0 && k < 2 ? EHD_UNTRUSTED : EHD_OK);
+        }
     }
 }
 

@@ -894,7 +894,7 @@ static void approach_scales_by_the_load(void **state) {
     run_end(&first);
 }
 
-static void expected_load_is_bounded(void **state) {
+static void forecast_of_the_load_is_bounded(void **state) {
     (void)state;
     const ehd_grid grid = {.step = 0.04};
     load_forecast of = {.load = 3, .scale = 2.9, .rate = 0.5};
@@ -968,7 +968,7 @@ int main(void) {
         cmocka_unit_test(indicated_deviations_are_held_against_the_accuracy),
         cmocka_unit_test(march_goes_on_from_its_state),
         cmocka_unit_test(approach_scales_by_the_load),
-        cmocka_unit_test(expected_load_is_bounded),
+        cmocka_unit_test(forecast_of_the_load_is_bounded),
         cmocka_unit_test(signal_interrupts), // for good, hence the last one
     };
     return cmocka_run_group_tests_name("march", tests, NULL, NULL);

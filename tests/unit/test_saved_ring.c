@@ -142,6 +142,19 @@ static void a_frame_that_is_none_is_refused(void **state) {
     assert_int_equal(after.ring.num_previous, 0);
 }
 
+static void states_that_are_not_in_order_are_refused(void **state) {
+    counter before = after_steps(BDF_PREVIOUS), after = after_steps(2);
+    double saved[SAVED];
+    ehd_error error;
+    (void)state;
+
+    before.frames[before.ring.place[2]].time = before.frames[before.ring.place[1]].time;
+    ring_save(saved, &before.ring, &states, &before);
+    assert_int_equal(ring_restore(&after.ring, &after, saved, &states, &error), EHD_DATA);
+    assert_non_null(strstr(error.text, "expected a later one"));
+    assert_int_equal(after.ring.num_previous, 0);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(states_come_back_in_their_order),
@@ -149,6 +162,7 @@ int main(void) {
         cmocka_unit_test(numbers_that_are_no_states_are_refused),
         cmocka_unit_test(a_state_that_is_refused_leaves_none),
         cmocka_unit_test(a_frame_that_is_none_is_refused),
+        cmocka_unit_test(states_that_are_not_in_order_are_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
