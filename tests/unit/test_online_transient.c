@@ -922,7 +922,7 @@ static void a_saved_state_goes_on_to_the_bit(void **unused) {
     }
 }
 
-/* Saved at any step of the start and of kept factors that are renewed. */
+/* Saved at any step of the start and of kept factors that are renewed, and after steps shorter than the grid's. */
 static void any_state_can_be_saved(void **unused) {
     (void)unused;
     for_both_models {
@@ -937,6 +937,20 @@ static void any_state_can_be_saved(void **unused) {
             go(&expected, one, i, 1);
             go(&found, other, i, 1);
             check_same(&found, &expected);
+        }
+        // after a short step, and then after a jump
+        double time = 40 * STEP;
+        for (size_t i = 0; i < 8; i++) {
+            const double step = i < 6 ? 1e-4 : STEP;
+            online_save(saved, one);
+            check_ok(online_restore(other, saved, &error));
+            if (i == 6) online_restart(one);
+            if (i == 6) online_restart(other);
+            expected = step_from(one, time, step);
+            found = step_from(other, time, step);
+            check_same(&found, &expected);
+            online_accept(one);
+            time += step;
         }
         free(saved);
         online_transient_free(one);
