@@ -7,7 +7,7 @@
 
 enum { SHA256_TEXT = 2 * SHA256_DIGEST_SIZE + 1 }; // 64 hexadecimal digits and a zero
 
-/* Writes the SHA-256 of what the context was given, and starts it anew. */
+/* Writes the SHA-256 of all data added to the context, and resets the context. */
 void sha256_end(struct sha256_ctx *context, char text[SHA256_TEXT]);
 
 #endif

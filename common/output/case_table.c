@@ -13,6 +13,7 @@
 #include "common/settings/yaml_tree.h"
 
 #include <errno.h>
+#include <fcntl.h>
 #include <inttypes.h>
 #include <math.h>
 #include <stddef.h>
@@ -142,7 +143,7 @@ static int64_t integer_of(const case_row *row, size_t column) {
     return value;
 }
 
-/* What a CSV table had after some rows: a line "BYTES SHA-256" behind the text that identifies the run. */
+/* A line `BYTES SHA-256` of NAME.resume: length and checksum of the table after a write. */
 typedef struct done_mark {
     size_t bytes;
     char checksum[SHA256_TEXT];
@@ -246,7 +247,7 @@ static ehd_status not_resumable(const case_table *self, const char *found, ehd_e
 /* Makes the text that identifies a run: program, settings, and checksums of the input files. Free with free(). */
 static ehd_status describe(char **text, const case_table *self, const char *settings_text,
                            const char *const *inputs, ehd_error *error) {
-    char identity[65];
+    char identity[SHA256_TEXT];
     size_t size;
     FILE *stream = open_memstream(text, &size);
     ehd_status status = stream ? EHD_OK : no_memory(self, error);
@@ -288,7 +289,11 @@ static ehd_status failed_mark(const case_table *self, ehd_error *error) {
 
 /* Opens the file that identifies the run and keeps its first `kept` bytes. */
 static ehd_status open_marks(case_table *self, size_t kept, ehd_error *error) {
-    self->marks = fopen(self->identity, kept > 0 ? "r+" : "w");
+    const int descriptor =
+        open(self->identity, O_WRONLY | O_CREAT | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, 0666);
+
+    self->marks = descriptor < 0 ? NULL : fdopen(descriptor, "w");
+    if (!self->marks && descriptor >= 0) close(descriptor);
     if (!self->marks)
         return ehd_fail(error, EHD_CANTCREATE, "%s: found %s, expected to create it",
                         self->identity, strerror(errno));
@@ -297,7 +302,7 @@ static ehd_status open_marks(case_table *self, size_t kept, ehd_error *error) {
                : failed_mark(self, error);
 }
 
-/* Writes text to the table and then the mark behind it. */
+/* Writes text to the table, then a mark to NAME.resume. */
 static ehd_status put_text(case_table *self, const char *text, size_t length, ehd_error *error) {
     struct sha256_ctx so_far;
 
@@ -315,17 +320,16 @@ static ehd_status put_text(case_table *self, const char *text, size_t length, eh
                : failed_mark(self, error);
 }
 
-/* Whether PATH.partial begins with the header of this table. */
-static bool has_header(const char *partial, const char *header) {
-    const size_t length = strlen(header);
+/* Whether a table has anything behind its header. */
+static bool has_rows(const char *partial) {
     FILE *stream = fopen(partial, "r");
-    char *found = malloc(length + 1);
-    const bool same = stream && found && fread(found, 1, length, stream) == length &&
-                      memcmp(found, header, length) == 0;
+    int character = 0;
 
+    while (stream && character != '\n' && character != EOF)
+        character = getc(stream);
+    const bool found = character == '\n' && getc(stream) != EOF;
     if (stream) fclose(stream);
-    free(found);
-    return same;
+    return found;
 }
 
 static ehd_status open_done(case_table *self, const char *partial, ehd_error *error) {
@@ -356,7 +360,7 @@ static ehd_status measure_done(case_table *self, const char *partial, size_t mos
                                                     : open_done(self, partial, error);
 }
 
-/* Hashes the first `bytes` of a file. False: it has not as many. */
+/* Computes the SHA-256 of the first `bytes` of a file. Returns false if the file is shorter or cannot be read. */
 static bool hash_file(struct sha256_ctx *hash, const char *path, size_t bytes) {
     FILE *stream = fopen(path, "r");
     uint8_t block[4096];
@@ -372,22 +376,25 @@ static bool hash_file(struct sha256_ctx *hash, const char *path, size_t bytes) {
     return stream && bytes == 0;
 }
 
-/* Finds the last mark that lies within the first `size` bytes of the table. Returns the end of its line in the text, 0: there
- * is none. */
+/* Finds the last mark within the first `size` bytes of the table. Returns where its line ends in the text, or 0 without a mark. */
 static size_t last_mark(done_mark *mark, const char *text, size_t size) {
-    size_t at = 0, end = 0;
-    done_mark next;
-    int length = 0;
+    const size_t digits = SHA256_TEXT - 1;
+    const char *line = text, *end;
 
-    while (sscanf(text + at, "%zu %64[0-9a-f]%n", &next.bytes, next.checksum, &length) == 2 &&
-           text[at + (size_t)length] == '\n' && next.bytes <= size) {
-        *mark = next;
-        end = at += (size_t)length + 1;
+    for (; (end = strchr(line, '\n')); line = end + 1) {
+        char *behind;
+        const size_t bytes = strtoull(line, &behind, 10);
+        if (*behind != ' ' || behind + 1 + strspn(behind + 1, "0123456789abcdef") != end ||
+            (size_t)(end - behind) != digits + 1 || bytes > size)
+            break;
+        mark->bytes = bytes;
+        memcpy(mark->checksum, behind + 1, digits);
+        mark->checksum[digits] = '\0';
     }
-    return end;
+    return (size_t)(line - text);
 }
 
-/* Takes over the rows up to the last mark, if their checksum is right. *kept: bytes of the identity up to it. */
+/* Accepts the rows up to the last mark if their checksum is right. *kept becomes the length of the marks up to it. */
 static ehd_status take_marked(case_table *self, size_t *kept, size_t *bytes, const char *partial,
                               const char *marks, ehd_error *error) {
     struct stat found;
@@ -402,47 +409,40 @@ static ehd_status take_marked(case_table *self, size_t *kept, size_t *bytes, con
     sha256_end(&so_far, checksum);
     if (strcmp(checksum, self->mark.checksum) != 0)
         return not_resumable(self, "damaged rows", error);
-    return measure_done(self, partial, self->mark.bytes, bytes, error);
+    const ehd_status status = measure_done(self, partial, self->mark.bytes, bytes, error);
+    return status || *bytes == self->mark.bytes ? status
+                                                : not_resumable(self, "damaged rows", error);
 }
 
-/* EHD_DATA: the rows that were left are of another run, or damaged. EHD_CANTCREATE: there are some, without --resume. */
-static ehd_status check_done(case_table *self, size_t *kept, size_t *bytes, const char *partial,
-                             const char *text, bool resume, ehd_error *error) {
-    const size_t length = strlen(text);
+/* EHD_CANTCREATE: an interrupted run left rows. */
+static ehd_status refuse_rows(case_table *self, const char *partial, ehd_error *error) {
+    size_t bytes;
+    const ehd_status status = measure_done(self, partial, SIZE_MAX, &bytes, error);
 
-    if (!resume)
-        return ehd_fail(error, EHD_CANTCREATE,
-                        "%s: found an interrupted run with %zu cases, expected --resume to "
-                        "continue it or --force to replace it",
-                        partial, self->num_rows);
-    char *found = read_whole(self->identity);
-    ehd_status status = EHD_OK;
-    if (!found || strncmp(found, text, length) != 0)
-        status = not_resumable(self, "other settings or inputs", error);
-    else
-        status = take_marked(self, kept, bytes, partial, found + length, error);
-    free(found);
-    *kept += length;
-    return status;
+    return status ? status
+                  : ehd_fail(error, EHD_CANTCREATE,
+                             "%s: found an interrupted run with %zu cases, expected --resume to "
+                             "continue it or --force to replace it",
+                             partial, self->num_rows);
 }
 
-/* Finds the rows that an interrupted run left: their bytes, and those of what identifies the run and has their marks. A table
- * with other columns counts as none. */
+/* Finds the rows of an interrupted run. *bytes: their length in the table; *kept: length of NAME.resume up to their mark.
+ * EHD_DATA: they belong to another run or are damaged. */
 static ehd_status find_done(case_table *self, size_t *kept, size_t *bytes, const char *text,
                             bool resume, ehd_error *error) {
-    char *partial = NULL, *header = header_of(self);
+    const size_t length = strlen(text);
+    char *marks = NULL;
     ehd_status status = EHD_OK;
 
-    if (!header || asprintf(&partial, "%s.partial", self->caller->output) < 0) {
-        partial = NULL;
-        status = no_memory(self, error);
-    }
-    if (!status && access(self->identity, F_OK) == 0 && has_header(partial, header))
-        status = measure_done(self, partial, SIZE_MAX, bytes, error);
-    if (!status && self->num_rows > 0)
-        status = check_done(self, kept, bytes, partial, text, resume, error);
-    free(partial);
-    free(header);
+    if (access(self->identity, F_OK) != 0 || !has_rows(self->out.partial)) return EHD_OK;
+    if (!resume) return refuse_rows(self, self->out.partial, error);
+    marks = read_whole(self->identity);
+    if (!marks || strncmp(marks, text, length) != 0)
+        status = not_resumable(self, "other settings or inputs", error);
+    else
+        status = take_marked(self, kept, bytes, self->out.partial, marks + length, error);
+    free(marks);
+    *kept += length;
     return status;
 }
 
@@ -464,11 +464,12 @@ static ehd_status begin_csv_file(case_table *self, const char *settings_text,
     if (asprintf(&self->identity, "%s.resume", caller->output) < 0) self->identity = NULL;
     ehd_status status = self->identity ? describe(&text, self, settings_text, inputs, error)
                                        : no_memory(self, error);
+    if (!status) status = output_file_open(&self->out, caller->output, caller->force, error);
     if (!status && (resume || !caller->force))
         status = find_done(self, &kept, &bytes, text, resume, error);
-    if (status || self->num_rows == 0) bytes = kept = 0;
-    if (!status)
-        status = output_file_continue(&self->out, caller->output, caller->force, bytes, error);
+    if (status) output_file_leave(&self->out); // what is not this run's stays
+    if (self->num_rows == 0) bytes = kept = 0;
+    if (!status) status = output_file_keep(&self->out, bytes, error);
     self->stream = self->out.stream;
     if (!status) status = open_marks(self, kept, error);
     if (!status && bytes == 0) {

@@ -59,7 +59,7 @@ void case_table_expect(case_table *table, const case_row *row);
  * first, then those of schemas/cases.md, those of them that SI units can be made of again with the unit
  * behind the name, where a scene is given in these, and last the reason of a status. With `resume` it goes on with
  * what an interrupted run of the same settings and inputs left, if there is any. *num_done: rows that are already there.
- * EHD_CANTCREATE, EHD_IO, EHD_MEMORY; EHD_DATA: what was left is of another run. */
+ * EHD_CANTCREATE, EHD_IO, EHD_MEMORY; EHD_DATA: the rows that were left belong to another run or are damaged. */
 ehd_status case_table_begin(
     // in and out:
     case_table *table,

@@ -53,9 +53,8 @@ ehd_status output_file_check_inputs(const char *path, const char *const *inputs,
     return EHD_OK;
 }
 
-/* Opens and locks a file and keeps the first `kept` bytes of its content. NULL with errno; EWOULDBLOCK: another
- * process writes it. */
-static FILE *open_partial(const char *path, size_t kept) {
+/* Opens and locks a file. NULL with errno; EWOULDBLOCK: another process writes it. */
+static FILE *open_partial(const char *path) {
     const int descriptor =
         open(path, O_WRONLY | O_CREAT | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, 0666);
     FILE *stream = NULL;
@@ -64,9 +63,7 @@ static FILE *open_partial(const char *path, size_t kept) {
     if (descriptor < 0) return NULL;
     if (flock(descriptor, LOCK_EX | LOCK_NB) == 0 && fstat(descriptor, &found) == 0) {
         errno = ENOTSUP;
-        if (S_ISREG(found.st_mode) && ftruncate(descriptor, (off_t)kept) == 0 &&
-            lseek(descriptor, (off_t)kept, SEEK_SET) >= 0)
-            stream = fdopen(descriptor, "w");
+        if (S_ISREG(found.st_mode)) stream = fdopen(descriptor, "w");
     }
     if (stream) return stream;
     const int cause = errno;
@@ -82,11 +79,23 @@ static void release(output_file *self) {
 }
 
 ehd_status output_file_create(output_file *self, const char *path, bool force, ehd_error *error) {
-    return output_file_continue(self, path, force, 0, error);
+    const ehd_status status = output_file_open(self, path, force, error);
+
+    return status ? status : output_file_keep(self, 0, error);
 }
 
-ehd_status output_file_continue(output_file *self, const char *path, bool force, size_t kept,
-                                ehd_error *error) {
+ehd_status output_file_keep(output_file *self, size_t kept, ehd_error *error) {
+    const int descriptor = fileno(self->stream);
+
+    if (ftruncate(descriptor, (off_t)kept) == 0 && lseek(descriptor, (off_t)kept, SEEK_SET) >= 0)
+        return EHD_OK;
+    const ehd_status status = ehd_fail(error, EHD_IO, "%s: found %s, expected to write it",
+                                       self->partial, strerror(errno));
+    output_file_leave(self);
+    return status;
+}
+
+ehd_status output_file_open(output_file *self, const char *path, bool force, ehd_error *error) {
     *self = (output_file){.path = strdup(path)};
     ehd_status status = output_file_check(path, force, error);
 
@@ -95,7 +104,7 @@ ehd_status output_file_continue(output_file *self, const char *path, bool force,
         status = ehd_no_memory(error, path);
     }
     if (!status) {
-        self->stream = open_partial(self->partial, kept);
+        self->stream = open_partial(self->partial);
         if (!self->stream && errno == EWOULDBLOCK)
             status = ehd_fail(error, EHD_CANTCREATE,
                               "%s: found another process writing it, expected none", self->partial);

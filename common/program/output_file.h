@@ -29,9 +29,11 @@ ehd_status output_file_create(
     // input:
     const char *path, bool force, ehd_error *error);
 
-/* The same, but keeps the first `kept` bytes that output_file_leave has left, and appends to them. */
-ehd_status output_file_continue(output_file *self, const char *path, bool force, size_t kept,
-                                ehd_error *error);
+/* As output_file_create, but leaves the content of PATH.partial as it is. output_file_keep comes next. */
+ehd_status output_file_open(output_file *self, const char *path, bool force, ehd_error *error);
+
+/* Keeps the first `kept` bytes; what is written comes behind them. EHD_IO. */
+ehd_status output_file_keep(output_file *self, size_t kept, ehd_error *error);
 
 /* Writes what is left, to the disk, and gives the file its name; EHD_IO, and no file. Frees. */
 ehd_status output_file_finish(output_file *self, ehd_error *error);

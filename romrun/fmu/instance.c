@@ -544,8 +544,8 @@ static fmu_outcome go_on(fmu_instance *self, stretch *of, ehdrom_result *result)
     const double accuracy = now->values[FMU_STEP_ACCURACY];
     const ehdrom_status status = ehdrom_step(self->contact, &whole, of->step * of->part, result);
 
-    if (EHDROM_FAILED(
-            status)) { // EHDROM_DATA: no contact has such inputs, but the importer may try others
+    if (EHDROM_FAILED(status)) {
+        // the importer may try other inputs: the step is discarded
         const fmu_outcome outcome = status == EHDROM_DATA ? FMU_DISCARDED : FMU_FAILED;
         say(self, outcome, "step to %g s: %s", now->time + of->step,
             ehdrom_contact_error(self->contact));

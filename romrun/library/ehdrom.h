@@ -209,7 +209,8 @@ typedef struct ehdrom_result {
     /* of central and minimum film, relative, from the full model with the same grid and steps; NaN:
      * the model was not checked for that */
     double indicated_deviation, indicated_deviation_minimum;
-    double local_error; /* of this step, relative to the central film; 0: not known yet */
+    double local_error; /* of this step, relative to the central film; 0: not known yet. In a step shorter than the
+                           grid's along the path: this step's share in the error of a longer one */
     double residual;    /* of the reduced equations */
     size_t iterations;
     /* of ehdrom_solve, where lubricant.thermal_conductivity is set: the factor by which shear heating of the inlet

@@ -6,19 +6,19 @@
 #include "common/physics/exit.h"
 #include "romrun/online/node_state.h"
 
-/* Keeps the exit of a line from a limit cycle, of two nodes each of whose solutions asks for the
- * other: least squares leave pressure or multiplier the wrong sign there. */
+/* Keeps the exit of a line from a limit cycle of nodes, each of whose solutions asks for another
+ * one: least squares leave pressure or multiplier the wrong sign there. */
 typedef struct exit_watch {
     double change; // of the pressure, in the last iteration
     int direction, turns;
-    size_t asked; // nodes by which it should have moved when it last should have
+    size_t asked; // distance in nodes to the wanted exit, when it last differed
     bool held;    // for good (HELD_AT_TURN)
 } exit_watch;
 
 /* When it is held. */
 typedef enum {
-    // in time, near the solution (far): once it has turned round it moves by single nodes, and where it would then go back by
-    // one node it is held at the farther one of both, or at the nearer one if at the farther one it was far from settled
+    // in time, near the solution (far): after the first turn the exit moves by single nodes. If it would then go back by one
+    // node, it is held at the farther of the two; at the nearer one, if at the farther one the wanted exit was far away
     HELD_AT_TURN,
     // stationary, on the way from another contact: after it has turned round it moves by single
     // nodes, and after three more turns it is held; at once where it would move by a node or two
@@ -55,7 +55,7 @@ void exits_init(exit_search *self, const reduced_model *model, double spacing, a
  * 1637 and 1449, with films as far from the full model's, and with published rows 4622 in 1396 steps
  * to T = 1 in place of 2883 in 1197. At the nearer of both nodes it leaves 0.36 in place of 0.22 %
  * of the minimum film of period 3/5; where it is held at any turn, the march with published rows
- * ends at T = 3e-4. A stationary line (published rows, WLF, 81 contacts) that is held so is 1e-3 off in one
+ * ends at T = 3e-4. (Measured before exits moved by single nodes after a turn.) A stationary line (published rows, WLF, 81 contacts) that is held so is 1e-3 off in one
  * contact, 2.7e-4 by HELD_IN_CYCLE. */
 void exits_watch_stationary(exit_search *self, double tolerance);
 void exits_watch_in_time(exit_search *self, double far);

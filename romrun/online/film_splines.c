@@ -344,8 +344,8 @@ static double sum_row(const node_sums *self, size_t at, size_t width) {
     return sum;
 }
 
-/* Value, or at an offset curvature, of the pressure's modes at a node: along the path of the base and of what differs from
- * it, with its share of the filter. */
+/* Returns the value (or, at an offset, the curvature) of the pressure at a node: along the path the base plus the filtered
+ * difference from it. */
 static double sum_modes(const previous_film *self, const path_films *path,
                         const film_splines *splines, size_t offset, size_t node) {
     const size_t width = splines->pressure_layout.width;

@@ -266,7 +266,7 @@ online_transient *online_transient_free(online_transient *transient); // accepts
  * online_solve does it. */
 void online_transient_set_tolerance(online_transient *transient, double tolerance);
 
-/* Steps may be as short as another integrator wants them (reduced_march_allow_short_steps). */
+/* Allows steps much shorter than the grid's (reduced_march_allow_short_steps). */
 void online_transient_allow_short_steps(online_transient *transient);
 
 /* Solves and accepts the stationary state of the conditions at time 0. Where it does not converge,
