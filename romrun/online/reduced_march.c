@@ -1203,8 +1203,11 @@ static void drop_factors(reduced_march *self) {
 
 /* Returns the least time between the states that steps begin at (common/time/README.md, Steps of another integrator). */
 static double least_interval(const reduced_march *self, const contact_frame *frame) {
-    return self->allows_short && is_along_path(self) ? frame_grid_step(frame, &self->model->grid)
-                                                     : 0;
+    const double least = 0.5; // of the grid's step
+
+    return self->allows_short && is_along_path(self)
+               ? least * frame_grid_step(frame, &self->model->grid)
+               : 0;
 }
 
 /* The errors of the attempt become those of the accepted film. */
