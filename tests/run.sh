@@ -24,7 +24,7 @@ run_one() {
     passed=$(grep -ciE '^ok [0-9]+' "$log")
     failed=$(grep -cE '^not ok [0-9]+' "$log")
     skipped=$(grep -ciE '^(not )?ok [0-9]+.* # skip' "$log")
-    planned=$(sed -n 's/^1\.\.\([0-9]*\).*/\1/p' "$log" | head -n 1)
+    planned=$(sed -n 's/^1\.\.\([0-9]*\).*/\1/p' "$log" | paste -sd +) # cmocka prints a plan for each group
     if ((passed + failed != ${planned:-0})) || [[ -z $planned ]]; then
         trouble="ran $((passed + failed)) of ${planned:-unknown} cases"
     elif ((code != 0 && failed == 0)); then

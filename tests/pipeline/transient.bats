@@ -906,7 +906,7 @@ PYTHON
 }
 
 # Between nodes that the film hardly leaves apart nothing is resolved: a smallest film below zero was told.
-@test "a film that closes is flagged, and exit 4" {
+@test "a film that closes is flagged, with exit 4, and ends the march, with exit 3" {
     cat >dry.yml <<'YAML'
 contact: line
 regime: transient
@@ -915,7 +915,7 @@ hertz_pressure: 0.5e9
 lubricant: {viscosity: {law: barus, alpha: 2e-8}, density: {law: dowson-higginson}}
 grid: {x_min: -3, x_max: 2, step: 0.05}
 transient:
-  end_time: 0.28
+  end_time: 0.269
   speed: {law: sine, mean: 0, amplitude: 1, period: 4}
   load: {law: sine, amplitude: 0.2, period: 1}
 YAML
@@ -923,6 +923,9 @@ YAML
     [ "$status" -eq 4 ]
     [[ $stderr == "fullrun: dry.yml: found a film that closes between nodes (grid.step), first at T = 0.2"* ]]
     /usr/bin/python3 -c 'import h5py; assert (h5py.File("dry.h5")["minimum_film_thickness"][...] > 0).all()'
+    run --separate-stderr fullrun dry.yml -o dry.h5 --quiet --force --set transient.end_time=0.28
+    [ "$status" -eq 3 ]
+    [[ $stderr == "fullrun: dry.yml: not converged: "*" at T = 0.2"*"(film driven to zero, as by too coarse a grid)"* ]]
 }
 
 # ---- surfaces that are not smooth
