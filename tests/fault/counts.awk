@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Sums up what sweeps print, with or without the "# " of a log, as the tables of README.md:
+# Sums up what sweeps print, with or without the "# " of a log, as tables with a row a run:
 #
 #     awk -f tests/fault/counts.awk build/release/test-logs/long_{fault,kills}.bats.tap
 
