@@ -47,6 +47,8 @@ run_one() {
 
 if [[ ${1-} == --one ]]; then
     unset JOBS # of the tests, not of the pipelines that they run
+    # like options such as -k; variables such as CC stay
+    [[ ${MAKEFLAGS-} =~ ^[a-zA-Z]+ ]] && export MAKEFLAGS=${MAKEFLAGS#"${BASH_REMATCH[0]}"}
     run_one "$2" "$3"
     exit 0
 fi
