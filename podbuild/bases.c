@@ -19,8 +19,10 @@ double bases_energy_discarded(const pod_basis *basis) {
     return all > 0 ? left_out / all : 0;
 }
 
-/* Deflections of pressures, boundary nodes included: they carry a film too. Deflection being
- * linear, those of compressed snapshots serve as those of the snapshots. */
+/* Computes the deflections of `count` pressures at all nodes. Boundary nodes are included,
+ * because they have a film too. Deflection is linear in the pressure, so the deflections of
+ * compressed snapshots represent the deflections of the snapshots. Allocates *deflections,
+ * [count, num_nodes]. */
 static ehd_status deflect(double **deflections, const snapshot_set *set, const double *pressures,
                           size_t count, ehd_error *error) {
     size_t num_nodes = set->grid.num_nodes;
@@ -46,7 +48,8 @@ double *bases_turn_modes(const pod_basis *pod) {
     return modes;
 }
 
-/* Coordinates of all states in a POD basis, into columns first … of the states. */
+/* Projects the fields of all states, [num_states, num_nodes], onto the modes of a POD. Writes the
+ * coordinates to the columns from `first` on. */
 static void project(reduced_states *states, size_t first, const pod_basis *pod,
                     const double *fields) {
     for (size_t s = 0; s < states->num_states; s++)

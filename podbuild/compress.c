@@ -11,7 +11,7 @@
 
 enum { DEFAULT_BLOCK = 512 };
 
-/* One part a level, and a carry; no count of snapshots has more binary digits. */
+/* One part for each level, and a carry. A count of snapshots has at most 64 binary digits. */
 enum { MAX_PARTS = 65 };
 
 /* Some consecutive snapshots after compression. */
@@ -19,9 +19,9 @@ typedef struct compressed_part {
     double *rows;            // [rank, num_nodes]
     double *singular_values; // [rank]
     size_t rank;
-    unsigned level;   // truncations on the longest way from a snapshot to here, less one
-    double energy;    // sum of the squares of what came in
-    double discarded; // sum of the squares left out here and below
+    unsigned level;   // truncations on the longest path from a snapshot to this part, minus one
+    double energy;    // sum of the squares of the snapshots of this part
+    double discarded; // sum of the squares omitted in this part and in the parts below
 } compressed_part;
 
 struct snapshot_compressor {
@@ -30,10 +30,10 @@ struct snapshot_compressor {
     double *waiting; // [block, num_nodes] snapshots not compressed yet, and rows of merged sets
     size_t num_waiting;
     double waiting_energy;            // sum of their squares
-    compressed_part parts[MAX_PARTS]; // of descending level, the oldest first
+    compressed_part parts[MAX_PARTS]; // in order of descending level, the oldest first
     size_t num_parts;
     size_t num_snapshots;
-    double inherited; // energy that merged sets had left out
+    double inherited; // energy that merged sets had already omitted
 };
 
 static void part_free(compressed_part *part) {
@@ -42,16 +42,16 @@ static void part_free(compressed_part *part) {
     *part = (compressed_part){0};
 }
 
-/* Energy that may have been left out once a part has reached this level. */
+/* Returns the energy that a part of this level may have omitted, with all parts below it. */
 static double allowance(const snapshot_compressor *self, const compressed_part *part) {
     const double share = (part->level + 1.0) / (part->level + 2.0);
     return share * self->settings.discarded_energy * part->energy;
 }
 
-/* Rows of the part: its modes times the singular values. */
+/* Sets the rows of a part to the modes times the singular values. */
 static ehd_status scale_modes(
     // output:
-    compressed_part *part, // rows, singular_values for its rank
+    compressed_part *part, // in: rank; out: rows, singular_values
     // input:
     const pod_basis *basis, ehd_error *error) {
     const size_t num_nodes = basis->num_nodes;
@@ -68,7 +68,7 @@ static ehd_status scale_modes(
     return EHD_OK;
 }
 
-/* Truncated SVD of the rows within the part's allowance. */
+/* Compresses rows by a truncated SVD that stays within the energy allowance of the part. */
 static ehd_status compress_rows(
     // in and out:
     compressed_part *part, // in: level, energy, discarded below; out: all; empty on failure
@@ -100,7 +100,7 @@ static ehd_status compress_waiting(compressed_part *part, const snapshot_compres
     return compress_rows(part, self->waiting, self->num_waiting, self, error);
 }
 
-/* newer := older and newer in one part. On failure newer is as before. */
+/* Joins two parts: newer := older and newer. On failure newer is unchanged. */
 static ehd_status join(compressed_part *newer, const compressed_part *older,
                        const snapshot_compressor *self, ehd_error *error) {
     const size_t older_length = older->rank * self->num_nodes;
@@ -122,7 +122,8 @@ static ehd_status join(compressed_part *newer, const compressed_part *older,
     return EHD_OK;
 }
 
-/* The waiting block becomes a part of level 0; equal levels are carried on. */
+/* Compresses the waiting block to a part of level 0. Joins parts while the last two have equal
+ * levels. */
 static ehd_status store_block(snapshot_compressor *self, ehd_error *error) {
     ehd_status status = compress_waiting(&self->parts[self->num_parts], self, error);
 
@@ -142,7 +143,8 @@ static ehd_status store_block(snapshot_compressor *self, ehd_error *error) {
     return EHD_OK;
 }
 
-/* Row by row, so that block limits and the order of all sums are the same however rows arrive. */
+/* Adds rows one by one, so that the block limits and the order of all sums do not depend on how the
+ * rows arrive. */
 static ehd_status add_rows(snapshot_compressor *self, const double *rows, size_t count,
                            ehd_error *error) {
     const size_t num_nodes = self->num_nodes;
@@ -222,7 +224,7 @@ ehd_status compressor_merge(snapshot_compressor *self, const compressed_set *set
     return status;
 }
 
-/* Leaves out the weakest rows for which there is energy to spare. */
+/* Omits the weakest rows as long as the omitted energy stays at most `allowed`. */
 static void spend_rest(compressed_part *part, double allowed) {
     while (part->rank > 1) {
         const double weakest = part->singular_values[part->rank - 1];
@@ -238,7 +240,7 @@ ehd_status compressor_finish(compressed_set *result, const snapshot_compressor *
     ehd_status status = compress_waiting(&whole, self, error);
 
     *result = (compressed_set){0};
-    // the smallest first, as in the counter
+    // the part of lowest level first, like the carry of a counter
     for (size_t i = self->num_parts; !status && i-- > 0;)
         status = join(&whole, &self->parts[i], self, error);
     if (status) {

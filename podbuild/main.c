@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* podbuild: bases of training solutions. */
+/* podbuild: builds bases from training solutions. */
 #include "common/output/check.h"
 #include "common/output/print.h"
 #include "common/output/vtk.h"
@@ -25,8 +25,8 @@ typedef struct build_options {
     bases_settings bases;
     const test_weight *weight;
     const char *plan; // NULL: none
-    double memory;    // bytes that arrays may take
-    bool compress;    // a part, not a basis
+    double memory;    // limit of the arrays, bytes
+    bool compress;    // write a part (part_file.h), not a basis
 } build_options;
 
 static ehd_status read_weight(void *member, const char *argument, ehd_error *error) {
@@ -107,8 +107,9 @@ static void report(const reduced_basis *basis, const basis_origin *origin,
         printf("deformation: coupled\n");
 }
 
-/* With as many modes as states, more states would give better modes. How much better is estimated by how far each state
- * is from the modes of the others. Warns where that is farther than results may be off. */
+/* Prints how thin the training is, if there are as many modes as states. More states would then
+ * improve the basis. The distance of each state from the span of the others estimates by how much.
+ * Warns if the median distance exceeds the default accuracy of results. */
 static void report_thinness(const program *self, const pod_basis *pressure,
                             const reduced_states *states, const snapshot_files *files) {
     const double promised = accuracy_limit(0);
@@ -131,7 +132,8 @@ static void report_thinness(const program *self, const pod_basis *pressure,
     free(distance);
 }
 
-/* Another weight than that of the first mode. */
+/* Sets the weight of --weight. If a plan is given, reads its contacts for weights that evaluate
+ * them. */
 static ehd_status weigh(reduced_basis *basis, const program *self, const build_options *options,
                         ehd_error *error) {
     plan given = {0};
@@ -160,7 +162,8 @@ static ehd_status weigh(reduced_basis *basis, const program *self, const build_o
     return status;
 }
 
-/* The snapshot files, NULL at the end; NULL: no memory. */
+/* Returns the paths of the input files, NULL at the end; free with free(). Returns NULL without
+ * memory. */
 static const char **list_inputs(const program *self, ehd_error *error) {
     const char **inputs = calloc(self->num_arguments + 1, sizeof *inputs);
 
@@ -171,7 +174,7 @@ static const char **list_inputs(const program *self, ehd_error *error) {
     return inputs;
 }
 
-/* All at once. */
+/* Builds the basis with all snapshots in memory. */
 static ehd_status build_at_once(reduced_basis *basis, basis_origin *origin, pod_basis *pressure,
                                 pod_basis *deformation, snapshot_set *set, snapshot_files *files,
                                 const program *self, const build_options *options,
@@ -188,7 +191,7 @@ static ehd_status build_at_once(reduced_basis *basis, basis_origin *origin, pod_
     return status;
 }
 
-/* One after the other, in the memory that there is for it. */
+/* Builds the basis from snapshots that are read one by one, within the memory limit. */
 static ehd_status build_by_stream(reduced_basis *basis, basis_origin *origin, pod_basis *pressure,
                                   pod_basis *deformation, snapshot_files *files,
                                   const stream_plan *way, const program *self,
@@ -227,7 +230,7 @@ static ehd_status write_basis(const reduced_basis *basis, basis_origin *origin,
     return status;
 }
 
-/* Where parts do not serve. */
+/* Refuses parts as input of --compress and of --deformation independent. */
 static ehd_status check_parts(const snapshot_files *files, const build_options *options,
                               ehd_error *error) {
     size_t i = 0;
@@ -246,7 +249,8 @@ static ehd_status check_parts(const snapshot_files *files, const build_options *
     return EHD_OK;
 }
 
-/* What is going to be taken, before it is. */
+/* Plans the memory before the snapshots are read, prints the plan, and checks that so much memory
+ * is free. */
 static ehd_status plan_memory(stream_plan *way, const snapshot_files *files, const program *self,
                               const build_options *options, ehd_error *error) {
     const bases_settings *settings = &options->bases;
@@ -340,7 +344,7 @@ static ehd_status compress(const program *self, const build_options *options, eh
     return status;
 }
 
-/* Options that are of bases alone. */
+/* Refuses options of bases together with --compress. */
 static ehd_status check_compress(const program *self, ehd_error *error) {
     static const char *const of_bases[] = {"pressure-modes", "deformation-modes", "deformation",
                                            "weight", "plan"};

@@ -9,7 +9,7 @@ static ehd_status put_modes(artefact *file, const pod_basis *modes, const ehd_gr
     ehd_status status = artefact_put_axis(file, "pressure_mode", modes->num_modes, NULL, error);
 
     if (!status) status = artefact_declare(file, "pressure_basis", error);
-    // one by one, so that they are not held twice
+    // one by one, so that no second copy of all modes is needed
     for (size_t j = 0; j < modes->num_modes && !status; j++)
         status = grid_put_field(file, "pressure_basis", j, modes->modes + j * modes->num_nodes,
                                 grid, false, error);
@@ -82,7 +82,7 @@ ehd_status part_check(const char *path, ehd_error *error) {
     ehd_grid grid = {0};
     ehd_status status = artefact_open(&file, path, kinds, error);
 
-    // artefact_check has read the modes
+    // artefact_check has already read the modes
     if (!status) status = grid_read(&grid, &kind, file, error);
     if (!status) status = part_read_origin(&origin, file, error);
     if (!status) status = part_read_states(&states, file, &grid, error);

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A part of a training in place of its snapshots: their POD, and their states in its coordinates. */
+/* Files that hold a part of a training in compressed form: the POD of its snapshots, and its states
+ * in the coordinates of these modes. */
 #ifndef EHD_PART_FILE_H
 #define EHD_PART_FILE_H
 
@@ -8,31 +9,32 @@
 #include "podbuild/pod.h"
 #include "romrun/model/reduced_model.h"
 
-/* Of what it was made, and what it has lost. */
+/* Source and omitted energy of a part. */
 typedef struct part_origin {
-    size_t num_snapshots; // that the modes are of
-    size_t num_left_out;  // states that had not converged
-    double energy;        // sum of the squares of these snapshots
-    double discarded;     // part of it that their distance from the modes has at most
+    size_t num_snapshots; // number of snapshots that the modes were computed from
+    size_t num_left_out;  // number of states that had not converged
+    double energy;        // sum of the squares of the snapshots
+    double discarded;     // upper bound of the sum of squared distances from the modes, relative to
+                          // energy
 } part_origin;
 
-/* Writes and finishes caller->output. `basis` has grid and states, in the coordinates of the modes.
- * `inputs`: the snapshot files, NULL at the end. */
+/* Writes caller->output and gives the file its name. `basis` has the grid, and the states in the
+ * coordinates of the modes. `inputs`: paths of the snapshot files, NULL at the end. */
 ehd_status part_write(const reduced_basis *basis, const pod_basis *modes, const part_origin *origin,
                       const program *caller, const char *settings_text, const char *const *inputs,
                       ehd_error *error);
 
-/* Of an open file. EHD_DATA: an energy left out that is more than all. */
+/* Reads the origin from an open file. EHD_DATA: energy_discarded is above 1. */
 ehd_status part_read_origin(part_origin *origin, artefact *file, ehd_error *error);
 
-/* States of an open file. Errors as states_read. */
+/* Reads the states from an open file. Errors as states_read. */
 ehd_status part_read_states(
     // output:
     reduced_states *states, // free with reduced_states_free
     // input:
     artefact *file, const ehd_grid *grid, ehd_error *error);
 
-/* For --check: reads it but for the modes. */
+/* Checks a part for --check: reads all of the file except the modes. */
 ehd_status part_check(const char *path, ehd_error *error);
 
 #endif

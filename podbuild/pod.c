@@ -11,8 +11,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Row-major [num_states, num_nodes] is what LAPACK sees as a num_nodes x num_states matrix, a
- * snapshot a column, so that the modes are its left singular vectors and nothing is transposed. */
+/* LAPACK reads a row-major [num_states, num_nodes] array as a num_nodes x num_states matrix with a
+ * snapshot in each column. The modes are its left singular vectors, and nothing is transposed. */
 
 static ehd_status check_input(const double *snapshots, size_t num_states, size_t num_nodes,
                               const pod_settings *settings, ehd_error *error) {
@@ -32,7 +32,7 @@ static ehd_status check_input(const double *snapshots, size_t num_states, size_t
     return EHD_OK;
 }
 
-/* Number of singular values that are not noise. */
+/* Returns the number of singular values above the noise of round-off. */
 static size_t numerical_rank(const double *singular_values, size_t num_singular_values) {
     const double noise = (double)num_singular_values * DBL_EPSILON * singular_values[0];
     size_t rank = 0;
@@ -41,11 +41,11 @@ static size_t numerical_rank(const double *singular_values, size_t num_singular_
     return rank;
 }
 
-/* Smallest number of modes that leaves out no more than the allowed part of the energy. */
+/* Returns the smallest number of modes that omits at most the allowed part of the energy. */
 static size_t modes_by_energy(const double *singular_values, size_t rank, double discarded_energy) {
     double total = 0.0, left_out = 0.0;
     size_t num_modes = rank;
-    // from the weakest on, so that small energies are not lost in large sums
+    // sum up from the weakest on, so that small energies are not lost by round-off
     for (size_t i = rank; i-- > 0;)
         total += pow(singular_values[i] / singular_values[0], 2);
     for (; num_modes > 1; num_modes--) {
@@ -55,10 +55,11 @@ static size_t modes_by_energy(const double *singular_values, size_t rank, double
     return num_modes;
 }
 
-/* Squares of this sum up without overflow over any number of nodes and snapshots. */
+/* Sums of squares of this value do not overflow for any number of nodes and snapshots. */
 static const double LARGEST_VALUE = 1e140;
 
-/* Whether all are numbers up to that: without a branch, so that several are compared at once. */
+/* Checks whether all values are finite and at most LARGEST_VALUE in magnitude. The loop has no
+ * branch, so that the compiler can vectorise it. */
 static bool are_usable(const double *values, size_t count) {
     size_t num_wrong = 0;
 
@@ -105,9 +106,9 @@ void pod_fix_sign(double *mode, size_t num_nodes) {
             mode[node] = -mode[node];
 }
 
-/* What the steps below share. All matrices are column-major. */
+/* Work arrays of the following functions. All matrices are column-major. */
 typedef struct pod_work {
-    size_t num_nodes, num_states, num_values; // num_values: the smaller one
+    size_t num_nodes, num_states, num_values; // num_values: the smaller of the other two
     double *matrix;   // [num_nodes, num_states] the snapshots, later their QR or LQ factors
     double *scales;   // [num_values] of the factors' reflectors
     double *triangle; // [num_values, num_values] R or L
@@ -138,7 +139,8 @@ static ehd_status work_allocate(pod_work *work, size_t num_nodes, size_t num_sta
                     8e-6 * (double)(num_nodes * num_states + 3 * num_values * num_values));
 }
 
-/* snapshots = Q R with more nodes than states, else L Q; the triangle keeps all singular values. */
+/* Factorises the snapshots: Q R if there are more nodes than states, otherwise L Q. The triangle, R
+ * or L, has the singular values of the snapshots. */
 static ehd_status reduce_to_triangle(pod_work *work, ehd_error *error) {
     const int nodes = (int)work->num_nodes, states = (int)work->num_states;
     const int values = (int)work->num_values;
@@ -154,10 +156,11 @@ static ehd_status reduce_to_triangle(pod_work *work, ehd_error *error) {
     return lapack_outcome("dlacpy", info, error);
 }
 
-/* The first num_modes left singular vectors of the snapshots: those of L, or Q times those of R. */
+/* Computes the first num_modes left singular vectors of the snapshots: Q times the vectors of R, or
+ * the vectors of L. */
 static ehd_status form_modes(
     // output:
-    pod_basis *basis, // modes, for its num_modes and num_nodes
+    pod_basis *basis, // in: num_modes, num_nodes; out: modes
     // input:
     const pod_work *work, ehd_error *error) {
     const size_t num_nodes = work->num_nodes, num_values = work->num_values;

@@ -13,7 +13,7 @@ static ehd_status check_snapshots(const char *path, ehd_error *error) {
     ehd_status status = snapshot_files_open(&files, &path, 1, error);
 
     if (status) return status;
-    // one field at a time, however many the file has
+    // read one field at a time, so that a large file needs little memory
     const file_states *states = &files.files[0].states;
     double *field = array_new(files.grid.num_nodes, 1, sizeof *field);
     if (!field) status = ehd_no_memory(error, path);

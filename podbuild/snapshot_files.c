@@ -7,12 +7,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* So many files stay open between two readings, so that their digests are checked once. */
+/* Number of files that stay open between two passes, so that their digests are checked only
+ * once. */
 enum { KEPT_OPEN = 200 };
 
 // ---- columns
 
-/* A field along the states, or where a result has it as an attribute, that value for each. */
+/* Reads a column. A result has it as an attribute, which is repeated for each state. */
 static ehd_status read_column(double *column, artefact *file, const char *name, size_t count,
                               ehd_error *error) {
     double value;
@@ -25,7 +26,7 @@ static ehd_status read_column(double *column, artefact *file, const char *name, 
     return status;
 }
 
-/* A column that a file need not have. */
+/* Reads an optional column; `otherwise` is the value if the file has none. */
 static ehd_status read_optional(double *column, const file_states *states, artefact *file,
                                 const char *name, double otherwise, ehd_error *error) {
     for (size_t i = 0; i < states->count; i++)
@@ -96,7 +97,7 @@ static ehd_status read_columns(file_states *states, artefact *file, ehd_error *e
 
 // ---- files
 
-/* All files with trajectories carry films in the same way. */
+/* Checks that films are carried in one way in all files with trajectories. */
 static ehd_status check_carriage(snapshot_files *self, artefact *file, const char *path,
                                  ehd_error *error) {
     ehd_carriage carriage;
@@ -123,12 +124,12 @@ static ehd_status check_kind(artefact *file, const char *path, ehd_error *error)
     return EHD_OK;
 }
 
-/* Which of the states are of use, and how many rows a basis has of them. */
+/* Counts the converged states of a file, and the rows that the basis is built from. */
 static ehd_status count_states(snapshot_files *self, snapshot_file *file, ehd_error *error) {
     const file_states *states = &file->states;
 
     for (size_t i = 0; i < states->count; i++) {
-        // 4 is solved, but outside of what a reduced model was made for: no training solution
+        // status 4 (EHD_UNTRUSTED) is no training solution either
         if (states->outcome[i] != 0) {
             self->num_left_out++;
             continue;
@@ -224,7 +225,7 @@ void snapshot_files_close(snapshot_files *self) {
 
 // ---- fields
 
-/* One entry of a field of pressures, boundary nodes included. */
+/* Reads one entry of a pressure field and sets the boundary nodes to zero. */
 static ehd_status get_pressure(double *pressure, const ehd_grid *grid, artefact *file,
                                const char *field, size_t entry, ehd_error *error) {
     double *inner = array_new(grid->num_inner, 1, sizeof *inner);

@@ -47,7 +47,7 @@ static ehd_status reserve(snapshot_set *set, size_t num_states, ehd_error *error
     return status;
 }
 
-/* Fields too, of what the basis is made of as well. */
+/* Reserves memory for the states, their fields, and the snapshots of the basis. */
 static ehd_status reserve_fields(snapshot_set *set, size_t num_states, size_t num_snapshots,
                                  ehd_error *error) {
     const size_t num_nodes = set->grid.num_nodes;
@@ -61,7 +61,7 @@ static ehd_status reserve_fields(snapshot_set *set, size_t num_states, size_t nu
     return status;
 }
 
-/* The next state; `pressure` is its place in the set and filled. */
+/* Appends a solution without its field. The exit follows from `pressure`. */
 static void add_solved(snapshot_set *set, const solved_state *state, const double *pressure) {
     size_t s = set->num_states++;
 
@@ -80,7 +80,7 @@ static void add_solved(snapshot_set *set, const solved_state *state, const doubl
 void snapshot_set_add(snapshot_set *set, const double *pressure, const file_states *states,
                       size_t i) {
     const size_t s = set->num_states;
-    // columns of trajectories have no values where a state is none of theirs
+    // columns of trajectories have no valid values at stationary points
     const bool in_time = states->trajectory[i] >= 0;
     lubricant_rises rises;
 
@@ -106,7 +106,7 @@ void snapshot_set_add_reduced(snapshot_set *set, const reduced_states *states) {
 
     for (size_t s = 0; s < num; s++)
         set->rigid_approach[first + s] =
-            states->coordinates[(s + 1) * states->num_unknowns - 1]; // the last one
+            states->coordinates[(s + 1) * states->num_unknowns - 1]; // the rigid approach
     memcpy(set->exit + first * num_lines, states->exit, num * num_lines * sizeof *set->exit);
     memcpy(set->moes_M + first, states->moes_M, num * sizeof(double));
     memcpy(set->alpha_p_H + first, states->alpha_p_H, num * sizeof(double));
@@ -121,8 +121,9 @@ void snapshot_set_add_reduced(snapshot_set *set, const reduced_states *states) {
     set->num_states += num;
 }
 
-/* All of a file. What the basis is made of are stationary points as they are; of trajectories all
- * steps, which the file holds compressed, and not once more those states that it also keeps as such. */
+/* Adds all states of a file. The basis is built from stationary states as they are, and from the
+ * steps of trajectories, which the file holds in compressed form. States that the file also keeps
+ * of a trajectory are among these steps, so they do not become snapshots again. */
 static ehd_status add_file(snapshot_set *set, const snapshot_files *files, size_t index,
                            ehd_error *error) {
     const file_states *states = &files->files[index].states;

@@ -15,22 +15,24 @@
 typedef struct snapshot_set {
     const contact_kind *kind;
     ehd_grid grid;
-    const char *transported; // the first file with trajectories, or NULL
-    ehd_carriage carriage;   // of these
+    const char *transported; // path of the first file with trajectories, or NULL
+    ehd_carriage carriage;   // how films are carried on these trajectories
     size_t num_states;
-    size_t num_left_out;            // states of the files that had not converged
+    size_t num_left_out;            // number of states that had not converged
     double *pressure;               // [num_states, num_nodes], boundary nodes included
     double *rigid_approach;         // [num_states]
     size_t *exit;                   // [num_states, lines of the grid] first column without pressure
     double *moes_M, *alpha_p_H;     // [num_states]
-    flow_thinning *thinning;        // [num_states] of the flow
+    flow_thinning *thinning;        // [num_states] thinning of the flow
     double *central_film_thickness; // [num_states]
-    bool *stationary;               // [num_states] false on a trajectory, unless at its start
+    bool *stationary;               // [num_states] false on a trajectory, except at its start
     double *rate,
-        *load_rate; // [num_states] of change of the contact (kept_states.h), 0 when stationary
-    film_effects *effects;  // [num_states] of the grid
-    lubricant_rises *rises; // [num_states] at the Hertz pressure
-    // what the basis is made of: the stationary states, and the compressed steps of trajectories
+        *load_rate; // [num_states] rates of change of the contact and of its load (frame_rates); 0
+                    // if stationary
+    film_effects *effects;  // [num_states] error estimates of the grid
+    lubricant_rises *rises; // [num_states] of viscosity and density, at the Hertz pressure
+    // the basis is built from these: the stationary states, and the compressed steps of
+    // trajectories
     size_t num_snapshots;
     double *snapshots; // [num_snapshots, num_nodes]
 } snapshot_set;
@@ -42,22 +44,23 @@ ehd_status snapshot_set_read(
     // input:
     snapshot_files *files, ehd_error *error);
 
-/* A set without fields, `pressure` and `snapshots` NULL, for the states of files that are added one by
- * one. EHD_MEMORY. */
+/* Allocates a set without fields (`pressure` and `snapshots` are NULL), to which the states of the
+ * files are then added. Errors: EHD_MEMORY. */
 ehd_status snapshot_set_begin(
     // output:
     snapshot_set *set, // free with snapshot_set_free
     // input:
     const snapshot_files *files, ehd_error *error);
 
-/* Bytes that such a set takes. */
+/* Returns the memory of a set without fields, bytes. */
 double snapshot_set_bytes(const snapshot_files *files);
 
-/* The next state, of a file's columns, and its pressure, which is not kept. */
+/* Appends a state, given by the columns of its file and its pressure. The pressure gives the exit
+ * and is not stored. */
 void snapshot_set_add(snapshot_set *set, const double *pressure, const file_states *states,
                       size_t state);
 
-/* The next states, as a part has them. */
+/* Appends the states of a part. */
 void snapshot_set_add_reduced(snapshot_set *set, const reduced_states *states);
 
 /* A stationary solution in memory. */
@@ -69,7 +72,8 @@ typedef struct solved_state {
     lubricant_rises rises; // at the Hertz pressure
 } solved_state;
 
-/* The same of solutions in memory; a basis is made of all of them. EHD_MEMORY. */
+/* Makes a set of stationary solutions in memory. The basis is built from all of them. Errors:
+ * EHD_MEMORY. */
 ehd_status snapshot_set_gather(
     // output:
     snapshot_set *set, // free with snapshot_set_free

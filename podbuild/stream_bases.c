@@ -9,17 +9,18 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Shares of the error, see the header. */
+/* Shares of the root of the allowed energy, see stream_bases.h. */
 static const double ROOT_SHARE = 0.9, LOCAL_SHARE = 0.05, PART_SHARE = 0.05;
 
-/* Of the energy at the first root, what directions may have that give way on the way. */
+/* Directions that are dropped while streaming may have this part of the energy of the
+ * ROOT_SHARE. */
 static const double TRUNCATED_SHARE = 0.25;
 
-/* Energy of which the local share is 1e-22, as of trajectories (compress.h): singular values above 1e-11
- * of the first. */
+/* Allowed energy whose local share is 1e-22, as for trajectories (compress.h). This keeps singular
+ * values above 1e-11 of the first. */
 static const double EXACT_ENERGY = 4e-20;
 
-/* Below it there is only what rounding leaves. */
+/* Lower limit of the local energy; below it there is only round-off. */
 static const double LEAST_LOCAL = 1e-28;
 
 // ---- memory
@@ -36,14 +37,14 @@ static double smaller(double a, double b) {
     return a < b ? a : b;
 }
 
-/* Modes of a stream in the end. */
+/* Returns the largest number of modes that a stream may have at its end. */
 static double most_modes(const pod_settings *wanted, size_t max_rank) {
     return wanted->num_modes ? smaller((double)wanted->num_modes, (double)max_rank)
                              : (double)max_rank;
 }
 
-/* States with so many coordinates, as they are held and, once more, written; those of a part are read
- * twice as well. */
+/* Returns the memory of the states with their coordinates, which are held and copied once for
+ * writing. The states of a part are held twice too while they are read. */
 static double state_bytes(const snapshot_files *files, double num_modes) {
     const double columns = 20, lines = (double)grid_lines(&files->grid);
     double rank = 0, longest = 0;
@@ -58,13 +59,13 @@ static double state_bytes(const snapshot_files *files, double num_modes) {
            snapshot_set_bytes(files);
 }
 
-/* What a stream takes in each of its stages at most. */
+/* Returns the largest memory over all stages of a stream. */
 static double bytes_of_stream(const stream_plan *way, const snapshot_files *files,
                               const bases_settings *settings) {
     const bool independent = settings->kind == DEFORMATION_INDEPENDENT;
     const double nodes = (double)files->grid.num_nodes, a_field = 8 * nodes;
     const double few =
-        (independent ? 24 : 6) * a_field; // rows that are read, and the deflection's work
+        (independent ? 24 : 6) * a_field; // rows that are read, and work arrays of the deflection
     const double pressure = most_modes(&settings->pressure, way->pressure.max_rank);
     const double deformation =
         independent ? most_modes(&settings->deformation, way->deformation.max_rank) : 0;
@@ -75,12 +76,13 @@ static double bytes_of_stream(const stream_plan *way, const snapshot_files *file
         most = fmax(most, pressure * a_field +
                               stream_pod_bytes(files->grid.num_nodes, &way->deformation));
     most = fmax(most, (pressure + deformation) * a_field + batches);
-    // node by node in the basis, and once more as they are turned and written
+    // modes in the basis, and a second copy while they are transposed and written
     most = fmax(most, (pressure + deformation + fmax(pressure, deformation)) * a_field);
     return most + few + state_bytes(files, pressure + deformation);
 }
 
-/* All at once: states and snapshots, their copy and modes in pod_build, and the same of deflections. */
+/* Returns the memory of bases_build: states and snapshots, the copy and the modes in pod_build, and
+ * the same arrays for deflections. */
 static double bytes_at_once(const snapshot_files *files, const bases_settings *settings) {
     const bool independent = settings->kind == DEFORMATION_INDEPENDENT;
     const double nodes = (double)files->grid.num_nodes, states = (double)files->num_states;
@@ -98,7 +100,7 @@ static void take_room(stream_plan *way, size_t block, size_t rank) {
     way->pressure.max_rank = way->deformation.max_rank = rank;
 }
 
-/* What a plan is made for. */
+/* Arguments of bytes_with. */
 typedef struct plan_work {
     const snapshot_files *files;
     const bases_settings *settings;
@@ -145,10 +147,10 @@ ehd_status stream_plan_make(stream_plan *way, const snapshot_files *files,
 
 // ---- readings
 
-/* One reading of all files after the other. */
+/* State of one pass over all files. */
 typedef struct reading {
     snapshot_files *files;
-    double *field; // [num_nodes] the present one
+    double *field; // [num_nodes] the last field that was read
     progress shown;
     size_t done;
     const char *what;
@@ -165,7 +167,8 @@ static ehd_status read_one(reading *self, size_t index, size_t entry, bool row, 
                : snapshot_file_state(self->field, self->files, index, entry, error);
 }
 
-/* The deflection, or NULL, of what a stream takes up. */
+/* Reads a field and adds the pressure, or its deflection if `deflection` is not NULL, to the
+ * stream. */
 static ehd_status stream_one(stream_pod *stream, reading *self, ehd_deflection *deflection,
                              double *deflected, size_t index, size_t entry, bool row,
                              ehd_error *error) {
@@ -192,7 +195,8 @@ static ehd_status stream_file(stream_pod *stream, reading *self, ehd_deflection 
     return status;
 }
 
-/* One POD of everything that the basis is made of. */
+/* Computes the POD of all rows that the basis is built from, of pressures or of their
+ * deflections. */
 static ehd_status stream_all(pod_basis *pod, stream_error *bound, reading *self,
                              const stream_settings *settings, const pod_settings *wanted,
                              bool deflected, ehd_error *error) {
@@ -215,9 +219,9 @@ static ehd_status stream_all(pod_basis *pod, stream_error *bound, reading *self,
 
 // ---- coordinates
 
-/* Where coordinates go while files are read once more. */
+/* Second pass over the files, which computes the coordinates of the states. */
 typedef struct projection {
-    const pod_basis *pressure, *deformation; // the second NULL when coupled
+    const pod_basis *pressure, *deformation; // deformation is NULL if coupled
     ehd_deflection *deflection;
     double *fields, *deflected; // [batch, num_nodes]
     size_t batch, num_waiting;
@@ -233,7 +237,7 @@ static void project(double *coordinates, size_t stride, const double *fields, si
                 (int)pod->num_nodes, 0, coordinates, (int)stride);
 }
 
-/* Those of the states that came last. */
+/* Projects the states that wait in the batch. */
 static void project_waiting(projection *self) {
     const size_t num_unknowns = self->states->num_unknowns;
     double *to =
@@ -269,7 +273,7 @@ static ehd_status project_states(projection *self, reading *from, size_t index, 
     return status;
 }
 
-/* Modes of a part in the coordinates of the new ones: [num_rows, modes] in `turned`. */
+/* Projects the modes of a part onto the new modes. Writes [num_rows, modes] to `turned`. */
 static ehd_status project_modes(double *turned, projection *self, reading *from, size_t index,
                                 ehd_error *error) {
     const size_t num_nodes = from->files->grid.num_nodes, num = self->pressure->num_modes;
@@ -288,7 +292,8 @@ static ehd_status project_modes(double *turned, projection *self, reading *from,
     return status;
 }
 
-/* A part has its states in the coordinates of its modes. */
+/* Adds the states of a part. Their coordinates in its own modes are multiplied by the projection of
+ * these modes onto the new ones. */
 static ehd_status project_part(projection *self, reading *from, size_t index, ehd_error *error) {
     const snapshot_file *file = &from->files->files[index];
     const size_t num = self->pressure->num_modes, num_unknowns = self->states->num_unknowns;
@@ -320,7 +325,7 @@ static ehd_status project_file(projection *self, reading *from, size_t index, eh
     return status;
 }
 
-/* A second reading, of the states. */
+/* Computes the coordinates of all states in a second pass over the files. */
 static ehd_status project_all(reduced_basis *basis, reading *from, const stream_plan *way,
                               const pod_basis *pressure, const pod_basis *deformation,
                               ehd_error *error) {
@@ -356,7 +361,7 @@ static ehd_status project_all(reduced_basis *basis, reading *from, const stream_
 
 // ---- bases
 
-/* The modes go over to the basis, node by node. */
+/* Moves the modes to the basis, transposed, and frees them in the POD. */
 static ehd_status take_modes(double **modes, pod_basis *pod, ehd_error *error) {
     *modes = pod->num_modes > 0 ? bases_turn_modes(pod) : NULL;
     if (pod->num_modes > 0 && !*modes) return ehd_no_memory(error, "bases");
@@ -365,7 +370,7 @@ static ehd_status take_modes(double **modes, pod_basis *pod, ehd_error *error) {
     return EHD_OK;
 }
 
-/* Energy behind the modes. */
+/* Returns the energy of the omitted modes and of the directions that were dropped before. */
 static double tail_of(const pod_basis *pod, const stream_error *error) {
     double tail = error->truncated;
 
@@ -374,16 +379,16 @@ static double tail_of(const pod_basis *pod, const stream_error *error) {
     return tail;
 }
 
-/* Bound of the energy left out by the modes, part of all of it. `distance`: of what the stream took up
- * from the snapshots. */
+/* Returns an upper bound of the energy that the modes omit, relative to all. `distance`: of the
+ * streamed rows from the snapshots. */
 static double bound_of(const pod_basis *pod, const stream_error *error, double distance) {
     const double length = sqrt(tail_of(pod, error)) + distance;
 
     return error->energy > 0 ? length * length / error->energy : 0;
 }
 
-/* Distance of the streamed rows from the snapshots: the stream's own, and that of parts, of which the
- * squares add up, since each is of other snapshots. */
+/* Returns the distance of the streamed rows from the snapshots: that of the stream plus that of the
+ * parts. Parts hold different snapshots, so the squares of their distances add up. */
 static double distance_of(const snapshot_files *files, const stream_error *error) {
     double parts = 0;
 
@@ -393,7 +398,8 @@ static double distance_of(const snapshot_files *files, const stream_error *error
     return sqrt(error->distance) + sqrt(parts);
 }
 
-/* Parts may have lost no more than their share of what is asked for, or of what the modes leave out. */
+/* Checks that parts have omitted no more than their share of the allowed energy, or of the energy
+ * that the modes omit if their number is given. */
 static ehd_status check_distance(double distance, const pod_basis *pod, const stream_error *error,
                                  const snapshot_files *files, const stream_plan *way,
                                  bool modes_given, ehd_error *failure) {
@@ -418,7 +424,7 @@ static pod_settings first_root(const pod_settings *wanted) {
     return root;
 }
 
-/* How often fields are read in all. */
+/* Returns the number of fields that both passes read. */
 static size_t count_readings(const snapshot_files *files, bool independent) {
     size_t count = files->num_rows * (independent ? 2 : 1);
 

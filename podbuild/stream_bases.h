@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Bases of more snapshots than fit in memory, which are read one by one, and once more for their
- * coordinates. */
+/* Builds bases of more snapshots than fit in memory. All files are read once for the modes, and
+ * once more for the coordinates. */
 #ifndef EHD_STREAM_BASES_H
 #define EHD_STREAM_BASES_H
 
@@ -9,20 +9,22 @@
 #include "podbuild/snapshot_files.h"
 #include "podbuild/stream_pod.h"
 
-/* What is taken of memory. The error of a stream's modes has three shares, see stream_pod.h: of the
- * first root 0.9 (omega), of the distance 0.05, and another 0.05 of the parts that were compressed
- * before. A part has half of its share for each of the two. */
+/* Memory plan and error budget of a basis. The root of the allowed energy has three shares, see
+ * stream_pod.h: 0.9 for truncation at the end (w), 0.05 for the distance of the snapshots from the
+ * directions, and 0.05 for the energy that parts omitted before. A part uses half of its 0.05 for
+ * each of the first two. */
 typedef struct stream_plan {
-    bool direct;   // all snapshots at once, as they fit
-    double limit;  // bytes
-    double bytes;  // that this way takes at most
-    double energy; // part that may be left out in all
+    bool direct;   // all snapshots fit in memory and are read at once
+    double limit;  // memory limit, bytes
+    double bytes;  // upper bound of the memory of this plan, bytes
+    double energy; // part of the energy that may be omitted in all
     stream_settings pressure, deformation;
-    size_t batch; // states whose coordinates are taken at once
+    size_t batch; // number of states that are projected at once
 } stream_plan;
 
-/* `exact`: the number of modes is given and no energy, so that nothing but noise is left out before.
- * `as_part`: the modes are those of a part. EHD_MEMORY: the limit is too small. */
+/* Plans the memory. `exact`: the number of modes is given and no energy, so the stream omits only
+ * noise before the final truncation. `as_part`: the modes are those of a part. EHD_MEMORY: the
+ * limit is too small. */
 ehd_status stream_plan_make(
     // output:
     stream_plan *way,
@@ -30,13 +32,14 @@ ehd_status stream_plan_make(
     const snapshot_files *files, const bases_settings *settings, bool exact, bool as_part,
     double limit, ehd_error *error);
 
-/* The same as bases_build, of files. The modes are in `basis` alone; `discarded` are bounds of the energy
- * left out, of pressure and deformation. EHD_DATA: parts that leave out too much; EHD_INTERRUPTED;
- * else as snapshot_files_open, bases_build and stream_pod. */
+/* Builds the bases like bases_build, but from files that are streamed. Only `basis` holds the
+ * modes. `discarded`: upper bounds of the omitted energy of pressure and deformation, relative.
+ * Errors: EHD_DATA (parts omit too much), EHD_INTERRUPTED; else as snapshot_files_open, bases_build
+ * and stream_pod_add. */
 ehd_status stream_bases_build(
     // output:
     reduced_basis *basis,    // free with reduced_basis_free
-    pod_basis *pressure_pod, // free with pod_free; without modes
+    pod_basis *pressure_pod, // free with pod_free; modes is NULL
     pod_basis *deformation_pod, double discarded[2],
     // in and out:
     snapshot_files *files,
@@ -44,11 +47,11 @@ ehd_status stream_bases_build(
     const bases_settings *settings, const stream_plan *way, const program *caller,
     ehd_error *error);
 
-/* The modes of files that are a part of a training, and the states of these in their coordinates, for
- * part_write. Errors as above. */
+/* Computes the modes of some files, and the coordinates of their states in these modes, for
+ * part_write. Errors as stream_bases_build. */
 ehd_status stream_part_build(
     // output:
-    reduced_basis *basis, // grid and states alone; free with reduced_basis_free
+    reduced_basis *basis, // only grid and states; free with reduced_basis_free
     pod_basis *modes,     // free with pod_free
     part_origin *origin,
     // in and out:

@@ -12,25 +12,26 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Nodes that are rotated at once, at most. */
+/* Largest number of nodes that are rotated at once. */
 enum { MOST_ROTATED = 512 };
 
-/* Eigenvalues of a Gram matrix, of the largest, whose vectors are orthogonal to 1e-6. */
+/* Smallest eigenvalue of a Gram matrix, relative to the largest, whose vector is orthogonal to the
+ * others to 1e-6. */
 static const double WEAKEST_EIGENVALUE = 1e-10;
 
-/* Extensions for a block: each goes five decades down, to 1e-14 at most. */
+/* Largest number of extensions for a block. Each reaches five decades down, to 1e-14 at most. */
 enum { MAX_ROUNDS = 8 };
 
 struct stream_pod {
     size_t num_nodes, block, max_rank;
     stream_settings settings;
-    double *directions; // [max_rank, num_nodes] Q, of which the first `rank`
+    double *directions; // [max_rank, num_nodes] Q; the first `rank` rows are in use
     size_t rank;
     double *waiting; // [block, num_nodes] B
     size_t num_waiting;
     double *coordinates; // [block, max_rank] A
     double *triangle;    // [max_rank + block, max_rank] column-major, R in its first rows
-    double *scales;      // [max_rank] of LAPACK's reflectors
+    double *scales;      // [max_rank] scales of the reflectors of LAPACK
     double *rotated;     // [max_rank, rotated_nodes]
     size_t num_snapshots;
     stream_error error;
@@ -71,13 +72,14 @@ static void add_components(double *rows, size_t num_rows, double factor, const d
                 rows, (int)num_nodes);
 }
 
-// ---- directions that give way
+// ---- dropping directions
 
 static size_t rotated_nodes(size_t num_nodes) {
     return num_nodes < MOST_ROTATED ? num_nodes : MOST_ROTATED;
 }
 
-/* Directions become those of the SVD, rotated by `right`, [num, rank] row-major with `stride`. */
+/* Rotates the directions by `right`, [num, rank] row-major with `stride` numbers a row: the first
+ * `num` directions become those of the SVD. */
 static void rotate(stream_pod *self, const double *right, size_t stride, size_t num) {
     const size_t most = rotated_nodes(self->num_nodes);
 
@@ -92,11 +94,11 @@ static void rotate(stream_pod *self, const double *right, size_t stride, size_t 
     }
 }
 
-/* SVD of the triangle, of which only the right side is of use. */
+/* SVD of the triangle. Only its right singular vectors are used. */
 typedef struct triangle_svd {
     double *values; // [rank] descending
     double *right;  // [rank, rank] row-major, a singular vector each row
-    double *left;   // of no use, but LAPACK wants room for it
+    double *left;   // not used, but LAPACK needs the array
 } triangle_svd;
 
 static void svd_free(triangle_svd *svd) {
@@ -115,8 +117,8 @@ static ehd_status svd_of_triangle(triangle_svd *svd, const stream_pod *self, ehd
     svd->left = array_new(self->rank, self->rank, sizeof(double));
     svd->right = array_new(self->rank, self->rank, sizeof(double));
     if (!copy || !svd->values || !svd->left || !svd->right) status = ehd_no_memory(error, "POD");
-    // the triangle by columns is its transpose by rows: its left vectors there are columns, and
-    // columns of a matrix by columns are rows
+    // LAPACK reads the transpose of the triangle. Its left singular vectors are the right ones of
+    // the triangle. Columns of a column-major matrix are rows of a row-major one.
     for (size_t j = 0; j < self->rank && !status; j++)
         for (size_t i = 0; i <= j; i++)
             copy[i * self->rank + j] = self->triangle[j * triangle_rows(self) + i];
@@ -130,7 +132,7 @@ static ehd_status svd_of_triangle(triangle_svd *svd, const stream_pod *self, ehd
     return status;
 }
 
-/* Leaves out the weakest directions as far as their energy may be missing. */
+/* Drops the weakest directions as far as root_energy allows. */
 static ehd_status give_way(stream_pod *self, ehd_error *error) {
     const double allowed = self->settings.root_energy * self->error.energy;
     triangle_svd svd = {0};
@@ -146,7 +148,7 @@ static ehd_status give_way(stream_pod *self, ehd_error *error) {
         kept--;
     }
     rotate(self, svd.right, self->rank, kept);
-    // with all columns that are left, which new directions will find at zero
+    // clear also the columns of dropped directions, which new directions expect to be zero
     memset(self->triangle, 0, self->rank * triangle_rows(self) * sizeof(double));
     for (size_t j = 0; j < kept; j++)
         self->triangle[j * triangle_rows(self) + j] = svd.values[j];
@@ -161,8 +163,9 @@ static void swap_rows(double *rows, size_t a, size_t b, size_t width, size_t str
     if (a != b) cblas_dswap((int)width, rows + a * stride, 1, rows + b * stride, 1);
 }
 
-/* Brings the rows that are longer than that to the front, with their coordinates: of the order of rows
- * the Gram matrix knows nothing. Returns their number. */
+/* Moves the waiting rows whose squared norm exceeds `squared_length` to the front, with their
+ * coordinates. The Gram matrix of the block does not depend on the order of its rows. Returns the
+ * number of these rows. *left_out: sum of the squared norms of the others. */
 static size_t sort_out(double *left_out, stream_pod *self, double squared_length) {
     size_t num_long = 0;
 
@@ -180,8 +183,9 @@ static size_t sort_out(double *left_out, stream_pod *self, double squared_length
     return num_long;
 }
 
-/* Makes new directions behind those that there are orthogonal to them and, again, to each other: they are
- * so but for rounding over the small length of what they were made of. */
+/* Makes `num` new directions orthogonal to the present ones and, again, to each other. Before, they
+ * are orthogonal up to round-off divided by the small norm of the rows that they were computed
+ * from. */
 static ehd_status orthogonalise(stream_pod *self, size_t num, ehd_error *error) {
     const size_t num_nodes = self->num_nodes, longest = self->rank > num ? self->rank : num;
     double *made = self->directions + self->rank * num_nodes;
@@ -200,8 +204,9 @@ static ehd_status orthogonalise(stream_pod *self, size_t num, ehd_error *error) 
     return status;
 }
 
-/* Subtracts from the waiting rows what lies along directions first … first + num - 1. `again`: adds it to
- * the coordinates that there are, of a subtraction that has rounded. */
+/* Subtracts from the waiting rows their components along the directions first … first + num - 1.
+ * With `again` the components are added to the stored coordinates: they are the round-off of an
+ * earlier subtraction. */
 static ehd_status subtract(stream_pod *self, size_t first, size_t num, bool again,
                            ehd_error *error) {
     const double *directions = self->directions + first * self->num_nodes;
@@ -221,12 +226,14 @@ static ehd_status subtract(stream_pod *self, size_t first, size_t num, bool agai
     return EHD_OK;
 }
 
-/* Eigenvectors of the Gram matrix of some of the waiting rows, for as many directions as have to be kept
- * so that no more is left out. Of a Gram matrix only those are exact enough that are not much weaker than
- * the strongest; weaker ones are found when these have been subtracted. */
+/* Computes the strongest eigenvectors of the Gram matrix of the first num_rows waiting rows, as
+ * many as are needed to omit at most the energy `allowed`. Vectors of eigenvalues that are much
+ * smaller than the largest are not exact enough. Such directions are found by another extension,
+ * after the strong ones have been subtracted. */
 static ehd_status find_directions(
     // output:
-    size_t *num, double *vectors, // [num_rows, num_rows], eigenvectors over their lengths as rows
+    size_t *num, double *vectors, // [num_rows, num_rows], row i: eigenvector over the root of its
+                                  // eigenvalue
     // input:
     const stream_pod *self, size_t num_rows, double allowed, ehd_error *error) {
     const int rows = (int)num_rows;
@@ -236,10 +243,10 @@ static ehd_status find_directions(
     if (!values) return ehd_no_memory(error, "POD");
     cblas_dsyrk(CblasRowMajor, CblasLower, CblasNoTrans, rows, (int)self->num_nodes, 1,
                 self->waiting, (int)self->num_nodes, 0, vectors, rows);
-    // by columns it is the upper part, and its vectors are rows
+    // for a column-major LAPACK this is the upper part, and the eigenvectors are rows
     const ehd_status status = lapack_outcome(
         "dsyevd", LAPACKE_dsyevd(LAPACK_COL_MAJOR, 'V', 'U', rows, vectors, rows, values), error);
-    // ascending: the first ones are left out
+    // eigenvalues are ascending: the first ones are omitted
     const double least = WEAKEST_EIGENVALUE * values[num_rows - 1];
     size_t first = 0;
     for (double left_out = 0; !status && first + 1 < num_rows; first++) {
@@ -254,8 +261,8 @@ static ehd_status find_directions(
     return status;
 }
 
-/* Directions for what the waiting rows still have, or the strongest of them. `full`: there is no room for
- * them. */
+/* Adds directions for the remainders of the waiting rows, or for the strongest part of them. *full:
+ * there is no room for these directions, and none is added. */
 static ehd_status extend(bool *full, stream_pod *self, double allowed, ehd_error *error) {
     double left_out;
     size_t num;
@@ -279,7 +286,9 @@ static ehd_status extend(bool *full, stream_pod *self, double allowed, ehd_error
     return status;
 }
 
-/* Subtracts the waiting rows' components, and extends the directions until no more is left than allowed. */
+/* Subtracts the components of the waiting rows along the directions. Extends the directions until
+ * the energy of the remainders, *left, is at most `allowed`. *full: there is no room for more
+ * directions. */
 static ehd_status take_up(bool *full, double *left, stream_pod *self, double allowed,
                           ehd_error *error) {
     ehd_status status = subtract(self, 0, self->rank, false, error);
@@ -293,16 +302,17 @@ static ehd_status take_up(bool *full, double *left, stream_pod *self, double all
                             "%g",
                             *left, round, allowed);
         const size_t rank = self->rank;
-        // what the subtraction has rounded is not small beside what is left
+        // subtract again: the round-off of the first subtraction is not small compared to the
+        // remainder
         status = subtract(self, 0, self->rank, true, error);
         if (!status) status = extend(full, self, allowed, error);
         *left = squared(self->waiting, self->num_waiting * self->num_nodes);
-        if (self->rank == rank) break; // no row is too long: more than allowed by rounding alone
+        if (self->rank == rank) break; // all rows are short: only round-off
     }
     return status;
 }
 
-/* R := triangle of R and the coordinates, which takes the waiting rows up. */
+/* Adds the coordinates of the waiting rows to the triangle: R := triangle of [R; coordinates]. */
 static ehd_status update_triangle(stream_pod *self, ehd_error *error) {
     const size_t rows = triangle_rows(self), rank = self->rank;
 
@@ -310,7 +320,7 @@ static ehd_status update_triangle(stream_pod *self, ehd_error *error) {
     for (size_t j = 0; j < rank; j++) {
         double *column = self->triangle + j * rows;
         for (size_t i = j + 1; i < rank; i++)
-            column[i] = 0; // what LAPACK keeps there, and rows that are new
+            column[i] = 0; // clear the reflectors of LAPACK, and new rows
         for (size_t i = 0; i < self->num_waiting; i++)
             column[rank + i] = self->coordinates[i * self->max_rank + j];
     }
@@ -328,7 +338,7 @@ static ehd_status too_many(const stream_pod *self, ehd_error *error) {
                     self->max_rank, self->num_snapshots);
 }
 
-/* The waiting snapshots join those before. */
+/* Adds the waiting snapshots to the directions and the triangle. */
 static ehd_status absorb(stream_pod *self, ehd_error *error) {
     const size_t before = self->rank;
     ehd_status status = EHD_OK;
@@ -336,7 +346,7 @@ static ehd_status absorb(stream_pod *self, ehd_error *error) {
 
     if (self->num_waiting == 0) return EHD_OK;
     self->error.energy += squared(self->waiting, self->num_waiting * self->num_nodes);
-    // twice where directions have to give way first
+    // a second attempt follows if weak directions have to be dropped first
     for (int attempt = 0; attempt < 2; attempt++) {
         const double allowed =
             fmax(0, self->settings.local_energy * self->error.energy - self->error.distance);
@@ -420,8 +430,8 @@ stream_pod *stream_pod_free(stream_pod *self) {
 double stream_pod_bytes(size_t num_nodes, const stream_settings *settings) {
     const double nodes = (double)num_nodes, block = (double)settings->block;
     const double rank = (double)settings->max_rank;
-    // of the triangle three more for its SVD and LAPACK's own, of which dgesdd takes four; of a block
-    // coordinates twice, and eigenvectors, for which dsyevd takes twice as much
+    // The SVD of the triangle takes three more arrays of its size, and dgesdd four. A block takes
+    // its coordinates twice, and eigenvectors, for which dsyevd takes twice their size.
     const double rows = (rank + block) * nodes;
     const double small =
         (rank + block) * rank + 8 * rank * rank + 3 * block * rank + 4 * block * block;
@@ -431,7 +441,7 @@ double stream_pod_bytes(size_t num_nodes, const stream_settings *settings) {
 
 bool stream_pod_room(size_t *block, size_t *max_rank, size_t num_snapshots, size_t least,
                      size_t most, double limit, stream_work_bytes *bytes, const void *work) {
-    // the more snapshots a block has, the better its products; the less of it, the more directions
+    // large blocks give faster products, small ones leave room for more directions
     static const size_t blocks[] = {128, 64, 32, 16, 8, 4, 2, 1};
     bool enough = false;
 
@@ -451,7 +461,7 @@ bool stream_pod_room(size_t *block, size_t *max_rank, size_t num_snapshots, size
         enough = true;
         *block = size;
         *max_rank = low;
-        // a large block at the cost of directions only where there are enough of these
+        // keep a large block only if there is room for enough directions
         if (low >= 4 * size || low == most) break;
     }
     return enough;
@@ -469,7 +479,8 @@ ehd_status stream_pod_add(stream_pod *self, const double *snapshot, ehd_error *e
     return self->num_waiting < self->block ? EHD_OK : absorb(self, error);
 }
 
-/* What the root may leave out behind the modes, of the energy that the directions have. */
+/* Returns the energy that the modes may still omit, relative to the energy of the directions. The
+ * energy of dropped directions counts against `discarded`. */
 static double root_share(const stream_pod *self, const triangle_svd *svd, double discarded) {
     const double energy = squared(svd->values, self->rank);
 

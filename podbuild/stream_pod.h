@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* POD of any number of snapshots that come one after the other, in memory that is given beforehand. */
+/* Computes the POD of snapshots that arrive one by one, in a fixed amount of memory. */
 #ifndef EHD_STREAM_POD_H
 #define EHD_STREAM_POD_H
 
@@ -9,37 +9,38 @@
 #include <stddef.h>
 
 typedef struct stream_settings {
-    // parts of the energy of all snapshots so far, 0 <= … < 1: that their distance from the directions
-    // kept may have, and that may be left out where directions have to give way
+    // Parts of the energy of all snapshots so far, 0 <= … < 1. local_energy: squared distance of
+    // the snapshots from the directions kept. root_energy: energy of directions that are dropped
+    // for lack of room.
     double local_energy, root_energy;
-    size_t block;    // snapshots that are taken up together
-    size_t max_rank; // directions that there is room for
+    size_t block;    // number of snapshots that are added together
+    size_t max_rank; // largest number of directions
 } stream_settings;
 
 typedef struct stream_pod stream_pod;
 
-/* Hierarchical approximate POD (Himpe, Leibner and Rave, SIAM J. Sci. Comput. 40(5), A3267, 2018) of
- * a tree that is a chain: each block is joined to what those before it have left. Orthonormal
- * directions Q and a triangle R stand for all snapshots so far, in that Qᵀ Rᵀ R Q is their Gram matrix.
- * Of a block B
+/* Creates a stream for hierarchical approximate POD (Himpe, Leibner and Rave, SIAM J. Sci. Comput.
+ * 40(5), A3267, 2018) on a tree that is a chain. Orthonormal directions Q, in rows, and a triangle
+ * R represent all snapshots so far: their Gram matrix is Qᵀ Rᵀ R Q. For each block B of snapshots
  *
  *     A = B Qᵀ,   B' = B - A Q,   Q := [Q; V],   R := triangle of [R 0; A B' Vᵀ]
  *
- * where V is the POD of those rows of B' that are longer than may be left out, by their Gram matrix,
- * five decades at a time. Two products of the size of a Gram matrix of Q and all snapshots are nearly
- * all of the work, while a tree of SVDs (compress.h) takes ten of them.
+ * V is the POD of those rows of B' that are longer than the allowed distance. It comes from their
+ * Gram matrix, five decades at a time. Nearly all of the work are two products, each as large as
+ * the Gram matrix of Q and all snapshots. A tree of SVDs (compress.h) takes ten of them.
  *
- * Error. With X the snapshots S as they are in Q and d = |S - X|² at most local_energy |S|² (squares of
- * all entries); t the energy of directions that gave way, at most root_energy |S|²; and sigma' behind
- * the modes P that are kept in the end,
+ * Error bound, with |.| the root of the sum of the squares of all entries. S are the snapshots, X
+ * their projections on the directions, d = |S - X|² <= local_energy |S|², t <= root_energy |S|² the
+ * energy of directions that were dropped. P are the modes kept at the end, and sigma' the singular
+ * values behind them.
  *
- *     |S - S Pᵀ P| <= sqrt(sum sigma'² + t) + sqrt(d),   |sigma(X) - sigma(S)| <= sqrt(d):
+ *     |S - S Pᵀ P| <= sqrt(sum sigma'² + t) + sqrt(d),   |sigma(X) - sigma(S)| <= sqrt(d)
  *
- * where directions give way, the SVD leaves out a positive semidefinite part of XᵀX, and the traces of
- * these add up; S - X is added by the triangle inequality. A share w of the whole error for the
- * first root, hence w² of its energy, leaves (1 - w)² for d.
+ * When directions are dropped, the SVD omits a positive semidefinite part of XᵀX, and the traces of
+ * these parts add up. The triangle inequality adds S - X. If the first root gets the share w of the
+ * whole error, its energy is w² of the whole, and (1 - w)² remains for d.
  *
- * The result does not depend on anything but the snapshots, their order and the settings. */
+ * The result depends only on the snapshots, their order and the settings. */
 ehd_status stream_pod_create(
     // output:
     stream_pod **self, // free with stream_pod_free; NULL on failure
@@ -49,14 +50,16 @@ ehd_status stream_pod_create(
 
 stream_pod *stream_pod_free(stream_pod *self); // accepts and returns NULL
 
-/* Bytes that a stream takes at most, of `max_modes` of its directions in the end. */
+/* Returns the largest memory of a stream, bytes. */
 double stream_pod_bytes(size_t num_nodes, const stream_settings *settings);
 
-/* Bytes that some work with streams takes in all, of blocks of so many and room for so many directions. */
+/* Returns the memory of all work with streams, bytes, for a given block size and largest number of
+ * directions. */
 typedef double stream_work_bytes(const void *work, size_t block, size_t max_rank);
 
-/* How a limit is shared out between blocks of snapshots and `least` to `most` directions. False: it has no
- * room for the least, of which block and directions are then. */
+/* Divides a memory limit between a block of snapshots and `least` to `most` directions. Returns
+ * false if the limit, in bytes, is too small for `least` directions; then *block is 1 and *max_rank
+ * is `least`. */
 bool stream_pod_room(
     // output:
     size_t *block, size_t *max_rank,
@@ -64,8 +67,9 @@ bool stream_pod_room(
     size_t num_snapshots, size_t least, size_t most, double limit, stream_work_bytes *bytes,
     const void *work);
 
-/* EHD_DATA: a snapshot that is not finite or above 1e140. After the others the stream can only be freed:
- * EHD_MEMORY, also where directions are more than there is room for; EHD_INTERNAL (LAPACK). */
+/* Adds a snapshot. Errors: EHD_DATA (a value that is not finite or above 1e140; the stream is
+ * unchanged); EHD_MEMORY (also if there are more directions than room), EHD_INTERNAL (LAPACK; after
+ * these the stream can only be freed). */
 ehd_status stream_pod_add(
     // in and out:
     stream_pod *self,
@@ -73,15 +77,16 @@ ehd_status stream_pod_add(
     const double *snapshot, // [num_nodes]
     ehd_error *error);
 
-/* What the error's bound is made of. */
+/* Terms of the error bound, see stream_pod_create. */
 typedef struct stream_error {
     double energy;    // |S|²
     double distance;  // d
     double truncated; // t
 } stream_error;
 
-/* The modes: of `settings` the energy left out is that of the first root above, so that it counts t.
- * The stream has given its memory away and can only be freed. Errors as pod_build. */
+/* Computes the modes. settings->discarded_energy is the part of the energy that the first root of
+ * the error bound may have, t included. The arrays of the stream move to *basis; the stream can
+ * only be freed afterwards. Errors as pod_build. */
 ehd_status stream_pod_finish(
     // output:
     pod_basis *basis, // free with pod_free

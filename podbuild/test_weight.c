@@ -25,10 +25,10 @@ const test_weight *test_weight_find(const char *name) {
     return entry->name ? entry : NULL;
 }
 
-/* D is the absolute first pressure mode (Maier et al. 2015, below eq. 27), which vanishes beyond
- * the trained exits and at the inlet; a floor keeps the rows there in the least squares. It is about
- * one over what truncated solutions leave in the rows, which least squares want, also before the
- * contact, where a floor of 1e-3 is above it from X = -1.3 on: see README.md for what it costs. */
+/* Floor of the weight "mode". The first pressure mode vanishes at the inlet and beyond the trained
+ * exits, and rows there would not count. Least squares need weights of about one over the residual
+ * that truncated modes leave in a row. A floor of 1e-3 exceeds that from X = -1.3 on (README.md,
+ * The floor). */
 static const double WEIGHT_FLOOR = 1e-4; // of the largest entry
 
 ehd_status test_weight_mode(double *weight, const reduced_basis *basis, const ehd_contact *contacts,
@@ -54,17 +54,17 @@ ehd_status test_weight_identity(double *weight, const reduced_basis *basis,
 
 // ---- row norms
 
-/* Squares of the norms, at grid nodes, over the states so far. */
+/* Sums of the squared row norms at the grid nodes. */
 typedef struct row_squares {
     const reduced_model *model;
     reduced_solver *solver;
     double *sum;   // [num_nodes]
-    size_t *count; // [num_nodes] of states in which the row was before the exit
+    size_t *count; // [num_nodes] number of states whose exit is behind the row
     size_t num_states;
 } row_squares;
 
-/* Called in place of the least-squares solver: adds up the norms of the rows and ends the
- * iteration. */
+/* Adds up the squared norms of the rows. It replaces the least-squares solver and returns
+ * EHD_NOT_CONVERGED, which ends the iteration. */
 static ehd_status add_squares(double *step, void *context, const double *matrix,
                               const double *right, size_t num_equations, size_t num_unknowns) {
     row_squares *self = context;
@@ -90,11 +90,11 @@ static const ehd_contact *contact_of(const reduced_states *states, size_t s,
     return NULL;
 }
 
-/* Builds the least-squares problem of all rows at each training solution. */
+/* Sums up the row norms at each stationary training solution whose contact is given. */
 static ehd_status visit_states(row_squares *squares, const ehd_contact *contacts,
                                size_t num_contacts, ehd_error *error) {
     const reduced_states *states = &squares->model->states;
-    // at a node, so that the rows before the exit are Reynolds rows, all of them
+    // an exit at a node, so that all rows before the exit are Reynolds rows
     const reduced_settings once = {.max_iterations = 1,
                                    .exit_at_node = true,
                                    .solve_linear = add_squares,
@@ -122,9 +122,9 @@ static ehd_status visit_states(row_squares *squares, const ehd_contact *contacts
     return status;
 }
 
-/* One over the norms. Behind the first exit no row counts more than the last one that all solutions
- * have: rows there are short, and with weights that grow towards the last exit the exit of many
- * solutions does not settle. */
+/* Turns norms into weights, one over the root mean square. Behind the first exit no row gets more
+ * than the weight of the last row that is before all exits. Rows there have small norms, and with
+ * weights that grow towards the last exit the exit of many solutions does not settle. */
 static void turn_over(double *weight, const row_squares *squares, size_t num_nodes) {
     double last = 1;
 

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The weight D of the test basis (Maier et al. 2015, eq. 27): how much each Reynolds row counts in
- * the least squares. */
+/* Weight D of the test basis (Maier et al. 2015, eq. 27), the weight of each Reynolds row in the
+ * least squares. */
 #ifndef EHD_TEST_WEIGHT_H
 #define EHD_TEST_WEIGHT_H
 
 #include "romrun/model/reduced_model.h"
 
-/* Writes one positive weight a node. `contacts` are those of the training, [num_contacts], where
- * they are known. EHD_DATA, EHD_MEMORY, EHD_INTERNAL. */
+/* Writes one positive weight for each node. `contacts`: [num_contacts] of the training; NULL and 0
+ * if no plan is given. Errors: EHD_DATA, EHD_MEMORY, EHD_INTERNAL. */
 typedef ehd_status test_weight_function(
     // output:
     double *weight, // [num_nodes]
@@ -21,20 +21,20 @@ typedef struct test_weight {
     const char *help;
 } test_weight;
 
-extern const test_weight test_weights[]; // ends with a row whose name is NULL
+extern const test_weight test_weights[]; // ends with an entry whose name is NULL
 
-/* The entry of this name, or NULL. */
+/* Returns the entry of this name, or NULL. */
 const test_weight *test_weight_find(const char *name);
 
-/* The absolute first pressure mode, with a floor. */
+/* Weight "mode": the absolute first pressure mode, with a floor. */
 test_weight_function test_weight_mode;
 
-/* One for every row. */
+/* Weight "identity": 1 for every row. */
 test_weight_function test_weight_identity;
 
-/* One over the norm of the row of the reduced Jacobian, root mean square over the stationary
- * training solutions whose contact is known; behind the first exit at most that of the last row
- * before it. EHD_DATA: no contact is known. */
+/* Weight "row-norm": one over the norm of the row of the reduced Jacobian, root mean square over
+ * the stationary training solutions whose contact is given. Rows behind the first exit get at most
+ * the weight of the last row before it. EHD_DATA: no contact belongs to a training solution. */
 test_weight_function test_weight_row_norm;
 
 #endif
