@@ -15,8 +15,8 @@ typedef struct check_run {
     const program *caller;
     const check_task *task;
     validation scenes;
-    trade_table table; // no positions: not checked
-    char *draft;       // path of a file with the model alone, to be measured
+    trade_table table; // empty: the model is not checked
+    char *draft;       // path of a temporary file with the model, which is measured
     artefact *output;
 } check_run;
 
@@ -28,7 +28,8 @@ static void check_run_free(check_run *self) {
     validation_free(&self->scenes);
 }
 
-/* Whether there is nothing to check a model on, which is no reason not to write it. */
+/* Checks whether an outcome means that there are no scenes to check the model on. The model is then
+ * written without a check. */
 static bool is_unchecked(ehd_status status) {
     return status == EHD_DATA || status == EHD_NOINPUT || status == EHD_NOT_CONVERGED;
 }
@@ -47,7 +48,8 @@ static ehd_status create_output(check_run *self, ehd_error *error) {
     return status;
 }
 
-/* Beside the output, which has to stay without a name until it is whole. */
+/* Writes the model to a temporary file beside the output. The output itself gets its name only when
+ * it is complete. */
 static ehd_status write_draft(check_run *self, const reduced_model *model,
                               const reduced_basis *basis, const model_origin *origin,
                               ehd_error *error) {
@@ -61,9 +63,9 @@ static ehd_status write_draft(check_run *self, const reduced_model *model,
     return model_write(model, basis, origin, &writer, self->task->settings, no_inputs, error);
 }
 
-// ---- what the model is worth
+// ---- report
 
-/* Where the model falls short of what holds without --accuracy, in time. */
+/* Warns if the whole model exceeds the default accuracy in time, or lost a trajectory. */
 static void warn_in_time(const check_run *self, const trade_position *whole) {
     const double *worst = whole->worst_in_time;
 
@@ -76,7 +78,8 @@ static void warn_in_time(const check_run *self, const trade_position *whole) {
                  self->caller->output, 100 * accuracy_limit(0));
 }
 
-/* The same of stationary scenes, and what helps. */
+/* Warns if the whole model exceeds the default accuracy on stationary scenes, or failed on one. The
+ * warning names the worst place, where more training points help. */
 static ehd_status warn_of(const check_run *self, const trade_position *whole, ehd_error *error) {
     const double central = whole->deviation[TRADE_CENTRAL_FILM][TRADE_WORST];
     const double minimum = whole->deviation[TRADE_MINIMUM_FILM][TRADE_WORST];
@@ -146,7 +149,7 @@ static ehd_status report(char text[CHECK_REPORT], const check_run *self, ehd_err
 
 // ---- all
 
-/* Measures the draft. */
+/* Solves the check scenes with the full model. */
 static ehd_status measure(check_run *self, const reduced_model *model, ehd_error *error) {
     const check_task *task = self->task;
     trained_range *range = trained_range_create(model);

@@ -7,7 +7,7 @@
 #include <lapacke.h>
 #include <stdlib.h>
 
-/* Columns of the result are the vectors, [num_vectors, num_inner], at the rows. */
+/* Samples vectors, [num_vectors, num_inner], at the rows. Column k of the result is vector k. */
 static void sample(double *sampled, const double *vectors, size_t num_vectors, size_t num_inner,
                    const size_t *rows, size_t num_rows) {
     for (size_t k = 0; k < num_vectors; k++)
@@ -15,8 +15,8 @@ static void sample(double *sampled, const double *vectors, size_t num_vectors, s
             sampled[k * num_rows + r] = vectors[k * num_inner + rows[r]];
 }
 
-/* remainder -= modes a with a = argmin |modes a - remainder| at the rows, where then nothing
- * remains. */
+/* Subtracts the prediction: remainder -= modes a with a = argmin |modes a - remainder| at the
+ * selected rows. At these rows the remainder is set to zero. */
 static ehd_status subtract_predicted(double *remainder, size_t num_residuals, size_t num_inner,
                                      const double *modes, size_t num_modes, const size_t *rows,
                                      size_t num_rows, ehd_error *error) {
@@ -39,14 +39,14 @@ static ehd_status subtract_predicted(double *remainder, size_t num_residuals, si
                     (int)num_inner);
         for (size_t k = 0; k < num_residuals; k++)
             for (size_t r = 0; r < num_rows; r++)
-                remainder[k * num_inner + rows[r]] = 0; // pivots are other rows
+                remainder[k * num_inner + rows[r]] = 0; // so that pivots are other rows
     }
     free(fit);
     free(matrix);
     return status;
 }
 
-/* No more control rows than that: fewer, or refused where their number was given. */
+/* Limits the number of control rows. Fails if the number was given and exceeds the limit. */
 static ehd_status limit_control(size_t *num_control, size_t max_control, bool given,
                                 ehd_error *error) {
     if (*num_control > max_control && given)

@@ -1,22 +1,23 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Which rows are evaluated after a solution, to tell how far it may be off. */
+/* Selects the control rows, which are evaluated after a solution to estimate its error. */
 #ifndef EHD_CONTROL_H
 #define EHD_CONTROL_H
 
 #include "deimselect/row_choice.h"
 
-/* Rows at which the residuals of converged reduced solutions are least predicted by the selected
- * rows: pivots of what is left of them, each of unit norm, after interpolation by residual modes
- * fitted at the selected rows. No more rows than converged solutions: fewer are chosen, or EHD_DATA
- * where the number was `given`. EHD_MEMORY, EHD_INTERNAL (LAPACK). */
+/* Selects the control rows: the rows at which the selected rows predict the residuals of converged
+ * reduced solutions worst. The residuals have unit norm. Residual modes fitted at the selected rows
+ * predict them, and the control rows are pivots of the remainders. There are at most as many
+ * control rows as converged solutions. Otherwise fewer rows are selected, or EHD_DATA is returned
+ * if their number was `given`. Errors: EHD_DATA, EHD_MEMORY, EHD_INTERNAL (LAPACK). */
 ehd_status control_choose(
     // output:
-    size_t *control, // [*num_control], counted as `rows`
+    size_t *control, // [*num_control] indices of inner nodes, like `rows`
     // in and out:
     size_t *num_control,
     // input:
     bool given, const residual_snapshots *snapshots, size_t num_inner, const double *modes,
-    size_t num_modes,                    // [num_modes, num_inner] of the residuals
+    size_t num_modes,                    // modes of the residuals, [num_modes, num_inner]
     const size_t *rows, size_t num_rows, // selected, at least num_modes
     ehd_error *error);
 

@@ -12,10 +12,11 @@
 
 // ---- integrands
 
-/* Shear stresses up to a factor that is the same at all nodes, of any lubricant with the state's rise of
- * viscosity: with the ratio c of the Newtonian stress at pressure 0 and film 1 to the law's own. */
+/* Shear stress as an integrand, up to a factor that is equal at all nodes. It depends on the
+ * lubricant only by the rise of viscosity of the state. `ratio` is the ratio c of the Newtonian
+ * stress at P = 0 and H = 1 to the Eyring or limiting stress of the law. */
 typedef struct integrand {
-    const lubricant_law *law; // of which Eyring stress and limit are 1
+    const lubricant_law *law; // its Eyring stress or limit is set to 1
     double ratio;             // c
 } integrand;
 
@@ -28,8 +29,9 @@ static const integrand integrands[] = {
 enum {
     NUM_INTEGRANDS = sizeof integrands / sizeof *integrands,
     MAX_STATES = 120,
-    // 200 MB of rows. Every second node of a point contact's 3600 misses the ridges in which a Newtonian
-    // stress may be: sums of non-negative weights are then 10 % off, with all of them 9e-6
+    // 200 MB for the table. With every second of 3600 nodes of a point contact, non-negative
+    // weights give errors of 10 %, because nodes on ridges of Newtonian stress are missing. With
+    // all nodes the error is 9e-6.
     MAX_CANDIDATES = 8000
 };
 
@@ -40,24 +42,25 @@ static double stress_of(integrand self, double rise, double pressure, double fil
     return self.law->shear ? self.law->shear(&of_ones, viscous, pressure) : viscous;
 }
 
-/* The least squares: for each state and integrand what the nodes have of its integral, and 1. */
+/* Least-squares problem of the weights. Row: state and integrand. Column: node. Entry: stress at
+ * the node over its integral. Right side: 1. */
 typedef struct cubature_fit {
     const reduced_basis *basis;
     ehd_deflection *deflection;
-    size_t num_nodes;             // that may be chosen
+    size_t num_nodes;             // candidate nodes
     size_t *node;                 // [num_nodes]
-    size_t num_rows;              // in use, of [MAX_STATES * NUM_INTEGRANDS]
+    size_t num_rows;              // rows in use, at most MAX_STATES * NUM_INTEGRANDS
     double *friction, *dry;       // [num_rows, num_nodes]
-    double *pressure, *film;      // [nodes of the grid] of a state
-    bool *before_exit;            // [nodes of the grid] of it: those that count
+    double *pressure, *film;      // [nodes of the grid] of the current state
+    bool *before_exit;            // [nodes of the grid] nodes before the exit of the state
     double *ones;                 // [num_rows]
     double *of_friction, *of_dry; // [num_nodes] weights
     double dry_area;
     arena memory;
 } cubature_fit;
 
-/* Pressure and film of a state at all nodes. Pressures below zero, which truncated modes have far
- * out in the inlet, are none. */
+/* Computes pressure and film of a state at all nodes. Pressures below zero, which truncated modes
+ * have far out in the inlet, are set to zero. */
 static void expand_state(cubature_fit *self, size_t state) {
     const reduced_basis *basis = self->basis;
     const reduced_states *states = &basis->states;
@@ -78,7 +81,7 @@ static void expand_state(cubature_fit *self, size_t state) {
         self->pressure[k] = fmax(self->pressure[k], 0);
 }
 
-/* The states in use are evenly spread over those there are. */
+/* Returns the number of states in use. They are evenly spread over the states of the basis. */
 static size_t num_used_states(const reduced_basis *basis) {
     return basis->states.num_states < MAX_STATES ? basis->states.num_states : MAX_STATES;
 }
@@ -91,11 +94,12 @@ double cubature_bytes(const reduced_basis *basis) {
     const double rows = (double)(num_used_states(basis) * NUM_INTEGRANDS);
     const double inner = (double)basis->grid.num_inner;
 
-    // both tables, and that of the least squares (nnls.c)
+    // both tables, and a table of nnls.c
     return 8 * (3 * rows * fmin(inner, MAX_CANDIDATES) + 16 * inner);
 }
 
-/* The inner nodes at which a state has pressure; where there are too many, evenly spread ones. */
+/* Lists the candidates: inner nodes at which any state has pressure. If there are too many, lists
+ * evenly spread ones. */
 static ehd_status list_nodes(cubature_fit *self, ehd_error *error) {
     const ehd_grid *grid = &self->basis->grid;
     bool *has_pressure = arena_array(&self->memory, grid->num_nodes, sizeof *has_pressure);
@@ -152,8 +156,9 @@ static void fit_free(cubature_fit *self) {
     arena_free(&self->memory);
 }
 
-/* The sums over the nodes before the exit and over those of the dry contact. What
- * contact_traction_of adds behind the last nodes with pressure is no matter of theirs. */
+/* Sums up an integrand over the nodes before the exit, and over those of them in the dry
+ * contact. The stresses that contact_traction_of adds behind the last node with pressure are not
+ * included. */
 static void integrate(double *whole, double *dry, const cubature_fit *self, integrand of,
                       double rise) {
     const ehd_grid *grid = &self->basis->grid;
@@ -169,7 +174,7 @@ static void integrate(double *whole, double *dry, const cubature_fit *self, inte
     }
 }
 
-/* The rows of a state; one that has no integral adds none. */
+/* Adds the rows of a state. An integrand whose integral is not positive and finite adds no row. */
 static void add_state(cubature_fit *self, double rise) {
     for (size_t i = 0; i < NUM_INTEGRANDS; i++) {
         double whole, dry;
@@ -203,9 +208,9 @@ static void add_states(cubature_fit *self) {
 
 // ---- weights
 
-static const double MOST_OFF = 5e-4; // of a state and integrand, for a cubature that is used
+static const double MOST_OFF = 5e-4; // largest accepted relative error of a row
 
-/* Not converged: no weights integrate all of them. */
+/* Computes non-negative weights. EHD_NOT_CONVERGED: no weights integrate all rows to MOST_OFF. */
 static ehd_status solve_weights(double *weights, const cubature_fit *self, const double *values,
                                 ehd_error *error) {
     const size_t num = self->num_nodes;
@@ -218,7 +223,6 @@ static ehd_status solve_weights(double *weights, const cubature_fit *self, const
     return status;
 }
 
-/* Weights by the number of a node of the grid. */
 typedef struct node_weights {
     double friction, dry;
     bool kept;
@@ -230,7 +234,8 @@ static bool any_thinned(const reduced_states *states) {
     return false;
 }
 
-/* Those of the nodes that have a weight, and beside them where stresses depend on the gradient. */
+/* Adds the nodes with a weight to the model. If stresses depend on the pressure gradient, adds
+ * their neighbours along X too, with weights of zero. */
 static ehd_status add_chosen(reduced_model *model, cubature_fit *self, ehd_error *error) {
     const ehd_grid *grid = &self->basis->grid;
     const bool with_beside = any_thinned(&self->basis->states);

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Rows that stay well posed when the exit moves: as many as there are modes by the joint greedy,
- * then one after the other for the exit of training that is worst off, the row that does most for
- * what is worst determined there (the eigenvector of the smallest eigenvalue: E-optimal design, and
- * what GappyPOD+E does without exits, Peherstorfer, Drmac and Gugercin, SIAM J. Sci. Comput. 2020).
- */
+/* Row selection that remains stable when the exit moves. The joint greedy method selects as many
+ * rows as there are leading modes. Each further row improves the worst direction at the worst
+ * exit of training. This direction is the eigenvector of the smallest eigenvalue (E-optimal
+ * design). GappyPOD+E does so without exits (Peherstorfer, Drmac and Gugercin, SIAM J. Sci.
+ * Comput. 2020). */
 #include "deimselect/selection.h"
 #include "deimselect/stability.h"
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Rows that somebody else selected, from a file. */
+/* Reads rows that another program has selected. */
 #ifndef EHD_GIVEN_ROWS_H
 #define EHD_GIVEN_ROWS_H
 
@@ -9,15 +9,16 @@
 
 typedef struct given_rows {
     size_t count;
-    size_t *rows;    // [count] inner nodes of the grid, 0 the first of the first inner line
-    double *factors; // [count] factors of D in the row weights; NULL: the file has none
+    size_t *rows;    // [count] indices of inner nodes; 0 is the first node of the first inner line
+    double *factors; // [count] factors of the row weights, besides D; NULL: the file has none
 } given_rows;
 
-/* Reads a column or dataset `row` (also: rows, selected_row), and `weight` (weights, row_factor)
- * where there is one, from an HDF5 file (name ending with .h5 or .hdf5) or from CSV with a header.
- * A row is counted as selected_row of schemas/model.md. EHD_NOINPUT: no such file; EHD_DATA: no
- * such column, anything but whole numbers of inner nodes, each once and enough for the unknowns, or
- * a weight that is not a positive finite number; EHD_IO, EHD_MEMORY. */
+/* Reads a column or dataset `row` (also: rows, selected_row) and, if present, `weight` (weights,
+ * row_factor). The file is HDF5 if its name ends with .h5 or .hdf5, otherwise CSV with a header.
+ * Rows are counted as selected_row in schemas/model.md. EHD_NOINPUT: the file does not exist.
+ * EHD_DATA: the column is missing; an entry is no whole number of an inner node, or is repeated;
+ * there are fewer rows than the unknowns need; or a weight is not positive and finite. Other
+ * errors: EHD_IO, EHD_MEMORY. */
 ehd_status given_rows_read(
     // output:
     given_rows *self, // free with given_rows_free

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Joint greedy row selection for two bases: Fig. A1 of Maier, Hager, Hetzler and Seemann, Tribology
- * International (2015), simplified there from Carlberg et al. Read it beside the figure:
+ * International (2015), simplified there from Carlberg et al. Names of the figure and of this file:
  *
  *     figure                          here
  *     Phi_f, Phi_J                    interpolation[0].modes, interpolation[1].modes
@@ -9,8 +9,8 @@
  *     phi_f, phi_J                    residual
  *     I, i                            rows, row
  *
- * The system for a is square and grows by one row and one column a step. Its QR factors are updated
- * with Givens rotations, O(size^2) a step, instead of being computed anew, O(size^3). */
+ * The system for a is square and grows by one row and one column in each step. Givens rotations
+ * update its QR factors in O(size^2). A new factorisation would take O(size^3). */
 #include "deimselect/selection.h"
 
 #include <cblas.h>
@@ -24,7 +24,7 @@
 typedef struct interpolation {
     size_t num_nodes;
     size_t capacity;      // the largest size
-    size_t size;          // modes and rows so far
+    size_t size;          // number of modes and rows so far
     const double *modes;  // [num_modes, num_nodes]
     double *q_transposed; // [capacity, capacity] row-major; modes[:size] at the rows = Q R
     double *r;            // [capacity, capacity] row-major
@@ -55,8 +55,8 @@ static bool interpolation_init(interpolation *self, const double *modes, size_t 
            self->residual;
 }
 
-/* R a = Q^T b from the last row up. A diagonal that is zero to working precision means that a is
- * not unique; its coefficient is set to zero, which is one of the minimisers. */
+/* Solves R a = Q^T b by back substitution. If a diagonal entry is zero to working precision, a is
+ * not unique; its coefficient is then set to zero, which is one of the minimisers. */
 static void solve_at_selected_rows(interpolation *self, const size_t *rows) {
     const size_t size = self->size, capacity = self->capacity;
     const double *mode = self->modes + size * self->num_nodes;
@@ -79,7 +79,7 @@ static void solve_at_selected_rows(interpolation *self, const size_t *rows) {
     }
 }
 
-/* phi = Phi^(n̄) - Phi^(1...n̄-1) a, on all rows. */
+/* Computes phi = Phi^(n̄) - Phi^(1...n̄-1) a on all rows. */
 static void update_residual(interpolation *self) {
     memcpy(self->residual, self->modes + self->size * self->num_nodes,
            self->num_nodes * sizeof *self->residual);
@@ -87,7 +87,7 @@ static void update_residual(interpolation *self) {
                 self->modes, (int)self->num_nodes, self->coefficients, 1, 1.0, self->residual, 1);
 }
 
-/* Borders Q R by the mode just interpolated as a column, and by `row`. */
+/* Appends the mode just interpolated as a column, and `row` as a row, to the factors Q R. */
 static void append_row(interpolation *self, size_t row) {
     const size_t size = self->size, capacity = self->capacity;
     double *last_r = self->r + size * capacity, *last_q = self->q_transposed + size * capacity;
@@ -97,7 +97,7 @@ static void append_row(interpolation *self, size_t row) {
     for (size_t mode = 0; mode <= size; mode++)
         last_r[mode] = self->modes[mode * self->num_nodes + row];
     last_q[size] = 1.0;
-    // rotate the new row of R to zero, left of its diagonal
+    // rotate the entries of the new row of R left of its diagonal to zero
     for (size_t k = 0; k < size; k++) {
         double *r = self->r + k * capacity, *q = self->q_transposed + k * capacity;
         double cosine, sine;
@@ -109,7 +109,7 @@ static void append_row(interpolation *self, size_t row) {
     self->size++;
 }
 
-/* argmax over the rows not selected of phi_f^2 + phi_J^2; the first of equals. */
+/* Returns the row not yet selected with the largest phi_f^2 + phi_J^2; the first of equal ones. */
 static size_t worst_row(const interpolation both[2], const bool *selected) {
     size_t row = 0;
     double largest = -1.0;

@@ -24,10 +24,10 @@
 typedef struct select_options {
     const char *basis;
     const char *rows_from; // NULL: a method selects the rows
-    row_settings rows;     // method and weights NULL where not given
+    row_settings rows;     // method and weights are NULL if not given
     bool no_check;
     size_t num_jobs;
-    double memory; // bytes that arrays may take
+    double memory; // limit of the arrays, bytes
 } select_options;
 
 static ehd_status read_method(void *member, const char *argument, ehd_error *error) {
@@ -83,7 +83,7 @@ static void print_methods(void) {
 
 // ---- the residuals
 
-/* Whether the residuals were made with this basis. */
+/* Checks that the residuals were made on the grid of this basis and with this basis. */
 static ehd_status check_fit(artefact *file, const reduced_basis *basis, const char *basis_path,
                             const char *identity, ehd_error *error) {
     const contact_kind *kind;
@@ -104,11 +104,10 @@ static ehd_status check_fit(artefact *file, const reduced_basis *basis, const ch
     return status;
 }
 
-/* A file of residuals, and what is read of it. */
 typedef struct residual_input {
-    residual_reader reader; // its file is closed where all is in memory
+    residual_reader reader; // its file is closed if all snapshots are in memory
     residual_snapshots snapshots;
-    char *plan_text; // the settings of the file; NULL: it has none
+    char *plan_text; // settings text of the file; NULL: none
 } residual_input;
 
 static void residual_input_close(residual_input *input) {
@@ -139,7 +138,8 @@ static ehd_status open_residuals(residual_input *input, const char *path,
     return status;
 }
 
-/* What is going to be taken, before it is. */
+/* Plans the memory before the snapshots are read, prints the plan, and checks that so much memory
+ * is free. */
 static ehd_status plan_memory(row_plan *way, const residual_input *input, const program *self,
                               const reduced_basis *basis, const select_options *options,
                               ehd_error *error) {
@@ -162,7 +162,7 @@ static ehd_status plan_memory(row_plan *way, const residual_input *input, const 
                                 " with this --memory", way->bytes, error);
 }
 
-/* The snapshots all at once, or as the plan has room for. */
+/* Reads all snapshots, or prepares the reader to stream them. */
 static ehd_status read_residuals(residual_input *input, const program *self,
                                  const reduced_basis *basis, const select_options *options,
                                  ehd_error *error) {
@@ -236,7 +236,7 @@ static ehd_status write_model(const program *self, const select_options *options
     return status;
 }
 
-/* The rows of --rows-from, which may have weights of their own. */
+/* Reads the rows of --rows-from. Refuses --weights if the file has weights. */
 static ehd_status read_given(given_rows *given, const select_options *options,
                              const reduced_basis *basis, ehd_error *error) {
     ehd_status status = given_rows_read(given, options->rows_from, basis, error);
@@ -272,7 +272,7 @@ static ehd_status run(const program *self, select_options *options, ehd_error *e
         status = row_choice_make(&choice, &input.snapshots, &basis, &options->rows, &cause);
         if (status) ehd_fail(error, status, "%s: %s", self->arguments[0], cause.text);
     }
-    residual_input_close(&input); // full solutions of the check need the memory
+    residual_input_close(&input); // the full solutions of the check need the memory
     if (!status)
         status = write_model(self, options, &basis, &choice, identity, input.plan_text, error);
     free(input.plan_text);
@@ -283,7 +283,7 @@ static ehd_status run(const program *self, select_options *options, ehd_error *e
     return status;
 }
 
-/* Options of which only one makes sense. */
+/* Refuses options that exclude each other. */
 static ehd_status check_usage(const select_options *options, ehd_error *error) {
     const row_settings *rows = &options->rows;
     const char *excluded = rows->method          ? "--method"

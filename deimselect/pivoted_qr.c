@@ -1,13 +1,14 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Row selection by column-pivoted QR (Drmac and Gugercin, SIAM J. Sci. Comput. 2016): each pivot is
- * the row of the two bases side by side that is largest after what the pivots before it explain. */
+/* Row selection by column-pivoted QR (Drmac and Gugercin, SIAM J. Sci. Comput. 2016) of both bases
+ * side by side. Each pivot is the row that is largest after the part that earlier pivots explain is
+ * removed. */
 #include "common/algebra/lapack.h"
 #include "deimselect/selection.h"
 
 #include <lapacke.h>
 #include <stdlib.h>
 
-/* Column `node` of the result holds row `node` of both bases. */
+/* Copies both bases side by side: column `node` of the result is row `node` of both. */
 static void put_side_by_side(double *both, const selection_bases *bases) {
     const size_t num_modes = bases->num_modes[0] + bases->num_modes[1];
     for (size_t basis = 0; basis < 2; basis++) {

@@ -12,11 +12,12 @@ const char *const residual_names[] = {"residuals", "Jacobian products"};
 
 static const char *const field_names[] = {"weighted_residual", "weighted_jacobian_step"};
 
-/* Parts of the energy that streams may leave out: as of trajectories (compress.h), and where there is no
- * room. Of modes that are weaker than that rows would be of rounding. */
+/* Parts of the energy that streams may omit: as for trajectories (compress.h), and for lack of
+ * room. Weaker modes would select rows by round-off. */
 static const stream_settings of_sets = {.local_energy = 1e-22, .root_energy = 1e-16};
 
-/* The same of residuals of unit norm, of which control rows are the few largest entries. */
+/* Parts of the energy that streams of residuals of unit norm may omit. Only their largest entries
+ * matter for the control rows. */
 static const stream_settings of_units = {.local_energy = 1e-12, .root_energy = 1e-8};
 
 ehd_status residual_snapshots_init(residual_snapshots *snapshots, size_t count,
@@ -26,7 +27,7 @@ ehd_status residual_snapshots_init(residual_snapshots *snapshots, size_t count,
     return snapshots->state ? EHD_OK : ehd_no_memory(error, "residuals");
 }
 
-/* Room for so many rows in front of which the old ones stay. */
+/* Enlarges an array to `count` rows and keeps its old rows. */
 static bool make_longer(double **rows, size_t count, size_t num_inner) {
     double *longer = array_resize(*rows, count, num_inner, sizeof **rows);
 
@@ -72,7 +73,8 @@ void residual_snapshots_free(residual_snapshots *snapshots) {
     *snapshots = (residual_snapshots){0};
 }
 
-/* The last iteration of a state, where its residual is that of the converged reduced solution. */
+/* Checks whether an iteration is the last one of a stationary state. Its residual is then that of
+ * the converged reduced solution. */
 static bool is_last(const residual_snapshots *snapshots, size_t i) {
     return snapshots->state[i] >= 0 &&
            (i + 1 == snapshots->count || snapshots->state[i + 1] != snapshots->state[i]);
@@ -92,9 +94,9 @@ static void make_unit(double *residual, size_t num_inner) {
     if (norm > 0) cblas_dscal((int)num_inner, 1 / norm, residual, 1);
 }
 
-// ---- one after the other
+// ---- streams
 
-/* One reading of a set, or of what has converged of the residuals, of unit norm. */
+/* Streams a set. With `units` streams only the converged residuals, scaled to unit norm. */
 static ehd_status stream_all(stream_pod *stream, const residual_snapshots *snapshots,
                              residual_kind kind, bool units, size_t num_inner, double *field,
                              ehd_error *error) {
@@ -152,7 +154,8 @@ ehd_status residual_snapshots_pod(pod_basis *pod, const residual_snapshots *snap
 
 // ---- converged residuals
 
-/* Of X = U S V' the rows of S V' have the Gram matrix of X. */
+/* Returns the rows of S V', where X = U S V' are the converged residuals of unit norm. They have
+ * the Gram matrix of X. */
 static ehd_status stream_units(double **rows, size_t *num_rows, const residual_snapshots *snapshots,
                                size_t num_inner, ehd_error *error) {
     pod_basis pod = {0};

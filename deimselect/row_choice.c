@@ -19,7 +19,9 @@ void row_choice_free(row_choice *choice) {
     memset(choice, 0, sizeof *choice);
 }
 
-/* How many modes of either basis a method gets that selects so many rows a mode (0: any number). */
+/* Returns the number of modes of either basis for a method that selects rows_per_mode rows for
+ * each mode (0: any number). There are at least as many modes as unknowns if rows_per_mode is
+ * above 1. */
 static size_t wanted_modes(size_t rows_per_mode, size_t num_rows, size_t num_unknowns) {
     const size_t rows_a_mode = rows_per_mode > 0 ? rows_per_mode : 1;
     size_t modes = (num_rows + rows_a_mode - 1) / rows_a_mode;
@@ -27,7 +29,7 @@ static size_t wanted_modes(size_t rows_per_mode, size_t num_rows, size_t num_unk
     return rows_a_mode > 1 && modes < num_unknowns ? num_unknowns : modes;
 }
 
-/* How many rows are selected first. */
+/* Returns the number of rows of the first attempt. */
 static size_t first_rows(const reduced_basis *basis, const row_settings *settings) {
     const size_t num_inner = basis->grid.num_inner;
     const size_t two_a_mode =
@@ -38,7 +40,7 @@ static size_t first_rows(const reduced_basis *basis, const row_settings *setting
 }
 
 size_t row_choice_num_modes(const reduced_basis *basis, const row_settings *settings) {
-    // of given rows as many as pivoted QR gets for them
+    // given rows: as many modes as pivoted QR would use for them
     const size_t rows_per_mode = settings->given ? 2 : settings->method->rows_per_mode;
 
     return wanted_modes(rows_per_mode, first_rows(basis, settings), basis->states.num_unknowns);
@@ -59,12 +61,12 @@ static ehd_status build_pods(pod_basis pods[2], const residual_snapshots *snapsh
     return EHD_OK;
 }
 
-/* Whether a row, counted among the inner nodes, lies before an exit line. */
+/* Checks whether a row, an index of an inner node, lies before an exit. */
 static bool is_before_exit(const ehd_grid *grid, size_t row, const size_t *exit) {
     return row % grid->inner_x + 1 < exit[grid_first_line(grid) + row / grid->inner_x];
 }
 
-/* Smaller sigma_min of both bases, for the rows before an exit. */
+/* Returns the smaller sigma_min of both bases, with the rows before an exit. */
 static ehd_status sigma_at_exit(double *sigma_min, const pod_basis pods[2],
                                 const row_choice *choice, const ehd_grid *grid, const size_t *exit,
                                 const size_t num_columns[2], size_t *kept, ehd_error *error) {
@@ -83,7 +85,7 @@ static ehd_status sigma_at_exit(double *sigma_min, const pod_basis pods[2],
     return EHD_OK;
 }
 
-/* sigma_min_by_exit, each exit looked at once. */
+/* Fills sigma_min_by_exit. States with equal exits share one evaluation. */
 static ehd_status measure_exits(row_choice *choice, const pod_basis pods[2],
                                 const reduced_basis *basis, const size_t num_columns[2],
                                 ehd_error *error) {
@@ -97,7 +99,7 @@ static ehd_status measure_exits(row_choice *choice, const pod_basis pods[2],
     choice->sigma_min_over_exits = INFINITY;
     for (size_t s = 0; s < states->num_states && !status; s++) {
         const size_t *exit = states->exit + s * states->num_lines;
-        size_t same = 0; // an earlier state of the list with this exit
+        size_t same = 0; // first state with this exit
         while (same < s && memcmp(states->exit + same * states->num_lines, exit, bytes))
             same++;
         if (same < s)
@@ -112,8 +114,8 @@ static ehd_status measure_exits(row_choice *choice, const pod_basis pods[2],
     return status;
 }
 
-/* All of it with as many leading modes as there are pressure modes, so that methods and numbers of
- * rows can be compared. */
+/* Measures the singular values and the stability. The number of leading modes is the number of
+ * pressure modes, so that methods and numbers of rows can be compared. */
 static ehd_status measure(row_choice *choice, const pod_basis pods[2], const reduced_basis *basis,
                           const selection_bases *bases, ehd_error *error) {
     const selection_bases leading = selection_leading(bases);
@@ -129,8 +131,8 @@ static ehd_status measure(row_choice *choice, const pod_basis pods[2], const red
     return status;
 }
 
-/* As many rows as the snapshots tell apart: two a mode where no number is given. A row for each pressure
- * mode is needed. */
+/* Limits the number of rows to what the modes of the snapshots support. Fails if a larger number
+ * was given, or if fewer rows than pressure modes remain. */
 static ehd_status limit_rows(size_t *num_rows, const pod_basis pods[2], size_t num_pressure,
                              const selection_method *method, bool given, ehd_error *error) {
     int poorer = pods[1].num_modes < pods[0].num_modes;
@@ -164,7 +166,7 @@ static ehd_status check_rows(size_t num_rows, const reduced_basis *basis, ehd_er
     return EHD_OK;
 }
 
-/* By the first line on which they differ. */
+/* Compares exits by the first line on which they differ. */
 static int compare_exits(const void *a, const void *b, void *context) {
     const size_t *x = a, *y = b, *num_lines = context;
     size_t l = 0;
@@ -195,7 +197,7 @@ size_t *row_choice_exits(size_t *num_exits, const reduced_basis *basis) {
     return exits;
 }
 
-/* What the method selects from: the PODs, and `exits` from row_choice_exits. */
+/* Collects the input of a selection method: the PODs, and the `exits` from row_choice_exits. */
 static selection_bases make_bases(const pod_basis pods[2], const reduced_basis *basis,
                                   const size_t *exits, size_t num_exits) {
     const selection_bases bases = {
@@ -218,8 +220,9 @@ static ehd_status allocate_rows(row_choice *choice, size_t num_rows, ehd_error *
     return ehd_no_memory(error, "selection");
 }
 
-/* PODs and the given rows. The weights need a mode an unknown; with the number of modes that
- * pivoted QR gets for so many rows, its rows given back make the same model to the last bit. */
+/* Computes the PODs and takes the given rows. The weights need as many modes as unknowns. The
+ * number of modes is that of pivoted QR for so many rows. Rows that pivoted QR has selected
+ * therefore make a model of equal bits if they are given by --rows-from. */
 static ehd_status use_given_rows(row_choice *choice, pod_basis pods[2], selection_bases *bases,
                                  const residual_snapshots *snapshots, const reduced_basis *basis,
                                  const given_rows *given, ehd_error *error) {
@@ -233,7 +236,7 @@ static ehd_status use_given_rows(row_choice *choice, pod_basis pods[2], selectio
     return status;
 }
 
-/* PODs of as many modes as the method wants for the rows, and the rows. */
+/* Computes the PODs with as many modes as the method needs for the rows, and selects the rows. */
 static ehd_status select_rows(row_choice *choice, pod_basis pods[2], selection_bases *bases,
                               const residual_snapshots *snapshots, const reduced_basis *basis,
                               const row_settings *settings, size_t num_rows, ehd_error *error) {
@@ -266,7 +269,8 @@ static ehd_status refuse_stability(const row_choice *choice, const selection_bas
                           reached, choice->num_rows, settings->method->name, settings->stability);
 }
 
-/* Doubles the number of rows until they are stable, and keeps the fewest leading ones that are. */
+/* Doubles the number of rows until they reach the wanted stability. Keeps the fewest leading rows
+ * that reach it. */
 static ehd_status select_stable_rows(row_choice *choice, pod_basis pods[2], selection_bases *bases,
                                      const residual_snapshots *snapshots,
                                      const reduced_basis *basis, const row_settings *settings,
@@ -302,7 +306,8 @@ static ehd_status use_given_factors(row_choice *choice, const given_rows *given,
     return EHD_OK;
 }
 
-/* The leading modes of the Jacobian products at the rows, and the factors of these. */
+/* Samples the leading modes of the Jacobian products at the rows and computes the factors of the
+ * row weights. */
 static ehd_status weigh_rows(row_choice *choice, const pod_basis *products, size_t num_unknowns,
                              const weighting *weights, ehd_error *error) {
     size_t num_rows = choice->num_rows;
@@ -360,7 +365,7 @@ ehd_status row_choice_make(row_choice *choice, const residual_snapshots *snapsho
     else if (!status)
         status = weigh_rows(choice, &pods[1], num_unknowns, settings->weights, error);
     if (!status) status = measure(choice, pods, basis, &bases, error);
-    pod_free(&pods[1]); // for what control rows take
+    pod_free(&pods[1]); // free memory before the control rows are selected
     if (!status)
         status =
             choose_control(choice, snapshots, &pods[0], num_unknowns, settings->num_control, error);

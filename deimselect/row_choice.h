@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* From residual snapshots to selected rows and how well posed they are. */
+/* Selects rows from residual snapshots and measures their stability. */
 #ifndef EHD_ROW_CHOICE_H
 #define EHD_ROW_CHOICE_H
 
@@ -9,45 +9,53 @@
 #include "romrun/model/reduced_model.h"
 #include "romrun/model/weighting.h"
 
-#define CONTROL_BY_ITSELF ((size_t)-1) // number of control rows: a tenth of the rows, at least 8
+#define CONTROL_BY_ITSELF ((size_t)-1) // control rows: a tenth of the rows, at least 8
 
 typedef struct row_choice {
     size_t num_rows;
     size_t *rows; // [num_rows] grid nodes in order of selection
     size_t num_control;
     size_t *control;           // [num_control] grid nodes in order of choice
-    double *factors;           // [num_rows] of the row weights, besides D
-    size_t num_jacobian_modes; // as many as unknowns, where there are; 0 with given factors
-    double *jacobian_modes;    // [num_rows, num_jacobian_modes] at the rows
-    double sigma_min_residual, sigma_min_jacobian; // of the bases sampled at the rows
+    double *factors;           // [num_rows] factors of the row weights, besides D
+    size_t num_jacobian_modes; // as many as unknowns, or as the POD has; 0 with given factors
+    double *jacobian_modes;    // [num_rows, num_jacobian_modes] modes of the Jacobian products at
+                               // the rows
+    double sigma_min_residual, sigma_min_jacobian; // smallest singular values of the bases sampled
+                                                   // at the rows
     double sigma_min_over_exits;
-    double stability;          // 1/sigma_min against all rows, worst exit (stability.h)
+    double stability;          // 1/sigma_min relative to all rows, worst exit (stability.h)
     double *sigma_min_by_exit; // [num_states]
 } row_choice;
 
 typedef struct row_settings {
     const given_rows *given;        // NULL: the method selects the rows
-    const selection_method *method; // without given rows, as num_rows and stability
-    const weighting *weights;       // without given factors
-    size_t num_rows;  // 0: two a pressure mode, fewer where the snapshots do not tell so many apart
-    double stability; // at most, by as few rows as that takes; 0: num_rows says how many
-    size_t num_control; // CONTROL_BY_ITSELF: also fewer where the snapshots do not
+    const selection_method *method; // used only without given rows, as are num_rows and stability
+    const weighting *weights;       // used only without given factors
+    size_t num_rows;  // 0: two for each pressure mode, or fewer if the snapshots do not support so
+                      // many
+    double stability; // largest allowed stability, reached with the fewest rows; 0: num_rows sets
+                      // the number
+    size_t num_control; // CONTROL_BY_ITSELF: default, or fewer if the snapshots do not support so
+                        // many
 } row_settings;
 
 void row_choice_free(row_choice *choice);
 
-/* How many modes of either set the rows are selected with at most; of --stability at first. */
+/* Returns the largest number of modes of either set from which rows are selected. With --stability
+ * the number may grow later. */
 size_t row_choice_num_modes(const reduced_basis *basis, const row_settings *settings);
 
-/* The exits of training, each once and in order, as numbers of rows before them on each inner line.
- * NULL: no memory. */
+/* Returns the exits of training, each once and in ascending order: [num_exits, inner lines of the
+ * grid] numbers of rows before the exit on each line. Returns NULL without memory. */
 size_t *row_choice_exits(size_t *num_exits, const reduced_basis *basis); // free()
 
-/* PODs of both snapshot sets, the method's or the given rows and their weights, and the smallest
- * singular values of the bases sampled there: over all rows, and for the exit of each training
- * state with the rows before it and as many leading modes as the basis has pressure modes (film
- * rupture takes the other rows away). EHD_DATA: fewer rows than pressure modes, more rows or
- * control rows than the snapshots support, a stability that the method does not reach. */
+/* Selects rows: computes the PODs of both snapshot sets, the rows by the method or the given
+ * ones, their weights, and the control rows. Measures the smallest singular values of the bases
+ * sampled at the rows: with all rows, and for each training state with the rows before its exit,
+ * because rows behind the exit do not count. As many leading modes as the basis has pressure
+ * modes are used for this. EHD_DATA: fewer rows than pressure modes, more rows or control rows
+ * than the snapshots support, or a stability that the method does not reach. Other errors:
+ * EHD_MEMORY, EHD_INTERNAL. */
 ehd_status row_choice_make(
     // output:
     row_choice *choice, // free with row_choice_free
@@ -55,7 +63,7 @@ ehd_status row_choice_make(
     const residual_snapshots *snapshots, const reduced_basis *basis, const row_settings *settings,
     ehd_error *error);
 
-/* The model of these rows, with their weights and control rows. EHD_DATA, EHD_MEMORY. */
+/* Builds the model of the rows, with weights and control rows. Errors: EHD_DATA, EHD_MEMORY. */
 ehd_status row_choice_model(
     // output:
     reduced_model *model, // free with reduced_model_free

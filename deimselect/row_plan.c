@@ -7,14 +7,14 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* What the numbers of bytes follow from. */
+/* Sizes from which the memory follows. */
 typedef struct row_sizes {
-    double nodes, rows_in_all; // of the grid, inner ones
+    double nodes, rows_in_all; // nodes and inner nodes of the grid
     double snapshots, converged;
-    double num_modes;     // of either set that are asked for; infinite: as many as there are
-    double copies;        // of a basis that the method takes
-    double basis, states; // bytes of the basis, and of its states
-    double exits;         // bytes of what the exits of training take
+    double num_modes;     // wanted modes of either set; infinite: as many as there are
+    double copies;        // copies of a basis that the method makes
+    double basis, states; // bytes of the basis and of its states
+    double exits;         // bytes of the arrays for the exits of training
     double cubature;      // bytes
     size_t num_inner;
 } row_sizes;
@@ -61,14 +61,16 @@ static ehd_status measure(row_sizes *sizes, const residual_snapshots *snapshots,
     return exits_bytes(&sizes->exits, basis, settings, error);
 }
 
-/* What small matrices the modes and their rows take: systems that grow with the rows in the joint greedy,
- * the modes at the rows, their decompositions. Two rows a mode, where a method may have more they are
- * little beside fields. */
+/* Returns the memory of small matrices: systems of the joint greedy method that grow with the rows,
+ * the modes at the rows, and their decompositions. Two rows for each mode are assumed. If a method
+ * selects more, these matrices are still small beside fields. */
 static double small_bytes(double modes) {
     return 8 * 16 * modes * modes;
 }
 
-/* With both sets of modes, or with those of the residuals and what control rows are chosen from. */
+/* Returns the memory while rows are selected with both sets of modes, or while control rows are
+ * selected with the modes of the residuals, whichever is larger. `control`: bytes of the rows that
+ * control rows are selected from. */
 static double bytes_of_modes(const row_sizes *sizes, double modes, double control) {
     const double a_field = 8 * sizes->rows_in_all;
 
@@ -76,12 +78,13 @@ static double bytes_of_modes(const row_sizes *sizes, double modes, double contro
            small_bytes(modes) + 12 * a_field;
 }
 
-/* The basis, its states, and what goes with each snapshot. */
+/* Returns the memory of the basis, its states, and the state index of each snapshot. */
 static double bytes_of_rest(const row_sizes *sizes) {
     return sizes->basis + sizes->states + 8 * sizes->snapshots;
 }
 
-/* When the snapshots are gone: deflections of the modes, the states of the model, the nodes of traction. */
+/* Returns the memory after the snapshots are freed: deflections of the modes, the states of the
+ * model, and the choice of traction nodes. */
 static double bytes_of_model(const row_sizes *sizes) {
     return sizes->basis + sizes->states + sizes->cubature;
 }
@@ -98,8 +101,8 @@ static double bytes_at_once(const row_sizes *sizes) {
            fmax(2 * sizes->snapshots * a_field + fmax(pod, select), bytes_of_model(sizes));
 }
 
-/* As stream_work_bytes: the second set beside the modes of the first, what is selected from, what control
- * rows are chosen from. */
+/* Returns the memory of a streamed selection (a stream_work_bytes): the largest over the second POD
+ * beside the modes of the first, the selection of rows, and the selection of control rows. */
 static double bytes_of_stream(const void *work, size_t block, size_t max_rank) {
     const row_sizes *sizes = work;
     const double a_field = 8 * sizes->rows_in_all;

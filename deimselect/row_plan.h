@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What row selection takes of memory, and whether residual snapshots are read at once or one by one. */
+/* Plans the memory of row selection: whether residual snapshots are read at once or streamed. */
 #ifndef EHD_ROW_PLAN_H
 #define EHD_ROW_PLAN_H
 
@@ -7,14 +7,15 @@
 #include <stdbool.h>
 
 typedef struct row_plan {
-    bool direct;  // all snapshots at once, as they fit
-    double limit; // bytes
-    double bytes; // that this way takes at most, beside the tables of the model and its check
-    size_t block, max_rank; // of the streams otherwise
+    bool direct;  // all snapshots fit in memory and are read at once
+    double limit; // memory limit, bytes
+    double bytes; // upper bound of the memory of this plan, bytes, without the tables of the model
+                  // and its check
+    size_t block, max_rank; // sizes of the streams (stream_pod.h) if not direct
 } row_plan;
 
-/* Before the snapshots are read: their number and states are known. EHD_MEMORY: the limit is too
- * small, or there is no memory. */
+/* Makes the plan before the snapshots are read. Their number and states must be known. EHD_MEMORY:
+ * the limit is too small, or there is no memory. */
 ehd_status row_plan_make(
     // output:
     row_plan *plan,

@@ -5,10 +5,10 @@
  *
  *     S(A) = (sqrt(det A^T A) / prod_j |A_j|)^(1/n),
  *
- * one where the sampled columns A_j are orthogonal. Each step takes the row that makes the product
- * of both bases' S largest. A row r turns the determinant into det (1 + r^T (A^T A)^-1 r) and
- * |A_j|^2 into |A_j|^2 + r_j^2; what the rows give is kept for all nodes and follows the inverse by
- * rank-1 updates (Sherman and Morrison). */
+ * which is 1 if the sampled columns A_j are orthogonal. Each step selects the row with the largest
+ * product of S over both bases. A new row r multiplies the determinant by 1 + r^T (A^T A)^-1 r and
+ * adds r_j^2 to |A_j|^2. The gains r^T (A^T A)^-1 r of all nodes are stored. They and the inverse
+ * are kept up to date by rank-1 updates (Sherman and Morrison). */
 #include "common/algebra/lapack.h"
 #include "deimselect/selection.h"
 
@@ -19,25 +19,26 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Added to A^T A, whose modes have unit norm: with fewer rows than modes it has no inverse yet.
- * From 1e-14 to 1e-6 the examples' models (56 modes of a line, 24 of a point) have the same rows;
- * from 1e-15 on down rounding decides, then there is no factorisation, and above 1e-6 the ridge
- * does. */
+/* Ridge that is added to A^T A (modes of unit norm), which is singular with fewer rows than
+ * modes. From 1e-14 to 1e-6 the selected rows do not change (examples: 56 modes of a line, 24 of
+ * a point). Below, round-off selects rows or the factorisation fails; above, the ridge affects
+ * the selection. */
 static const double RIDGE = 1e-10;
 
-enum { BLOCK = 512 }; // nodes
+enum { BLOCK = 512 }; // nodes in a block of scan_modes
 
 /* A basis at the rows selected so far. */
 typedef struct sampled_basis {
     size_t num_nodes, num_modes;
     const double *modes; // [num_modes, num_nodes]
-    double *inverse;     // [num_modes, num_modes] of A^T A
+    double *inverse;     // [num_modes, num_modes] inverse of A^T A
     double *gain;        // [num_nodes] r^T (A^T A)^-1 r
     double *squares;     // [num_modes] |A_j|^2
     double *row;         // [num_modes] the row just added
-    double *product;     // [num_modes] inverse times it
+    double *product;     // [num_modes] inverse times row
     double *along;       // [num_nodes] modes^T product
-    double *growth;      // [num_nodes] what prod_j |A_j|^2 would be multiplied by
+    double *growth;      // [num_nodes] factor by which the row of the node multiplies prod_j
+                         // |A_j|^2
 } sampled_basis;
 
 static void sampled_basis_free(sampled_basis *self) {
@@ -50,12 +51,12 @@ static void sampled_basis_free(sampled_basis *self) {
     free(self->growth);
 }
 
-/* r of a node. */
+/* Copies the row r of a node. */
 static void gather_row(double *row, const sampled_basis *self, size_t node) {
     cblas_dcopy((int)self->num_modes, self->modes + node, (int)self->num_nodes, row, 1);
 }
 
-/* A^T A and its inverse for the rows given. */
+/* Computes the diagonal of A^T A and its inverse for the given rows. */
 static ehd_status invert_gram(sampled_basis *self, const size_t *rows, size_t num_rows,
                               ehd_error *error) {
     const int n = (int)self->num_modes;
@@ -77,7 +78,7 @@ static ehd_status invert_gram(sampled_basis *self, const size_t *rows, size_t nu
                                 LAPACKE_dpotri(LAPACK_COL_MAJOR, 'L', n, self->inverse, n), error);
 }
 
-/* gain = diag(modes^T inverse modes) */
+/* Computes gain = diag(modes^T inverse modes). */
 static ehd_status start_gain(sampled_basis *self, ehd_error *error) {
     double *products = malloc(self->num_modes * self->num_nodes * sizeof *products);
 
@@ -94,9 +95,9 @@ static ehd_status start_gain(sampled_basis *self, ehd_error *error) {
     return EHD_OK;
 }
 
-/* along = modes^T product, and growth of every node. Both in one pass through the modes, a block of
- * nodes after the other, because the modes do not fit into the cache and the time goes into reading
- * them. */
+/* Computes along = modes^T product, and growth, for all nodes. One pass through the modes computes
+ * both, in blocks of nodes. The modes do not fit into the cache, and most of the time is spent on
+ * reading them. */
 static void scan_modes(sampled_basis *self) {
     for (size_t first = 0; first < self->num_nodes; first += BLOCK) {
         const size_t left = self->num_nodes - first, count = left < BLOCK ? left : BLOCK;
@@ -152,14 +153,14 @@ static void add_row(sampled_basis *self, size_t node) {
         self->gain[i] -= self->along[i] * self->along[i] / divisor;
 }
 
-/* objective += log of what S of the basis would be multiplied by with each node. */
+/* Adds for each node the logarithm of the factor by which its row multiplies S of the basis. */
 static void add_objective(double *objective, const sampled_basis *self) {
     for (size_t i = 0; i < self->num_nodes; i++)
         objective[i] +=
             log((1 + fmax(self->gain[i], 0)) / self->growth[i]) / (double)(2 * self->num_modes);
 }
 
-/* argmax over the nodes not selected; the first of equals. */
+/* Returns the node not yet selected with the largest objective; the first of equal ones. */
 static size_t best_row(const double *objective, const bool *selected, size_t num_nodes) {
     size_t row = num_nodes;
 
@@ -168,8 +169,9 @@ static size_t best_row(const double *objective, const bool *selected, size_t num
     return row;
 }
 
-/* The first rows, half as many as the poorer basis has modes: pivots of as many modes of either
- * basis. Until the columns can be told apart, S says little. */
+/* Returns the bases for the start: of either basis half as many modes as the smaller basis has.
+ * Pivoted QR selects as many rows from them. With fewer rows the columns are nearly dependent, and
+ * S means little. */
 static selection_bases start_bases(const selection_bases *bases) {
     const int poorer = bases->num_modes[1] < bases->num_modes[0];
     selection_bases start = *bases;
@@ -178,7 +180,7 @@ static selection_bases start_bases(const selection_bases *bases) {
     return start;
 }
 
-/* The rows behind the first num_start ones. */
+/* Selects the rows behind the first num_start ones. */
 static ehd_status oversample(size_t *rows, sampled_basis both[2], size_t num_start, size_t num_rows,
                              ehd_error *error) {
     const size_t num_nodes = both[0].num_nodes;

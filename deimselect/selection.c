@@ -62,7 +62,7 @@ ehd_status selection_sigma_min(double *sigma_min, const double *modes, size_t nu
     for (size_t column = 0; column < num_columns; column++)
         for (size_t n = 0; n < num_rows; n++)
             sampled[column * num_rows + n] = modes[column * num_nodes + rows[n]];
-    // 'N' needs no singular vectors; their leading dimensions only have to be positive
+    // 'N' computes no singular vectors; their leading dimensions only have to be positive
     status = lapack_outcome("dgesdd",
                             LAPACKE_dgesdd(LAPACK_COL_MAJOR, 'N', (int)num_rows, (int)num_columns,
                                            sampled, (int)num_rows, values, NULL, 1, NULL, 1),

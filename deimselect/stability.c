@@ -12,31 +12,34 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* One basis before one exit. */
+/* A basis over the rows before an exit. */
 typedef struct exit_block {
     const double *modes; // [num_modes, num_nodes]
     size_t num_modes;
     const size_t *num_before; // [num_lines] nodes of each line before the exit
-    size_t num_resolved;      // directions of the modes that these nodes tell apart
+    size_t num_resolved;      // directions of the modes that do not vanish over these nodes
     double *resolved;  // [num_modes, num_resolved] column-major: modes^T resolved is orthonormal
                        // over these nodes
-    double *gram;      // [num_resolved, num_resolved] of the selected rows, in these directions
-    double smallest;   // eigenvalue of gram; a lower bound when rows have come since
+    double *gram;      // [num_resolved, num_resolved] Gram matrix of the selected rows in these
+                       // directions
+    double smallest;   // smallest eigenvalue of gram; a lower bound if rows were added since
     double *direction; // [num_resolved] its eigenvector
-    bool is_known;     // smallest and direction are those of gram
+    bool is_known;     // smallest and direction belong to the present gram
 } exit_block;
 
 struct row_stability {
     size_t num_nodes, num_lines, width; // width: nodes of a line
-    size_t *none, *all;                 // [num_lines] exits before and behind all nodes
-    size_t num_blocks;                  // two an exit, and two for all nodes
+    size_t *none, *all;                 // [num_lines] 0 and `width`: exits before and behind all
+                                        // nodes
+    size_t num_blocks;                  // two for each exit, and two for all nodes
     exit_block *blocks;                 // [num_blocks]
     bool *selected;                     // [num_nodes]
-    // scratch
-    double *running_gram[2]; // [num_modes, num_modes] over the nodes before the exit filled last
+    // work arrays
+    double *running_gram[2]; // [num_modes, num_modes] Gram matrices over the nodes before the exit
+                             // filled last
     double *row, *along;     // [num_modes] of the larger basis
     double *matrix, *values; // [num_modes, num_modes], [num_modes]
-    arena memory;            // of all arrays
+    arena memory;
 };
 
 row_stability *row_stability_free(row_stability *self) {
@@ -49,7 +52,8 @@ static bool is_before(const exit_block *block, const row_stability *self, size_t
     return node % self->width < block->num_before[node / self->width];
 }
 
-/* Brings the modes' Gram matrix from the nodes before one exit to those before another. */
+/* Updates the Gram matrix of the modes from the nodes before exit `from` to the nodes before exit
+ * `to`. */
 static void move_gram(double *gram, const row_stability *self, const double *modes,
                       size_t num_modes, const size_t *from, const size_t *to) {
     for (size_t l = 0; l < self->num_lines; l++) {
@@ -62,15 +66,15 @@ static void move_gram(double *gram, const row_stability *self, const double *mod
     }
 }
 
-/* resolved = U / sqrt(lambda) of the modes' Gram matrix U lambda U^T over the nodes before the
- * exit. `running_gram` is that matrix over the nodes before `from`, in, and before the exit, out.
- */
+/* Computes resolved = U / sqrt(lambda) from the Gram matrix U lambda U^T of the modes over the
+ * nodes before the exit. `running_gram`: in, this matrix over the nodes before `from`; out, over
+ * the nodes before the exit. */
 static ehd_status block_fill(exit_block *block, row_stability *self, double *running_gram,
                              const size_t *from, const double *modes, const size_t *num_before,
                              ehd_error *error) {
     const size_t num_modes = block->num_modes;
     const int n = (int)num_modes;
-    // of sums over all nodes, of modes of unit norm
+    // round-off of sums over all nodes, of modes of unit norm
     const double rounding = DBL_EPSILON * (double)self->num_nodes;
     block->modes = modes;
     block->num_before = num_before;
@@ -94,8 +98,8 @@ static ehd_status block_fill(exit_block *block, row_stability *self, double *run
     return EHD_OK;
 }
 
-/* Nodes before an exit, and before the one that its Gram matrices are moved from; those behind the last
- * exit are all. */
+/* Returns the numbers of nodes before an exit. The exit behind the last one of training is behind
+ * all nodes. */
 static const size_t *nodes_before(const row_stability *self, const selection_bases *bases,
                                   size_t exit) {
     return exit < bases->num_exits ? bases->exits + exit * self->num_lines : self->all;
@@ -106,7 +110,7 @@ static const size_t *moved_from(const row_stability *self, const selection_bases
     return exit > 0 ? nodes_before(self, bases, exit - 1) : self->none;
 }
 
-/* Memory for so many exits, two blocks each. */
+/* Allocates memory for num_exits exits, two blocks each. */
 static row_stability *allocate(const selection_bases *leading, size_t num_exits) {
     const size_t *num_modes = leading->num_modes;
     const size_t larger = num_modes[num_modes[1] > num_modes[0]];
@@ -140,7 +144,7 @@ static row_stability *allocate(const selection_bases *leading, size_t num_exits)
     return memory->failed ? row_stability_free(self) : self;
 }
 
-/* The two blocks of an exit, behind those of the exit before. */
+/* Fills both blocks of an exit. The exit before must have been filled last. */
 static ehd_status fill_exit(exit_block blocks[2], row_stability *self, const selection_bases *bases,
                             size_t exit, ehd_error *error) {
     ehd_status status = EHD_OK;
@@ -188,14 +192,14 @@ void row_stability_add(row_stability *self, size_t row) {
     }
 }
 
-/* Smallest eigenvalue of a block and its eigenvector. */
+/* Computes the smallest eigenvalue of a block and its eigenvector. */
 static ehd_status examine(exit_block *block, row_stability *self, ehd_error *error) {
     const int size = (int)block->num_resolved;
     lapack_int found = 0, support[2];
 
     block->is_known = true;
     if (size == 0) {
-        block->smallest = INFINITY; // nothing to determine
+        block->smallest = INFINITY; // no direction has to be determined
         return EHD_OK;
     }
     memcpy(self->matrix, block->gram, block->num_resolved * block->num_resolved * sizeof(double));
@@ -204,14 +208,14 @@ static ehd_status examine(exit_block *block, row_stability *self, ehd_error *err
         LAPACKE_dsyevr(LAPACK_COL_MAJOR, 'V', 'I', 'L', size, self->matrix, size, 0, 0, 1, 1, 0,
                        &found, self->values, block->direction, size, support),
         error);
-    // rounding errors of the Gram matrix are no stability
+    // eigenvalues of the size of round-off count as zero
     if (!status)
         block->smallest = self->values[0] > DBL_EPSILON * (double)size ? self->values[0] : 0;
     return status;
 }
 
-/* argmax over the nodes not selected of the worst direction's square, which is nothing behind the
- * exit. */
+/* Returns the row not yet selected with the largest square of the worst direction. Rows behind the
+ * exit have the value 0. */
 static size_t strongest_row(const exit_block *block, row_stability *self) {
     size_t row = self->num_nodes;
     double largest = -1;
@@ -231,8 +235,8 @@ static size_t strongest_row(const exit_block *block, row_stability *self) {
     return row;
 }
 
-/* The block with the smallest eigenvalue: rows only make eigenvalues larger, so that old ones are
- * bounds, and few have to be computed anew. */
+/* Finds the block with the smallest eigenvalue. Additional rows only increase eigenvalues, so old
+ * values are lower bounds, and few have to be computed again. */
 static ehd_status worst_block(exit_block **worst, row_stability *self, ehd_error *error) {
     ehd_status status = EHD_OK;
 
@@ -257,8 +261,8 @@ ehd_status row_stability_worst(double *sigma_min, size_t *best_row, row_stabilit
     return EHD_OK;
 }
 
-/* One exit after the other: all of them take much memory where there are many, and nothing is asked of
- * them again. */
+/* Evaluates one exit after the other, because arrays for all exits take much memory, and each exit
+ * is needed only once. */
 ehd_status row_stability_of(double *inverse_sigma_min, const selection_bases *bases,
                             const size_t *rows, size_t num_rows, ehd_error *error) {
     const selection_bases leading = selection_leading(bases);
