@@ -30,7 +30,7 @@ static void explain(accuracy_choice *choice, const trade_table *table,
 
 ehd_status accuracy_choose(accuracy_choice *choice, const trade_table *table, double accuracy,
                            bool in_time, const char *name, ehd_error *error) {
-    const double rounding = 1.006; // allowance: the printed three digits are then accepted
+    const double rounding = 1.006; // allowance, so that --accuracy accepts the three printed digits
     size_t num_measured = in_time ? table->num_trajectories : table->num_scenes;
     size_t chosen = trade_cheapest(table, accuracy, in_time);
     size_t best = trade_most_accurate(table, in_time);
@@ -70,7 +70,7 @@ ehd_status accuracy_choose(accuracy_choice *choice, const trade_table *table, do
 }
 
 double accuracy_tolerance(double accuracy) {
-    const double full_convergence = 1e-8, part = 0.02; // of the accuracy
+    const double full_convergence = 1e-8, part = 0.02; // part: of the accuracy
 
     return fmax(full_convergence, part * accuracy);
 }
@@ -104,7 +104,7 @@ void accuracy_judge_peak(run_result *result, double accuracy, double peak) {
 
 static const char rolling_name[] = "rolling_resistance";
 
-/* Where the limit of the quantity with this name is kept; NULL: there is none. */
+/* Returns the limit of the quantity with this name, or NULL if there is none. */
 static double *limit_of(accuracy_limits *self, const char *name, size_t length) {
     for (int q = 0; q < NUM_INDICATED; q++)
         if (strlen(indicated_entries[q].name) == length &&
@@ -173,7 +173,7 @@ void accuracy_judge_rolling(run_result *result, const accuracy_limits *limits) {
     const double minimum = result->indicated_deviation_minimum;
     double films = isnan(central + minimum) ? NAN : fmax(central, minimum);
 
-    // the full model has no other error than that of its grid
+    // a result of the full model has only the error of its grid
     if (result->solved_by == SOLVED_BY_FULL) films = 0;
     const double found = result->traction && result->effects && !isnan(films)
                              ? film_effects_of_rolling(result->effects) + films

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* --accuracy: choice of a calibrated model's sizes, their tolerance, and the check of a result. */
+/* Options --accuracy and --accuracy-of: choice of the sizes of a calibrated model, tolerance of the
+ * solver, and check of a result against the limits. */
 #ifndef EHD_ACCURACY_H
 #define EHD_ACCURACY_H
 
@@ -9,57 +10,63 @@
 
 enum { ACCURACY_NOTE = 320 };
 typedef struct accuracy_choice {
-    model_sizes fastest;       // of those measured to be accurate enough
-    model_sizes most_accurate; // fallback sizes, where the result of the fastest is not
+    model_sizes fastest;       // the fastest sizes that meet the accuracy in the calibration
+    model_sizes most_accurate; // solve again what the fastest sizes do not solve accurately enough
     char note[ACCURACY_NOTE];  // the fastest sizes and their measured accuracy
 } accuracy_choice;
 
-/* Chooses the sizes for a relative deviation of the films, in time without an indicator of the central
- * one. In time, with an indicator, the most accurate ones where none are that accurate: each step is then
- * judged by its own error estimate. `name`: of the model, for errors. EHD_DATA: not calibrated in this
- * regime, or no sizes are that accurate. */
+/* Chooses the sizes for a relative accuracy of both films; in time, without an error estimate, of
+ * the central film alone. In time, with an error estimate, chooses the most accurate sizes if none
+ * meet the accuracy, because each step has its own error estimate. `name`: of the model, for error
+ * messages. EHD_DATA: the model is not calibrated in this regime, or no sizes meet the accuracy. */
 ehd_status accuracy_choose(
     // output:
     accuracy_choice *choice,
     // input:
     const trade_table *table, double accuracy, bool in_time, const char *name, ehd_error *error);
 
-/* Tolerance for online_solver_set_tolerance: a fiftieth of the accuracy, at least 1e-8. */
+/* Returns the tolerance for online_solver_set_tolerance: a fiftieth of the accuracy, at least
+ * 1e-8. */
 double accuracy_tolerance(double accuracy);
 
-/* What holds for both films: the accuracy, 1 % where that is 0: not given. */
+/* Returns the limit of the error estimates of both films: the accuracy, or 1 % if it is 0 (not
+ * given). */
 double accuracy_limit(double accuracy);
 
-/* Sets EHD_UNTRUSTED where the central or the minimum film is indicated to deviate by more than the
- * accuracy, 1 % where that is 0: not given. */
+/* Sets EHD_UNTRUSTED if the error estimate of the central or minimum film exceeds
+ * accuracy_limit(accuracy). */
 void accuracy_judge(run_result *result, double accuracy);
 
-/* Sets EHD_UNTRUSTED where the largest pressure is indicated to deviate by more than goes with the
- * accuracy: where there is a more accurate size, that is to solve it. */
+/* Sets EHD_UNTRUSTED if the error estimate of the largest pressure exceeds trade_pressures_allowed
+ * times the accuracy, in Hertz pressures. The caller then solves the contact with a more accurate
+ * size. */
 void accuracy_judge_peak(run_result *result, double accuracy,
-                         double peak); // of online_indicate_peak; NaN: not known, and so let pass
+                         double peak); // of online_indicate_peak; NaN: not known, which changes
+                                       // nothing
 
-/* Limits of --accuracy-of, by indicated_quantity; 0: none. */
+/* Limits of --accuracy-of, indexed by indicated_quantity; 0: no limit. */
 typedef struct accuracy_limits {
     double of[NUM_INDICATED];
-    double rolling; // of the rolling resistance
+    double rolling; // limit of the rolling resistance
 } accuracy_limits;
 
-/* Reads "NAME=X" into one of them. EHD_USAGE: no such name, with those there are; X not between 0
- * and 1. */
+/* Parses "NAME=X" and sets the limit of this quantity. EHD_USAGE: an unknown name (the message
+ * lists the known ones), or X not above 0 and at most 1. */
 ehd_status accuracy_read_limit(void *limits, const char *argument, ehd_error *error);
 
-/* Whether there is one. */
+/* Checks whether any limit is set. */
 bool accuracy_limits_any(const accuracy_limits *limits);
 
-/* Writes them as comments of settings, a line each; nothing where there is none. */
+/* Writes the limits that are set as comments of the settings text, one line each. */
 void accuracy_write_limits(const accuracy_limits *limits, FILE *stream);
 
-/* Sets EHD_UNTRUSTED where one of result->indicated is above its limit, or not known. */
+/* Sets EHD_UNTRUSTED if an error estimate in result->indicated exceeds its limit, or is not known
+ * although a limit is set. */
 void accuracy_judge_others(run_result *result, const accuracy_limits *limits);
 
-/* Sets EHD_UNTRUSTED where the error estimate of the rolling resistance is above its limit, or not
- * known. The estimate is the sum of result->effects and, of a reduced result, the films' larger one. */
+/* Sets EHD_UNTRUSTED if the error estimate of the rolling resistance exceeds its limit, or is not
+ * known although a limit is set. The estimate is that of the grid (result->effects) plus, for a
+ * reduced result, the larger estimate of both films. */
 void accuracy_judge_rolling(run_result *result, const accuracy_limits *limits);
 
 #endif

@@ -16,13 +16,14 @@ static void print_deviation(const char *name, double reduced, double full) {
                (reduced / full - 1) * 1e3);
 }
 
-/* Values that one of a grid is interpolated from along an axis: up to four neighbours. */
+/* Interpolation along an axis from up to four neighbouring nodes. */
 typedef struct stencil {
     size_t first, count;
     double weights[4];
 } stencil;
 
-/* Lagrange's polynomial through the nodes around `place`, in steps from the first of `num_nodes`. */
+/* Returns the weights of Lagrange's polynomial through the nodes around `place`, which is measured
+ * in steps from the first of `num_nodes` nodes. */
 static stencil stencil_at(double place, size_t num_nodes) {
     const size_t count = num_nodes < 4 ? num_nodes : 4;
     const double last = (double)(num_nodes - count);
@@ -37,14 +38,15 @@ static stencil stencil_at(double place, size_t num_nodes) {
     return self;
 }
 
-/* Steps from a grid's first node along an axis, to the node where there is one but for rounding. */
+/* Returns the place of a coordinate in steps from the first node of an axis. Rounds to a node if
+ * the difference is only round-off. */
 static double place_of(double coordinate, double first, double step) {
     const double place = (coordinate - first) / step, nearest = round(place);
 
     return fabs(place - nearest) < 1e-6 ? nearest : place;
 }
 
-/* NaN outside of the grid. */
+/* Interpolates a field to a point. Returns NaN outside of the grid. */
 static double field_at(const double *inner, const ehd_grid *grid, double x, double y) {
     const double along = place_of(x, grid->x_min, grid->step);
     const double across = place_of(y, grid->inner_lines > 1 ? -grid_extent_of(grid).y_max : 0,
@@ -72,12 +74,13 @@ double against_difference(const double *nodes, const ehd_grid *grid, const doubl
         const size_t place = grid_node_of_row(&whole, row);
         const size_t node = grid_node_of_row(grid, grid_row_of_whole(grid, row));
         const double there = field_at(inner, other, grid_x(&whole, place), grid_y(&whole, place));
-        largest = fmax(largest, fabs(nodes[node] - there)); // which leaves NaN out
+        largest = fmax(largest, fabs(nodes[node] - there)); // fmax ignores NaN
     }
     return largest;
 }
 
-/* Of a grid without nodes only its beginning and its step are known. */
+/* Checks whether both grids have equal nodes. A grid without nodes is compared by its first node
+ * and step alone. */
 static bool same_nodes(const ehd_grid *grid, const ehd_grid *other) {
     ehd_grid like = *other;
 
@@ -88,7 +91,7 @@ static bool same_nodes(const ehd_grid *grid, const ehd_grid *other) {
     return grid_same(&like_other, other);
 }
 
-/* Says where the other result was not solved as this one. */
+/* Prints the heading. It names differences of grid, discretisation and boundary. */
 static void print_heading(const char *path, const ehd_grid *grid, const ehd_grid *other) {
     const ehd_grid whole = grid_whole(grid);
     const bool moved = !same_nodes(&whole, other);

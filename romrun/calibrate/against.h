@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* romrun --against: comparison of a reduced result with another one of the same scene. */
+/* romrun --against: compares a reduced result with another result of the same scene. */
 #ifndef EHD_AGAINST_H
 #define EHD_AGAINST_H
 
@@ -8,26 +8,29 @@
 #include "common/output/time_run.h"
 #include "common/physics/traction.h"
 
-/* EHD_DATA: a result with these numbers on a grid, read from `path`, is not one of the contact. */
+/* Checks that a result read from `path`, with these numbers and this grid, belongs to the contact;
+ * otherwise EHD_DATA. */
 ehd_status against_check(double moes_M, double alpha_p_H, double hertz_pressure,
                          flow_thinning thinning, const ehd_grid *grid, const char *path,
                          const ehd_contact *contact, ehd_error *error);
 
-/* Largest difference of a field at the nodes of a grid from one of another whole grid, which is
- * interpolated there with four nodes an axis; at the nodes that lie in both. */
-double against_difference(const double *nodes, // [num_nodes] of grid
+/* Returns the largest difference of a field on a grid from a field on another, whole grid. The
+ * other field is interpolated with four nodes along each axis. Only nodes inside both grids
+ * count. */
+double against_difference(const double *nodes, // [num_nodes] of `grid`
                           const ehd_grid *grid,
-                          const double *inner, // [num_inner] of other
+                          const double *inner, // [num_inner] of `other`
                           const ehd_grid *other);
 
-/* Prints the deviations of scalars and, where both have fields, their largest differences; and
- * whether the stored one has another grid or discretisation. */
+/* Prints the deviations of scalars and, if both results have fields, the largest differences of
+ * fields. States whether the stored result has another grid, discretisation or boundary. */
 void against_print(const run_result *result, const stored_result *stored, const char *path,
                    const ehd_contact *contact);
 
-/* Prints largest and mean deviation over time. EHD_DATA: few times in common; EHD_MEMORY. */
+/* Prints the largest and the mean deviation over time, while the bodies are in contact in both.
+ * EHD_DATA: fewer than 3 common times; EHD_MEMORY. */
 ehd_status against_print_in_time(const time_trace *trace, const time_series *full, const char *path,
-                                 const ehd_grid *grid, // of the trace
+                                 const ehd_grid *grid, // grid of the trace
                                  ehd_error *error);
 
 #endif

@@ -11,7 +11,7 @@
 
 // ---- which scenes
 
-/* Marks the points inside the trained range. */
+/* Marks the points inside of the trained range. Refuses training points of the model. */
 static ehd_status choose_points(bool *keep, const training_set *set, const reduced_model *model,
                                 const trained_range *range, const program *self,
                                 const char *plan_path, const char *model_path, ehd_error *error) {
@@ -99,7 +99,7 @@ static ehd_status create_output(artefact **output, artefact **model, const progr
     char *of_model = NULL, *settings = NULL;
     ehd_status status = artefact_open(model, model_path, kinds, error);
 
-    // optional in models of other programs
+    // models of other programs may have no settings
     if (!status && artefact_has(*model, "settings"))
         status = artefact_get_text(*model, "settings", &of_model, error);
     settings = calibration_settings(of_model ? of_model : "", set->text);

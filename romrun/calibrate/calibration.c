@@ -13,13 +13,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { REPEATS = 3 }; // solutions of a scene, for the median of the time
+enum { REPEATS = 3 }; // number of solutions of each scene; the time is their median
 
-/* Slidings for which the friction of each scene is measured, whatever it names itself: a law and
- * the ratio of the Newtonian stress at pressure 0 and film 1 to the law's own, as
- * deimselect/cubature.c has them. The last Eyring fluid has stresses in all of the contact, which
- * few nodes and an exit that is a node off miss most: with 1e-2 in its place two of 2235 unseen
- * frictions are indicated to be less off than they are, 0.4 of it. */
+/* A shear law and the ratio of the Newtonian stress at P = 0 and H = 1 to the stress of the law, as
+ * in deimselect/cubature.c. The friction of each scene is measured for all `slidings`, whatever its
+ * own law is. With the Eyring fluid of ratio 1e-1 stresses are high in all of the contact, so the
+ * errors by few nodes and by an exit that is a node off are largest. With 1e-2 in its place, the
+ * estimates of 2 of 2235 unseen frictions are below the errors, 0.4 times. */
 typedef struct sliding {
     const lubricant_law *law;
     double ratio;
@@ -32,8 +32,8 @@ static const sliding slidings[] = {{&shear_newtonian, 1},
                                    {&shear_limiting, 1e-2}};
 enum { NUM_SLIDINGS = sizeof slidings / sizeof *slidings };
 
-/* In a contact, in SI units or not: stresses and what the law measures them by have the same
- * unit. */
+/* Returns a copy of a contact that slides with another shear law. The units of stress cancel, so
+ * the contact may be dimensionless or in SI units. */
 static ehd_contact slide(const ehd_contact *contact, const sliding *how) {
     ehd_contact own = *contact;
     const double isoviscous = contact->lambda / 12 * contact->far_speed;
@@ -46,20 +46,20 @@ static ehd_contact slide(const ehd_contact *contact, const sliding *how) {
     return own;
 }
 
-/* Measurements on the scenes that were solved, and memory for fields. */
+/* Measurements on the scenes that the reduced model solved, and work arrays for fields. */
 typedef struct samples {
-    size_t count; // of scenes
+    size_t count; // number of solved scenes
     bool exits_are_nodes;
     double *deviation[NUM_TRADE_QUANTITIES]; // [count]
-    double *bound, *bound_minimum;           // [count] of the two films'
-    double *indicated;                       // [count + failures], the larger one
-    double *effectivity;                     // [count], the smaller one
+    double *bound, *bound_minimum;           // [count] bounds of the central and minimum film
+    double *indicated;                       // [count + failures] larger estimate of both films
+    double *effectivity;                     // [count] smaller estimate over error
     double *off[NUM_INDICATED];              // [count] deviations of the other quantities
     double *other_bound[NUM_INDICATED];      // [count]
     double *friction_off, *friction_bound;   // [num_frictions]
-    size_t num_frictions;                    // of the scenes, sliding: 0 without few nodes for it
+    size_t num_frictions;                    // 0 if the model has no traction nodes
     double *seconds;                         // [count * REPEATS]
-    double iterations, max_iterations;       // sum and largest
+    double iterations, max_iterations;       // sum, and largest of a scene
     double largest_residual;
     double *pressure, *film; // [num_nodes]
     double *full_film;       // [num_nodes]
@@ -127,7 +127,7 @@ static double relative(double reduced, double full) {
     return fabs(reduced / full - 1);
 }
 
-/* Deviations of the other quantities. Films count where the full model has pressure. */
+/* Stores the errors of the other quantities. Films count only where the full model has pressure. */
 static void add_others(samples *self, const contact_scalars *reduced, const solved_scene *solved) {
     const contact_scalars *full = &solved->scalars;
     const ehd_grid *grid = &solved->contact->grid;
@@ -169,7 +169,8 @@ static void add_sample(samples *self, const online_result *result, const solved_
     self->count++;
 }
 
-/* Of the scene that was added last, sliding; full_film is its. */
+/* Stores the friction errors and bounds of the scene that was added last; self->full_film must be
+ * its film. */
 static void add_frictions(samples *self, online_solver *solver, const solved_scene *solved) {
     for (size_t i = 0; i < NUM_SLIDINGS; i++) {
         const ehd_contact contact = slide(solved->contact, &slidings[i]);
@@ -209,8 +210,8 @@ static ehd_status measure_scene(trade_position *position, samples *self, online_
     return EHD_OK;
 }
 
-/* Factor and shape of the indicator of a quantity. Where exits are nodes, one that is a node off moves
- * films by what no row tells. */
+/* Fits factor and shape of the error estimate of a quantity. If exits are nodes, the shape has an
+ * offset: an exit that is a node off changes films by an amount that no residual shows. */
 static ehd_status fit_one(double *factor, indicator_shape *shape, const samples *self,
                           const double *deviations, const double *bounds, size_t count,
                           ehd_error *error) {
@@ -240,7 +241,8 @@ static ehd_status fit_factors(trade_position *position, const samples *self, ehd
     return status ? status : fit_friction(position, self, error);
 }
 
-/* To be called before the deviations are sorted, while they match the bounds. */
+/* Fits the error estimates and evaluates their quantiles. Must be called before the deviations are
+ * sorted, while they have the order of the bounds. */
 static ehd_status fit_indicator(trade_position *position, samples *self, ehd_error *error) {
     const double *central = self->deviation[TRADE_CENTRAL_FILM];
     const double *minimum = self->deviation[TRADE_MINIMUM_FILM];
@@ -257,8 +259,9 @@ static ehd_status fit_indicator(trade_position *position, samples *self, ehd_err
         const double of_minimum =
             trade_indicated(position->indicator_factor_minimum, position->shape[OF_MINIMUM_FILM],
                             self->bound_minimum[i]);
-        // sizes are chosen by the factors that hold for all bounds: of few modes lubricants that are in
-        // no calibration are off by up to four times what the shapes say, three of 431 silently at 1 %
+        // Sizes are chosen by factors that hold for all bounds. With few modes, lubricants outside
+        // of the calibration have errors up to four times the estimate by the shapes: 3 of 431
+        // exceeded 1 % without a warning.
         self->indicated[i] = fmax(position->indicator_factor * self->bound[i],
                                   position->indicator_factor_minimum * self->bound_minimum[i]);
         self->effectivity[i] = fmin(of_central / central[i], of_minimum / minimum[i]);
@@ -308,7 +311,7 @@ ehd_status calibration_measure(trade_position *position, const online_model *mod
 
 // ---- in time
 
-/* Measurements on the trajectories that were not lost. */
+/* Sums and maxima over the trajectories that were not lost. */
 typedef struct repetition {
     double worst[TRADE_PRESSURE];
     double iterations, seconds;
@@ -335,7 +338,7 @@ static void add_step(repetition *self, step_samples *steps, const march_step *ou
                       .bounds = *bounds};
 }
 
-/* The start, or a step that is accepted. */
+/* Solves the start, or solves and accepts a step. */
 static ehd_status repeat_step(march_step *outcome, const march_solver *solver,
                               const recorded_step *step, bool start, ehd_error *error) {
     ehd_status status =
@@ -349,8 +352,8 @@ static ehd_status repeat_step(march_step *outcome, const march_solver *solver,
     return EHD_OK;
 }
 
-/* Repeats a trajectory. *lost: a step did not converge or was not trusted; what was indicated
- * before holds all the same. */
+/* Repeats a trajectory. *lost: a step did not converge or was not trusted. The bounds of the steps
+ * before are stored nevertheless. */
 static ehd_status repeat(bool *lost, repetition *sum, step_samples *steps,
                          const online_model *model, const recording *wanted, ehd_error *error) {
     online_transient *in_time = NULL;
@@ -361,7 +364,7 @@ static ehd_status repeat(bool *lost, repetition *sum, step_samples *steps,
 
     const march_solver solver = online_march(in_time);
     reduced_march *const reduced = parts_march_part(solver.self, 0);
-    reduced_march_indicate(reduced, (film_factors){1, 1, 0, 0}); // it is asked for its bounds
+    reduced_march_indicate(reduced, (film_factors){1, 1, 0, 0}); // bounds without a factor
     for (size_t i = 0; i < wanted->num_steps && !status && !outcome.status; i++) {
         double before = program_seconds_of_thread();
         status = repeat_step(&outcome, &solver, &wanted->steps[i], i == 0, error);
@@ -370,7 +373,7 @@ static ehd_status repeat(bool *lost, repetition *sum, step_samples *steps,
         if (status || outcome.status) break;
         const film_bounds bounds = reduced_march_bounds(reduced);
         add_step(&here, steps, &outcome, &bounds, &wanted->steps[i], wanted->reference);
-        if (i == 0) continue; // the start
+        if (i == 0) continue; // the start is no step
         here.seconds += seconds;
         here.iterations += (double)outcome.iterations;
         here.num_steps++;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Measures a model at one of its sizes on scenes whose full solutions are known. */
+/* Measures the errors of a model at one of its sizes on scenes with known full solutions. */
 #ifndef EHD_CALIBRATION_H
 #define EHD_CALIBRATION_H
 
@@ -13,18 +13,20 @@ typedef struct solved_scene {
     contact_scalars scalars;
 } solved_scene;
 
-/* Solves each scene, repeatedly for the time, as romrun does, on one thread. `model` is open at the
- * sizes of the position. Errors of online_solve; EHD_INTERRUPTED with an empty text. */
+/* Measures errors and time on stationary scenes. Solves each scene several times on one thread, in
+ * the way of romrun. `model` is opened at the sizes of the position. Errors of online_solve;
+ * EHD_INTERRUPTED with an empty text. */
 ehd_status calibration_measure(
     // output:
-    trade_position *position, // its members for scenes
+    trade_position *position, // only its members for scenes
     // input:
     const online_model *model, const solved_scene *scenes, size_t num_scenes, ehd_error *error);
 
-/* Repeats trajectories with the same steps; prepares the model for that. Errors as before. */
+/* Measures errors and time on trajectories, which are repeated with the steps of the full model.
+ * Prepares the model for transient scenes. Errors as calibration_measure. */
 ehd_status calibration_measure_in_time(
     // output:
-    trade_position *position, // its members for trajectories
+    trade_position *position, // only its members for trajectories
     // in and out:
     online_model *model,
     // input:

@@ -12,39 +12,38 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { NUM_SIZES = 2 }; // the sizes asked for, and the most accurate ones
+enum { NUM_SIZES = 2 }; // the chosen sizes, and the most accurate ones
 
 /* A model at some sizes. */
 typedef struct sized_model {
-    online_model *model; // NULL: there is none
+    online_model *model; // NULL: not used
     const char *unchecked;
 } sized_model;
 
-/* Cases in memory at a time. With fewer, threads wait for each other more often: 10,000 cases of 12 modes took 1.12 s of
- * processor time with 30 slots, 0.94 s with 1000, and 0.90 s with 10,000, which need 5 MB more. */
+/* Number of cases in memory. With 30 instead of 1000, threads wait for each other more often:
+ * 10,000 cases of 12 modes took 1.12 s instead of 0.94 s of processor time. */
 enum { NUM_SLOTS = 1000 };
 
 typedef struct batch {
     const cases_task *task;
     case_list *list;
     sized_model models[NUM_SIZES];
-    size_t num_parts; // of the model
+    size_t num_parts;
     case_table *table;
-    // the cases in memory
+    // cases in memory
     case_texts texts[NUM_SLOTS];
     case_row rows[NUM_SLOTS];
     bool solved[NUM_SLOTS];
     size_t num_done;
     progress progress;
-    pthread_mutex_t lock; // guards:
-    struct worker *idle;  // between batches
+    pthread_mutex_t lock; // protects `idle`
+    struct worker *idle;  // list of workers that wait between batches
 } batch;
 
-/* What a thread has. */
 typedef struct worker {
     online_solver *solvers[NUM_SIZES];
     ehd_contact contact;
-    bool with_effects; // what the grid does to the films is estimated
+    bool with_effects; // estimate the errors by the grid too
     struct batch *shared;
     struct worker *next;
 } worker;
@@ -101,7 +100,8 @@ static ehd_status make_contact(ehd_contact *contact, bool *with_effects, const b
     return status == EHD_DATA ? case_list_fail(self->list, texts->line, error) : status;
 }
 
-/* Of a scene that slides, from the model's few nodes; one of before has none. */
+/* Adds the traction of a sliding scene to a row; nothing without sliding. Models of earlier
+ * versions have no traction nodes. */
 static void add_traction(case_row *row, contact_traction found, online_solver *solver,
                          const ehd_contact *contact) {
     if (!contact_has_traction(contact)) return;
@@ -115,7 +115,7 @@ static void add_traction(case_row *row, contact_traction found, online_solver *s
     row->indicated_deviation_friction = online_indicate_friction(solver, contact, found.friction);
 }
 
-/* With one of the models; *trusted: no other one is needed. */
+/* Solves a case with one of the models. *trusted: no other model is needed. */
 static ehd_status solve_with(bool *trusted, const batch *self, const worker *own, int m,
                              case_row *row, ehd_error *error) {
     const cases_task *task = self->task;
@@ -146,7 +146,7 @@ static ehd_status solve_with(bool *trusted, const batch *self, const worker *own
         accuracy_judge_peak(&peak, task->accuracy, online_indicate_peak(own->solvers[m]));
         *trusted = !peak.status;
     }
-    result_judge_grid(&result, &contact->grid); // no other size would change it
+    result_judge_grid(&result, &contact->grid); // another size has the same grid
     const double before = isnan(row->solve_seconds) ? 0 : row->solve_seconds;
     *row = case_row_of(contact);
     row->status = result_stored_status(result.status);
@@ -155,7 +155,7 @@ static ehd_status solve_with(bool *trusted, const batch *self, const worker *own
     row->residual_norm = result.residual;
     row->solve_seconds = before + result.seconds;
     memcpy(row->reason, result.reason, sizeof row->reason);
-    if (result.status == EHD_NOT_CONVERGED) return EHD_OK; // no numbers to be used
+    if (result.status == EHD_NOT_CONVERGED) return EHD_OK; // the numbers are not usable
     row->central_film_thickness = result.central_film_thickness;
     row->minimum_film_thickness = result.minimum_film_thickness;
     row->central_pressure = result.central_pressure;
@@ -193,7 +193,7 @@ static ehd_status make_worker(worker **made, const batch *self, ehd_error *error
     return status;
 }
 
-/* Takes a solver of an earlier batch, or makes one. */
+/* Takes a worker of an earlier batch, or makes one. */
 static ehd_status begin(void **made, void *shared, ehd_error *error) {
     batch *self = shared;
 
@@ -246,7 +246,7 @@ static ehd_status finish(void *shared, void *made, size_t point, size_t parent, 
 
 // ---- all
 
-/* A row with a value in each column that its solution may fill. */
+/* Returns a row with a value in each column that the solution of the contact may fill. */
 static case_row expected_row(const batch *self, const ehd_contact *contact) {
     case_row row = case_row_of(contact);
 
@@ -260,7 +260,8 @@ static case_row expected_row(const batch *self, const ehd_contact *contact) {
     return row;
 }
 
-/* Reads all rows once, so that a wrong one is refused before any is solved. */
+/* Reads all rows once, so that an invalid row is refused before any case is solved. Counts the
+ * rows. */
 static ehd_status check_rows(batch *self, size_t *count, ehd_error *error) {
     bool found = true, any_slides = false, with_effects;
     ehd_contact contact;
@@ -298,7 +299,7 @@ static void add_to(cases_summary *summary, int64_t status, size_t line) {
         summary->first = line;
 }
 
-/* Skips the rows that an interrupted run has solved, and counts their status. */
+/* Skips the rows that an interrupted run has solved, and adds their status to the summary. */
 static ehd_status pass_over(batch *self, size_t num_done, cases_summary *summary,
                             ehd_error *error) {
     case_texts texts;
@@ -328,7 +329,8 @@ static ehd_status read_batch(size_t *count, batch *self, ehd_error *error) {
     return status;
 }
 
-/* Writes the solved rows of a batch. If it was interrupted, only those before the first unsolved one. */
+/* Writes the solved rows of a batch. If the batch was interrupted, writes only those before the
+ * first unsolved one. */
 static ehd_status write_batch(batch *self, size_t count, cases_summary *summary, ehd_error *error) {
     size_t num_solved = 0;
 

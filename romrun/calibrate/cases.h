@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Many scenes in one process: romrun --cases. */
+/* romrun --cases: solves many scenes in one process. */
 #ifndef EHD_CASES_H
 #define EHD_CASES_H
 
@@ -11,27 +11,27 @@ typedef struct cases_task {
     const program *caller; // arguments[0] is the scene
     const char *model;     // path
     part_sizes sizes;
-    part_sizes most_accurate; // where a result of `sizes` is not to be trusted; without modes: none
+    part_sizes most_accurate; // solve again what `sizes` do not solve well; without modes: not used
     double accuracy;          // 0: not given
     const accuracy_limits *limits;
-    size_t num_jobs;           // threads
-    const char *settings_text; // of the table, as are the inputs (NULL at the end)
+    size_t num_jobs; // threads
+    const char *settings_text;
     const char *const *inputs;
-    bool resume; // what an interrupted run left, where there is such
+    bool resume; // continue an interrupted run, if there is one
 } cases_task;
 
-/* What the rows came to. */
 typedef struct cases_summary {
     size_t num_cases, num_unsolved, num_untrusted;
-    size_t first;      // line of the first case with the worst status; 0: all are good
-    size_t num_solved; // by this run
-    double seconds;    // of these, by the clock
+    size_t first;      // line of the first case of the worst status; 0: all are trusted
+    size_t num_solved; // number of cases solved by this run
+    double seconds;    // elapsed time of these
 } cases_summary;
 
-/* Solves all cases, some at a time, and writes their table (case_table.h); rows are the same whatever num_jobs is, and memory
- * however many they are. A case that does not converge or is not to be trusted is a row with its status. EHD_DATA: a row that
- * is no stationary contact, or not on the model's grid, before any work; EHD_INTERRUPTED: what is solved is written, and
- * another run with `resume` goes on; and as online_open. */
+/* Solves all cases and writes their table (case_table.h). The rows do not depend on num_jobs, and
+ * the memory does not depend on the number of cases. A case that does not converge or is not
+ * trusted is a row with its status. Errors: EHD_DATA (before any case is solved: a row is no
+ * stationary contact or not on the grid of the model); EHD_INTERRUPTED (the solved cases are
+ * written, and a run with `resume` continues); errors of online_open. */
 ehd_status cases_solve(
     // output:
     cases_summary *summary,

@@ -7,19 +7,17 @@
 
 #include <stdlib.h>
 
-/* Of the scenes between 120 and 110 training points of the lower and the higher loaded region (accurate
- * rows, whole models), against 149 and 118 random ones inside: factors of the indicator over what
- * covers all random ones, central and minimum film; deviation by which --accuracy goes.
- *   20 far from one another   3.3 6.6, 1.6 3.5;  2.7e-3, 1.6e-3
- *   20 along the walk         1.4 0.65, 1.0 0.70; 1.2e-6, 2.9e-5
- *   12 and 18                 3.3 6.6, 0.95 3.5; 2.7e-3, 4.4e-4
- *   20 and 10                 3.3 6.6, 1.6 3.5;  2.7e-3, 4.4e-4
- * Those at the edge find what is worst, the others say what is usual. */
+/* Limits of the number of stationary check scenes, percentage of scenes that are far from one
+ * another, and largest number of trajectories. Scenes far from one another lie mostly at the edge
+ * of the region and find the largest errors; the others represent the usual errors. With 20 scenes
+ * far from one another and 10 others, the factors of the estimates are at least 1.6 times those
+ * that cover all of 118 and 149 random scenes (both loaded regions). With 20 scenes along the walk
+ * alone they are as low as 0.65 times. */
 enum { MIN_SCENES = 10, MAX_SCENES = 30, PERCENT_SPREAD = 67, MAX_TRAJECTORIES = 3 };
 
 static const shard all = {1, 1};
 
-/* A set on the model's grid. */
+/* Makes the scenes of a plan on the grid of the model. */
 static ehd_status make_set(training_set *set, const plan *of, const reduced_model *model,
                            const char *name, ehd_error *error) {
     ehd_status status = training_set_init(set, of, name, all, error);
@@ -31,8 +29,8 @@ static ehd_status make_set(training_set *set, const plan *of, const reduced_mode
     return status;
 }
 
-/* The points of the plan that the model was trained on; not those that failed or were not asked
- * for, but all trajectories. */
+/* Keeps the points that the model was trained on, without those that failed or were not solved.
+ * Keeps all trajectories. */
 static ehd_status keep_trained(training_set *set, const reduced_model *model, const char *name,
                                ehd_error *error) {
     bool *keep = calloc(set->num_points + 1, sizeof *keep);
@@ -70,7 +68,7 @@ static size_t larger(size_t a, size_t b) {
     return a > b ? a : b;
 }
 
-/* Pairs of a viscosity and a density law that the points have. */
+/* Returns the number of pairs of a viscosity law and a density law among the points. */
 static size_t count_laws(const training_set *set) {
     size_t count = 0;
 
@@ -92,7 +90,7 @@ size_t check_scenes_count(size_t num_trained, const training_set *set) {
     return smaller(larger(num_trained / 2, MIN_SCENES), most);
 }
 
-/* Leaves only some of the candidates in the plan that the set is of. */
+/* Chooses among the candidates. Only these remain in the plan `between`. */
 static ehd_status choose(plan *between, const training_set *candidates, const training_set *trained,
                          const char *name, ehd_error *error) {
     const size_t num_points = candidates->num_points;

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* romrun --fallback full: the full model solves what the reduced one does not solve well enough. */
+/* romrun --fallback full: solves a contact with the full model if the reduced model does not solve
+ * it well. */
 #ifndef EHD_FALLBACK_H
 #define EHD_FALLBACK_H
 
@@ -8,27 +9,27 @@
 #include "fullrun/judge.h"
 #include "romrun/online/online.h"
 
-/* The full model's solution. */
+/* Solution of the full model. */
 typedef struct fallback {
     full_state state;
-    full_info info;    // of the run of median time
-    bool from_reduced; // it started from the reduced solution, else cold
-    double *exits;     // [lines of the whole grid]
-    ehd_status status; // of full_judge: EHD_OK or EHD_NOT_CONVERGED
+    full_info info;    // of the run with the median time
+    bool from_reduced; // true: started from the reduced solution; false: cold start
+    double *exits;     // [lines of the whole grid] X of the exit
+    ehd_status status; // of full_judge: EHD_OK, EHD_NOT_CONVERGED or EHD_UNTRUSTED
     char reason[JUDGE_REASON];
 } fallback;
 
-void fallback_free(fallback *self); // of one that is zero too
+void fallback_free(fallback *self); // also accepts a zero struct
 
-/* A full state from the last solution of `solver`, `result` of the stationary `contact`. Errors of
- * online_fields. */
+/* Makes a full state from the last solution of `solver`, which is the `result` of the stationary
+ * `contact`. `state` is allocated. Errors of online_fields. */
 ehd_status fallback_load(full_state *state, online_solver *solver, const online_result *result,
                          const ehd_contact *contact, ehd_error *error);
 
-/* Solves the stationary contact with the full model, `repeats` times. It starts from the last
- * solution of `solver`, `result` of the same contact; cold where that did not converge, is no state
- * of a contact, or leads to none. Not converged is an outcome in self->status. Errors of online_fields and of
- * full_solve. */
+/* Solves the stationary contact with the full model, `repeats` times. Starts from the last solution
+ * of `solver`, which is the `result` of this contact. Starts cold if that solution did not
+ * converge, is not physical, or leads to no solution. No convergence is an outcome in self->status.
+ * Errors of online_fields and full_solve. */
 ehd_status fallback_solve(
     // output:
     fallback *self, // free with fallback_free, also after a failure
@@ -36,7 +37,8 @@ ehd_status fallback_solve(
     online_solver *solver, const online_result *result, const ehd_contact *contact, size_t repeats,
     ehd_error *error);
 
-/* As a result: a view of it, which deviates by nothing from the full model. */
+/* Returns the solution as a result that refers to the arrays of `self`. Its error estimates,
+ * relative to the full model, are zero. */
 run_result fallback_result(const fallback *self, const ehd_contact *contact, bool with_fields);
 
 #endif

@@ -10,16 +10,16 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* What a march is saved with beside the states; all members are numbers of one type, so that the
- * struct can be saved as such. */
+/* Data that are saved beside the states. All members are doubles, so the struct is saved as an
+ * array of numbers. */
 typedef struct standing {
-    double full;        // 1 while steps are taken by the full model, else 0
-    double full_states; // 1 where the full model holds the last accepted states too
-    double pause,
-        left;    // full steps between two tries of the reduced model, and those until the next try
-    double held; // reduced steps since the last return
-    // Newton iterations of accepted steps, of attempts that became no step, and of the attempt that is not
-    // yet accepted or rejected
+    double full;        // 1 while the full model takes the steps, else 0
+    double full_states; // 1 if the full model holds the last accepted states, else 0
+    // pause: full steps between two tries of the reduced model; left: full steps until the next try
+    double pause, left;
+    double held; // number of reduced steps since the last return to the reduced model
+    // Newton iterations: useful, of accepted steps; wasted, of attempts that became no step; open,
+    // of the attempt that is neither accepted nor rejected yet
     double useful, wasted, open;
     double full_steps, since, seconds_full, seconds_reduced; // as in time_run_share
 } standing;
@@ -29,21 +29,21 @@ _Static_assert(sizeof(standing) == NUM_STANDING * sizeof(double), "these are dou
 
 struct fallback_march {
     ehd_contact reference;
-    // of what a reduced step indicates of its films, and of a reduced film's deviation from the full
-    // one over the central film
+    // limit of the error estimates of the films of a reduced step, and of the `deviation` of its
+    // films from the full ones
     double limit;
-    const char *distrust; // why all steps are the full model's; NULL: they are not
+    const char *distrust; // why the full model takes all steps; NULL: it takes single steps
     parts_march *reduced;
     full_march *full;
     march_solver of_reduced, of_full;
     standing now;
-    char reason[MARCH_REASON]; // of the first full step
-    // of the attempt:
-    bool by_full;      // the full model solved it
-    bool tried;        // the reduced model was given the full one's states
-    bool returns;      // and solved the step as well as the full one, so that it goes on
-    const char *doubt; // why the reduced model does not
-    bool base_taken;   // the reduced model has the full one's base
+    char reason[MARCH_REASON]; // reason of the first full step
+    // state of the attempt:
+    bool by_full;      // the full model solved the step
+    bool tried;        // the reduced model got the states of the full one
+    bool returns;      // it solved the step as well as the full one, and takes the next steps
+    const char *doubt; // why the reduced model does not take the step
+    bool base_taken;   // the reduced model has the base of the full one
     full_state work;   // a reduced state on the grid
     double *errors;    // [num_nodes]
     size_t *exits;     // [lines of the grid]
@@ -61,10 +61,9 @@ fallback_march *fallback_march_free(fallback_march *self) {
 
 ehd_status fallback_march_create(fallback_march **created, parts_march *reduced, double start_film,
                                  double accuracy, const char *distrust, ehd_error *error) {
-    // a load of +-30 % where 20 % were trained, an accuracy of 1 %: within 1, 1/2, 1/4, 1/10 and 1/20
-    // of it the central film is 0.24, 0.07, 0.06, 0.06 and 0.02 % off at worst, the minimum film 25,
-    // 10, 1.7, 0.57 and 0.06 %, with 330, 330, 343, 348 and 369 of 640 steps by the full model; after
-    // a load step by 20 % the central film 0.19, 0.19, 0.15, 0.07 and 0.07 % off, with 32 … 52 of 619
+    // With the whole accuracy of 1 % as the limit, an untrained load of +-30 % leaves the minimum
+    // film 25 % off. With a tenth it is 0.57 % off, with 348 instead of 330 of 640 steps by the
+    // full model.
     const double part = 0.1;
     const full_settings settings = full_default_settings();
     const ehd_contact *reference = reduced_march_reference(parts_march_part(reduced, 0));
@@ -101,12 +100,12 @@ static bool is_along_path(const fallback_march *self) {
 
 // ---- from the reduced model to the full one
 
-/* The reduced model of the last accepted state. */
+/* Returns the part of the reduced model that holds the last accepted state. */
 static reduced_march *last_part(const fallback_march *self) {
     return parts_march_part(self->reduced, parts_march_accepted(self->reduced));
 }
 
-/* A state of a reduced model on the grid, in self->work. */
+/* Expands a state of a reduced model to the grid, into self->work. */
 static void load(fallback_march *self, const reduced_march *part, const reduced_state *state) {
     full_state *work = &self->work;
 
@@ -114,7 +113,8 @@ static void load(fallback_march *self, const reduced_march *part, const reduced_
     full_state_set_zone(work, &self->reference.grid, state->exit);
 }
 
-/* Those kept at places of the central line, at the nodes of the dry contact. */
+/* Interpolates the film errors of the reduced model, kept at places of the central line, to the
+ * nodes of the dry contact (self->errors). */
 static void spread_errors(fallback_march *self) {
     const ehd_grid *grid = &self->reference.grid;
     film_errors errors = {.kept = {0}};
@@ -134,7 +134,7 @@ static ehd_status to_full(fallback_march *self, ehd_error *error) {
         load(self, part, &base);
         status = full_march_take_base(self->full, &self->work, &frame, error);
     }
-    spread_errors(self); // none where films are carried by the rows
+    spread_errors(self); // zero unless films are carried along their path
     full_march_take_errors(self->full, self->errors);
     for (size_t i = 1; i <= reduced_march_num_states(part) && !status; i++) {
         const reduced_state state = reduced_march_state_before(part, i, &frame);
@@ -148,7 +148,7 @@ static ehd_status to_full(fallback_march *self, ehd_error *error) {
 
 // ---- and back
 
-/* A full state for the reduced model; self->exits are its exits. */
+/* Returns a full state in the form that the reduced model takes. Sets self->exits to its exits. */
 static handed_state hand(fallback_march *self, const full_state *state,
                          const contact_frame *frame) {
     if (self->reference.grid.inner_lines > 1)
@@ -162,7 +162,7 @@ static handed_state hand(fallback_march *self, const full_state *state,
                           .frame = *frame};
 }
 
-/* The frame of a full state, scaled by the load of the solution. */
+/* Returns the frame of a full state, scaled by the load of its solution. */
 static contact_frame load_frame(const fallback_march *self, size_t steps) {
     const contact_frame *frame;
     const full_state *state = full_march_state_before(self->full, steps, &frame);
@@ -173,7 +173,7 @@ static contact_frame load_frame(const fallback_march *self, size_t steps) {
     return frame_of_load(self->reference.kind, frame, full_evaluate_scalars(state, &contact).load);
 }
 
-/* Those at the nodes, at places of the central line. */
+/* Interpolates the film errors of the full model, at the nodes, to places of the central line. */
 static void collect_errors(fallback_march *self, double errors[NUM_ERROR_PLACES]) {
     const ehd_grid *grid = &self->reference.grid;
     const double *line = self->errors + grid_central_line(grid);
@@ -188,9 +188,10 @@ static void collect_errors(fallback_march *self, double errors[NUM_ERROR_PLACES]
     }
 }
 
-/* Returns the largest deviation of a reduced state's film from that of a full state, over the larger of that film and
- * the central film; infinite where a film is not a number. All nodes before the exits of the full state (self->exits)
- * count. Those without pressure do too, because the fluid carries their film on. Leaves the reduced state in self->work. */
+/* Returns the largest difference between the films of a reduced and a full state, over the larger
+ * of the full film and the central film; infinite if a film is not a number. All nodes before the
+ * exits of the full state (self->exits) count. Nodes without pressure count too, because the fluid
+ * carries their film on. Leaves the reduced state in self->work. */
 static double deviation(fallback_march *self, const reduced_march *part,
                         const reduced_state *reduced, const full_state *full, double central_film) {
     const ehd_grid *grid = &self->reference.grid;
@@ -206,8 +207,9 @@ static double deviation(fallback_march *self, const reduced_march *part,
     return largest;
 }
 
-/* Gives the full model's states to a part of the reduced model, which represents them by its modes. *off is the largest
- * deviation of its films then. That of the last state is from now on part of the indicated error. */
+/* Gives the states of the full model to a part of the reduced model, which projects them onto its
+ * modes. *off is the largest difference of its films. The difference at the last state becomes part
+ * of the error estimate. */
 static ehd_status to_reduced(double *off, fallback_march *self, reduced_march *part,
                              const contact_frame *before, double central_film, ehd_error *error) {
     const ehd_grid *grid = &self->reference.grid;
@@ -242,7 +244,7 @@ static ehd_status to_reduced(double *off, fallback_march *self, reduced_march *p
     return EHD_OK;
 }
 
-/* The same of the attempt. */
+/* Returns the largest difference between the films of the reduced and the full attempt. */
 static double deviation_of_attempt(fallback_march *self, double central_film) {
     const contact_frame *frame;
     const full_state *full = full_march_state_before(self->full, 0, &frame);
@@ -250,12 +252,12 @@ static double deviation_of_attempt(fallback_march *self, double central_film) {
         parts_march_part(self->reduced, parts_march_attempted(self->reduced));
     const reduced_state reduced = reduced_march_state_before(part, 0, NULL);
 
-    hand(self, full, frame); // its exits
+    hand(self, full, frame); // sets self->exits
     return deviation(self, part, &reduced, full, central_film);
 }
 
-/* A step whose films are indicated to deviate by more than the limit is not trusted either, because the full model
- * would take over its error with the film. */
+/* Marks a reduced step as not trusted if the error estimate of a film exceeds the limit, because
+ * the full model would take over the error with the film. */
 static void judge_indicated(march_step *outcome, const fallback_march *self) {
     if (outcome->status || !(fmax(outcome->indicated, outcome->indicated_minimum) > self->limit))
         return;
@@ -263,15 +265,17 @@ static void judge_indicated(march_step *outcome, const fallback_march *self) {
     outcome->reason = "a film indicated to deviate by more than a tenth of the accuracy";
 }
 
-/* Whether attempts that became no step have taken more iterations than the steps. Then the full model alone takes steps
- * until they have not. So a march takes at most twice the iterations of its steps, and those of one more attempt. */
+/* Checks whether attempts that became no step have taken more iterations than the accepted steps.
+ * The full model then takes all steps until they have not. A march therefore takes at most twice
+ * the iterations of its steps, plus those of one attempt. */
 static bool is_budget_spent(const fallback_march *self) {
     return self->now.wasted > self->now.useful;
 }
 
-/* Whether the reduced model, from the full one's states as its modes have them, solves the step that
- * the full one has just solved, as one to be trusted and with the same film wherever there is
- * pressure: what was in the film that it does not have has then left. */
+/* Tries to return to the reduced model. The reduced model gets the projected states of the full
+ * model and solves the step that the full model has just solved. It takes the next steps if this
+ * step is trusted and its films are equal to the full ones within the limit. Film features outside
+ * of the reduced basis have then left the contact. */
 static ehd_status try_to_return(fallback_march *self, const march_step *solved,
                                 const contact_frame *frame, double step, ehd_error *error) {
     const contact_frame now = load_frame(self, 0), before = load_frame(self, 1);
@@ -290,7 +294,7 @@ static ehd_status try_to_return(fallback_march *self, const march_step *solved,
     if (!status)
         status = self->of_reduced.attempt(&outcome, self->of_reduced.self, frame, step, error);
     if (status) return status;
-    self->now.wasted += (double)outcome.iterations; // the step is the full model's
+    self->now.wasted += (double)outcome.iterations; // the full model takes the step
     judge_indicated(&outcome, self);
     if (outcome.status) return EHD_OK;
     self->returns = deviation_of_attempt(self, film) <= self->limit;
@@ -316,7 +320,7 @@ static ehd_status start(march_step *outcome, void *solver, const contact_frame *
         if (!outcome->status) return EHD_OK;
     }
     begun = program_seconds();
-    if (isnan(self->now.since)) { // else a contact is found again
+    if (isnan(self->now.since)) { // otherwise the contact was lost and is found again
         snprintf(self->reason, sizeof self->reason, "%s",
                  self->distrust ? self->distrust : outcome->reason);
         self->now.since = frame->time;
@@ -330,7 +334,6 @@ static ehd_status start(march_step *outcome, void *solver, const contact_frame *
     return status;
 }
 
-/* By the reduced model. */
 static ehd_status attempt_reduced(march_step *outcome, fallback_march *self,
                                   const contact_frame *frame, double step, ehd_error *error) {
     const double begun = program_seconds();
@@ -358,7 +361,7 @@ static ehd_status attempt(march_step *outcome, void *solver, const contact_frame
     ehd_status status = EHD_OK;
 
     self->by_full = self->tried = self->returns = false;
-    close_attempt(self, &self->now.wasted); // the last one was rejected
+    close_attempt(self, &self->now.wasted); // the last attempt was rejected
     if (!was_full && is_budget_spent(self)) {
         self->doubt = "more iterations of attempts in vain than of steps";
     } else if (!was_full) {
@@ -379,8 +382,9 @@ static ehd_status attempt(march_step *outcome, void *solver, const contact_frame
     return status;
 }
 
-/* Sets when the reduced model is tried next. A try that fails, and a return that did not last as long as
- * the pause before it, double the pause, so that what leads to nothing costs little. */
+/* Sets the number of full steps before the next try of the reduced model. A failed try doubles the
+ * pause, and so does a return that lasted shorter than the pause before it. Failures thus cost
+ * little. */
 static void set_pause(fallback_march *self) {
     standing *now = &self->now;
 
@@ -427,7 +431,8 @@ static void restart(void *solver) {
     if (self->now.full != 1) self->of_reduced.restart(self->of_reduced.self);
 }
 
-/* Uses the full model, which solves lighter contacts than the training has. */
+/* Finds the lightest contact by the full model, which also solves lighter contacts than those of
+ * the training. */
 static ehd_status touching(double *approach, double *load, void *solver, const contact_frame *frame,
                            ehd_error *error) {
     const fallback_march *self = solver;
@@ -435,7 +440,9 @@ static ehd_status touching(double *approach, double *load, void *solver, const c
     return self->of_full.touching(approach, load, self->of_full.self, frame, error);
 }
 
-/* The reduced model's states, then the full one's; zeros of what does not hold the last ones. */
+/* Returns the number of saved doubles: the struct standing, the reason, the states of the reduced
+ * model, and the states of the full one. Zeros stand for the states of a model that does not hold
+ * the last ones. */
 static size_t saved_size(const void *solver) {
     const fallback_march *self = solver;
 
@@ -477,7 +484,7 @@ static ehd_status restore(void *solver, const double *saved, ehd_error *error) {
     return status;
 }
 
-/* What solved the last accepted state. */
+/* Returns the solver that holds the last accepted state. */
 static const march_solver *last_solver(const fallback_march *self) {
     return self->now.full_states == 1 ? &self->of_full : &self->of_reduced;
 }

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Trajectories of the full model, recorded for a reduced model to repeat with the same steps. */
+/* Records trajectories of the full model, which a reduced model then repeats with the same
+ * steps. */
 #ifndef EHD_RECORDING_H
 #define EHD_RECORDING_H
 
@@ -12,10 +13,10 @@
 
 /* An accepted step. */
 typedef struct recorded_step {
-    contact_frame frame;      // solved in
-    contact_frame load_frame; // scaled by the load of the solution
+    contact_frame frame;      // frame of the solution
+    contact_frame load_frame; // frame scaled by the load of the solution
     double step;              // 0 at the start
-    bool jump;                // conditions jump after it
+    bool jump;                // the conditions jump after this step
     contact_scalars scalars;  // in the reference frame
 } recorded_step;
 
@@ -23,20 +24,21 @@ typedef struct recording {
     const ehd_contact *reference;
     recorded_step *steps; // [num_steps], the first is the start
     size_t num_steps, room;
-    char reason[MARCH_REASON]; // why it did not reach its end, or ""
+    char reason[MARCH_REASON]; // why the march did not reach its end, or ""
 } recording;
 
 void recording_free(recording *self);
 
-/* Runs the trajectories of a set with the full model. One that does not reach its end gets a
- * warning and a reason. EHD_INTERRUPTED, EHD_MEMORY, errors of reading histories. */
+/* Runs the trajectories of a set with the full model. A march that does not reach its end gets a
+ * warning and a reason. Errors: EHD_INTERRUPTED, EHD_MEMORY, errors of reading histories. */
 ehd_status recordings_make(
     // output:
-    recording *recordings, // [set->num_trajectories], zero before; free each with recording_free
+    recording *recordings, // [set->num_trajectories], zero before the call; free each with
+                           // recording_free
     // input:
     const program *caller, const training_set *set, size_t num_workers, ehd_error *error);
 
-/* Why a step lies outside of a model's trained range in M and alpha p_H, or NULL. */
+/* Returns the reason if a step lies outside of the trained range of a model, otherwise NULL. */
 const char *recording_check(const recording *self, const trained_range *range);
 
 #endif

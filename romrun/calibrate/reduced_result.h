@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A reduced solution as a result, and whether it is to be trusted. */
+/* Converts a reduced solution to a result and judges whether it is trusted. */
 #ifndef EHD_REDUCED_RESULT_H
 #define EHD_REDUCED_RESULT_H
 
@@ -7,12 +7,12 @@
 #include "romrun/calibrate/accuracy.h"
 #include "romrun/online/online.h"
 
-/* Without fields, exits and other indications. */
+/* Returns a solution as a result without fields, exits and error estimates of other quantities. */
 run_result reduced_result(const online_result *solution);
 
-/* Sets EHD_UNTRUSTED where the films are indicated to be off by more than the accuracy (0: not given),
- * the model was never checked (`unchecked`, of online_unchecked; NULL: it was), or another quantity is
- * beyond its limit. */
+/* Sets EHD_UNTRUSTED if the error estimate of a film exceeds accuracy_limit(accuracy), the model
+ * was never checked, or another quantity exceeds its limit. `unchecked`: the reason of
+ * online_unchecked; NULL: the model was checked. */
 void reduced_result_judge(run_result *result, const char *unchecked, double accuracy,
                           const accuracy_limits *limits);
 

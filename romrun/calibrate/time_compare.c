@@ -6,14 +6,14 @@
 #include <math.h>
 #include <string.h>
 
-/* Relative difference up to which times are the same. */
+/* Times are equal up to this relative difference. */
 static const double SAME_TIME = 1e-12;
 
-/* `near`: the interval of the last time. */
+/* Returns a value of the second run at a time. `near`: in and out, index of the spline interval. */
 static double value_at(double time, const double *other_time, const double *other_values,
                        const spline *between, size_t *near) {
     *near = spline_interval(between, time, *near);
-    // at the same times, as with fixed steps, there is nothing to interpolate
+    // no interpolation if the times are equal, as with fixed steps
     for (size_t i = *near; i <= *near + 1; i++)
         if (fabs(time - other_time[i]) <= SAME_TIME * fmax(fabs(time), 1)) return other_values[i];
     return spline_value(between, time, *near);

@@ -9,9 +9,10 @@
 // ---- the ladder
 
 static const double MIN_MODES = 10;
-static const double STRIDE = 1.4142; // from one number of modes to the next
-static const size_t HALVED = 2;      // the last strides are halved, among the accurate sizes
-static const double ROWS_PER_MODE[] = {1.2, 1.5, 2, 3, INFINITY}; // up to what is stored
+static const double STRIDE = 1.4142; // ratio of successive numbers of modes
+static const size_t HALVED = 2;      // strides at the end, among the accurate sizes, that are
+                                     // halved
+static const double ROWS_PER_MODE[] = {1.2, 1.5, 2, 3, INFINITY}; // at most the stored number
 enum { NUM_ROWS_PER_MODE = sizeof ROWS_PER_MODE / sizeof *ROWS_PER_MODE };
 
 static size_t num_strides(size_t max_modes) {
@@ -20,7 +21,6 @@ static size_t num_strides(size_t max_modes) {
     return (double)max_modes <= MIN_MODES ? 0 : (size_t)fmax(strides, 1);
 }
 
-/* Adds the positions with a number of pressure modes. */
 static void add_positions(trade_table *table, size_t modes, const online_properties *whole) {
     double part = (double)modes / (double)whole->pressure_modes;
     size_t deformation = (size_t)ceil(part * (double)whole->deformation_modes), last = 0;
@@ -78,14 +78,14 @@ double trade_indicator_factor(const double *deviations, const double *bounds, si
     return trade_margin * largest;
 }
 
-/* Deviations over bounds, above which the shapes are. */
+/* Ratios of deviation to bound, above which a shape must lie. */
 typedef struct ratios {
     double *bound, *ratio; // [count]
     size_t count;
-    double largest; // ratio
+    double largest;
 } ratios;
 
-/* Those of the scenes with a bound. False: no memory. */
+/* Computes the ratios of the scenes with a positive finite bound. Returns false without memory. */
 static bool ratios_init(ratios *self, const double *deviations, const double *bounds,
                         size_t count) {
     self->bound = calloc(count + 1, sizeof *self->bound);
@@ -107,7 +107,8 @@ static void ratios_free(ratios *self) {
     free(self->ratio);
 }
 
-/* What all scenes are indicated to deviate by with a shape of factor 1: the sum of the logarithms. */
+/* Returns the sum of the logarithms of the estimates of all scenes, with the largest ratio as the
+ * factor. */
 static double indicated_sum(const ratios *self, indicator_shape shape) {
     double sum = 0;
 
@@ -124,8 +125,9 @@ static size_t smallest_bound(const ratios *self) {
     return smallest;
 }
 
-/* Along the upper hull of the ratios, from zero with that of the smallest bound to the largest ratio:
- * the line is one of its edges, or the largest ratio alone. */
+/* Returns the best line above the ratios: an edge of their upper hull, or the constant largest
+ * ratio. The hull begins at a bound of zero with the ratio of the smallest bound, and ends at the
+ * largest ratio. */
 static indicator_shape best_line(const ratios *self) {
     indicator_shape best = plain_shape;
     double least = indicated_sum(self, best), bound = 0;
@@ -151,10 +153,11 @@ static indicator_shape best_line(const ratios *self) {
     return best;
 }
 
-/* Fits an offset, which is the deviation of one of the scenes, and the share of the bound that is added to it. To first
- * order a deviation is one bound, so the share is at least 1, or the largest ratio of deviation to bound if that is less.
- * With a smaller share the offset alone might cover all scenes of the calibration, and any other scene would be indicated
- * to deviate by the offset, whatever its residual is. */
+/* Fits an offset, which is the deviation of one of the scenes, and the share of the bound that is
+ * added to it. To first order a deviation is one bound, so the share is at least 1, or the largest
+ * ratio of deviation to bound if that is less. With a smaller share the offset alone might cover
+ * all scenes of the calibration. Any other scene would then get the offset as its estimate,
+ * whatever its residual is. */
 static indicator_shape best_offset(const ratios *self, indicator_shape line) {
     const double first_order = fmin(1, self->largest);
     indicator_shape best = line;
@@ -208,13 +211,14 @@ trade_price trade_price_of(const trade_position *position, bool in_time) {
                          position->seconds, position->num_failures};
 }
 
-/* Whether a size may be chosen whatever it fails at: in time with an indicator, where after jumps all sizes may
- * be lost. */
+/* Checks whether a size may be chosen in spite of failures: in time, with error estimates, because
+ * all sizes may be lost after jumps. */
 static bool may_fail(const trade_position *position, bool in_time) {
     return in_time && position->factor_in_time > 0;
 }
 
-/* Whether a size may be chosen that deviates by no more, apart from what others fail at. */
+/* Checks whether a size may be chosen for a deviation, without regard to the failures of other
+ * sizes. */
 static bool is_candidate(const trade_position *position, double deviation, bool in_time) {
     const trade_price price = trade_price_of(position, in_time);
 
@@ -244,12 +248,12 @@ double trade_part_in_time(const trade_position *position, double deviation) {
     return part;
 }
 
-/* How far pressures were off at worst. */
+/* Returns the worst deviation of pressures, in Hertz pressures. */
 static double field_deviation(const trade_table *table, size_t position) {
     return table->positions[position].deviation[TRADE_PRESSURE][TRADE_WORST];
 }
 
-/* As few failures as a size has that deviates by no more. */
+/* Returns the fewest failures of any candidate for a deviation. */
 static size_t least_failures(const trade_table *table, double deviation, bool in_time) {
     size_t least = SIZE_MAX;
 
@@ -260,7 +264,7 @@ static size_t least_failures(const trade_table *table, double deviation, bool in
     return least;
 }
 
-/* Of the sizes with so few failures. */
+/* Returns the largest trade_part_in_time of the sizes with at most num_failures failures. */
 static double largest_part(const trade_table *table, double deviation, size_t num_failures) {
     double most = 0;
 
@@ -294,8 +298,9 @@ size_t trade_cheapest(const trade_table *table, double deviation, bool in_time) 
     return best < table->num_positions ? best : smoothest;
 }
 
-/* By what the most accurate size is found: in time with an indicator the geometric mean of what is
- * indicated on the parts of the trajectories, of which a lost one counts as 1. */
+/* Returns the measure that is least for the most accurate size: the deviation of trade_price_of, or
+ * in time, with error estimates, the geometric mean of the estimates on the parts of the
+ * trajectories. A lost trajectory counts as 1. */
 static double inaccuracy(const trade_position *position, bool in_time) {
     double sum = 0;
 

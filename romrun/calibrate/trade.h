@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Trade of accuracy for speed: the sizes of a model, by their measured deviation and time. */
+/* The sizes of a model, with their measured errors and time, and the choice of a size. */
 #ifndef EHD_TRADE_H
 #define EHD_TRADE_H
 
@@ -9,71 +9,84 @@
 #include <stddef.h>
 #include <stdio.h>
 
-/* The ladder, sizes to measure: pressure modes from about 10 to all in strides of about sqrt(2),
- * halved at the end, deformation modes in proportion; rows 1.2, 1.5, 2 and 3 times the pressure
- * modes, and all. EHD_MEMORY. */
+/* Makes the ladder of sizes to measure. The numbers of pressure modes go from about 10 to all in
+ * strides of about sqrt(2), with half strides at the end. Deformation modes are in proportion. The
+ * numbers of rows are 1.2, 1.5, 2 and 3 times the pressure modes, and all. Errors: EHD_MEMORY. */
 ehd_status trade_ladder(
     // output:
     trade_table *table, // free with trade_free; only the sizes are filled
     // input:
     const online_properties *whole, ehd_error *error);
 
-/* Quantile of the values (nearest rank), which are sorted; NaN: no values. */
+/* Returns a quantile of the values (nearest rank) and sorts them; NaN without values. */
 double trade_quantile_of(double *values, size_t count, double quantile);
 
-/* Whether a position is not Pareto-optimal: it may not be chosen, or another one has no more failures, is as
- * fast and as accurate, and better in one of the three. `in_time`, here and below: as measured on
- * trajectories. */
+/* Checks whether a position is not Pareto-optimal: it may not be chosen, or another position is at
+ * least as good in failures, time and deviation, and better in one of them. `in_time`, here and
+ * below: by the measurements on trajectories. */
 bool trade_is_dominated(const trade_table *table, size_t position, bool in_time);
 
-/* The fastest position without failures whose films deviate by no more, and of which the pressures of all scenes
- * do by no more than three times that, in Hertz pressures: spikes may be false where films are right. Where none has such
- * pressures, the one with the best. num_positions: none has such films. In time, with an indicator, which marks the steps
- * that deviate by more, at least half of the trajectories are indicated to deviate by no more; of such positions those
- * with the fewest lost trajectories, of these those with the most trajectories within the deviation, and of these the
- * fastest. Films that rupture in the inlet after a jump, or fill the outlet, are lost or off at all sizes, 5 of 20 random
- * histories (scenes/studies/silent-in-time). */
+/* Returns the fastest position that meets a relative deviation of the films; num_positions if there
+ * is none.
+ *
+ * Stationary: candidates have no failures and film deviations of at most `deviation`
+ * (trade_price_of). The worst pressure deviation, in Hertz pressures, must be at most
+ * trade_pressures_allowed times that, because false spikes may occur where the films are right. If
+ * no candidate has such pressures, the one with the best pressures is returned.
+ *
+ * In time, with error estimates: candidates have estimates within `deviation` on at least half of
+ * the trajectories, since the estimates also mark the steps that exceed it. Of these, those with
+ * the fewest lost trajectories are taken, of these those with the most trajectories within
+ * `deviation`, and of these the fastest. Lost trajectories are allowed: on 5 of 20 random
+ * histories, whose films rupture in the inlet after a jump or fill the outlet, all sizes fail
+ * (scenes/studies/silent-in-time). */
 size_t trade_cheapest(const trade_table *table, double deviation, bool in_time);
 
-/* The position without failures whose worst central film deviates least; num_positions: none. In time, with an
- * indicator, of those that solve half of the trajectories the one with the least geometric mean of what is indicated on
- * the parts of the trajectories, lost ones counting as 1. */
+/* Returns the position without failures that has the smallest deviation (trade_price_of);
+ * num_positions if there is none. In time, with error estimates, returns the position with the
+ * smallest geometric mean of the estimates on the parts of the trajectories, among those that solve
+ * half of the trajectories. Lost trajectories count as 1. */
 size_t trade_most_accurate(const trade_table *table, bool in_time);
 
-/* Deviation and time by which these choose. With an indicator, which marks the scenes that deviate
- * by more, it is enough that 90 % of the scenes are solved and indicated to deviate by no more. */
+/* Deviation and time by which sizes are chosen. With error estimates, which mark the scenes that
+ * deviate by more, it suffices that 90 % of the scenes are solved with estimates of at most the
+ * wanted deviation. */
 typedef struct trade_price {
-    // of the films: worst or, with an indicator, the 90 % quantile of the indicated; in time that
-    // of half of the trajectories (infinite: more are lost), without an indicator the worst, of the
-    // central film alone
+    // Of the films. Stationary: the worst, or with error estimates their 90 % quantile. In time:
+    // the worst of the central film alone, or with error estimates their median over the
+    // trajectories (infinite if more than half are lost).
     double deviation;
-    double seconds;      // of a solution or a step
-    size_t num_failures; // with an indicator 0 up to 10 % of the scenes, in time lost trajectories
+    double seconds;      // time of a solution or a step
+    size_t num_failures; // with error estimates 0 up to 10 % of the scenes; in time the number of
+                         // lost trajectories
 } trade_price;
 trade_price trade_price_of(const trade_position *position, bool in_time);
 
-/* The largest part of the trajectories (trade_time_parts) that are indicated to deviate by no more;
- * 0: less than half, or nothing is indicated. */
+/* Returns the largest part of the trajectories (of trade_time_parts) whose error estimates are at
+ * most `deviation`; 0 if this is less than half, or there are no error estimates. */
 double trade_part_in_time(const trade_position *position, double deviation);
 
-/* "80 pressure modes, 120 rows" */
+/* Writes the sizes as text, for example "80 pressure modes, 120 rows". */
 enum { TRADE_NAME = 96 };
 void trade_name(char name[TRADE_NAME], const model_sizes *sizes);
 
-/* What a factor has beyond the scenes that were measured, for kinds that were not: 2. */
+/* Safety factor of error estimates, for scenes that differ from those of the calibration: 2. */
 extern const double trade_margin;
 
-/* What pressures may be off, in Hertz pressures, over what films may. */
+/* Allowed pressure deviation in Hertz pressures, over the allowed film deviation: 3. */
 extern const double trade_pressures_allowed;
 
-/* Factor of a film's indicator (indicator.h) with which each scene is indicated to deviate at
- * least twice as much as it does. 0: no scenes. */
+/* Returns the factor of the error estimate of a film (indicator.h): the smallest with which the
+ * estimate of each scene is at least trade_margin times its deviation. Returns 0 without scenes. */
 double trade_indicator_factor(const double *deviations, const double *bounds, size_t count);
 
-/* How that factor depends on the bound, so that each scene is covered as by the factor: the line that
- * is above the deviation over the bound of each, by which they are indicated to deviate least in the
- * geometric mean, towards zero as the smallest bound; and, `with_offset`, the offset and share for
- * which what both indicate is least. plain_shape: no scenes. EHD_MEMORY. */
+/* Fits the dependence of the factor on the bound (romrun/online/README.md, The factor grows with
+ * the bound). The estimate of each scene is at least trade_margin times its deviation, as with the
+ * constant factor. The fit is a line above the ratios of deviation to bound of all scenes, for
+ * which the geometric mean of the estimates is least. At a bound of zero the line has at least the
+ * ratio of the scene with the smallest bound. `with_offset`: also fits an offset and a share of the
+ * bound, for which the lesser of both estimates is least. Without scenes the shape is plain_shape.
+ * Errors: EHD_MEMORY. */
 ehd_status trade_indicator_shape(
     // output:
     indicator_shape *shape,

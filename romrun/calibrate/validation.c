@@ -47,7 +47,7 @@ static ehd_status solve_points(validation *self, const program *caller, size_t n
     return status;
 }
 
-/* Moves the usable recordings to the front. */
+/* Moves the usable recordings to the front and counts them. */
 static void keep_recordings(validation *self, const trained_range *range, const program *caller,
                             const char *name) {
     size_t num_outside = 0;
@@ -108,7 +108,7 @@ static ehd_status make_ladder(trade_table *table, const char *model_path, ehd_er
     return status;
 }
 
-/* The lubricants of all that the sizes are measured on. */
+/* Lists the lubricants of all scenes and trajectories on which the sizes are measured. */
 static ehd_status list_shown(shown_lubricants *shown, const validation *scenes, ehd_error *error) {
     const size_t count = scenes->num_scenes + scenes->num_recordings;
 

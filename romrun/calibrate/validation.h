@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Scenes with their full solutions, and what the sizes of a model are worth on them. */
+/* Solves scenes with the full model and measures the errors of the sizes of a reduced model on
+ * them. */
 #ifndef EHD_VALIDATION_H
 #define EHD_VALIDATION_H
 
@@ -9,37 +10,38 @@
 
 typedef struct validation {
     training_set set;
-    training solutions;       // by the full model
+    training solutions;       // solutions of the full model
     contact_scalars *scalars; // [set.num_points]
-    solved_scene *scenes;     // [num_scenes] those that converged
+    solved_scene *scenes;     // [num_scenes] scenes that converged
     size_t num_scenes;
     recording *recordings; // [set.num_trajectories], the usable ones first
-    size_t num_recordings; // usable: ended, and inside the trained range
-    size_t num_failed;     // points and trajectories that the full model did not solve
+    size_t num_recordings; // number of usable ones, which reached their end inside of the trained
+                           // range
+    size_t num_failed;     // number of points and trajectories that the full model did not solve
 } validation;
 
-/* Frees the set too. */
+/* Frees all members, the set included. */
 void validation_free(validation *self);
 
-/* Solves the points and trajectories of the set with the full model. `name` stands for the set in
- * messages. EHD_NOT_CONVERGED: none of them; EHD_DATA: trajectories only, none of which stays inside
- * of the trained range; EHD_INTERRUPTED, with a text. */
+/* Solves the points and trajectories of the set with the full model. `name`: of the set, for
+ * messages. EHD_NOT_CONVERGED: the full model solved none. EHD_DATA: there are only trajectories,
+ * and none stays inside of the trained range. EHD_INTERRUPTED, with a text. */
 ehd_status validation_solve(
     // in and out:
-    validation *self, // zero but for its set
+    validation *self, // all zero except `set`
     // input:
     const trained_range *range, const program *caller, const char *name, size_t num_workers,
     ehd_error *error);
 
-/* Measures each position of the ladder of a model. EHD_INTERRUPTED, with a text. */
+/* Measures each size of the ladder of a model. EHD_INTERRUPTED, with a text. */
 ehd_status validation_measure(
     // output:
     trade_table *table, // free with trade_free
     // input:
     const validation *scenes, const program *caller, const char *model_path, ehd_error *error);
 
-/* The scene on which the films of the whole model deviate most, or that it does not solve; NULL: there
- * are none. */
+/* Finds the scene with the largest film error of the whole model, or one that the model does not
+ * solve. *worst is NULL if there are no scenes. */
 ehd_status validation_worst(const ehd_contact **worst, const validation *scenes,
                             const char *model_path, ehd_error *error);
 

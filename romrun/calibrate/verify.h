@@ -1,22 +1,24 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* romrun --verify: the full model's residual and one of its Newton steps at a reduced solution. */
+/* romrun --verify: evaluates the residual of the full model at a reduced solution, and one of its
+ * Newton steps. */
 #ifndef EHD_VERIFY_H
 #define EHD_VERIFY_H
 
 #include "romrun/online/online.h"
 
 typedef struct verification {
-    double residual;         // largest scaled one of all rows before the exit and of the closure
-    double tolerance;        // of fullrun
+    double residual;         // largest scaled residual of all rows before the exit and of the load
+                             // balance
+    double tolerance;        // tolerance of fullrun
     double residual_seconds; // O(n log n)
-    // relative change of the central film by one Newton step of the full model at this exit: to
-    // first order minus the deviation; NaN: no step could be made
+    // Relative change of the central film by one Newton step of the full model at a fixed exit. To
+    // first order it is minus the error of the film. NaN: no step was possible.
     double film_change;
     double step_seconds;
 } verification;
 
-/* Verifies the last solution of `solver`, `result` of the stationary `contact`, and changes none of
- * them. Errors of online_fields and of full_solve. */
+/* Verifies the last solution of `solver`, which is the `result` of the stationary `contact`.
+ * Changes none of them. Errors of online_fields and full_solve. */
 ehd_status verify(verification *outcome, online_solver *solver, const online_result *result,
                   const ehd_contact *contact, ehd_error *error);
 
