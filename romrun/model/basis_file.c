@@ -77,7 +77,8 @@ ehd_status modes_read(double **modes, artefact *file, const char *field, const e
 
 // ---- states
 
-/* Copies columns first … first + width - 1 of the states' coordinates to or from `part`. */
+/* Copies the columns from `first` to first + width - 1 of the states' coordinates to or from
+ * `part`. */
 static void copy_coordinates(double *part, const reduced_states *states, size_t first, size_t width,
                              int to_part) {
     for (size_t s = 0; s < states->num_states; s++) {
@@ -89,7 +90,8 @@ static void copy_coordinates(double *part, const reduced_states *states, size_t 
     }
 }
 
-/* With trajectories in training: which states are stationary, and the contact's rates of change. */
+/* Writes, for a training with trajectories, which states are stationary, and the rates of
+ * change. */
 static ehd_status put_trajectory_marks(artefact *file, const reduced_states *states, int64_t *work,
                                        ehd_error *error) {
     bool all_stationary = true;
@@ -138,7 +140,7 @@ static double *thinning_of(const reduced_states *states, const thinning_column *
     return column->by_gradient ? &thinning->gradient : &thinning->sliding;
 }
 
-/* How much the flow of states is thinned, where it is of any. */
+/* Writes the thinning of the states' flows, each column only if one of its values is above 0. */
 static ehd_status put_thinning(artefact *file, const reduced_states *states, double *work,
                                ehd_error *error) {
     ehd_status status = EHD_OK;
@@ -167,8 +169,8 @@ static ehd_status get_thinning(reduced_states *states, artefact *file, double *w
     return status;
 }
 
-/* Numbers that need not be known of a state, in columns of their own: what the grid does to the
- * films, and the lubricants. */
+/* Numbers that may be unknown for a state, one dataset each: the error estimates of the grid, and
+ * the lubricants. */
 typedef struct optional_columns {
     const char *const *names; // [num]
     size_t num;
@@ -182,7 +184,7 @@ static void list_optional(optional_columns columns[NUM_OPTIONAL], const reduced_
     columns[1] = (optional_columns){lubricant_rise_state_names, NUM_RISES, states->rises->of};
 }
 
-/* Those that are known of any state. */
+/* Writes each column that is known for at least one state. */
 static ehd_status put_optional(artefact *file, const reduced_states *states, double *work,
                                ehd_error *error) {
     optional_columns columns[NUM_OPTIONAL];
@@ -217,7 +219,8 @@ static ehd_status get_optional(reduced_states *states, artefact *file, double *w
     return status;
 }
 
-/* Index in states->exit, which has boundary lines too, of the file's i-th exit, which has not. */
+/* Returns the index in states->exit of the file's i-th exit. states->exit includes boundary lines,
+ * the file does not. */
 static size_t exit_index(const ehd_grid *grid, const reduced_states *states, size_t i) {
     return i / grid->inner_lines * states->num_lines + grid_first_line(grid) +
            i % grid->inner_lines;
@@ -265,7 +268,8 @@ ehd_status states_read(reduced_states *states, artefact *file, size_t num_pressu
     } parts[] = {{"state_pressure", 0, num_pressure},
                  {"state_deformation", num_pressure, num_deformation},
                  {"state_rigid_approach", num_pressure + num_deformation, 1}};
-    // on a line contact the exit lies behind the centre, with room for a row's stencil in between
+    // on a line contact the exit lies behind the centre, with room for the stencil of a row
+    // between them
     bool on_line = grid->inner_lines == 1;
     int64_t min_exit =
         on_line ? (int64_t)(-grid->x_min / grid->step) + 1 + (int64_t)reynolds_reach_back(grid) : 0;
@@ -285,7 +289,7 @@ ehd_status states_read(reduced_states *states, artefact *file, size_t num_pressu
         }
     if (!status) status = artefact_get_integers(file, "state_exit_node", exits, num_exits, error);
     for (size_t i = 0; i < num_states * grid_lines(grid) && !status; i++)
-        states->exit[i] = 1; // none of the boundary lines has pressure
+        states->exit[i] = 1; // boundary lines have no pressure
     for (size_t i = 0; i < num_exits && !status; i++) {
         if (exits[i] < min_exit || exits[i] > (int64_t)grid->inner_x)
             status = ehd_fail(
@@ -302,7 +306,7 @@ ehd_status states_read(reduced_states *states, artefact *file, size_t num_pressu
                               num_states, error);
     else
         for (size_t i = 0; i < num_states && !status; i++)
-            states->central_film_thickness[i] = NAN; // a foreign file need not have it
+            states->central_film_thickness[i] = NAN; // files of other programs may lack it
     if (!status) status = get_trajectory_marks(states, file, exits, error);
     if (!status) status = get_thinning(states, file, part, error);
     if (!status) status = get_optional(states, file, part, error);

@@ -8,17 +8,17 @@
 #include "common/program/program.h"
 #include "romrun/model/reduced_model.h"
 
-/* What a basis file holds beyond the basis itself. */
+/* Data that a basis file stores beside the basis: the singular values of the snapshots. */
 typedef struct basis_origin {
     const double *pressure_singular_values; // [num_pressure_values]
     size_t num_pressure_values;
-    double pressure_energy_discarded;          // part of the squared singular values left out
+    double pressure_energy_discarded; // discarded fraction of the sum of squared singular values
     const double *deformation_singular_values; // [num_deformation_values], NULL when coupled
     size_t num_deformation_values;
     double deformation_energy_discarded;
 } basis_origin;
 
-/* Writes and finishes caller->output. `inputs`: the snapshot files, NULL at the end. */
+/* Writes the basis file caller->output. `inputs`: paths of the snapshot files; ends with NULL. */
 ehd_status basis_write(const reduced_basis *basis, const basis_origin *origin,
                        const program *caller, const char *settings_text, const char *const *inputs,
                        ehd_error *error);
@@ -32,19 +32,22 @@ ehd_status basis_read(
     // input:
     const char *path, ehd_error *error);
 
-/* Axes film_x and, of a point contact, film_y of fields that include boundary nodes. */
+/* Writes the axes film_x and, for a point contact, film_y. They belong to fields at all nodes,
+ * boundary nodes included. */
 ehd_status film_axes_write(artefact *file, const ehd_grid *grid, ehd_error *error);
 
-/* The attribute `deformation` of an open file. */
+/* Reads the attribute `deformation` of an open file. EHD_DATA: unknown name. */
 ehd_status deformation_read(deformation_kind *kind, artefact *file, ehd_error *error);
 
-/* Training solutions in the coordinates of the basis, in basis and model files. */
+/* Write and read the training solutions, as coordinates in the basis, in basis and model files. */
 ehd_status states_write(artefact *file, const reduced_states *states, size_t num_pressure,
                         size_t num_deformation, const ehd_grid *grid, ehd_error *error);
 ehd_status states_read(reduced_states *states, artefact *file, size_t num_pressure,
                        size_t num_deformation, const ehd_grid *grid, ehd_error *error);
 
-/* Modes [num_nodes, num_modes] to and from the file's [mode, node], of all or of `inner` nodes. */
+/* Write and read modes, [num_nodes, num_modes] in memory and [mode, node] in the file. `inner`:
+ * the file stores inner nodes only, and modes_read sets the modes to 0 at the boundary nodes.
+ * modes_read allocates *modes; free() it also after a failure. */
 ehd_status modes_write(artefact *file, const char *field, const double *modes, const ehd_grid *grid,
                        size_t num_modes, bool inner, ehd_error *error);
 ehd_status modes_read(double **modes, artefact *file, const char *field, const ehd_grid *grid,

@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Flat files: blocks of numbers as memory has them, each with its name and length, at multiples of 64
- * bytes, which are mapped (schemas/flat-model.md): another file may take the name of one that is in
- * use, but it must not be written into. One walk over an object writes and reads it: what the
- * calls below are given is written, or replaced by what the file has. */
+/* Flat files: blocks of numbers in the layout of memory (schemas/flat-model.md). Each block has
+ * its name and its length, and begins at a multiple of 64 bytes. The reader maps the file. A new
+ * file may therefore replace one that is in use under the same name, but nobody may write into the
+ * file.
+ * Reading and writing share one walk over an object: each call below either writes the value that
+ * it is given, or returns the value in the file. */
 #ifndef EHD_FLAT_H
 #define EHD_FLAT_H
 
@@ -12,39 +14,43 @@
 
 typedef struct flat {
     bool reading;
-    const char *path; // the caller's
+    const char *path; // path of the file, not owned
     unsigned char *bytes;
-    size_t size, room; // bytes there are, and there is memory for
-    size_t at;         // of the next block
-    ehd_status status; // of the first call that failed; those after it do nothing
+    size_t size, room; // bytes used, and bytes allocated
+    size_t at;         // offset of the next block
+    ehd_status status; // first failure; calls after it do nothing
     ehd_error *error;
 } flat;
 
-/* Whether a file begins as one. EHD_NOINPUT, EHD_IO, EHD_MEMORY. */
+/* Checks whether a file begins with the magic bytes of a flat file. EHD_NOINPUT, EHD_IO,
+ * EHD_MEMORY. */
 ehd_status flat_is(bool *is, const char *path, ehd_error *error);
 
-/* Begins to write, or maps a file: its length has to be the one that it tells, and its checksum
- * right, unless the environment's EHDROM_DIGEST is no. EHD_NOINPUT, EHD_DATA, EHD_IO, EHD_MEMORY. */
+/* Begin to write a file, or map an existing one. flat_read checks that the file has the length in
+ * its header, and checks its checksum unless the environment variable EHDROM_DIGEST is `no`.
+ * EHD_NOINPUT, EHD_DATA, EHD_IO, EHD_MEMORY. */
 void flat_begin(flat *self, const char *path, ehd_error *error);
 ehd_status flat_read(flat *self, const char *path, ehd_error *error);
-/* Writes what was walked over, under its name when it is complete. EHD_CANTCREATE: exists, without
- * `force`; EHD_IO. */
+/* Writes all blocks of the walk. The file gets its name when it is complete. EHD_CANTCREATE: it
+ * exists, and `force` is false; EHD_IO. */
 ehd_status flat_write(flat *self, bool force);
 void flat_free(flat *self);
 
-/* A whole number from `least` to `most`, a number, and an array of `count` elements of `size` bytes,
- * which stays part of the flat file. Of a failed walk `least`, 0 and NULL. */
+/* Write or read a whole number from `least` to `most`, a number, and an array of `count` elements
+ * of `size` bytes. An array that was read is part of the mapped file. After a failure these return
+ * `least`, 0 and NULL. */
 size_t flat_whole(flat *self, const char *name, size_t value, size_t least, size_t most);
 double flat_real(flat *self, const char *name, double value);
 void *flat_array(flat *self, const char *name, void *array, size_t count, size_t size);
-/* The same of rows of finite numbers. */
+/* Like flat_array, for a table [rows, columns] of numbers. EHD_DATA: a number read is not
+ * finite. */
 double *flat_table(flat *self, const char *name, double *table, size_t rows, size_t columns);
 
-/* Whether the walk has come to nothing that is wrong so far. */
+/* Checks whether no call has failed so far. */
 bool flat_good(const flat *self);
-/* EHD_DATA: the file's name and the text. */
+/* Records EHD_DATA with the file's path and a text, unless an earlier call has failed. */
 void flat_refuse(flat *self, const char *format, ...) __attribute__((format(printf, 2, 3)));
-/* Any other failure on the way, whose text is there. */
+/* Records another failure, whose text is already in `error`, unless an earlier call has failed. */
 void flat_fail(flat *self, ehd_status status);
 
 #endif

@@ -10,7 +10,7 @@
 
 enum { MAX_MODES = 100000, MAX_STATES = 10000000 };
 
-// ---- what it is of
+// ---- kind, grid and sizes
 
 static void walk_kind(flat *file, reduced_model *model) {
     static const contact_kind *const kinds[] = {&contact_line, &contact_point, &contact_ellipse};
@@ -22,7 +22,7 @@ static void walk_kind(flat *file, reduced_model *model) {
     model->kind = kinds[flat_whole(file, "kind", kind, 0, num_kinds - 1)];
 }
 
-/* Grids are made of few numbers. */
+/* Writes or reads the few numbers from which a grid is made. */
 static void walk_grid(flat *file, reduced_model *model) {
     const ehd_grid *own = &model->grid;
     const bool point = model->kind->dimensions > 1;
@@ -100,7 +100,7 @@ static void check_rows(flat *file, const reduced_model *model, const row_set *se
         }
 }
 
-/* The names of both sets. */
+/* Names of the blocks of a set of rows. */
 typedef struct row_names {
     const char *node, *weight, *pressure, *film;
 } row_names;
@@ -229,7 +229,8 @@ static void walk_shown(flat *file, reduced_model *model) {
     shown->of = flat_array(file, "shown", shown->of, shown->count, sizeof *shown->of);
 }
 
-/* Its nodes follow from the rows, up to rounding: the host's rounding mode may differ from the writer's. */
+/* Checks that the nodes of the shift are the needed nodes behind X = 0. Places may differ by
+ * round-off, since the rounding mode of the reading process may differ from the writer's. */
 static void check_shift(flat *file, const reduced_model *model) {
     const start_shift *shift = &model->shift;
     const row_set *rows = &model->rows;
@@ -327,7 +328,7 @@ static void walk_cubature(flat *file, reduced_model *model) {
     if (file->reading && flat_good(file)) check_nodes(file, model);
 }
 
-// ---- all of it
+// ---- the whole model
 
 void flat_model(flat *file, reduced_model *model) {
     const row_names selected = {"row_node", "row_weight", "row_pressure", "row_film"};

@@ -1,13 +1,14 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A reduced model in a flat file: with the tables that are otherwise made of it when it is read. */
+/* A reduced model in a flat file, with the tables that are otherwise computed when a model is
+ * read. */
 #ifndef EHD_FLAT_MODEL_H
 #define EHD_FLAT_MODEL_H
 
 #include "romrun/model/flat.h"
 #include "romrun/model/reduced_model.h"
 
-/* Walks over a model. One that was read has its tables in the flat file, which must outlive it, and is
- * freed by flat_model_free; whatever it refers to by number was checked. */
+/* Writes or reads a model, and checks all indices that it reads. A model that was read points into
+ * the flat file, which must outlive it, and is freed by flat_model_free. */
 void flat_model(flat *file, reduced_model *model);
 void flat_model_free(reduced_model *model);
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Names in a model file that its writer and its reader share. */
+/* Names in a model file, for its writer and its reader. */
 #ifndef EHD_MODEL_FIELDS_H
 #define EHD_MODEL_FIELDS_H
 
@@ -14,7 +14,7 @@ typedef struct row_fields {
 } row_fields;
 extern const row_fields selected_fields, control_fields;
 
-/* The same of a cubature. */
+/* Axes and datasets of a cubature. */
 typedef struct traction_fields {
     const char *axis, *node;
     const char *friction, *dry;
@@ -24,10 +24,10 @@ typedef struct traction_fields {
 } traction_fields;
 extern const traction_fields cubature_fields;
 
-/* Members of band_line that the file of a point contact holds. */
+/* Members of band_line that the file of a point contact stores. */
 enum { NUM_BAND_FIELDS = 4 };
 extern const char *const band_fields[NUM_BAND_FIELDS];
-/* The member of a line that belongs to band_fields[field]. */
+/* Returns the member of `line` that belongs to band_fields[field]. */
 size_t *band_value(band_line *line, int field);
 
 #endif

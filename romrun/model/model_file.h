@@ -8,59 +8,60 @@
 #include "romrun/model/reduced_model.h"
 #include "romrun/model/sizes.h"
 
-/* What a model file holds beyond the model: how its rows were selected and weighted. */
+/* Data that a model file stores beside the model: how its rows were selected and weighted. */
 typedef struct model_origin {
     const char *method;
     const char *basis_identity; // SHA-256 of the basis file
     double sigma_min_residual, sigma_min_jacobian;
     double sigma_min_over_exits;
-    double stability;                // 1/sigma_min at the worst exit; all rows together have 1
+    double stability;                // 1/sigma_min at the worst exit; 1 for all rows together
     const double *sigma_min_by_exit; // [num_states]
-    // for the weights of a part of the model; weights NULL: not known
+    // for the weights of a part of the model; `weights` NULL: not known
     const char *weights;          // name of the weighting
-    const double *factors;        // [num_rows] by the weighting; row_weight is D times these
+    const double *factors;        // [num_rows] of the weighting; row_weight is D times these
     size_t num_jacobian_modes;    // modes of the Jacobian products
     const double *jacobian_modes; // [num_rows, num_jacobian_modes], orthonormal over all rows
 } model_origin;
 
-/* Puts all of a model into a new file, that may get more. The basis is for full fields. */
+/* Writes all of a model into a new file, to which more may be added. The file stores the full
+ * modes of `basis`, for fields on the whole grid. */
 ehd_status model_put(artefact *file, const reduced_model *model, const reduced_basis *basis,
                      const model_origin *origin, ehd_error *error);
 
-/* Writes and finishes caller->output. */
+/* Writes the model file caller->output. `inputs`: paths of the input files; ends with NULL. */
 ehd_status model_write(const reduced_model *model, const reduced_basis *basis,
                        const model_origin *origin, const program *caller, const char *settings_text,
                        const char *const *inputs, ehd_error *error);
 
-/* Opens a model for the functions below, for artefact_close. What they read is of one file, whatever
- * takes its name meanwhile. Errors as artefact_open. */
+/* Opens a model file for the functions below; free with artefact_close. Their data come from this
+ * one file, even if another file takes its name meanwhile. Errors as artefact_open. */
 ehd_status model_open(artefact **file, const char *path, ehd_error *error);
 
-/* Reads the first modes and rows of a model (sizes NULL: all), without its full bases. The rows of
- * a part are weighted anew where the file holds what that needs, else they keep the weights of the
- * whole. Rows are then in the order of their nodes. EHD_DATA also for sizes larger than what is
- * stored and for fewer rows than modes. */
+/* Reads the first modes and rows of a model, without its full bases. `sizes` NULL: all. The rows
+ * of a part are weighted anew if the file holds the data for it; otherwise they keep the weights
+ * of the whole model. The rows are then sorted by node. EHD_DATA also for sizes larger than what
+ * is stored and for fewer rows than modes. */
 ehd_status model_get(
     // output:
     reduced_model *model, // free with reduced_model_free
     // input:
     artefact *file, const model_sizes *sizes, ehd_error *error);
 
-/* The same of a file of which nothing else is read. */
+/* Opens a file, reads its model like model_get, and closes it. */
 ehd_status model_read(reduced_model *model, const char *path, const model_sizes *sizes,
                       ehd_error *error);
 
-/* Whether the file has what model_get_modes takes for steps in time. */
+/* Checks whether the file has the modes that model_get_modes reads for steps in time. */
 bool model_has_modes(const artefact *file, const reduced_model *model);
 
-/* The modes on the whole grid, for full fields and transient scenes: [num_nodes, num_pressure] and,
- * of an independent basis, [num_nodes, num_deformation] (else NULL). */
+/* Reads the modes on the whole grid, for full fields and transient scenes: [num_nodes,
+ * num_pressure] and, for an independent basis, [num_nodes, num_deformation] (otherwise NULL). */
 ehd_status model_get_modes(
     // output:
     double **pressure_basis,    // free with free(); NULL: not wanted
-    double **deformation_basis, // the same
+    double **deformation_basis, // likewise
     // input:
-    artefact *file, const reduced_model *model, // of this file
+    artefact *file, const reduced_model *model, // read from this file
     ehd_error *error);
 
 #endif

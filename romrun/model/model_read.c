@@ -24,7 +24,8 @@ static ehd_status choose_size(size_t *size, size_t wanted, size_t stored, const 
     return EHD_OK;
 }
 
-/* Reads [rows, columns] and keeps the rows listed (NULL: all) and the first columns. */
+/* Reads a table [rows, columns] and keeps the listed rows (NULL: the first num_kept) and the first
+ * columns. */
 static ehd_status read_part(double **part, arena *memory, artefact *file, const char *field,
                             size_t rows, size_t columns, const size_t *kept_rows, size_t num_kept,
                             size_t kept_columns, ehd_error *error) {
@@ -56,7 +57,8 @@ static ehd_status read_nodes(size_t **nodes, arena *memory, artefact *file, cons
     return status;
 }
 
-/* Indices of `nodes` in a stored list, which has to be ascending and to hold them all. */
+/* Finds the indices of `nodes` in a stored list, which must be ascending and contain all of
+ * them. */
 static ehd_status match_nodes(size_t **indices, arena *memory, const size_t *nodes, size_t count,
                               const ehd_grid *grid, artefact *file, const char *field,
                               size_t num_stored, ehd_error *error) {
@@ -79,7 +81,7 @@ static ehd_status match_nodes(size_t **indices, arena *memory, const size_t *nod
     return status;
 }
 
-/* Replaces the factors of the whole model by those of its first rows and modes. */
+/* Replaces the factors of the whole model by factors for its first rows and modes. */
 static ehd_status reweigh(reduced_model *model, artefact *file, const stored_sizes *stored,
                           const weighting *weights, ehd_error *error) {
     size_t num_rows = model->rows.num_rows;
@@ -103,7 +105,7 @@ static ehd_status reweigh(reduced_model *model, artefact *file, const stored_siz
     return status;
 }
 
-/* Weights belong to a list of rows and modes, so that a part of a model has its own. */
+/* Weighs a part of a model: weights belong to a list of rows and modes as a whole. */
 static ehd_status weigh_part(reduced_model *model, artefact *file, const stored_sizes *stored,
                              ehd_error *error) {
     bool whole = model->rows.num_rows == stored->rows && model->num_pressure == stored->pressure &&
@@ -165,7 +167,7 @@ static ehd_status read_lines(reduced_model *model, artefact *file, ehd_error *er
                   : read_line(&model->band.last_minimum, file, "last_minimum_line", model, error);
 }
 
-/* The band of a line contact. */
+/* Reads the band of a line contact. */
 static ehd_status read_band_line(reduced_model *model, artefact *file, ehd_error *error) {
     band_line *line = &model->band.lines[0];
     struct {
@@ -197,7 +199,7 @@ static ehd_status read_band(reduced_model *model, artefact *file, ehd_error *err
                                      : read_band_line(model, file, error);
 }
 
-/* The cut table for an exit where the band begins, and the left sides. */
+/* Reads the cut table for an exit at the beginning of the band, and the left sides. */
 static ehd_status read_cut(reduced_model *model, artefact *file, const stored_sizes *stored,
                            ehd_error *error) {
     bool coupled = model->deformation == DEFORMATION_COUPLED;
@@ -229,7 +231,7 @@ static ehd_status read_cut(reduced_model *model, artefact *file, const stored_si
     return status;
 }
 
-/* Number of columns of the film's basis, in the model and as stored. */
+/* Return the number of columns of the film's basis, in the model and in the file. */
 static size_t film_width(const reduced_model *model) {
     return model->deformation == DEFORMATION_COUPLED ? model->num_pressure : model->num_deformation;
 }
@@ -238,7 +240,8 @@ static size_t stored_film_width(const reduced_model *model, const stored_sizes *
     return model->deformation == DEFORMATION_COUPLED ? stored->pressure : stored->deformation;
 }
 
-/* The bases at the nodes that the first set->num_rows rows need; the file may hold more nodes. */
+/* Reads the bases at the nodes that the first set->num_rows rows need; the file may contain more
+ * nodes. */
 static ehd_status read_needed(reduced_model *model, row_set *set, const row_fields *fields,
                               artefact *file, const stored_sizes *stored, ehd_error *error) {
     size_t num_stored = artefact_length(file, fields->needed_axis), *indices;
@@ -259,7 +262,7 @@ static ehd_status read_needed(reduced_model *model, row_set *set, const row_fiel
     return status;
 }
 
-/* The first set->num_rows of `num_stored` rows. */
+/* Reads the first set->num_rows of `num_stored` rows. */
 static ehd_status read_rows(reduced_model *model, row_set *set, const row_fields *fields,
                             size_t num_stored, artefact *file, ehd_error *error) {
     ehd_status status = read_nodes(&set->node, &model->memory, file, fields->row, num_stored, true,
@@ -270,8 +273,8 @@ static ehd_status read_rows(reduced_model *model, row_set *set, const row_fields
                               NULL, set->num_rows, 1, error);
 }
 
-/* From the order of their selection to that of their nodes: rows at neighbouring nodes share a half
- * node, whose flux is then evaluated once. */
+/* Sorts rows by their nodes, since rows at neighbouring nodes share a half node, whose flux is
+ * then evaluated once. */
 static void sort_rows(row_set *set) {
     for (size_t r = 1; r < set->num_rows; r++)
         for (size_t i = r; i > 0 && set->node[i - 1] > set->node[i]; i--) {
@@ -305,7 +308,7 @@ static ehd_status read_tables(reduced_model *model, artefact *file, const stored
     return status ? status : read_cut(model, file, stored, error);
 }
 
-/* All control rows, whatever the number of selected ones. */
+/* Reads all control rows, for any number of selected rows. */
 static ehd_status read_control(reduced_model *model, artefact *file, const stored_sizes *stored,
                                ehd_error *error) {
     row_set *control = &model->control;
@@ -316,7 +319,7 @@ static ehd_status read_control(reduced_model *model, artefact *file, const store
     return status ? status : read_needed(model, control, &control_fields, file, stored, error);
 }
 
-/* The nodes for traction, where the file has them, whatever rows and modes are in use. */
+/* Reads the nodes for traction, if the file has them, for any part of the rows and modes. */
 static ehd_status read_cubature(reduced_model *model, artefact *file, const stored_sizes *stored,
                                 ehd_error *error) {
     const traction_fields *fields = &cubature_fields;
@@ -346,7 +349,7 @@ static ehd_status read_cubature(reduced_model *model, artefact *file, const stor
     return status ? status : reduced_model_place_rows(model, set, error);
 }
 
-/* The states' coordinates in the chosen modes. */
+/* Reads the states and keeps their coordinates in the chosen modes. */
 static ehd_status read_states(reduced_model *model, artefact *file, const stored_sizes *stored,
                               ehd_error *error) {
     reduced_states whole = {0};
@@ -447,7 +450,7 @@ ehd_status model_read(reduced_model *model, const char *path, const model_sizes 
     return status;
 }
 
-/* The first `wanted` of the stored modes. */
+/* Reads the first `wanted` of the stored modes. */
 static ehd_status read_modes(double **modes, artefact *file, const char *field,
                              const char *mode_axis, size_t wanted, const ehd_grid *grid, bool inner,
                              ehd_error *error) {

@@ -7,12 +7,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-// margins of the band, half widths
+// margins of the band, in half widths
 static const double EXIT_MARGIN = 0.1;     // beyond the trained exits of a line contact
-static const double LINES_MARGIN = 0.3;    // of a point contact, whose single lines vary more
+static const double LINES_MARGIN = 0.3;    // beyond the trained exits of a point contact, whose
+                                           // single lines vary more
 static const double MINIMUM_MARGIN = 0.05; // before the trained film minima
 
-/* Node of a training state's film minimum, from the deflection of its pressure. */
+/* Returns the node of a training state's film minimum, from the deflection of its pressure. */
 static size_t film_minimum(const reduced_basis *basis, const double *deflection,
                            const size_t *exit) {
     const ehd_grid *grid = &basis->grid;
@@ -32,7 +33,7 @@ static size_t film_minimum(const reduced_basis *basis, const double *deflection,
     return best;
 }
 
-/* Deflection of a training state's pressure. */
+/* Computes the deflection of a training state's pressure. */
 static void deflect_state(double *deflections, const reduced_basis *basis, size_t state,
                           ehd_deflection *deflection) {
     const reduced_states *states = &basis->states;
@@ -47,8 +48,8 @@ static void deflect_state(double *deflections, const reduced_basis *basis, size_
     deflection_apply(deflections, deflection, deflections);
 }
 
-/* Sets on each line the first and last exit of training and, as `begin`, the first film minimum on
- * the line or near it. */
+/* Sets on each line the first and the last exit of the training, and as `begin` the first column
+ * of a film minimum on the line or near it. */
 static void find_extremes(reduced_model *model, const reduced_basis *basis,
                           ehd_deflection *deflection, double *work) {
     const reduced_states *states = &basis->states;
@@ -78,15 +79,15 @@ static void find_extremes(reduced_model *model, const reduced_basis *basis,
     }
 }
 
-/* Widens the exit's range on each line by the margin, leaving the nodes before it that the stencil
- * needs. */
+/* Widens the range of the exit on each line by the margin. It leaves the nodes before it that the
+ * stencil needs. */
 static void widen_exits(reduced_model *model) {
     const ehd_grid *grid = &model->grid;
     size_t margin =
                (size_t)ceil((model->band.num_lines > 1 ? LINES_MARGIN : EXIT_MARGIN) / grid->step),
            width = grid_width(grid);
     const size_t back = reynolds_reach_back(grid);
-    // on a line contact it lies behind the centre
+    // on a line contact the exit lies behind the centre
     size_t first_column = model->band.num_lines > 1 ? 2 : (size_t)(-grid->x_min / grid->step) + 2;
 
     for (size_t l = 0; l < model->band.num_lines; l++) {
@@ -101,8 +102,9 @@ static void widen_exits(reduced_model *model) {
     }
 }
 
-/* The band's columns of each line: from before the first film minimum, and from where rows at the
- * exits of neighbouring lines need nodes, to behind the last of these exits. */
+/* Sets the columns of the band on each line. The band begins before the first film minimum, and
+ * before the first node that rows at the exits of neighbouring lines need. It ends behind the last
+ * of these exits. */
 static void set_band(reduced_model *model) {
     const ehd_grid *grid = &model->grid;
     const size_t width = grid_width(grid), ahead = reynolds_reach_ahead(grid);
@@ -145,9 +147,9 @@ ehd_status reduced_model_find_band(reduced_model *model, const reduced_basis *ba
     return EHD_OK;
 }
 
-// ---- of a file
+// ---- checks of a file
 
-/* Whether the exits of a line lie inside of its band, with room for a row's stencil. */
+/* Checks whether the exits of a line lie inside its band, with room for the stencil of a row. */
 static bool exits_fit(const band_line *line, const ehd_grid *grid) {
     const size_t width = grid_width(grid);
     const size_t end = line->max_exit + 1 + reynolds_reach_ahead(grid);

@@ -8,13 +8,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Whether a node lies before the band and hence before any exit. */
+/* Checks whether a node lies before the band and hence before any exit. */
 static bool is_before_band(const reduced_model *model, size_t node) {
     return reduced_model_column(model, node) <
            model->band.lines[reduced_model_line(model, node)].begin;
 }
 
-/* Deflections of the pressure modes cut where the band begins, [num_nodes, num_pressure]. */
+/* Computes deflections of the pressure modes cut at the beginning of the band, [num_nodes,
+ * num_pressure]. */
 static void deflect_modes(double *coupled, const reduced_model *model, const reduced_basis *basis,
                           ehd_deflection *deflection, double *work) {
     size_t num_nodes = basis->grid.num_nodes, num_pressure = basis->num_pressure;
@@ -38,7 +39,7 @@ static double *gather_rows(arena *memory, const double *source, const size_t *no
     return target;
 }
 
-/* The same for the band's nodes, line after line. */
+/* Copies the rows at the band's nodes, line after line. */
 static double *gather_band(reduced_model *model, const double *source, size_t width) {
     double *target = arena_array(&model->memory, model->band.num_nodes * width, sizeof(double));
 
@@ -51,8 +52,9 @@ static double *gather_band(reduced_model *model, const double *source, size_t wi
     return target;
 }
 
-/* The cut table for an exit where the band begins. Coupled: deflections at the needed nodes.
- * Independent: V_delta^T K V_p. Last row: the load balance. */
+/* Fills the cut table for an exit at the beginning of the band: deflections at the needed nodes
+ * for a coupled basis, V_delta^T K V_p for an independent basis. The last row is the load
+ * balance. */
 static void fill_cut_base(reduced_model *model, const reduced_basis *basis, const double *coupled) {
     size_t num_pressure = model->num_pressure, last = model->cut.num_rows - 1;
     double *load = model->cut.base + last * num_pressure;
@@ -74,8 +76,9 @@ static void fill_cut_base(reduced_model *model, const reduced_basis *basis, cons
     }
 }
 
-/* Left sides of the independent basis without the load: row i is V_delta^T K e_i = K^T V_delta at
- * node i. K^T = W K W^-1 with the quadrature weights W, which differ from 1 on a half grid. */
+/* Fills the left sides of an independent basis without the load: row i is V_delta^T K e_i = K^T
+ * V_delta at node i. K^T = W K W^-1 with the quadrature weights W, which differ from 1 on a half
+ * grid. */
 static void fill_left_independent(reduced_model *model, const reduced_basis *basis,
                                   ehd_deflection *deflection, double *work) {
     const ehd_grid *grid = &basis->grid;
@@ -96,7 +99,7 @@ static void fill_left_independent(reduced_model *model, const reduced_basis *bas
     }
 }
 
-/* Lists rows, weighted by D of the basis; the selection has been checked. */
+/* Lists rows, weighted by D of the basis. The caller has checked the selection. */
 static ehd_status list_rows(reduced_model *model, row_set *set, const reduced_basis *basis,
                             const size_t *rows, size_t num_rows, ehd_error *error) {
     set->num_rows = num_rows;
@@ -128,7 +131,7 @@ static ehd_status check_rows(const reduced_model *model, const size_t *rows, siz
     return EHD_OK;
 }
 
-/* The bases at the rows' needed nodes; `film`: coupled deflections or deformation modes. */
+/* Copies the bases at the rows' needed nodes. `film`: coupled deflections or deformation modes. */
 static ehd_status gather_needed(reduced_model *model, row_set *set, const reduced_basis *basis,
                                 const double *film, size_t film_width, ehd_error *error) {
     set->pressure = gather_rows(&model->memory, basis->pressure, set->needed_node, set->num_needed,
@@ -137,7 +140,8 @@ static ehd_status gather_needed(reduced_model *model, row_set *set, const reduce
     return set->pressure && set->film ? EHD_OK : ehd_no_memory(error, "reduced model");
 }
 
-/* Of all rows of a point contact this is what takes memory: nodes of the band times needed nodes. */
+/* Checks the memory of the left sides, the largest table if a point contact has all rows: nodes of
+ * the band times needed nodes. */
 static ehd_status check_cut_memory(const reduced_model *model, ehd_error *error) {
     const double rows = (double)model->cut.num_rows, nodes = (double)model->band.num_nodes;
     const double modes = (double)(2 * model->num_pressure + model->num_deformation);
@@ -146,7 +150,7 @@ static ehd_status check_cut_memory(const reduced_model *model, ehd_error *error)
                                 "nodes of the band", "", 8 * (nodes * (rows + modes)), error);
 }
 
-/* The bases in the band, and the cut table. */
+/* Fills the bases in the band, and the cut table. */
 static ehd_status fill_cut(reduced_model *model, const reduced_basis *basis,
                            ehd_deflection *deflection, const double *coupled, double *work,
                            ehd_error *error) {
@@ -169,7 +173,7 @@ static ehd_status fill_cut(reduced_model *model, const reduced_basis *basis,
     return EHD_OK;
 }
 
-/* The tables of a set of rows; for the selected rows those of the exit too. */
+/* Fills the tables of a set of rows, and for the selected rows the tables of the exit. */
 static ehd_status fill_tables(reduced_model *model, row_set *set, const reduced_basis *basis,
                               ehd_deflection *deflection, ehd_error *error) {
     size_t num_nodes = basis->grid.num_nodes, num_pressure = basis->num_pressure;
@@ -228,7 +232,7 @@ ehd_status reduced_model_add_control(reduced_model *model, const reduced_basis *
     return status;
 }
 
-/* int P X of the modes cut where the band begins. */
+/* Adds int P X of the modes cut at the beginning of the band. */
 static void fill_moment(double *moment, const reduced_model *model, const reduced_basis *basis) {
     const ehd_grid *grid = &basis->grid;
     const size_t num = basis->num_pressure;

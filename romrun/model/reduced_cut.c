@@ -9,15 +9,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Half widths between those of a line contact. A solution with 56 modes on 1201 nodes takes 0.107
- * ms at distances up to 0.02, 0.115 at 0.04, 0.135 at 0.08, 0.17 at 0.16 and with one checkpoint;
- * all exits instead of every fifth take 9 MB more. */
+/* Distance of the checkpoints of a line contact, half widths. A solution with 56 modes on 1201
+ * nodes takes 0.107 ms with distances up to 0.02, 0.135 ms with 0.08, and 0.17 ms with one
+ * checkpoint. */
 static const double CHECKPOINT_DISTANCE = 0.02;
 
-/* Bound of a point contact's tables, bytes. A solution with 100 modes and 240 rows on 65 by 65
- * nodes takes 0.73 ms with one table, 0.45 with 5 MB of them, 0.41 with 20 to 110 MB, all 128 that
- * differ; on 129 by 129 1.4 ms with one, 0.57 with 20 MB, 0.52 with 200 MB, 0.51 with 320 MB, all
- * 168. Then loading takes 1.9 instead of 0.9 s. */
+/* Largest memory of a point contact's checkpoints, bytes. On 129 by 129 nodes a solution takes 1.4
+ * ms with one checkpoint, 0.57 ms with 20 MB of them, 0.52 ms with 200 MB, and 0.51 ms with all
+ * 168 (320 MB), whose loading takes 1.9 s in place of 0.9 s. */
 static const size_t CHECKPOINT_MEMORY = 400u << 20;
 
 // ---- from one exit line to another
@@ -68,8 +67,8 @@ void reduced_model_change_cut(double *cut, const reduced_model *model, const cut
     if (rank > 0) add_to_cut(cut, model, left, right, rank);
 }
 
-/* Adds the effect of a change of the exit on the modes' deflections at `num_at` neighbouring nodes
- * from `at` on, [num_at, num_pressure]. */
+/* Adds the effect of a change of the exit to the deflections of the modes, [num_at, num_pressure],
+ * at `num_at` neighbouring nodes from `at` on. */
 static void change_films(double *films, const reduced_model *model, const cut_run *runs,
                          size_t num_runs, grid_position at, size_t num_at) {
     size_t num_pressure = model->num_pressure;
@@ -96,7 +95,7 @@ static size_t exit_distance(const reduced_model *model, const size_t *a, const s
     return sum;
 }
 
-/* The nearest of the first `count` checkpoints. */
+/* Returns the nearest one of the first `count` checkpoints. */
 static size_t nearest_checkpoint(const reduced_model *model, const size_t *exit, size_t count) {
     size_t best = 0, smallest = SIZE_MAX;
 
@@ -116,7 +115,7 @@ size_t reduced_model_checkpoint(const reduced_model *model, const size_t *exit) 
     return nearest_checkpoint(model, exit, model->checkpoints.num);
 }
 
-/* Checkpoints of a line contact, CHECKPOINT_DISTANCE apart. */
+/* Chooses the checkpoints of a line contact, CHECKPOINT_DISTANCE apart. */
 static ehd_status space_checkpoints(reduced_model *model, ehd_error *error) {
     model->checkpoints.stride = (size_t)(CHECKPOINT_DISTANCE / model->grid.step) + 1;
     model->checkpoints.num = (model->band.lines[0].max_exit - model->band.lines[0].min_exit) /
@@ -130,8 +129,9 @@ static ehd_status space_checkpoints(reduced_model *model, ehd_error *error) {
     return EHD_OK;
 }
 
-/* Checkpoints of a point contact: exit lines of training, next always the one farthest from those
- * before (farthest-point sampling), until none is left or CHECKPOINT_MEMORY is used. */
+/* Chooses the checkpoints of a point contact among the exit lines of training. Each next one is
+ * the farthest from those before (farthest-point sampling), until none is left or
+ * CHECKPOINT_MEMORY is used. */
 static ehd_status spread_checkpoints(reduced_model *model, ehd_error *error) {
     const reduced_states *states = &model->states;
     size_t table =
@@ -160,16 +160,16 @@ static ehd_status spread_checkpoints(reduced_model *model, ehd_error *error) {
     return EHD_OK;
 }
 
-/* A table that depends on the exit, for all checkpoints. */
+/* A table that depends on the exit, stored for all checkpoints. */
 typedef struct kept_table {
     double *kept;       // [num_checkpoints, size]
-    const double *base; // [size] for an exit where the band begins
+    const double *base; // [size] for an exit at the beginning of the band
     size_t size;
     void (*change)(double *table, const reduced_model *model, const cut_run *runs, size_t num_runs,
-                   double *work); // updates it to another exit
+                   double *work); // updates a table to another exit
 } kept_table;
 
-/* Deflections at the band's nodes. */
+/* Updates the deflections at the band's nodes. */
 static void change_band(double *band, const reduced_model *model, const cut_run *runs,
                         size_t num_runs, double *work) {
     (void)work;
@@ -180,7 +180,7 @@ static void change_band(double *band, const reduced_model *model, const cut_run 
     }
 }
 
-/* Deflections at the nodes that control rows need. */
+/* Updates the deflections at the nodes that control rows need. */
 static void change_control(double *films, const reduced_model *model, const cut_run *runs,
                            size_t num_runs, double *work) {
     const row_set *control = &model->control;
@@ -191,7 +191,8 @@ static void change_control(double *films, const reduced_model *model, const cut_
                      reduced_model_position(model, control->needed_node[q]), 1);
 }
 
-/* Fills each checkpoint's tables from the nearest one filled before, the first from the base. */
+/* Fills the tables of each checkpoint from the nearest one filled before, and the first from the
+ * base. */
 static ehd_status fill_checkpoints(const kept_table *tables, size_t num_tables,
                                    const reduced_model *model, ehd_error *error) {
     cut_run *runs = malloc(model->band.num_lines * sizeof *runs);

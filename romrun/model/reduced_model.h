@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The reduced model (romrun/online/README.md; Maier et al. (2015), section 3): bases at the nodes that
- * the selected Reynolds rows need, and tables that cut them at the exit. Level i (all rows) and
- * level n (selected rows) differ in the list of rows only. */
+/* The reduced model (romrun/online/README.md; Maier et al. (2015), section 3): bases at the nodes
+ * that the selected Reynolds rows need, and tables that cut the modes at the exit. Level i (all
+ * rows) and level n (selected rows) differ only in the list of rows. */
 #ifndef EHD_REDUCED_MODEL_H
 #define EHD_REDUCED_MODEL_H
 
@@ -23,42 +23,43 @@ typedef enum deformation_kind {
 
 extern const char *const deformation_names[]; // "independent", "coupled", NULL
 
-/* Training solutions in reduced coordinates: starts for Newton, and the range that was trained. */
+/* Training solutions in reduced coordinates: starts of Newton's method, and the trained range. */
 typedef struct reduced_states {
     size_t num_states;
-    size_t num_unknowns; // n_p + n_delta + 1
-    double *coordinates; // [num_states, num_unknowns]: pressure, deformation, rigid approach
-    size_t num_lines;    // of the grid, boundary lines of a point contact included
-    size_t *exit;        // [num_states, num_lines] first column without pressure, boundary nodes
-                         // included; of a line contact a grid node
-    double *moes_M;      // [num_states]
-    double *alpha_p_H;   // [num_states]
-    flow_thinning *thinning;        // [num_states] of the flow
+    size_t num_unknowns;     // n_p + n_delta + 1
+    double *coordinates;     // [num_states, num_unknowns]: pressure, deformation, rigid approach
+    size_t num_lines;        // of the grid, with the boundary lines of a point contact
+    size_t *exit;            // [num_states, num_lines] first column without pressure, counted with
+                             // boundary nodes; for a line contact a grid node
+    double *moes_M;          // [num_states]
+    double *alpha_p_H;       // [num_states]
+    flow_thinning *thinning; // [num_states] thinning of the flow
     double *central_film_thickness; // [num_states]
-    bool *stationary;               // [num_states] false along a trajectory
-    // [num_states] of change of the contact, of all and, largest on the trajectory so far, of the load
-    // (frame_rates), 0 when stationary
+    bool *stationary;               // [num_states] false: from a trajectory
+    // [num_states] rates of change of the contact (frame_rates): `all`, and the largest `load` on
+    // the trajectory so far; 0 for stationary states
     double *rate, *load_rate;
-    film_effects *effects;  // [num_states] of the full model's grid
+    film_effects *effects;  // [num_states] errors by the full model's grid
     lubricant_rises *rises; // [num_states] at the Hertz pressure
 } reduced_states;
 
-/* Memory for states that are all stationary and zero, with unknown effects. EHD_MEMORY. */
+/* Allocates states that are stationary and zero, with unknown effects. EHD_MEMORY. */
 ehd_status reduced_states_init(reduced_states *states, size_t num_states, size_t num_lines,
                                size_t num_unknowns, ehd_error *error);
 void reduced_states_free(reduced_states *states);
 
-/* Deep copy. EHD_MEMORY. */
+/* Copies all arrays. EHD_MEMORY. */
 ehd_status reduced_states_copy(reduced_states *target, const reduced_states *source,
                                ehd_error *error);
 
-/* Whether a state is the solution of this contact: the same M, alpha p_H and lubricant. */
+/* Checks whether a state is the solution of this contact: equal M, alpha p_H, thinning and
+ * lubricant. */
 bool reduced_state_is_of(const reduced_states *states, size_t state, const ehd_contact *contact);
 
-/* Whether this contact is one of the training points. */
+/* Checks whether this contact is one of the training points. */
 bool reduced_states_have(const reduced_states *states, const ehd_contact *contact);
 
-/* Bases on the whole grid, offline only. A node's entries are contiguous. */
+/* Bases on the whole grid, used offline only. The entries of a node are contiguous. */
 typedef struct reduced_basis {
     const contact_kind *kind;
     ehd_grid grid;
@@ -73,44 +74,46 @@ typedef struct reduced_basis {
 } reduced_basis;
 
 void reduced_basis_free(reduced_basis *basis);
-/* Both kinds of coordinates and the rigid approach. */
+/* Returns the number of unknowns: the coordinates of both bases and the rigid approach. */
 size_t reduced_num_unknowns(size_t num_pressure, size_t num_deformation);
 
-/* EHD_DATA with fewer rows than the least squares of the unknowns need: the projected elasticity
- * equation and the load balance determine all but num_pressure. `object`: of the message. */
+/* Checks that the least squares have enough rows. The projected elasticity equation and the load
+ * balance determine all unknowns but num_pressure. EHD_DATA: fewer rows. `object`: begins the
+ * message. */
 ehd_status reduced_check_num_rows(size_t num_rows, size_t num_pressure, size_t num_deformation,
                                   const char *object, ehd_error *error);
 
-/* Reynolds rows of the grid, and the bases at their needed nodes: those of the rows' stencils. */
+/* Reynolds rows of the grid, and the bases at their needed nodes: the nodes of the rows'
+ * stencils. */
 typedef struct row_set {
     size_t num_rows;
     size_t *node;               // [num_rows] grid nodes, in order of selection
     double *weight;             // [num_rows] D of the test basis, times the row's quadrature factor
-    reynolds_stencil *stencils; // [num_rows] of indices in needed_node
+    reynolds_stencil *stencils; // [num_rows], nodes as indices in needed_node
     size_t num_needed;
     size_t *needed_node; // [num_needed] ascending
     double *gap;         // [num_needed] undeformed gap
     double *pressure;    // [num_needed, num_pressure]
     double *film;        // independent: deformation basis [num_needed, num_deformation]; coupled:
-                         // deflection of the pressure modes cut where the band begins,
+                         // deflections of the pressure modes cut at the beginning of the band,
                          // [num_needed, num_pressure]
 } row_set;
 
-/* Interpolation to X = 0 on the line Y = 0. */
+/* Interpolation to the centre X = 0 on the line Y = 0. */
 typedef struct centre_nodes {
     size_t index[4]; // in needed_node of the selected rows
     double weight[4];
 } centre_nodes;
 
-/* A grid line's part of the band. Boundary lines of a point contact have none. */
+/* The part of the band on one grid line. Boundary lines of a point contact have none. */
 typedef struct band_line {
     size_t begin, end;         // columns begin … end - 1
     size_t offset;             // index of column `begin` among the band's nodes
-    size_t min_exit, max_exit; // columns at which the exit may lie
+    size_t min_exit, max_exit; // range of columns of the exit
 } band_line;
 
-/* The band: nodes among which film minimum and exit lie. A line contact has one line, whose
- * columns are the grid's nodes. */
+/* The band: the nodes that contain the film minima and the exits. A line contact has one line,
+ * whose columns are the grid's nodes. */
 typedef struct exit_band {
     size_t num_lines;                   // of the grid
     band_line *lines;                   // [num_lines]
@@ -120,55 +123,58 @@ typedef struct exit_band {
     double *film;                       // as in row_set, at the band's nodes
 } exit_band;
 
-/* The cut table: linear maps of the pressure modes cut at the exit. Coupled: their deflections at
- * the needed nodes; independent: V_delta^T K V_p; last row: the load. That of an exit is
- * `base` plus the sum of left[i, :]^T V_p[i, :] over the band's nodes i before it (eq. 36). */
+/* The cut table: linear maps of the pressure modes cut at the exit. For a coupled basis it
+ * contains their deflections at the needed nodes, for an independent basis V_delta^T K V_p. The
+ * last row is the load. The table of an exit is `base` plus the sum of left[i, :]^T V_p[i, :] over
+ * the band's nodes i before the exit (eq. 36). */
 typedef struct exit_cut {
     size_t num_rows; // coupled: num_needed + 1; independent: num_deformation + 1
     double *left;    // [nodes of the band, num_rows]
-    double *base;    // [num_rows, num_pressure] for an exit where the band begins
+    double *base;    // [num_rows, num_pressure] for an exit at the beginning of the band
 } exit_cut;
 
-/* Cut tables and deflections stored for some exits, from which those of others are near. */
+/* Stored cut tables and deflections of some exits, from which the tables of other exits are
+ * computed. */
 typedef struct exit_checkpoints {
-    size_t stride;   // nodes, of a line contact
-    size_t num;      // of checkpoints
-    size_t *exit;    // [num, num_lines]: of a line contact every `stride` nodes, of a point contact
-                     // exit lines of training
+    size_t stride;   // distance in nodes, for a line contact
+    size_t num;      // number of checkpoints
+    size_t *exit;    // [num, num_lines]: for a line contact every `stride` nodes, for a point
+                     // contact exit lines of training
     double *cut;     // [num, rows of the cut table, num_pressure]
-    double *band;    // coupled: deflection in the band [num, nodes of the band, num_pressure]
-    double *control; // coupled: at the control rows' nodes [num, their num_needed, num_pressure]
+    double *band;    // coupled: deflections in the band [num, nodes of the band, num_pressure]
+    double *control; // coupled: at the needed nodes of the control rows [num, num_needed,
+                     // num_pressure]
 } exit_checkpoints;
 
-/* Pressures of the states behind X = 0, for starts (start_shift.h). */
+/* Pressures of the training states behind X = 0, for starts (start_shift.h). */
 typedef struct start_shift {
-    size_t first, num_nodes; // the last of the needed nodes, which lie there; 0: there is no shift
+    size_t first, num_nodes; // they are the last of the needed nodes; num_nodes 0: no shift
     double *x;               // [num_nodes]
-    double *pressure;        // [num_states, num_nodes] as the profiles have it
+    double *pressure;        // [num_states, num_nodes] interpolated from the profiles
     double *fit;    // [num_nodes, num_pressure] coordinates of a unit pressure at a node, by least
                     // squares at all needed nodes
     double *spike;  // [num_states] X of the spike
-    double spacing; // of the profiles, along the coordinate
+    double spacing; // of the points of a profile, along the coordinate
     size_t num_points;
-    double *profile; // [num_states, num_points, 2] pressure, and slope times the spacing
+    double *profile; // [num_states, num_points, 2] pressure, and slope times spacing
 } start_shift;
 
-/* Nodes that sums of shear stresses over the grid are replaced by (romrun/online/README.md, traction),
- * whatever rows are in use. */
+/* Nodes and weights that replace sums of shear stresses over the grid (romrun/online/README.md,
+ * Traction). They do not depend on the number of rows in use. */
 typedef struct node_cubature {
-    row_set nodes;    // its needed nodes, without rows; none: 0. Of thinned flows those beside them
-                      // along X too, with weights of 0, for the gradient of the pressure
-    double *friction; // [num_needed] not negative: of int tau over the nodes with pressure
-    double *dry;      // [num_needed] not negative: of the mean |tau| of the dry contact
-    double *moment;   // [num_pressure] int P X of the modes cut where the band begins
+    row_set nodes;    // no rows; needed nodes: nodes with weights (0: no cubature). For thinned
+                      // flows also their neighbours along X, with weights of 0, for the pressure
+                      // gradient
+    double *friction; // [num_needed] not negative: for int tau over the nodes with pressure
+    double *dry;      // [num_needed] not negative: for the mean |tau| of the dry contact
+    double *moment;   // [num_pressure] int P X of the modes cut at the beginning of the band
 } node_cubature;
 
-/* What the sum over these nodes is off that over the grid in its training, root of the mean
- * square. */
+/* Tolerance of a cubature in its training: root of the mean square of the relative error of the
+ * sum over its nodes, against the sum over the grid. */
 extern const double node_cubature_tolerance;
 
-/* What the online solver holds. Everything here is read-only while solving, so that several
- * solvers in several threads may share it. */
+/* Data of the online solver. Solvers only read it, so several threads may share it. */
 typedef struct reduced_model {
     const contact_kind *kind;
     ehd_grid grid;
@@ -176,32 +182,34 @@ typedef struct reduced_model {
     deformation_kind deformation;
     size_t num_pressure, num_deformation, num_unknowns;
 
-    row_set rows;    // the selected rows; their needed nodes include those around the centre
-    row_set control; // rows outside of the solution, whose residual indicates its error
-                     // (indicator.h); none: 0 rows
+    row_set rows;    // the selected rows; their needed nodes include the nodes around the centre
+    row_set control; // rows that are not solved, used only for the error estimate (indicator.h); 0
+                     // rows: none
     centre_nodes centre;
     exit_band band;
-    double *kernel; // [lines, width] deflection by distance in lines and columns; of a
-                    // half grid [2 num_lines, width], for mirrored nodes too
+    // [lines, width] deflection by distance in lines and columns. A half grid has [2 num_lines,
+    // width], for mirrored nodes too.
+    double *kernel;
     exit_cut cut;
     exit_checkpoints checkpoints;
     reduced_states states;
     start_shift shift;
-    shown_lubricants shown; // what its calibration was made on
+    shown_lubricants shown; // lubricants of the calibration
     node_cubature cubature;
-    arena memory; // of all arrays but the states'
+    arena memory; // of all arrays except in `states` and `shown`
 } reduced_model;
 
-/* Builds the model of a list of rows, grid nodes in order of selection; `rows` NULL: all inner
- * nodes (level i). EHD_DATA: fewer rows than pressure modes, a row outside of the grid;
- * EHD_MEMORY. */
+/* Builds a model from a list of rows, given as grid nodes in the order of selection. `rows` NULL:
+ * all inner nodes (level i). EHD_DATA: fewer rows than pressure modes, or a row outside of the
+ * grid; EHD_MEMORY. */
 ehd_status reduced_model_build(
     // output:
     reduced_model *model, // free with reduced_model_free
     // input:
     const reduced_basis *basis, const size_t *rows, size_t num_rows, ehd_error *error);
 
-/* Adds control rows, grid nodes, to a model that was built on this basis. EHD_MEMORY. */
+/* Adds control rows, given as grid nodes, to a model that was built from this basis.
+ * EHD_MEMORY. */
 ehd_status reduced_model_add_control(
     // in and out:
     reduced_model *model,
@@ -217,33 +225,36 @@ ehd_status reduced_model_add_cubature(
     const double *friction, const double *dry,       // [num_nodes]
     size_t num_nodes, ehd_error *error);
 
-/* Lists the needed nodes of one of the model's two sets of rows, ascending; for the selected rows
- * those around the centre too. EHD_MEMORY. */
+/* Lists the needed nodes of a set of rows in ascending order. The list of the selected rows
+ * includes the nodes around the centre. EHD_MEMORY. */
 ehd_status reduced_model_list_needed(reduced_model *model, row_set *set, ehd_error *error);
 
-/* Of what is read from `path`: the exits of each line lie inside of its band, with room for a row's
- * stencil, and the lines have as many nodes as the band; and the states' exits lie in it, since tables
- * of an exit are made by going along the band to it. EHD_DATA. */
+/* Check a band and exits that were read from `path`. EHD_DATA.
+ * - reduced_check_band: on each line the range of the exit lies inside the band, with room for the
+ * stencil of a row, and the lines together have as many nodes as the band.
+ * - reduced_check_exits: the exits of the states lie in the band, since tables are updated node by
+ * node along it. */
 ehd_status reduced_check_band(const reduced_model *model, const char *path, ehd_error *error);
 ehd_status reduced_check_exits(const reduced_model *model, const reduced_states *states,
                                const char *path, ehd_error *error);
 
-/* Of the next step what is about places: needed nodes of the rows, which are listed, among each other,
- * and the centre among them. EHD_MEMORY. */
+/* Sets the stencils and gaps of a set of rows, whose needed nodes are already listed. For the
+ * selected rows it also sets the indices of the nodes around the centre. EHD_MEMORY. */
 ehd_status reduced_model_place_rows(reduced_model *model, row_set *set, ehd_error *error);
 
-/* Last step of building and of reading a model: tables that follow from the others (stencils,
- * kernel, left sides, checkpoints); control rows, which may be added later, on their own. */
+/* Last step of building and of reading a model: compute the tables that follow from the others
+ * (stencils, kernel, left sides, checkpoints). Control rows, which may be added later, have a step
+ * of their own. */
 ehd_status reduced_model_complete(reduced_model *model, ehd_error *error);
 ehd_status reduced_model_complete_control(reduced_model *model, ehd_error *error);
 
 void reduced_model_free(reduced_model *model);
 
-/* Line of a grid node, and its column in it. */
+/* Return the line of a grid node and its column on this line. */
 size_t reduced_model_line(const reduced_model *model, size_t node);
 size_t reduced_model_column(const reduced_model *model, size_t node);
 
-/* By how much two lines or columns differ. */
+/* Returns the distance of two lines or of two columns. */
 static inline size_t index_distance(size_t a, size_t b) {
     return a > b ? a - b : b - a;
 }
@@ -254,18 +265,18 @@ typedef struct grid_position {
 } grid_position;
 grid_position reduced_model_position(const reduced_model *model, size_t node);
 
-/* Whether a line has nodes in the band: all but boundary lines. */
+/* Checks whether a line has nodes in the band: all lines but boundary lines. */
 bool reduced_model_has_band(const reduced_model *model, size_t line);
 
-/* The selected row nearest to a node among those with an influence, [rows], NULL: among all; 0
- * where there is none. */
+/* Returns the selected row that is nearest to a node, among the rows whose `influence`, [rows], is
+ * not 0. `influence` NULL: among all rows. Returns 0 if there is no such row. */
 size_t reduced_model_nearest_row(const reduced_model *model, size_t node, const double *influence);
 
-/* Index of a node of the band among its nodes. */
+/* Returns the index of a node of the band among the band's nodes. */
 size_t reduced_model_band_index(const reduced_model *model, size_t node);
 
-/* Adds the deflection at `num_at` neighbouring nodes from `at` on by the pressure, times a sign,
- * of `count` nodes of a line from column `first` on. */
+/* Adds deflections at `num_at` neighbouring nodes from `at` on. The source is the pressure, times
+ * `sign`, at `count` nodes of `line` from column `first` on. */
 void reduced_model_deflect(
     // in and out:
     double *film, // [num_at]

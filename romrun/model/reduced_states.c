@@ -62,7 +62,7 @@ static bool is_same(double left, double right) {
     return fabs(left - right) <= 1e-9 * fmax(fabs(left), fabs(right));
 }
 
-/* What is not known is taken for the same. */
+/* Compares two lubricants. Unknown rises count as equal. */
 static bool is_same_lubricant(const lubricant_rises *left, const lubricant_rises *right) {
     bool same = true;
 

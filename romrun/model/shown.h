@@ -10,8 +10,8 @@
 /* The lubricant of a scene or trajectory of the calibration. */
 typedef struct shown_lubricant {
     double alpha_p_H;
-    lubricant_rises rises; // at the Hertz pressure
-    int64_t in_time;       // 1: of a trajectory
+    lubricant_rises rises; // rises to the Hertz pressure
+    int64_t in_time;       // 1: from a trajectory
 } shown_lubricant;
 
 typedef struct shown_lubricants {
@@ -21,10 +21,11 @@ typedef struct shown_lubricants {
 
 shown_lubricant shown_of(const ehd_contact *contact, bool in_time);
 
-/* Writes them to a model file, which has none yet. EHD_MEMORY, EHD_IO. */
+/* Writes the lubricants to a model file that has none yet. EHD_MEMORY, EHD_IO. */
 ehd_status shown_put(artefact *file, const shown_lubricants *shown, ehd_error *error);
 
-/* Reads them; a file without them has none. Free `of` with free. EHD_DATA, EHD_MEMORY. */
+/* Reads the lubricants of a model file; `count` 0 if the file has none. free() the array `of`.
+ * EHD_DATA, EHD_MEMORY. */
 ehd_status shown_get(shown_lubricants *shown, artefact *file, ehd_error *error);
 
 #endif

@@ -4,7 +4,7 @@
 
 #include <stddef.h>
 
-/* Size of the part of a stored model that is used, its first modes and rows; 0: all. */
+/* Numbers of the first modes and rows of a stored model that are used; 0: all. */
 typedef struct model_sizes {
     size_t pressure_modes, deformation_modes, rows;
 } model_sizes;

@@ -9,7 +9,7 @@
 
 // ---- tables
 
-/* The last of the needed nodes, behind X = 0. */
+/* Lists the needed nodes behind X = 0, which are the last ones. */
 static void list_nodes(start_shift *self, const reduced_model *model) {
     const row_set *rows = &model->rows;
 
@@ -26,7 +26,7 @@ static void place_nodes(start_shift *self, const reduced_model *model) {
         self->x[q] = grid_x(&model->grid, rows->needed_node[self->first + q]);
 }
 
-/* Slope of the parabola through three nodes. */
+/* Returns the slope of the parabola through three nodes. */
 static double slope_at(const double *x, const double *pressure, size_t q) {
     const double before = x[q] - x[q - 1], after = x[q + 1] - x[q];
     const double slope_before = (pressure[q] - pressure[q - 1]) / before;
@@ -50,8 +50,9 @@ static double curvature_at(const double *x, const double *pressure, size_t q) {
            (before + after);
 }
 
-/* Where the pressure is most curved: the tip of a spike or, where there is none, what is left of
- * it. The largest value of the curvature's parabola through the largest one at a node. */
+/* Returns the X where the pressure is most curved: the tip of a spike, or what is left of one.
+ * This is the maximum of the parabola through the largest value of the curvature at a node and its
+ * neighbours. */
 static double place_of_spike(const double *x, const double *pressure, size_t num) {
     size_t best = 1;
 
@@ -66,7 +67,8 @@ static double place_of_spike(const double *x, const double *pressure, size_t num
     return fall_left + fall_right > 0 ? x[best] + fmin(fmax(place, -left), right) : x[best];
 }
 
-/* Least squares of pressures at the needed nodes by coordinates: (V^T V)^-1 V^T at the nodes. */
+/* Computes the least-squares fit (V^T V)^-1 V^T of pressures at the needed nodes by coordinates,
+ * at the nodes behind X = 0. */
 static bool fill_fit(start_shift *self, const reduced_model *model, double *gram) {
     const size_t n = model->num_pressure;
     const double *modes = model->rows.pressure;
@@ -79,8 +81,9 @@ static bool fill_fit(start_shift *self, const reduced_model *model, double *gram
     return true;
 }
 
-/* Pressure at a place by the cubic of pressures and slopes at the nodes around it; beyond the last
- * nodes theirs. `q`: the node before the place or, when called, before an earlier one. */
+/* Interpolates the pressure at a place by the cubic of pressures and slopes at the nodes around
+ * it. Beyond the first and last node it returns the pressure there. `q`: on entry 0 or the result
+ * of a call for an earlier place; on return the node before the place. */
 static double pressure_at(const double *x, const double *pressure, const double *slope, size_t num,
                           double place, size_t *q) {
     while (*q + 2 < num && x[*q + 1] <= place)
@@ -93,15 +96,15 @@ static double pressure_at(const double *x, const double *pressure, const double 
     return pressure[a] + t * rise + t * (1 - t) * ((1 - t) * bend_a + t * bend_b);
 }
 
-/* The coordinate of start_shift.h at X, in spacings of the profile. */
+/* Returns the coordinate of start_shift.h at X, in spacings of the profile. */
 static double point_of(const start_shift *self, double x, double spike) {
     return (x < spike ? x / spike : 1 + x - spike) / self->spacing;
 }
 
-/* Place in a profile: the cubic of values and slopes at the points k and k + 1. */
+/* A place in a profile, for the cubic of values and slopes at the points k and k + 1. */
 typedef struct profile_place {
     size_t k;
-    double weight[4]; // of value and slope of both
+    double weight[4]; // of value and slope at k, then at k + 1
 } profile_place;
 
 static profile_place place_at(const start_shift *self, double point) {
@@ -118,8 +121,9 @@ static inline double profile_at(const start_shift *self, size_t s, const profile
            at->weight[3] * profile[3];
 }
 
-/* The profile of a state: its pressure and slope along the coordinate. Then `pressure` becomes what
- * the profile has at the nodes: a state whose spike does not move is not changed at all. */
+/* Fills the profile of a state: pressure and slope along the coordinate. Then replaces `pressure`
+ * by the values of the profile at the nodes, so that a state whose spike does not move is not
+ * changed at all. */
 static void fill_profile(start_shift *self, size_t s, double *slope) {
     double *pressure = self->pressure + s * self->num_nodes;
     double *profile = self->profile + 2 * s * self->num_points;
@@ -139,7 +143,7 @@ static void fill_profile(start_shift *self, size_t s, double *slope) {
     }
 }
 
-/* Pressures of the states at the nodes and their spikes. */
+/* Computes the states' pressures at the nodes, and the places of their spikes. */
 static void fill_states(start_shift *self, const reduced_model *model) {
     const size_t n = model->num_pressure;
 
@@ -173,9 +177,9 @@ ehd_status start_shift_build(reduced_model *model, ehd_error *error) {
     list_nodes(self, model);
     if (self->num_nodes < least_nodes) self->num_nodes = 0;
     if (self->num_nodes == 0) return EHD_OK;
-    // what is between the nodes of a grid is known to no more than half of its step
+    // the grid does not resolve details below half of its step
     self->spacing = model->grid.step / 2;
-    // from X = 0 to the last node of a state whose spike lies there
+    // for the longest profile: from X = 0 to the last node for a state whose spike lies at X = 0
     const size_t last = model->rows.needed_node[model->rows.num_needed - 1];
     self->num_points = (size_t)((1 + grid_x(&model->grid, last)) / self->spacing) + 2;
     double *gram = arena_array(&work, n * n, sizeof(double));
@@ -194,7 +198,7 @@ ehd_status start_shift_build(reduced_model *model, ehd_error *error) {
 
 // ---- the sum
 
-/* By how much the sum along the coordinate differs at a node from that at the same X. */
+/* Returns at a node the sum along the coordinate minus the sum at the same X. */
 static double change_at(const start_shift *self, size_t q, double spike, const size_t *states,
                         const double *weights, size_t count) {
     const profile_place at = place_at(self, point_of(self, self->x[q], spike));

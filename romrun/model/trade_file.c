@@ -33,11 +33,12 @@ static const char *const deviation_fields[NUM_TRADE_QUANTITIES] = {
     "deviation_central_film_thickness", "deviation_minimum_film_thickness",
     "deviation_central_pressure", "deviation_pressure"};
 
-/* Members written one to one; counts are size_t, the others double. */
+/* A member of trade_position that is a dataset of its own: size_t in `counts`, otherwise
+ * double. */
 typedef struct column {
     const char *field;
     size_t offset;
-    const char *axis; // whose length bounds a count of modes or rows; NULL: none
+    const char *axis; // axis whose length limits a count of modes or rows; NULL: none
     bool in_time;     // only where trajectories were measured
 } column;
 
@@ -63,9 +64,9 @@ static const column reals[] = {
     {"position_step_iterations", offsetof(trade_position, step_iterations), NULL, true},
     {"position_step_seconds", offsetof(trade_position, step_seconds), NULL, true}};
 
-/* With an indicator; at least 0. Those after the first came later: without its own factor the
- * minimum film takes that of the central one, without residuals there is no limit to them, and
- * without their factors other quantities are not indicated. */
+/* Columns of the error estimates, at least 0. Older files may lack all but the first. Without its
+ * own factor the minimum film has the factor of the central film. Without largest residuals any
+ * residual is accepted. Without their factors other quantities have no estimate. */
 static const column of_indicator[] = {
     {"indicator_factor", offsetof(trade_position, indicator_factor), NULL, false},
     {"indicator_factor_minimum", offsetof(trade_position, indicator_factor_minimum), NULL, false},
@@ -82,8 +83,8 @@ static const column of_indicator[] = {
      false}};
 enum { NUM_OF_INDICATOR = sizeof of_indicator / sizeof *of_indicator };
 
-/* Columns of the error estimates in time. A file has all of them or none; files of before schema 2.9 lack the last one, which
- * is then 0. */
+/* Columns of the error estimates in time. A file has all of them or none. Files before schema 2.9
+ * lack the last one, which is then 0. */
 static const column in_time[] = {
     {"indicator_factor_in_time", offsetof(trade_position, factor_in_time), NULL, true},
     {"indicator_factor_in_time_minimum", offsetof(trade_position, factor_in_time_minimum), NULL,
@@ -144,7 +145,7 @@ static ehd_status put_reals(artefact *file, const trade_table *table, ehd_error 
     return status;
 }
 
-/* A member of all shapes, by its place. */
+/* A member of indicator_shape and its dataset. */
 static const struct shape_field {
     const char *name;
     size_t offset;
@@ -154,7 +155,8 @@ static const struct shape_field {
                     {"indicator_offset_share", offsetof(indicator_shape, offset_share)}};
 enum { NUM_SHAPE_FIELDS = sizeof shape_fields / sizeof *shape_fields };
 
-/* Of an entry of a field of `num_bounded` shapes a position. */
+/* Returns the member at `offset` of the shape at `entry`, in a field with `num_bounded` shapes for
+ * each position. */
 static double *shape_member(trade_table *table, size_t num_bounded, size_t entry, size_t offset) {
     trade_position *position = &table->positions[entry / num_bounded];
 
@@ -257,7 +259,7 @@ static ehd_status get_counts(trade_table *table, artefact *file, ehd_error *erro
     return status;
 }
 
-/* Unknown values are NaN. */
+/* Reads the columns of numbers. Unknown values are NaN. */
 static ehd_status get_reals(trade_table *table, artefact *file, ehd_error *error) {
     size_t num_positions = table->num_positions;
     double *values = array_new(num_positions, NUM_TRADE_QUANTILES, sizeof *values);
@@ -289,8 +291,8 @@ static ehd_status get_of_indicator(trade_table *table, double *values, const col
     return status;
 }
 
-/* A table without shapes has the same factor for all bounds, one of before its own for all but
- * friction. */
+/* Reads the shapes. A table without shapes has one factor for all bounds. An older table has
+ * shapes for all quantities but friction. */
 static ehd_status get_shapes(trade_table *table, artefact *file, ehd_error *error) {
     const size_t num_bounded = artefact_length(file, "bounded");
     const size_t count = table->num_positions * num_bounded;
@@ -317,7 +319,7 @@ static ehd_status get_indicator(trade_table *table, artefact *file, ehd_error *e
     if (!artefact_has(file, "indicator_factor") || !artefact_has(file, "indicated_deviation") ||
         !artefact_has(file, "indicator_effectivity") ||
         artefact_length(file, "part") != NUM_TRADE_PARTS)
-        return EHD_OK; // written without an indicator
+        return EHD_OK; // a table without error estimates
     double *values = array_new(num_positions, NUM_TRADE_PARTS, sizeof *values);
     ehd_status status = values ? EHD_OK : ehd_no_memory(error, artefact_path(file));
 

@@ -31,13 +31,12 @@ ehd_status weighting_plain(double *factors, const double *sampled, size_t num_ro
     return EHD_OK;
 }
 
-/* min w^T C w / 2 - g^T w with w >= min_weight by projected Gauss-Seidel, which converges since
- * the problem is convex. With 1.3 rows a mode of the examples' models (56 modes of a line, 24 of a
- * point) and 35 scenes each, the worst film changes by less than 1 % of its deviation from ten
- * sweeps on, or from 1e-4 of the largest weight; after one sweep 4 of the line's scenes fail
- * instead of 2. It stops after 20 to 600 sweeps, but for 112 rows by `exits` of the line, which
- * would take 5000. w: start and solution; `slope`: C w - g, updated so that rows that stay at the
- * bound cost nothing. */
+/* Solves min w^T C w / 2 - g^T w with w >= min_weight by projected Gauss-Seidel, which converges
+ * since the problem is convex. On the examples' models the worst film changes by less than 1 % of
+ * its error from ten sweeps on. The loop ends after 20 to 600 sweeps; one selection (112 rows of a
+ * line by `exits`) would take 5000.
+ * w: start and solution. `slope`: C w - g, updated so that rows that stay at the bound cost
+ * nothing. */
 static void solve_bounded(double *w, double *slope, const double *matrix, size_t size,
                           double min_weight) {
     const size_t max_sweeps = 2000;
@@ -61,8 +60,8 @@ static void solve_bounded(double *w, double *slope, const double *matrix, size_t
 
 ehd_status weighting_quadrature(double *factors, const double *sampled, size_t num_rows,
                                 size_t num_modes, ehd_error *error) {
-    // above 0, since the exit may deactivate other rows; from 1e-6 to 0.2 the worst deviation is
-    // the same in four digits (scenes as above)
+    // above 0, since the exit may deactivate other rows; from 1e-6 to 0.2 the worst error is the
+    // same in four digits
     const double min_weight = 0.05;
     double *gram = malloc(num_rows * num_rows * sizeof *gram);
     double *slope = malloc(num_rows * sizeof *slope);

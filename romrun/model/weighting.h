@@ -1,14 +1,15 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Weights of the selected rows in the online least squares, besides D. They belong to a list of
- * rows as a whole, so that a part of it has weights of its own. */
+ * rows as a whole, so a part of the list has its own weights. */
 #ifndef EHD_WEIGHTING_H
 #define EHD_WEIGHTING_H
 
 #include "common/program/status.h"
 #include <stddef.h>
 
-/* Writes one positive factor a row. `sampled`: the leading modes of the weighted Jacobian products,
- * as many as unknowns, at the rows; over all nodes they are orthonormal. EHD_MEMORY. */
+/* Computes one positive factor for each row. `sampled`: the leading modes of the weighted Jacobian
+ * products at the rows, as many as unknowns. Over all nodes these modes are orthonormal.
+ * EHD_MEMORY. */
 typedef ehd_status weighting_function(
     // output:
     double *factors, // [num_rows]
@@ -22,18 +23,19 @@ typedef struct weighting {
     const char *help;
 } weighting;
 
-extern const weighting weightings[]; // ends with a row whose name is NULL
+extern const weighting weightings[]; // ends with an entry whose name is NULL
 
-/* The entry of this name, or NULL. */
+/* Returns the entry with this name, or NULL. */
 const weighting *weighting_find(const char *name);
 
-/* One for every row, as published. */
+/* Sets all factors to 1, as published. */
 weighting_function weighting_plain;
 
-/* Quadrature weights with which the selected rows approximate the normal matrix of all rows: sum_k
- * q_k q_k^T = 1 over the rows q_k of an orthonormal basis of D J. Finds w >= min_weight such that
- * sum_r w_r q_r q_r^T over the selected rows is nearest to it (Frobenius), as in empirical
- * quadrature (Farhat et al. 2014; Hernandez et al. 2017). The factor is sqrt(w_r). */
+/* Computes quadrature weights with which the selected rows approximate the normal matrix of all
+ * rows. Let q_k be the rows of an orthonormal basis of D J, so that sum_k q_k q_k^T = 1. The
+ * weights are the w >= min_weight for which sum_r w_r q_r q_r^T over the selected rows is nearest
+ * to 1 (Frobenius norm), as in empirical quadrature (Farhat et al. 2014; Hernandez et al. 2017).
+ * The factor is sqrt(w_r). */
 weighting_function weighting_quadrature;
 
 #endif
