@@ -4,8 +4,9 @@
 
 #include <math.h>
 
-/* The contact of the last ehdrom_solve, with its approach as measured from where that of a line contact means
- * something: the distance that is set, or that of scenes with a given approach. */
+/* Returns the contact of the last ehdrom_solve. The approach of a line contact is measured from
+ * approach_length, or from its default in scenes with a given approach, since its derivative has
+ * no meaning with 1 half width. */
 static ehd_contact contact_from_afar(const ehdrom_contact *self) {
     const double length = self->settings.approach_length;
     ehd_contact contact = self->solved;
@@ -14,7 +15,8 @@ static ehd_contact contact_from_afar(const ehdrom_contact *self) {
     return contact;
 }
 
-/* EHD_INTERNAL: nothing to differentiate; `expected`: what has to come before. */
+/* Begins a call. EHD_INTERNAL: nothing to differentiate; `expected`: the calls that must come
+ * before. */
 static ehd_status begin(ehdrom_contact *self, const char *what, const char *expected) {
     const ehd_status status = library_begin(self);
 
@@ -27,7 +29,8 @@ static const unit_factors *units_of_last(const ehdrom_contact *self) {
     return self->differentiable == OF_SOLUTION ? &self->solved_units : &self->reference_units;
 }
 
-/* A direction has no values of its own. */
+/* Converts a direction. If neither load nor approach is given, the one that the solution was given
+ * is held. */
 static ehd_status take_direction(online_direction *own, ehdrom_contact *self,
                                  const ehdrom_conditions *given) {
     const bool by_approach = self->differentiable != OF_SOLUTION && self->by_approach;

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* In the place of common/artefact: hands its calls on. All are made by one thread at a time (library_lock), and but
- * for the first two and artefact_close none before artefact_open has found the table. */
+/* Replaces common/artefact and passes its calls on. One thread at a time makes them
+ * (library_lock). Before artefact_open has found the table, only artefact_visit, artefact_leave
+ * and artefact_close may be called. */
 #include "romrun/library/hdf5_calls.h"
 
 static const hdf5_calls *calls; // NULL: not needed yet, or not there
@@ -9,7 +10,7 @@ static ehd_status find_calls(const char *path, ehd_error *error) {
     return calls ? EHD_OK : hdf5_load(&calls, path, error);
 }
 
-/* That there is no table is said by artefact_open, which comes next. */
+/* Does not report a missing table, since artefact_open, which comes next, reports it. */
 artefact_guest artefact_visit(void) {
     const artefact_guest none = {0};
 

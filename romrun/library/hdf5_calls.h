@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* HDF5 apart from those who open flat models: what reading model.h5 asks of common/artefact, as a table that is found
- * when the first such file is opened (hdf5_calls.c). libehdrom.so.0 has it of libehdrom-hdf5.so.0 (hdf5_load.c,
- * hdf5_plugin.c), FMUs have none (romrun/fmu/no_hdf5.c). Programs and libehdrom.a call common/artefact itself. */
+/* HDF5 separate from programs that open flat models only. The functions of common/artefact that
+ * read model.h5 are a table, which is found when the first such file is opened (hdf5_calls.c).
+ * libehdrom.so.0 takes it from libehdrom-hdf5.so.0 (hdf5_load.c, hdf5_plugin.c). FMUs have none
+ * (romrun/fmu/no_hdf5.c). Programs and libehdrom.a call common/artefact directly. */
 #ifndef EHD_LIBRARY_HDF5_CALLS_H
 #define EHD_LIBRARY_HDF5_CALLS_H
 
@@ -30,9 +31,10 @@ typedef struct hdf5_calls {
 #undef HDF5_MEMBER
 
 #define HDF5_PLUGIN "libehdrom-hdf5.so.0"
-#define HDF5_TABLE  "ehdrom_hdf5" // its only name
+#define HDF5_TABLE  "ehdrom_hdf5" // the only name that the plug-in exports
 
-/* Finds the table; one thread at a time. EHD_DATA, naming the model at `path`: there is none. */
+/* Finds the table; one thread at a time. EHD_DATA: there is none. `path`: the model, for the
+ * message. */
 ehd_status hdf5_load(const hdf5_calls **calls, const char *path, ehd_error *error);
 
 #endif

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Where libehdrom.so.0 has the table of hdf5_calls.h from. */
+/* Finds the table of hdf5_calls.h for libehdrom.so.0. */
 #include "romrun/library/ehdrom.h"
 #include "romrun/library/hdf5_calls.h"
 
@@ -9,8 +9,9 @@
 #include <string.h>
 #include <unistd.h>
 
-/* The plug-in beside this library, else the one that the system finds by its name. That it lies beside is not left to a
- * RUNPATH, which is not seen where a sanitizer's dlopen stands between. */
+/* Chooses the plug-in beside this library, or else the one that the system finds by its name. A
+ * RUNPATH is not enough to find it beside the library, since the dlopen of a sanitizer does not
+ * use it. */
 static void choose_plugin(char *name, size_t size) {
     static const char here;
     Dl_info own;
@@ -29,7 +30,7 @@ ehd_status hdf5_load(const hdf5_calls **calls, const char *path, ehd_error *erro
 
     *calls = NULL;
     choose_plugin(name, sizeof name);
-    void *plugin = dlopen(name, RTLD_NOW | RTLD_LOCAL); // stays, as HDF5 does
+    void *plugin = dlopen(name, RTLD_NOW | RTLD_LOCAL); // stays loaded, as HDF5 does
     const hdf5_calls *found = plugin ? dlsym(plugin, HDF5_TABLE) : NULL;
     if (!found)
         status = ehd_fail(error, EHD_DATA,

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* libehdrom-hdf5.so.0: common/artefact and this table, the only name of it that is seen. */
+/* libehdrom-hdf5.so.0: common/artefact and this table, the only name that it exports. */
 #include "romrun/library/ehdrom.h"
 #include "romrun/library/hdf5_calls.h"
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Models, and what all calls need. */
+/* Models, and functions that all calls need. */
 #include "romrun/library/internal.h"
 
 #include "common/artefact/artefact.h"
@@ -23,10 +23,10 @@ const char *ehdrom_version(void) {
     return EHDROM_VERSION;
 }
 
-// ---- what all calls need
+// ---- for all calls
 
 locale_t library_enter(void) {
-    // glibc's own, which takes no memory
+    // the locale is glibc's own, which takes no memory
     return uselocale(newlocale(LC_ALL_MASK, "C", (locale_t)0));
 }
 
@@ -62,7 +62,7 @@ ehd_status library_give(void *target, const void *source, size_t size, const cha
 
 // ---- models
 
-/* What the caller has of the options; the rest is 0. */
+/* Copies the options that the caller's struct contains; the others are 0. */
 static ehd_status take_options(ehdrom_model_options *own, const ehdrom_model_options *given,
                                ehd_error *error) {
     *own = (ehdrom_model_options)EHDROM_MODEL_OPTIONS_INIT;
@@ -87,7 +87,7 @@ static ehd_status open_model(ehdrom_model *self, const char *path,
         return ehd_fail(error, EHD_DATA,
                         "%s: found a list of models with sizes in the options, expected one model",
                         path);
-    bool flat = false; // of which neither HDF5 nor FFTW is asked
+    bool flat = false; // flat models use neither HDF5 nor FFTW
     status = online_is_flat(&flat, path, error);
     if (status) return status;
     if (!flat) library_lock();
@@ -117,7 +117,7 @@ static ehdrom_status make_model(ehdrom_model **model, const char *path,
     return (ehdrom_status)status;
 }
 
-/* The first call of every user of the library, so that the processor is checked here. */
+/* Opens a model. It is the first call of every program, so the processor is checked here. */
 ON_ANY_PROCESSOR ehdrom_status ehdrom_model_open(ehdrom_model **model, const char *path,
                                                  const ehdrom_model_options *options) {
     *model = NULL;

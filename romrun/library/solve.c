@@ -9,7 +9,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* What the trust in a result rests on. */
+/* Sets EHDROM_UNTRUSTED and a reason if an error estimate exceeds the accuracy, or if the model
+ * was not checked. */
 static void judge(ehdrom_contact *self, ehdrom_result *result, const char **reason, bool in_time) {
     const double accuracy = isnan(self->accuracy) ? online_accuracy : self->accuracy;
     const online_properties properties = online_describe(self->model->online);
@@ -23,7 +24,8 @@ static void judge(ehdrom_contact *self, ehdrom_result *result, const char **reas
     if (*reason) result->status = EHDROM_UNTRUSTED;
 }
 
-/* Scalars in the caller's units, of a contact whose half width is `width` times the reference's. */
+/* Fills in scalars in the caller's units. `width`: half width of the contact over the
+ * reference's. */
 static void fill(ehdrom_result *result, const contact_scalars *scalars, double peak, double width,
                  const unit_factors *units) {
     result->load = scalars->load * units->load;
@@ -36,7 +38,7 @@ static void fill(ehdrom_result *result, const contact_scalars *scalars, double p
     result->half_width = width * units->length;
 }
 
-/* Judges and hands over a result; the outcome is what the call returns. */
+/* Judges a result, copies it to the caller's struct, and returns its outcome. */
 static ehd_status give(ehdrom_contact *self, ehdrom_result *target, ehdrom_result *own,
                        const char *reason, bool in_time) {
     judge(self, own, &reason, in_time);
@@ -53,7 +55,8 @@ static ehd_status give(ehdrom_contact *self, ehdrom_result *target, ehdrom_resul
 
 // ---- stationary
 
-/* Sets EHD_UNTRUSTED where the grid of the training is too coarse to estimate its error, as romrun does. */
+/* Sets EHD_UNTRUSTED if the grid of the training is too coarse to estimate its error, as romrun
+ * does. */
 static void judge_grid(online_result *found, const ehdrom_contact *self) {
     if (found->status) return;
     const film_effects effects = online_effects(self->model->online, &self->solved);
@@ -104,14 +107,14 @@ ehdrom_status ehdrom_solve(ehdrom_contact *self, ehdrom_result *result) {
 
 // ---- in time
 
-/* No accepted state. */
+/* Discards the accepted state. */
 static void forget_time(ehdrom_contact *self) {
     self->last = LAST_NONE;
     self->differentiable = OF_NOTHING;
     self->started = self->can_accept = false;
 }
 
-/* A new reference, by the settings as they are now. */
+/* Takes the settings as they are now as the reference. */
 static ehd_status take_reference(ehdrom_contact *self) {
     ehd_error *error = &self->error;
     ehd_status status = online_check_in_time(self->model->online, error);
@@ -134,7 +137,7 @@ static ehd_status take_reference(ehdrom_contact *self) {
     return EHD_OK;
 }
 
-/* Before steps: their tolerance, which may have been set since. */
+/* Sets the tolerance of the steps, which may have changed since the last call. */
 static void use_step_tolerance(ehdrom_contact *self) {
     if (!isnan(self->step_tolerance))
         online_transient_set_tolerance(self->in_time, self->step_tolerance);
@@ -175,7 +178,7 @@ ehd_status library_conditions(online_conditions *own, const ehdrom_conditions *g
         if (given->size < (size_t)((const char *)(parts[i].value + 1) - (const char *)&all))
             return ehd_fail(error, EHD_DATA, "%s: found a struct that ends before it",
                             parts[i].name);
-        // here, where it is in the caller's units
+        // checked here, where it is in the caller's units
         if (!isfinite(value) || !(value > parts[i].above || (may_be_zero && value == 0)))
             return ehd_fail(error, EHD_DATA, "%s: found %g, expected a %s", parts[i].name, value,
                             !isfinite(value) ? "finite number"
@@ -190,7 +193,7 @@ ehd_status library_conditions(online_conditions *own, const ehdrom_conditions *g
     return EHD_OK;
 }
 
-/* What holds at the end of a step. */
+/* Converts the conditions at the end of a step. */
 static ehd_status take_conditions(online_conditions *own, ehdrom_contact *self,
                                   const ehdrom_conditions *given) {
     *own = (online_conditions){.load = 1, .approach = NAN, .speed = 1, .radius = 1, .modulus = 1};
@@ -247,7 +250,7 @@ ehdrom_status ehdrom_start(ehdrom_contact *self, const ehdrom_conditions *condit
     return (ehdrom_status)status;
 }
 
-/* EHD_INTERNAL: not in time. */
+/* Begins a call that needs an accepted state. EHD_INTERNAL: there is none. */
 static ehd_status begin_in_time(ehdrom_contact *self, const char *what) {
     const ehd_status status = library_begin(self);
 
@@ -288,7 +291,8 @@ ehdrom_status ehdrom_step(ehdrom_contact *self, const ehdrom_conditions *conditi
     return (ehdrom_status)status;
 }
 
-/* Arrays of the caller's structs, which may be smaller or larger than those of this library. */
+/* Walks through the arrays by the size of the caller's structs, which may differ from the
+ * library's. */
 ehdrom_status ehdrom_step_many(ehdrom_contact *const *contacts, const ehdrom_conditions *conditions,
                                double step, ehdrom_result *results, size_t count) {
     const char *given = (const char *)conditions;
@@ -331,9 +335,9 @@ ehdrom_status ehdrom_restart(ehdrom_contact *self) {
 
 // ---- saved states
 
-/* In front of a saved state: what it belongs to. */
+/* Numbers in front of a saved state, which identify its model and settings. */
 enum { SAVED_MARK, SAVED_COUNT, SAVED_M, SAVED_L, SAVED_ALPHA, SAVED_LENGTH, NUM_SAVED };
-static const double saved_mark = 3004; // of this version of the layout
+static const double saved_mark = 3004; // version of this layout
 
 static void head_of(double head[NUM_SAVED], const ehdrom_contact *self) {
     const ehd_contact *reference = &self->reference;
@@ -377,7 +381,8 @@ ehdrom_status ehdrom_state_save(ehdrom_contact *self, double *state, size_t coun
     return EHDROM_OK;
 }
 
-/* In what is there already, where the settings are the same: to make that anew takes four fifths of the time. */
+/* Restores a state. It reuses the object for steps if the settings are unchanged, since creating
+ * it takes four fifths of the time. */
 static ehd_status restore(ehdrom_contact *self, const double *state, size_t count) {
     double head[NUM_SAVED];
     ehd_status status = EHD_OK;
@@ -413,7 +418,8 @@ ehdrom_status ehdrom_state_restore(ehdrom_contact *self, const double *state, si
 
 // ---- fields
 
-/* What scales the solution that fields are of, in the caller's units. EHD_INTERNAL: there is none. */
+/* Returns the scales of the solution that the fields belong to, in the caller's units.
+ * EHD_INTERNAL: there is no solution. */
 static ehd_status scales_of_fields(unit_factors *scales, const ehdrom_contact *self,
                                    ehd_error *error) {
     if (self->last == LAST_NONE)
@@ -428,13 +434,13 @@ static ehd_status scales_of_fields(unit_factors *scales, const ehdrom_contact *s
     return EHD_OK;
 }
 
-/* The callers' arrays are as long as the grid with most nodes takes. */
+/* Fills the caller's array with NaN behind `num` numbers. It is as long as the grid with the most
+ * nodes needs. */
 static void fill_behind(double *values, size_t num, size_t length) {
     for (size_t k = num; values && k < length; k++)
         values[k] = NAN;
 }
 
-/* Of what came last. */
 ehdrom_status ehdrom_nodes(ehdrom_contact *self, size_t *num_x, size_t *num_y) {
     const ehd_status status = library_begin(self);
 
@@ -465,7 +471,6 @@ const ehd_grid *library_grid(const ehdrom_contact *self) {
                                      : online_grid(self->model->online);
 }
 
-/* Both fields at the nodes of what came last. */
 ehd_status library_fields(ehdrom_contact *self) {
     const size_t num_nodes = online_grid(self->model->online)->num_nodes;
     ehd_status status;

@@ -9,12 +9,12 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* What a traction is of. */
+/* The state whose traction is computed. */
 typedef struct slid_state {
     bool solved;           // stationary, else in time
-    bool attempted;        // a step that is not accepted yet
-    contact_frame frame;   // its own
-    contact_scalars there; // in the reference frame
+    bool attempted;        // it is a step that is not accepted yet
+    contact_frame frame;   // of this state
+    contact_scalars there; // scalars in the reference frame
 } slid_state;
 
 static slid_state last_state(const ehdrom_contact *self) {
@@ -31,8 +31,8 @@ static slid_state attempted_state(const ehdrom_contact *self) {
         .attempted = true, .frame = online_attempt_frame(self->in_time), .there = self->stepped};
 }
 
-/* The contact of a state in its own frame, sliding, and its scalars there. `sliding`: u1 - u2 over the
- * reference's mean speed. */
+/* Returns the contact of a state in its own frame, with the sliding, and its scalars there.
+ * `sliding`: u1 - u2 over the reference's mean speed. */
 static void take_state(ehd_contact *contact, contact_scalars *scalars, const ehdrom_contact *self,
                        const slid_state *of, double sliding) {
     const contact_frame *frame = &of->frame;
@@ -43,14 +43,14 @@ static void take_state(ehd_contact *contact, contact_scalars *scalars, const ehd
     } else {
         frame_contact(contact, frame, &self->reference);
         *scalars = frame_from_reference(&of->there, frame, &self->reference);
-        // whatever the mean speed, which may be 0
+        // for the reference's mean speed, since the present mean speed may be 0
         contact->far_speed = 1 / frame->half_width;
     }
-    contact->grid = *library_grid(self); // a scene may leave it to the model
+    contact->grid = *library_grid(self); // a scene may leave the grid to the model
     contact->slide_roll = sliding;
 }
 
-/* By the model's few nodes where it has them, else from the fields. */
+/* Computes the traction from the model's few nodes if it has them, otherwise from the fields. */
 static ehd_status find_traction(contact_traction *found, ehdrom_contact *self, const slid_state *of,
                                 const ehd_contact *contact, const contact_scalars *scalars) {
     const bool few_nodes = online_has_traction(self->model->online);
@@ -76,7 +76,8 @@ static ehd_status find_traction(contact_traction *found, ehdrom_contact *self, c
     return status;
 }
 
-/* NaN where the caller's struct has no place for it, which then costs nothing. */
+/* Estimates the error of the friction of a stationary solution; else NaN. It is NaN, at no cost,
+ * if the caller's struct has no member for it. */
 static double indicated_friction(ehdrom_contact *self, const slid_state *of,
                                  const ehd_contact *contact, double friction,
                                  const ehdrom_traction *traction) {
@@ -89,7 +90,8 @@ static const unit_factors *units_of(const ehdrom_contact *self, const slid_state
     return of->solved ? &self->solved_units : &self->reference_units;
 }
 
-/* u1 - u2 of a caller, in its units; NaN becomes that of the settings. EHD_DATA. */
+/* Checks the caller's u1 - u2, in the caller's units; replaces NaN by the value of the settings.
+ * EHD_DATA. */
 static ehd_status find_sliding(double *sliding, ehdrom_contact *self, const slid_state *of) {
     const ehd_contact *reference = of->solved ? &self->solved : &self->reference;
 
@@ -171,7 +173,7 @@ ehdrom_status ehdrom_slide_step(ehdrom_contact *self, double sliding, ehdrom_tra
 
 // ---- stresses at all nodes
 
-/* Both stresses, in units of the Hertz pressure, at the nodes of library_grid. */
+/* Computes both stresses, in units of the Hertz pressure, at the nodes of library_grid. */
 static ehd_status surface_stresses(double *on_1, double *on_2, ehdrom_contact *self,
                                    const slid_state *of, double sliding) {
     ehd_contact contact;
