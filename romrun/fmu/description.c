@@ -9,7 +9,7 @@
 
 const char fmu_identifier[] = "ehdrom_contact";
 
-// the newest symbols of the shared object: hypot (2.35), with newer headers fmod and strtoull (2.38)
+// newest symbols of the shared object: hypot (2.35), with newer headers fmod and strtoull (2.38)
 #if __GLIBC_PREREQ(2, 38)
 #define NEEDED_GLIBC "2.38"
 #else
@@ -36,7 +36,7 @@ static void put_escaped(FILE *file, const char *text) {
         }
 }
 
-/* An attribute, with a space before it. */
+/* Writes an attribute, with a space before it. */
 static void put(FILE *file, const char *name, const char *value) {
     fprintf(file, " %s=\"", name);
     put_escaped(file, value);
@@ -98,7 +98,7 @@ static const char *variability(const fmu_variable *variable) {
     return variable->type == FMU_REAL ? "continuous" : "discrete";
 }
 
-/* What both versions say of a variable in the same words. */
+/* Writes the attributes of a variable that both versions share. */
 static void put_common(FILE *file, size_t reference) {
     const fmu_variable *variable = &fmu_variables[reference];
 
@@ -135,9 +135,9 @@ static void put_variables(FILE *file, const fmu_contents *contents, int fmi) {
     fputs("  </ModelVariables>\n", file);
 }
 
-/* All outputs, which depend on all inputs and on what was before: the default. */
+/* Lists all outputs. They depend on all inputs and on the past, which is the default. */
 static void put_outputs(FILE *file, const fmu_contents *contents, int fmi, const char *element) {
-    size_t index = 0; // of all variables, from 1
+    size_t index = 0; // among all variables, from 1
 
     for (size_t i = 0; i < FMU_NUM_VARIABLES; i++) {
         if (!contents->has[i]) continue;
@@ -158,9 +158,9 @@ static void put_structure(FILE *file, const fmu_contents *contents, int fmi) {
     fputs("  </ModelStructure>\n", file);
 }
 
-// ---- the whole
+// ---- the whole file
 
-/* What the FMU can do, in the words of each version. */
+/* Writes the abilities of the FMU, by the names of each version. */
 static void put_abilities(FILE *file, int fmi) {
     fputs("  <CoSimulation", file);
     put(file, "modelIdentifier", fmu_identifier);

@@ -19,12 +19,12 @@
 
 enum { MAX_ENTRIES = 64, NAME_SIZE = 320 };
 
-/* All that goes into one FMU, and what it takes to make it. */
+/* All that goes into one FMU, and the data to make it. */
 typedef struct export_job {
     const program *caller;
     const fmu_request *request;
-    char installed[PATH_MAX]; // where the shared object and the licences are
-    char folder[PATH_MAX];    // with its resources, of this process
+    char installed[PATH_MAX]; // folder of the shared object and the licences
+    char folder[PATH_MAX];    // temporary folder of the resources
     fmu_contents contents;
     double step; // s
     char *description, *page;
@@ -39,9 +39,10 @@ static const char *const resources[] = {"contact.txt", "contact.yml", "model.ehd
 enum { NUM_RESOURCES = sizeof resources / sizeof *resources };
 static const char shared_object[] = "fmu.so";
 
-// ---- where things are
+// ---- paths
 
-/* ../lib/ehdrom from the program, in the build's folder as where it is installed. */
+/* Finds ../lib/ehdrom relative to the program, both in the build's folder and after
+ * installation. */
 static ehd_status find_installed(export_job *job, ehd_error *error) {
     char self[PATH_MAX], path[PATH_MAX];
     const ssize_t length = readlink("/proc/self/exe", self, sizeof self - 1);
@@ -68,7 +69,8 @@ static ehd_status path_in(char path[PATH_MAX], const char *folder, const char *n
 
 // ---- resources
 
-/* Of speeds of both surfaces the mean and the ratio, which inputs then start from. */
+/* Replaces the speeds of both surfaces by their mean and slide_roll, from which the inputs
+ * start. */
 static scene with_mean_speed(const scene *given) {
     scene own = *given;
 
@@ -79,7 +81,7 @@ static scene with_mean_speed(const scene *given) {
     return own;
 }
 
-/* Without what others than the contact's settings are, and without paths. */
+/* Keeps the settings of the contact only, without paths. */
 static void strip(scene *settings, const scene *given) {
     *settings = with_mean_speed(given);
     for (const setting *row = scene_settings(); row->key; row++)
@@ -88,7 +90,7 @@ static void strip(scene *settings, const scene *given) {
              strcmp(row->key, "transient.smoothing") != 0))
             setting_clear(row, settings);
     if (strcmp(settings->regime, "transient") == 0)
-        scene_set(settings, "transient.end_time", "1", NULL, NULL); // which a scene needs
+        scene_set(settings, "transient.end_time", "1", NULL, NULL); // a transient scene needs it
 }
 
 static ehd_status open_to_write(FILE **file, const export_job *job, const char *name,
@@ -103,7 +105,7 @@ static ehd_status open_to_write(FILE **file, const export_job *job, const char *
                             strerror(errno));
 }
 
-/* Closes a file that was written, whatever came of it. */
+/* Closes a file and checks that all of it was written. */
 static ehd_status close_written(FILE *file, const char *name, ehd_error *error) {
     const bool failed = ferror(file) != 0;
 
@@ -127,7 +129,7 @@ static ehd_status write_scene(const export_job *job, ehd_error *error) {
     return status;
 }
 
-/* The model as a flat file, which is read without HDF5. */
+/* Writes the model as a flat file, since FMUs have no HDF5. */
 static ehd_status write_model(const export_job *job, ehd_error *error) {
     const fmu_request *request = job->request;
     online_model *model = NULL;
@@ -140,7 +142,7 @@ static ehd_status write_model(const export_job *job, ehd_error *error) {
     return status;
 }
 
-/* A token of all that decides what the FMU does. */
+/* Makes a token from all data that decide what the FMU does. */
 static ehd_status make_token(export_job *job, ehd_error *error) {
     const char *const files[] = {"contact.yml", "model.ehdrom", shared_object};
     struct sha256_ctx context;
@@ -181,7 +183,7 @@ static ehd_status library_failed(const export_job *job, const ehdrom_contact *co
                     job->caller->arguments[0], ehdrom_contact_error(contact));
 }
 
-/* The contact of the resources: where it begins to be approached from, and its time scale. */
+/* Starts the contact of the resources; takes its approach at the start and its time scale. */
 static ehd_status ask_contact(export_job *job, ehdrom_contact *contact, ehd_error *error) {
     ehdrom_result result = EHDROM_RESULT_INIT;
     ehdrom_scales scales = EHDROM_SCALES_INIT;
@@ -218,7 +220,7 @@ static ehd_status find_approach(export_job *job, ehd_error *error) {
     return status;
 }
 
-/* A number of the scene. */
+/* Returns a number of the scene. */
 static double number_of(const setting *row, const scene *of) {
     double value = 0;
 
@@ -226,7 +228,7 @@ static double number_of(const setting *row, const scene *of) {
     return value;
 }
 
-/* Which variables there are, and the scene's values of them. */
+/* Chooses the variables and takes their start values from the scene. */
 static ehd_status fill_contents(export_job *job, ehd_error *error) {
     const scene own = with_mean_speed(job->request->given), *const given = &own;
     fmu_contents *contents = &job->contents;
@@ -270,7 +272,7 @@ static void keep_failure(void *to, fmu_outcome of, const char *text) {
     if (of != FMU_DONE) ehd_fail(to, EHD_INTERNAL, "fmu: %s", text);
 }
 
-/* As an importer does. What is read then was written just before. */
+/* Uses the FMU like an importer, for one step. It reads files that were just written. */
 static ehd_status try_out(const export_job *job, ehd_error *error) {
     ehd_no_memory(error, "fmu");
     errno = 0;
@@ -287,7 +289,7 @@ static ehd_status try_out(const export_job *job, ehd_error *error) {
 
 // ---- the package
 
-/* Name in the zip: two parts. */
+/* Adds an entry, whose name in the zip is `folder` and `name` together. */
 static package_entry *add(export_job *job, const char *folder, const char *name) {
     if (job->num_entries == MAX_ENTRIES) return NULL;
     package_entry *entry = &job->entries[job->num_entries];
@@ -333,11 +335,11 @@ static ehd_status add_licences(export_job *job, ehd_error *error) {
     return status;
 }
 
-/* SOURCE_DATE_EPOCH: 0 where there is none. */
+/* Reads SOURCE_DATE_EPOCH; 0: not set. */
 static ehd_status time_told(time_t *when, ehd_error *error) {
     const char *text = getenv("SOURCE_DATE_EPOCH");
     size_t seconds = 0;
-    // what a zip can tell ends with 2107
+    // the time of a zip ends in 2107
     const ehd_status status = text ? parse_count(&seconds, text, 315532800, 4354819199,
                                                  "SOURCE_DATE_EPOCH", EHD_USAGE, error)
                                    : EHD_OK;
@@ -394,7 +396,7 @@ static ehd_status pack(export_job *job, ehd_error *error) {
                                   job->caller->force, error);
 }
 
-// ---- all of it
+// ---- the whole export
 
 static ehd_status make_folder(export_job *job, ehd_error *error) {
     const char *given = getenv("TMPDIR"), *parent = given && *given ? given : "/tmp";

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* romrun --fmu: an FMU of a scene and a model. */
+/* romrun --fmu: writes an FMU of a scene and a model. */
 #ifndef EHD_FMU_EXPORT_H
 #define EHD_FMU_EXPORT_H
 
@@ -9,15 +9,16 @@
 
 typedef struct fmu_request {
     const char *model;       // file
-    const part_sizes *sizes; // of it; 0: all
+    const part_sizes *sizes; // sizes of the model; 0: all
     const scene *given;
-    double accuracy; // above which an indicated deviation is not trusted
+    double accuracy; // a result with a larger error estimate is not trusted
     int fmi;         // 2 or 3
 } fmu_request;
 
-/* Writes caller->output. The FMU's contact is started before, so that one that cannot be solved is not
- * exported: EHD_NOT_CONVERGED. Also EHD_DATA: a scene without SI units; EHD_NOINPUT: the shared
- * object or the model is missing; and as package_write. Not to be trusted at its start is a note. */
+/* Writes caller->output. Before, it starts the FMU's contact and makes one step; if they fail,
+ * nothing is written: EHD_NOT_CONVERGED. Also EHD_DATA: a scene without SI units; EHD_NOINPUT: the
+ * shared object or the model is missing; and the errors of package_write. If the start is not
+ * trusted, the program only prints a note. */
 ehd_status fmu_export(const program *caller, const fmu_request *request, ehd_error *error);
 
 #endif

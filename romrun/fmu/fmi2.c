@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* FMI 2.0 as seen from outside: each call is one of instance.h. */
+/* The functions of FMI 2.0, implemented with instance.h. */
 #include "romrun/fmu/fmi2.h"
 
 #include "romrun/fmu/instance.h"
@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The instance and who is told. */
+/* The instance and its logger. */
 typedef struct component {
     fmu_instance *contact;
     fmi2CallbackLogger logger;
@@ -57,7 +57,7 @@ static int digit_of(char c) {
     return found ? (int)(found - digits) : -1;
 }
 
-/* The folder of a file URI (RFC 8089): "file:///a%20b", "file:/a", or without scheme. */
+/* Finds the folder of a file URI (RFC 8089): "file:///a%20b", "file:/a", or without scheme. */
 static bool folder_of(char folder[PATH_MAX], const char *uri) {
     size_t length = 0;
 
@@ -81,7 +81,7 @@ fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, f
     char folder[PATH_MAX];
     component *self = calloc(1, sizeof *self);
 
-    (void)visible; // there is nothing to see
+    (void)visible; // there is nothing to show
     if (!self) return NULL;
     if (functions) {
         self->logger = functions->logger;
@@ -109,7 +109,7 @@ void fmi2FreeInstance(fmi2Component c) {
 
 fmi2Status fmi2SetDebugLogging(fmi2Component c, fmi2Boolean on, size_t num_categories,
                                const fmi2String categories[]) {
-    (void)num_categories; // errors are always told
+    (void)num_categories; // errors are always logged
     (void)categories;
     fmu_set_verbose(contact_of(c), on != fmi2False);
     return fmi2OK;
@@ -248,7 +248,8 @@ fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReferenc
                                   direction, derivative));
 }
 
-/* Of these only the time says something of an FMU whose steps are over when they return. */
+/* Returns the time of the last successful step. The other kinds do not apply: steps are over when
+ * the call returns. */
 fmi2Status fmi2GetRealStatus(fmi2Component c, fmi2StatusKind kind, fmi2Real *value) {
     if (kind != fmi2LastSuccessfulTime) return refuse(c, __func__);
     *value = fmu_time(contact_of(c));
@@ -261,7 +262,8 @@ fmi2Status fmi2GetBooleanStatus(fmi2Component c, fmi2StatusKind kind, fmi2Boolea
     return fmi2OK;
 }
 
-// ---- what is not offered: strings, derivatives in time, steps that go on behind a return, model exchange
+// ---- not offered
+// strings, derivatives in time, steps that continue after the call returns, model exchange
 
 #pragma GCC diagnostic ignored "-Wunused-parameter"
 

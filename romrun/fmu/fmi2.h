@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* FMI 2.0 (Functional Mock-up Interface for Model Exchange and Co-Simulation, 2.0.4): its types and all its
- * functions. What they mean stands in the standard, in its order. */
+/* FMI 2.0 (Functional Mock-up Interface for Model Exchange and Co-Simulation, 2.0.4): its types
+ * and all its functions, in the order of the standard, which explains them. */
 #ifndef EHD_FMI2_H
 #define EHD_FMI2_H
 
@@ -55,7 +55,7 @@ typedef struct {
     fmi2Real nextEventTime;
 } fmi2EventInfo;
 
-// ---- what both kinds of FMU have
+// ---- functions of both kinds of FMU
 
 FMI2_EXPORT const char *fmi2GetTypesPlatform(void);
 FMI2_EXPORT const char *fmi2GetVersion(void);

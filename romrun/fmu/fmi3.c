@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* FMI 3.0 as seen from outside: each call is one of instance.h. */
+/* The functions of FMI 3.0, implemented with instance.h. */
 #include "romrun/fmu/fmi3.h"
 
 #include "romrun/fmu/instance.h"
@@ -7,7 +7,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* The instance and who is told. */
+/* The instance and its logger. */
 typedef struct component {
     fmu_instance *contact;
     fmi3LogMessageCallback log;
@@ -49,7 +49,7 @@ fmi3InstantiateCoSimulation(fmi3String name, fmi3String token, fmi3String resour
                             fmi3LogMessageCallback log, fmi3IntermediateUpdateCallback update) {
     component *self = calloc(1, sizeof *self);
 
-    // nothing to see; it never returns early, and has no values between communication points
+    // nothing to show; no early return; no values between communication points
     (void)name, (void)visible, (void)early_return, (void)intermediate, (void)num_intermediate;
     (void)update;
     if (!self) return NULL;
@@ -76,7 +76,7 @@ void fmi3FreeInstance(fmi3Instance instance) {
 
 fmi3Status fmi3SetDebugLogging(fmi3Instance instance, fmi3Boolean on, size_t num_categories,
                                const fmi3String categories[]) {
-    (void)num_categories; // errors are always told
+    (void)num_categories; // errors are always logged
     (void)categories;
     fmu_set_verbose(contact_of(instance), on);
     return fmi3OK;
@@ -106,12 +106,12 @@ fmi3Status fmi3Reset(fmi3Instance instance) {
 
 // ---- variables
 
-/* None of them is an array. */
+/* Checks that there is one value for each reference, since no variable is an array. */
 static bool same_length(fmi3Instance instance, size_t num_refs, size_t num_values) {
     return num_refs == num_values || fmu_refuse(contact_of(instance), "arrays");
 }
 
-/* How the values of a type that variables have are told and set; `kind` is what instance.h calls them. */
+/* Get and set variables of one type; `kind` is its name in instance.h. */
 #define VARIABLES_OF(type, kind)                                                                   \
     fmi3Status fmi3Get##type(fmi3Instance instance, const fmi3ValueReference refs[],               \
                              size_t num_refs, fmi3##type values[], size_t num_values) {            \
@@ -194,7 +194,8 @@ fmi3Status fmi3GetDirectionalDerivative(fmi3Instance instance, const fmi3ValueRe
                                   seed, sensitivity));
 }
 
-// ---- what is not offered: other types, arrays, clocks, events, derivatives in time, configuration, other kinds of FMU
+// ---- not offered
+// other types, arrays, clocks, events, derivatives in time, configuration, other kinds of FMU
 
 #pragma GCC diagnostic ignored "-Wunused-parameter"
 
@@ -223,7 +224,7 @@ fmi3Status fmi3EnterEventMode(fmi3Instance instance) {
     return refuse(instance, __func__);
 }
 
-/* Of the types that no variable has. */
+/* Refuse types that no variable has. */
 #define NO_VARIABLES_OF(type)                                                                      \
     fmi3Status fmi3Get##type(fmi3Instance instance, const fmi3ValueReference refs[],               \
                              size_t num_refs, fmi3##type values[], size_t num_values) {            \

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* FMI 3.0 (Functional Mock-up Interface 3.0): its types and all its functions. What they mean stands in the standard,
- * in its order. */
+/* FMI 3.0 (Functional Mock-up Interface 3.0): its types and all its functions, in the order of the
+ * standard, which explains them. */
 #ifndef EHD_FMI3_H
 #define EHD_FMI3_H
 
@@ -60,7 +60,7 @@ typedef void (*fmi3IntermediateUpdateCallback)(fmi3InstanceEnvironment environme
 typedef void (*fmi3LockPreemptionCallback)(void);
 typedef void (*fmi3UnlockPreemptionCallback)(void);
 
-// ---- what all kinds of FMU have
+// ---- functions of all kinds of FMU
 
 FMI3_EXPORT const char *fmi3GetVersion(void);
 FMI3_EXPORT fmi3Status fmi3SetDebugLogging(fmi3Instance instance, fmi3Boolean on,

@@ -16,27 +16,27 @@ typedef enum fmu_mode {
     MODE_TERMINATED
 } fmu_mode;
 
-/* Inputs at a time, as the contact takes them. */
+/* Inputs at a time, in the form for the contact. */
 typedef struct conditions {
     double given; // load or approach
     double speed, radius;
-    double sliding; // surface 1 less surface 2
+    double sliding; // speed of surface 1 minus speed of surface 2
 } conditions;
 
-/* All that a saved state holds beside the contact's own. */
+/* The part of a saved state that is not the contact's own. */
 typedef struct moment {
     char mark[8];
     char token[FMU_TOKEN];
     fmu_mode mode;
     double time, stop;
     double values[FMU_NUM_VARIABLES];
-    bool solved;      // the outputs are of the inputs (initialization)
+    bool solved;      // initialization: the outputs belong to the inputs
     double pending;   // s, a step that the contact has taken and not accepted; 0: none
-    double last;      // s, the last internal step; 0: none
-    double noise;     // level of local errors that was lately taken for noise
-    bool noisy;       // the log has told of it
-    conditions held;  // at the contact's last state
-    conditions aimed; // at the end of the pending step
+    double last;      // s, length of the last internal step; 0: none
+    double noise;     // level of local errors that were recently taken for noise
+    bool noisy;       // it has been logged
+    conditions held;  // conditions of the contact's last accepted state
+    conditions aimed; // conditions at the end of the pending step
 } moment;
 
 static const char state_mark[8] = "ehdfmu4";
@@ -49,10 +49,10 @@ struct fmu_instance {
     char *resources; // the folder
     ehdrom_model *model;
     ehdrom_contact *contact;
-    ehdrom_contact *stationary; // of the stationary outputs; NULL: nobody has asked yet
-    bool responded;             // these are of the present outputs
-    bool slid;                  // so is the friction
-    void *before;               // the state before a step
+    ehdrom_contact *stationary; // for the stationary outputs; NULL: not read yet
+    bool responded;             // the stationary outputs belong to the present outputs
+    bool slid;                  // the friction belongs to the present outputs
+    void *before;               // saved state before a step
     moment now;
 };
 
@@ -229,7 +229,7 @@ bool fmu_set(fmu_instance *self, unsigned reference, fmu_type type, double value
     return true;
 }
 
-/* Those of ehdrom_result. */
+/* Copies the outputs that are members of ehdrom_result. */
 static void take_outputs(double values[FMU_NUM_VARIABLES], const ehdrom_result *result) {
     for (size_t i = 0; i < FMU_NUM_VARIABLES; i++) {
         const fmu_variable *variable = &fmu_variables[i];
@@ -253,7 +253,7 @@ static conditions conditions_of(const double values[FMU_NUM_VARIABLES], bool app
                         .sliding = values[FMU_SPEED_1] - values[FMU_SPEED_2]};
 }
 
-/* `part` of the way. */
+/* Interpolates linearly between two conditions. */
 static conditions between(const conditions *from, const conditions *to, double part) {
     if (part == 1) return *to;
     return (conditions){.given = from->given + (to->given - from->given) * part,
@@ -273,7 +273,7 @@ static ehdrom_conditions for_library(const fmu_instance *self, const conditions 
     return whole;
 }
 
-/* The last step, or the start, once more with other inputs, from the same state. */
+/* Repeats the last step, or the start, from the same state with other inputs. */
 static ehdrom_status repeat(fmu_instance *self, const conditions *at, ehdrom_result *result) {
     const ehdrom_conditions whole = for_library(self, at);
 
@@ -286,8 +286,8 @@ static bool took(const fmu_instance *self, ehdrom_status status) {
     return fail(self, "%s", ehdrom_contact_error(self->contact));
 }
 
-/* A film that the sliding thins is of the scene's slide-roll ratio at any speed. `at`: conditions, or how
- * fast they change. */
+/* Checks the ratio of sliding to mean speed: a film that the sliding thins belongs to the scene's
+ * slide_roll at any speed. `at`: conditions, or their rates of change. */
 static bool keeps_ratio(const fmu_instance *self, const conditions *at, const char *what) {
     const double expected = self->contents.ratio * at->speed;
 
@@ -298,7 +298,7 @@ static bool keeps_ratio(const fmu_instance *self, const conditions *at, const ch
                 what, at->sliding, expected);
 }
 
-/* The scene's settings with the parameters. */
+/* Sets the FMU's parameters in the contact. */
 static bool take_parameters(const fmu_instance *self, ehdrom_contact *contact) {
     ehdrom_status status = EHDROM_OK;
 
@@ -317,7 +317,7 @@ static void tell_trust(const fmu_instance *self, const ehdrom_result *result) {
             ehdrom_contact_error(self->contact));
 }
 
-/* The stationary contact of the inputs, unless it is known. */
+/* Solves the stationary contact of the inputs, unless the outputs belong to them already. */
 static bool start(fmu_instance *self) {
     moment *now = &self->now;
     ehdrom_result result = EHDROM_RESULT_INIT;
@@ -338,7 +338,8 @@ static bool start(fmu_instance *self) {
 
 // ---- the stationary response
 
-/* The scene's settings with the parameters and with conditions, the force in place of the approach. */
+/* Sets the parameters and conditions in the stationary contact, with the force in place of the
+ * approach. */
 static bool set_stationary(fmu_instance *self, const conditions *at, double force) {
     ehdrom_contact *contact = self->stationary;
     const struct {
@@ -354,7 +355,7 @@ static bool set_stationary(fmu_instance *self, const conditions *at, double forc
     return status ? fail(self, "%s", ehdrom_contact_error(contact)) : true;
 }
 
-/* The stationary outputs into values; NaN where such a contact rests or has no solution. */
+/* Computes the stationary outputs; NaN if the contact rests or has no solution. */
 static bool respond(fmu_instance *self, const conditions *at, double force,
                     double values[FMU_NUM_VARIABLES]) {
     ehdrom_result result = EHDROM_RESULT_INIT;
@@ -378,7 +379,7 @@ static bool respond(fmu_instance *self, const conditions *at, double force,
     return true;
 }
 
-/* Of the last outputs, unless they are known. */
+/* Computes the stationary outputs that belong to the present outputs, unless they are known. */
 static bool respond_now(fmu_instance *self) {
     moment *now = &self->now;
 
@@ -387,9 +388,9 @@ static bool respond_now(fmu_instance *self) {
     return self->responded;
 }
 
-// ---- the traction
+// ---- traction
 
-/* That of the last step, or of the start, with the sliding of its end. */
+/* Computes the traction of the last step, or of the start, with the sliding at its end. */
 static bool slide(fmu_instance *self, const conditions *at, double values[FMU_NUM_VARIABLES]) {
     ehdrom_traction traction = EHDROM_TRACTION_INIT;
 
@@ -407,7 +408,7 @@ static bool slide(fmu_instance *self, const conditions *at, double values[FMU_NU
     return true;
 }
 
-/* Of the last outputs, unless it is known. */
+/* Computes the traction that belongs to the present outputs, unless it is known. */
 static bool slide_now(fmu_instance *self) {
     if (!self->slid) self->slid = slide(self, &self->now.aimed, self->now.values);
     return self->slid;
@@ -453,7 +454,7 @@ bool fmu_reset(fmu_instance *self) {
 
 // ---- steps
 
-/* The pending step is taken for good. */
+/* Accepts the pending step. */
 static bool accept(fmu_instance *self) {
     moment *now = &self->now;
 
@@ -465,36 +466,40 @@ static bool accept(fmu_instance *self) {
     return true;
 }
 
-/* Halvings of a step that does not converge, before it is discarded: a part of one millionth. */
+/* Most halvings of a step that does not converge: down to a millionth of the communication step.
+ * Then it is discarded. */
 enum { MOST_HALVINGS = 20 };
 
-/* A communication step is discarded if it stands still: after so many attempts, if as many as the last ones have done would
- * take more than MOST_ATTEMPTS to its end. Towards a load that no contact has, each millionth of a step may converge: with
- * the gcc of Debian 13 a step of tests/pipeline/fmu.bats then went on for more than 17 minutes. */
+/* A communication step is discarded if it stands still. This is checked after every
+ * WATCHED_ATTEMPTS: at the rate of the last ones the rest would take more than MOST_ATTEMPTS.
+ * Towards a load that no contact has, each millionth of a step may converge; one step of
+ * tests/pipeline/fmu.bats then took more than 17 minutes. */
 enum { WATCHED_ATTEMPTS = 100, MOST_ATTEMPTS = 100000 };
 
-/* Halvings of a step whose local error is too large, before the error is taken for noise. A local error falls with the third
- * power of the step, behind a kink of the inputs with the second or first. With the line of tests/pipeline/fmu.bats and
- * steps of 1/40 of a/u, errors stop falling after 6 to 10 halvings, at 2e-8 to 8e-8 of the film. */
+/* Most halvings of a step whose local error is too large; then the error is taken for noise. A
+ * local error falls with the third power of the step, behind a kink of the inputs with the second
+ * or first. On the line of tests/pipeline/fmu.bats errors stop falling after 6 to 10 halvings, at
+ * 2e-8 to 8e-8 of the film. */
 enum { MOST_FOR_ERROR = 10 };
 
-static const double NOISE_KEPT =
-    0.9; // part of the noise level that is kept for the next step, as in march_run
+// part of the noise level that is kept for the next step, as in march_run
+static const double NOISE_KEPT = 0.9;
 
-/* A communication step: parts of it that are powers of 1/2, so that their sum is exact. */
+/* A communication step, in parts that are powers of 1/2, so that their sum is exact. */
 typedef struct stretch {
     double step;         // s
-    conditions from, to; // at its ends
-    double done, part;   // of it
+    conditions from, to; // at its beginning and end
+    double done, part;   // parts of the communication step: finished, and of the next attempt
     size_t steps, attempts;
-    double mark; // what was done when the last WATCHED_ATTEMPTS began
-    // of the attempts behind `done`:
+    double mark; // `done` when the last WATCHED_ATTEMPTS began
+    // of the attempts since `done`:
     int halvings;
-    double error; // local error of the attempt before, twice as long; 0: not converged, or none
-    int idle;     // halvings in a row that hardly changed the error
+    double error; // local error of the last attempt, twice as long; 0: it did not converge, or
+                  // none
+    int idle;     // halvings in a row that hardly reduced the error
 } stretch;
 
-/* Whether a step of the part is too long for the last one. */
+/* Checks whether a step of this part would be more than twice as long as the last one. */
 static bool grows_too_much(const moment *now, const stretch *of) {
     return now->last > 0 && of->part * of->step > 2 * now->last;
 }
@@ -505,12 +510,12 @@ static fmu_outcome halve(stretch *of) {
     return FMU_DONE;
 }
 
-/* Whether a local error is noise of the solver, which shorter steps do not reduce. If so, errors up to that level are
- * accepted for some steps, as in march_run. */
+/* Checks whether a local error is noise of the solver, which shorter steps do not reduce. If so,
+ * errors up to that level are accepted for some steps, as in march_run. */
 static bool is_noise(fmu_instance *self, stretch *of, double error, double accuracy) {
     moment *now = &self->now;
 
-    // half a step behind a kink of the inputs has half the error, which is no noise
+    // behind a kink of the inputs half a step has half the error, which is no noise
     of->idle = of->error > 0 && error > 0.75 * of->error ? of->idle + 1 : 0;
     of->error = error;
     if (of->idle < 2 && of->part > ldexp(1, -MOST_FOR_ERROR)) return false;
@@ -532,7 +537,7 @@ static void take_part(moment *now, stretch *of, const conditions *at) {
     of->steps++;
     of->halvings = of->idle = 0;
     of->error = 0;
-    // the next one may be longer where what is left is a multiple of that
+    // the next part may be twice as long if the rest is a multiple of it
     if (fmod(of->done, 2 * of->part) == 0) of->part *= 2;
 }
 
@@ -566,7 +571,7 @@ static fmu_outcome go_on(fmu_instance *self, stretch *of, ehdrom_result *result)
     return FMU_DONE;
 }
 
-/* Whether the last attempts have hardly got further. */
+/* Checks whether the last attempts have hardly advanced. */
 static bool stands_still(fmu_instance *self, stretch *of) {
     const double done = of->done - of->mark;
 
@@ -593,7 +598,7 @@ static fmu_outcome cross(fmu_instance *self, stretch *of, ehdrom_result *result)
     return outcome;
 }
 
-/* Times of an importer that adds up steps are not exact. */
+/* Checks the times of a step. An importer that adds up steps has round-off in its times. */
 static bool check_times(const fmu_instance *self, double time, double step) {
     const double slack = 1e-6 * step + 1e-12 * fabs(time);
 
@@ -608,7 +613,7 @@ static bool check_times(const fmu_instance *self, double time, double step) {
     return true;
 }
 
-/* Restores the state before a step that could not be done. */
+/* Restores the state before a step that failed or was discarded. */
 static void go_back(fmu_instance *self) {
     if (!fmu_state_set(self, self->before)) self->now.mode = MODE_TERMINATED;
 }
@@ -643,10 +648,10 @@ double fmu_time(const fmu_instance *self) {
 
 // ---- derivatives
 
-/* How far inputs are moved, relative: see README.md. */
+/* Relative change of the inputs for central differences: see README.md. */
 static const double relative_change = 1e-3;
 
-/* By how much a known may be moved. */
+/* Returns the scale of an input, for the size of its change. */
 static double scale_of(const fmu_instance *self, unsigned reference) {
     const double *values = self->now.values;
 
@@ -656,7 +661,8 @@ static double scale_of(const fmu_instance *self, unsigned reference) {
     return fabs(values[reference]);
 }
 
-/* The length of the direction that is gone each way; 0: it is none. -1: one by what rests. */
+/* Returns the length of the direction in which each difference goes. 0: the direction is zero; -1:
+ * an input to change is at rest. */
 static double reach(const fmu_instance *self, const unsigned knowns[], size_t num_knowns,
                     const double direction[]) {
     double most = 0;
@@ -674,7 +680,7 @@ static double reach(const fmu_instance *self, const unsigned knowns[], size_t nu
     return most > 0 ? relative_change / most : 0;
 }
 
-/* How fast conditions change along a direction. */
+/* Returns the rates of change of the conditions along a direction. */
 static conditions rate_of(const fmu_instance *self, const unsigned knowns[], size_t num_knowns,
                           const double direction[]) {
     double rates[FMU_NUM_VARIABLES] = {0};
@@ -684,7 +690,7 @@ static conditions rate_of(const fmu_instance *self, const unsigned knowns[], siz
     return conditions_of(rates, self->contents.approach_given);
 }
 
-/* Real outputs where the inputs are moved by `length` of the direction. */
+/* Computes the real outputs for inputs changed by `length` times the direction. */
 static bool outputs_at(fmu_instance *self, double outputs[FMU_NUM_VARIABLES],
                        const unsigned knowns[], size_t num_knowns, const double direction[],
                        double length, bool stationary, bool friction) {
@@ -702,7 +708,7 @@ static bool outputs_at(fmu_instance *self, double outputs[FMU_NUM_VARIABLES],
            (!stationary || respond(self, &at, result.load, outputs));
 }
 
-/* Those of the derivatives that are NaN, by central differences of the step, or the start, repeated. */
+/* Fills in the derivatives that are NaN, by central differences of the repeated step, or start. */
 static bool by_differences(fmu_instance *self, const unsigned unknowns[], size_t num_unknowns,
                            const unsigned knowns[], size_t num_knowns, const double direction[],
                            double derivative[]) {
@@ -719,7 +725,7 @@ static bool by_differences(fmu_instance *self, const unsigned unknowns[], size_t
     const bool found =
         outputs_at(self, behind, knowns, num_knowns, direction, length, stationary, friction) &&
         outputs_at(self, before, knowns, num_knowns, direction, -length, stationary, friction);
-    // and back, to the same bits
+    // and back, with equal bits
     if (!took(self, repeat(self, &self->now.aimed, &result)) || !found) return false;
     for (size_t k = 0; k < num_unknowns; k++)
         if (isnan(derivative[k]))
@@ -728,7 +734,8 @@ static bool by_differences(fmu_instance *self, const unsigned unknowns[], size_t
     return true;
 }
 
-/* The library's tangent, of the outputs that it has; NaN of others, and of all where it has none. */
+/* Computes the derivatives by the library's tangent. They are NaN for outputs without one, or if
+ * it fails. */
 static void by_tangent(fmu_instance *self, const unsigned unknowns[], size_t num_unknowns,
                        const unsigned knowns[], size_t num_knowns, const double direction[],
                        double derivative[]) {
@@ -743,7 +750,7 @@ static void by_tangent(fmu_instance *self, const unsigned unknowns[], size_t num
     }
 }
 
-/* Whether these are outputs by inputs, now. */
+/* Checks that these are outputs and inputs, and that there is a solution. */
 static bool can_derive(fmu_instance *self, const unsigned unknowns[], size_t num_unknowns,
                        const unsigned knowns[], size_t num_knowns, const double direction[]) {
     for (size_t k = 0; k < num_unknowns; k++) {
@@ -790,9 +797,9 @@ static bool count_numbers(fmu_instance *self, size_t *count) {
     return took(self, ehdrom_state_size(self->contact, count));
 }
 
-/* The moment, and behind it the contact's own numbers. */
+/* A saved state: the moment, and behind it the contact's own numbers. */
 typedef struct fmu_state {
-    size_t size; // of the bytes
+    size_t size; // number of bytes
     unsigned char bytes[];
 } fmu_state;
 
@@ -804,7 +811,7 @@ size_t fmu_state_size(const void *state) {
     return state ? ((const fmu_state *)state)->size : 0;
 }
 
-/* `*state` with room for so many bytes; NULL: there is no memory for them. */
+/* Allocates `*state` for `size` bytes, unless it has this size. NULL: no memory. */
 static fmu_state *make_state(fmu_instance *self, void **state, size_t size) {
     if (fmu_state_size(*state) != size || !*state) {
         fmu_state *made = realloc(*state, sizeof *made + size);
@@ -829,7 +836,8 @@ bool fmu_state_get(fmu_instance *self, void **state) {
     return count == 0 || took(self, ehdrom_state_save(self->contact, numbers_of(made), count));
 }
 
-/* Checks what a stranger may hand in: of this FMU, with as many numbers as its mode has. */
+/* Checks bytes from outside: they belong to this FMU and have numbers of a contact only if their
+ * mode has one. */
 static bool check_state(const fmu_instance *self, const void *bytes, size_t size) {
     moment of;
 
@@ -849,7 +857,7 @@ static bool restore(fmu_instance *self, fmu_state *state) {
     ehdrom_result result = EHDROM_RESULT_INIT;
 
     self->responded = self->slid = false;
-    // the step that was not accepted yet, or the start, to the same bits
+    // repeats the step that was not accepted yet, or the start, with equal bits
     return take_parameters(self, self->contact) &&
            took(self, ehdrom_state_restore(self->contact, numbers_of(state), count)) &&
            took(self, repeat(self, &self->now.aimed, &result));

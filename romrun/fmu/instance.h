@@ -1,10 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* An FMU's contact, whichever version of the standard asks. It knows the contact by ehdrom.h alone.
+/* The contact of an FMU, for both versions of the standard. It uses the library through ehdrom.h
+ * alone.
  *
- * A communication step is one step of BDF2 (the first one of BDF1) to the inputs that were set before it, which
- * hold at its end. Where that does not converge, or has a larger local error than step_accuracy allows, or is more
- * than twice as long as the last one, it is made of steps of a half, a quarter … of it, with inputs in proportion.
- * A local error that shorter steps do not reduce is noise of the solver; it is accepted. */
+ * A communication step is one step of BDF2 (the first one of BDF1) to the inputs that were set
+ * before it, which hold at its end. It is divided into steps of a half, a quarter …, with inputs
+ * in proportion, in three cases: it does not converge, its local error exceeds step_accuracy, or
+ * it is more than twice as long as the last step. A local error that shorter steps do not reduce
+ * is noise of the solver; it is accepted. */
 #ifndef EHD_FMU_INSTANCE_H
 #define EHD_FMU_INSTANCE_H
 
@@ -13,32 +15,32 @@
 /* Outcome of a call. */
 typedef enum fmu_outcome {
     FMU_DONE,
-    FMU_DISCARDED, // a step that does not converge at any length; nothing has changed
+    FMU_DISCARDED, // a step that does not converge at any length; the instance is unchanged
     FMU_FAILED
 } fmu_outcome;
 
 /* Log categories of these outcomes. */
 extern const char *const fmu_categories[];
 
-/* Receives why a call failed or was discarded or, with FMU_DONE, a remark for the user. */
+/* Receives why a call failed or was discarded, or, with FMU_DONE, a remark for the user. */
 typedef void (*fmu_log)(void *to, fmu_outcome of, const char *text);
 
 typedef struct fmu_instance fmu_instance;
 
-/* `resources` is the folder. NULL, after it was logged: no memory, another token, files that are not
- * as exported. Freed with fmu_free. */
+/* Creates an instance; free with fmu_free. `resources`: the folder. NULL, with a message in the
+ * log: no memory, another token, or files that are not as exported. */
 fmu_instance *fmu_create(const char *token, const char *resources, fmu_log log, void *log_to);
-/* Accepts NULL. */
+/* Frees an instance. Accepts NULL. */
 void fmu_free(fmu_instance *self);
-/* Whether what is not an error is logged; at first it is not. */
+/* Sets whether remarks are logged too; at first only errors are. */
 void fmu_set_verbose(fmu_instance *self, bool verbose);
 
-/* All others return whether they could; else it was logged why. */
+/* All other functions return whether they succeeded; if not, the log has the reason. */
 
-/* A call that no FMU of this kind answers. */
+/* Refuses a call that this FMU does not offer. */
 bool fmu_refuse(fmu_instance *self, const char *function);
 
-/* stop INFINITY: none. tolerance 0: none. */
+/* Sets start, end and tolerance of the simulation. stop INFINITY: none; tolerance 0: none. */
 bool fmu_setup(fmu_instance *self, double start, double stop, double tolerance);
 bool fmu_enter_initialization(fmu_instance *self);
 bool fmu_exit_initialization(fmu_instance *self);
@@ -48,27 +50,28 @@ bool fmu_reset(fmu_instance *self);
 bool fmu_get(fmu_instance *self, unsigned reference, fmu_type type, double *value);
 bool fmu_set(fmu_instance *self, unsigned reference, fmu_type type, double value);
 
-/* A step that is discarded or fails leaves the instance as it was before. */
+/* Takes a communication step. A step that is discarded or fails leaves the instance as it was. */
 fmu_outcome fmu_step(fmu_instance *self, double time, double step);
-/* The end of the last step that could be done. */
+/* Returns the end of the last successful step. */
 double fmu_time(const fmu_instance *self);
 
-/* derivative[k] = sum over i of direction[i] d unknowns[k] / d knowns[i], of outputs by inputs: of what the last
- * internal step's end would have been, or at the start the stationary contact. By the library's tangent; outputs that
- * this does not have by central differences, for all of them two more steps and one back. */
+/* Computes derivative[k] = sum over i of direction[i] d unknowns[k] / d knowns[i], of outputs by
+ * inputs, at the end of the last internal step, or at the start for the stationary contact. It
+ * uses the library's tangent. Outputs without a tangent are central differences: for all of them
+ * together two more steps and one back. */
 bool fmu_derivative(fmu_instance *self, const unsigned unknowns[], size_t num_unknowns,
                     const unsigned knowns[], size_t num_knowns, const double direction[],
                     double derivative[]);
 
-/* A state is a block of bytes, of this FMU's in any process: one of malloc, freed with free. *state is made anew where
- * it is NULL, and written over else. */
+/* Saves the state as a block of bytes, for this FMU in any process. If *state is NULL, it is
+ * allocated; otherwise it is overwritten. free() it. */
 bool fmu_state_get(fmu_instance *self, void **state);
 bool fmu_state_set(fmu_instance *self, void *state);
-/* Of its bytes; 0: there is none. */
+/* Returns the number of the state's bytes; 0: no state. */
 size_t fmu_state_size(const void *state);
-/* Its bytes: as many. */
+/* Copies the state's bytes to `bytes`, which has room for `size` bytes. */
 bool fmu_state_write(fmu_instance *self, const void *state, void *bytes, size_t size);
-/* A state of those bytes, checked; *state as above. */
+/* Makes a state from such bytes and checks it; *state as for fmu_state_get. */
 bool fmu_state_read(fmu_instance *self, void **state, const void *bytes, size_t size);
 
 #endif

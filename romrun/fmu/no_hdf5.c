@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* In the shared object of FMUs there is no HDF5: the model there is a flat file. */
+/* The shared object of FMUs has no HDF5: its model is a flat file. */
 #include "romrun/library/hdf5_calls.h"
 
 ehd_status hdf5_load(const hdf5_calls **calls, const char *path, ehd_error *error) {

@@ -16,7 +16,8 @@ static int by_name(const void *a, const void *b) {
     return strcmp(((const package_entry *)a)->name, ((const package_entry *)b)->name);
 }
 
-/* UTC, not in what zone the machine is. */
+/* Returns the file information for a time in UTC, since the zone of the machine must not
+ * matter. */
 static zip_fileinfo info_at(time_t when) {
     zip_fileinfo info = {0};
     typedef __typeof__(info.tmz_date.tm_sec) number; // int from minizip 1.3 on, unsigned before
@@ -76,7 +77,7 @@ static ehd_status put_entry(zipFile zip, const package_entry *entry, const zip_f
     return status;
 }
 
-// ---- the stream that is written to, for minizip
+// ---- the output stream, for minizip
 
 static voidpf open_given(voidpf stream, const void *path, int mode) {
     (void)path, (void)mode;

@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The shared object of FMUs has the library twice: for any x86-64 and for x86-64-v3 (AVX2, FMA; since 2013). Which
- * one is called is decided when it is loaded. Of nothing else than that shared object. */
+/* The shared object of FMUs contains the library twice: for any x86-64 and for x86-64-v3 (AVX2,
+ * FMA; since 2013). The dynamic linker chooses one when it loads the object. No other object has
+ * this file. */
 #include "romrun/library/ehdrom.h"
 
-// clang, which reads this to look for faults, does not know the name of the whole
+// clang, which reads this file for static analysis, does not have the name x86-64-v3
 #ifdef __clang__
 #define HAS_V3 (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma"))
 #else

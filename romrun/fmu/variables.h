@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The variables of an FMU, a row each; and which of them one FMU has, with their start values. */
+/* The variables of FMUs, one row each, and which of them an FMU has, with their start values. */
 #ifndef EHD_FMU_VARIABLES_H
 #define EHD_FMU_VARIABLES_H
 
@@ -7,10 +7,10 @@
 #include <stddef.h>
 #include <stdio.h>
 
-/* Value references, which importers keep: they do not change, and new ones come at the end. */
+/* Value references. Importers store them, so they never change, and new ones come at the end. */
 enum {
     FMU_TIME,
-    // what holds at the end of a step
+    // conditions at the end of a step
     FMU_LOAD,
     FMU_APPROACH,
     FMU_SPEED_1,
@@ -37,11 +37,11 @@ enum {
     FMU_PRESSURE_VISCOSITY,
     FMU_ACCURACY,
     FMU_STEP_ACCURACY,
-    // outcomes of a stationary contact of the present inputs, made when they are asked for
+    // outcomes of a stationary contact with the present inputs, computed when they are read
     FMU_STIFFNESS,
     FMU_DAMPING,
     FMU_DAMPING_BOUND,
-    // of the last step's end, made when they are asked for
+    // for the end of the last step, computed when they are read
     FMU_FRICTION,
     FMU_FRICTION_COEFFICIENT,
     FMU_POWER,
@@ -49,7 +49,7 @@ enum {
     FMU_ROLLING_MOMENT,
     FMU_MEAN_STRESS,
     FMU_LARGEST_STRESS,
-    // beside FMU_STIFFNESS
+    // like FMU_STIFFNESS
     FMU_INLET_HEATING,
     FMU_NUM_VARIABLES
 };
@@ -68,38 +68,40 @@ typedef struct fmu_variable {
     const char *name;
     fmu_role role;
     fmu_type type;
-    const char *unit, *unit_of_point; // of a line and of a point contact; NULL: none
-    fmu_when when;                    // in which FMUs it is
-    const char *key;                  // of the setting that it starts from; NULL: none
-    size_t offset;                    // of an output in ehdrom_result; 0: of none
-    size_t derivative;                // of it in ehdrom_derivatives; 0: it has none there
+    const char *unit, *unit_of_point; // for a line and for a point contact; NULL: none
+    fmu_when when;                    // which FMUs have it
+    const char *key;                  // setting of its start value; NULL: none
+    size_t offset;                    // of an output in ehdrom_result; 0: not there
+    size_t derivative;                // of its derivative in ehdrom_derivatives; 0: not there
     const char *help;
 } fmu_variable;
 
 extern const fmu_variable fmu_variables[FMU_NUM_VARIABLES];
 
-/* Which variables an FMU has: the file resources/contact.txt. */
+/* The variables that an FMU has: the file resources/contact.txt. */
 enum { FMU_TOKEN = 40 };
 typedef struct fmu_contents {
-    char token[FMU_TOKEN]; // that tells this FMU from others
+    char token[FMU_TOKEN]; // distinguishes this FMU from others
     bool point;            // a point contact or an ellipse
     bool ellipse;
-    bool approach_given; // else the load
-    bool slides;         // the scene names slide_roll or both speeds
-    double ratio;        // slide_roll of a film that it thins; NaN: films do not go by it
-    bool heated;         // the scene names the lubricant's thermal_conductivity
+    bool approach_given; // otherwise the load is given
+    bool slides;         // the scene has slide_roll or both speeds
+    double ratio;        // slide_roll of a film that the sliding thins; NaN: the film does not
+                         // depend on the sliding
+    bool heated;         // the scene has the lubricant's thermal_conductivity
     bool has[FMU_NUM_VARIABLES];
     double start[FMU_NUM_VARIABLES]; // of inputs and parameters
 } fmu_contents;
 
-/* Whether a row's variable may be in an FMU of that kind; those with a key only if that is set. */
+/* Checks whether an FMU of this kind may have the variable; one with a key only if the scene sets
+ * it. */
 bool fmu_variable_fits(const fmu_variable *variable, const fmu_contents *contents);
 
-/* The contact's name in scenes. */
+/* Returns the contact's name in scenes. */
 const char *fmu_contact(const fmu_contents *contents);
 
 void fmu_contents_write(FILE *file, const fmu_contents *contents);
-/* False where it is not such a file; `file` is read to its end. */
+/* Reads such a file to its end. False: it has another content. */
 bool fmu_contents_read(fmu_contents *contents, FILE *file);
 
 #endif
