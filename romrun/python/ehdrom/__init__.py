@@ -9,13 +9,14 @@
     result = contact.solve()
     print(result.central_film_thickness, "m", result.trusted, result.reason)
 
-Quantities are SI (N/m of a line contact, N of a point contact, m, s, m/s, Pa), or those of the scenes with
-`dimensionless=True`. A model may be used by any number of contacts in any number of threads, each contact by one
-thread at a time: a call while another thread's is under way is an Error. No call holds Python's lock while it solves.
-Contacts and models are closed by close(), at the end of a with statement, or when nobody has them any more.
+Quantities are SI: loads in N/m for a line contact and in N for a point contact; m, s, m/s, Pa. With
+`dimensionless=True` they are those of the scenes.
 
-The library is looked for where the environment's EHDROM_LIBRARY says, beside this package, and where the system has
-libraries.
+Any number of contacts in any number of threads may use a model. One thread at a time may use a contact: a call during
+the call of another thread raises Error. Python's lock is not held while a call solves. close(), the end of a with
+statement, or the end of the last reference frees contacts and models.
+
+The library is the file in the environment variable EHDROM_LIBRARY, or the one beside this package, or the system's.
 """
 from __future__ import annotations
 
@@ -39,7 +40,7 @@ _folder = pathlib.Path(__file__).parent
 
 
 def _declarations(header):
-    """What cffi takes of the header: no preprocessor, and nothing for C++."""
+    """Returns the header without preprocessor lines and C++, which cffi does not read."""
     text = re.sub(r"#ifdef __cplusplus.*?#endif", "", header, flags=re.S)
     text = re.sub(r"^ *#(.*\\\n)*.*$", "", text, flags=re.M)
     return text.replace("EHDROM_API ", "")
@@ -54,7 +55,7 @@ def _load(ffi):
 _ffi = cffi.FFI()
 _ffi.cdef(_declarations((_folder / "ehdrom.h").read_text(encoding="utf-8")))
 _lib = _load(_ffi)
-_FAILED = _lib.EHDROM_DATA  # from here on a status is an error
+_FAILED = _lib.EHDROM_DATA  # this status and larger ones are errors
 
 
 def _text(characters):
@@ -62,14 +63,14 @@ def _text(characters):
 
 
 def _characters(text, what):
-    """Checks bytes for the library, which would end at a NUL character."""
+    """Refuses bytes with a NUL character, at which the library would end the text."""
     if b"\0" in text:
         raise Error(_lib.EHDROM_DATA, f"{what}: found a NUL character, expected none")
     return text
 
 
 def _begun(kind):
-    """A struct with its size."""
+    """Makes a struct of the library and sets its size."""
     struct = _ffi.new(f"{kind} *")
     struct.size = _ffi.sizeof(kind)
     return struct
@@ -80,7 +81,7 @@ def _doubles(array):
 
 
 def version() -> str:
-    """Version of the library, as "0.3.0"."""
+    """Returns the version of the library, such as "0.3.0"."""
     return _text(_lib.ehdrom_version())
 
 
@@ -88,7 +89,7 @@ __version__ = version()
 
 
 class Error(Exception):
-    """What was found and what was expected; `status` is the library's, as the exit codes of romrun."""
+    """A failed call. The text is what was found and what was expected; `status` is the exit code of romrun for it."""
 
     def __init__(self, status: int, text: str) -> None:
         super().__init__(status, text)
@@ -99,20 +100,20 @@ class Error(Exception):
 
 
 class NotConverged(Error):
-    """There is no solution; of a step, try a shorter one."""
+    """The call found no solution. If it was a step, try a shorter one."""
 
 
 class Untrusted(Error):
-    """Raised by Result.check: solved, but not to be relied on."""
+    """Raised by Result.check: there is a solution, and a reason not to rely on it."""
 
 
-# Members that are 1 for yes and 0 for no.
+# Members that are Boolean: 1 or 0 in C.
 _FLAGS = {"trusted", "checked", "checked_in_time", "in_time"}
 
 
 @functools.lru_cache(maxsize=None)
 def _names_of(kind):
-    """Names of a struct's members, without the first one, its size."""
+    """Returns the names of a struct's members but the first one, its size."""
     return [name for name, _ in _ffi.typeof(kind).fields[1:]]
 
 
@@ -127,7 +128,7 @@ class _Handle:
     _handle: Any = None  # closed
 
     def close(self) -> None:
-        """Frees that memory now."""
+        """Frees this memory now."""
         raise NotImplementedError
 
     def __enter__(self: _Own) -> _Own:
@@ -141,10 +142,11 @@ class _Handle:
 
 
 class Model(_Handle):
-    """A model file, loaded. It is freed when it is closed or no longer used, and all its contacts are gone.
+    """A loaded model file. It is freed when it is closed or no longer used, and all its contacts are freed.
 
-    pressure_modes, deformation_modes, rows: the first ones alone (0: all). stationary: without what steps in time
-    need. `info` has its sizes: dimensions, num_x, num_y, x_min, y_min, step (half widths), …
+    pressure_modes, deformation_modes, rows: how many of the first ones to load (0: all).
+    stationary: True loads no data for steps in time.
+    info: the members of ehdrom_model_info in ehdrom.h: dimensions, num_x, num_y, x_min, y_min, step (half widths), …
     """
 
     info: dict[str, Any]
@@ -165,7 +167,7 @@ class Model(_Handle):
         self._path = os.fsdecode(path)
 
     def close(self) -> None:
-        """Allows no further contacts; the model is freed with the last one that there is."""
+        """Allows no further contacts. The model is freed with its last contact."""
         self._handle = None
 
     def __repr__(self) -> str:
@@ -174,7 +176,7 @@ class Model(_Handle):
 
 
 class _Numbers:
-    """The members of a struct of ehdrom.h as attributes, all of which are shown."""
+    """The members of a struct of ehdrom.h as attributes; repr() shows all of them."""
 
     __slots__ = ("_struct",)
     _kind: str
@@ -192,7 +194,7 @@ class _Numbers:
         self._struct = struct
 
     def __getattr__(self, name: str) -> Any:
-        # a copy that is being made has no struct yet
+        # while copying, the new object has no struct yet
         if name.startswith("_") or name == "size" or name not in self._members():
             raise AttributeError(f"{type(self).__name__} has no {name}")
         return _member(self._struct, name)
@@ -219,7 +221,7 @@ class _Numbers:
 
 
 class Result(_Numbers):
-    """One solution: the members of ehdrom_result in ehdrom.h, and `reason`, why it is not trusted, or ""."""
+    """A solution: the members of ehdrom_result in ehdrom.h, and `reason`: why it is not trusted, or ""."""
 
     __slots__ = ("reason",)
     _kind = "ehdrom_result"
@@ -252,14 +254,14 @@ class Result(_Numbers):
         self.reason = state["reason"]
 
     def check(self) -> Result:
-        """Returns itself, or raises Untrusted."""
+        """Returns the result itself, or raises Untrusted."""
         if self.status:
             raise Untrusted(self.status, self.reason)
         return self
 
 
 class Derivatives(_Numbers):
-    """The members of ehdrom_derivatives in ehdrom.h: how load, approach, films, … change."""
+    """Derivatives of load, approach, films, …: the members of ehdrom_derivatives in ehdrom.h."""
 
     __slots__ = ()
     _kind = "ehdrom_derivatives"
@@ -286,10 +288,11 @@ def _alone(method: _Function) -> _Function:
 class Contact(_Handle):
     """A contact with a solver and a time of its own.
 
-    scene: a file that all settings are taken from. contact["key"] = value sets one by its key in scenes, None unsets
-    it, contact["key"] tells it; they count from the next solve or start on. accuracy: films that are indicated to be further off are not
-    trusted, 0.01 unless given; float("inf"): whatever is indicated, and also by a model that was never checked.
-    tolerance, step_tolerance: as ehdrom_contact_set_tolerance and ehdrom_contact_set_step_tolerance.
+    scene: a file with all settings. contact["key"] = value sets one by its key in scenes, None unsets it, and
+    contact["key"] returns it. Settings take effect with the next solve or start.
+    accuracy: results with a larger error estimate of the films are not trusted; default 0.01. With float("inf") neither
+    the estimate nor a model that was never checked makes a result untrusted.
+    tolerance, step_tolerance: see ehdrom_contact_set_tolerance and ehdrom_contact_set_step_tolerance in ehdrom.h.
     """
 
     model: Model
@@ -306,7 +309,7 @@ class Contact(_Handle):
         status = _lib.ehdrom_contact_create(handle, of)
         self._lock = threading.RLock()
         self.model = model
-        # the function holds the model's handle, so that the model lives as long as the contact
+        # the lambda keeps a reference to the model's handle, so the model lives as long as the contact
         self._handle = _ffi.gc(handle[0], lambda freed, _=of: _lib.ehdrom_contact_free(freed))
         self._passed(status)
         if dimensionless:
@@ -325,7 +328,7 @@ class Contact(_Handle):
         self._handle = None
 
     def close(self) -> None:
-        """Frees it; closing it again does nothing."""
+        """Frees the contact; closing it again does nothing."""
         if self._handle is not None:
             self._free()
 
@@ -358,7 +361,7 @@ class Contact(_Handle):
 
     @_alone
     def __getitem__(self, key: str) -> float | str | bool | None:
-        """What a setting is set to: a number, a text, True, False, or None where it is not."""
+        """Returns a setting: a number, a text, True, False, or None if it is not set."""
         text = _ffi.new("char[]", 4096)
         self._passed(_lib.ehdrom_contact_get(self._handle, _characters(key.encode(), "settings"), text, len(text)))
         value = _text(text)
@@ -369,14 +372,16 @@ class Contact(_Handle):
 
     @_alone
     def scales(self) -> dict[str, float]:
-        """What makes quantities dimensionless, SI: half_width, film, hertz_pressure, load, speed, time; moes_M, moes_L."""
+        """Returns the scales of dimensionless quantities, SI: the members of ehdrom_scales in ehdrom.h.
+
+        half_width, film, hertz_pressure, load, speed, time, half_width_across; and moes_M, moes_L."""
         scales = _begun("ehdrom_scales")
         self._passed(_lib.ehdrom_contact_scales(self._handle, scales))
         return {name: getattr(scales, name) for name in _names_of("ehdrom_scales")}
 
     @_alone
     def solve(self) -> Result:
-        """The stationary solution of the settings."""
+        """Solves the stationary contact of the settings."""
         struct = _begun("ehdrom_result")
         return self._result(_lib.ehdrom_solve(self._handle, struct), struct)
 
@@ -393,7 +398,7 @@ class Contact(_Handle):
     @_alone
     def start(self, *, load: float | None = None, approach: float | None = None, speed: float | None = None,
               radius: float | None = None, modulus: float | None = None) -> Result:
-        """The stationary state of these conditions at time 0; what is not given is as set."""
+        """Solves the stationary state of these conditions at time 0. The settings give the other conditions."""
         conditions = self._conditions({"load": load, "approach": approach, "speed": speed, "radius": radius,
                                        "modulus": modulus})
         struct = _begun("ehdrom_result")
@@ -402,8 +407,10 @@ class Contact(_Handle):
     @_alone
     def step(self, step: float, *, load: float | None = None, approach: float | None = None, speed: float | None = None,
              radius: float | None = None, modulus: float | None = None) -> Result:
-        """The state `step` s after the last accepted one, as often as wanted; load in N or N/m, or approach in m, for
-        which of a line contact is measured from approach_length half widths (10 unless set)."""
+        """Solves the state `step` s after the last accepted one, as often as wanted.
+
+        Give the load in N or N/m, or the approach in m. The approach of a line contact is measured from approach_length
+        half widths (10 unless set)."""
         conditions = self._conditions({"load": load, "approach": approach, "speed": speed, "radius": radius,
                                        "modulus": modulus})
         struct = _begun("ehdrom_result")
@@ -412,10 +419,13 @@ class Contact(_Handle):
     @_alone
     def differentiate(self, *, load: float | None = None, approach: float | None = None, speed: float | None = None,
                       radius: float | None = None, modulus: float | None = None) -> Derivatives:
-        """How results change along a direction in which conditions change so fast, in their units: of the last solve
-        or start the stationary derivatives, of the last step, until it is accepted, the tangent at its end. Others are
-        held; approach=0 holds the approach, load=0 the load, and with neither that which was given. `load` of the
-        Derivatives by approach=1 is dF/dh."""
+        """Returns the derivatives of the results along a direction.
+
+        The arguments are the rates of change of the conditions, in their units; other conditions are held. approach=0
+        holds the approach and load=0 the load; with neither, the one that was given is held. With approach=1 `load` of
+        the Derivatives is dF/dh.
+        After a solve or start these are the stationary derivatives. After a step, until it is accepted, they are the
+        tangent at its end."""
         direction = self._conditions({"load": load, "approach": approach, "speed": speed, "radius": radius,
                                       "modulus": modulus})
         struct = _begun("ehdrom_derivatives")
@@ -424,25 +434,29 @@ class Contact(_Handle):
 
     @_alone
     def respond(self) -> dict[str, float]:
-        """stiffness (N/m^2 or N/m), damping (N s/m^2 or N s/m) and damping_bound of the last solve or start: the force's
-        response to a small slow change of the approach, dF = -(stiffness + s damping) dh for s -> 0."""
+        """Returns stiffness (N/m^2 or N/m), damping (N s/m^2 or N s/m) and damping_bound of the last solve or start.
+
+        They are the response of the force to a small slow change of the approach,
+        dF = -(stiffness + s damping) dh for s -> 0."""
         struct = _begun("ehdrom_response")
         self._solved(_lib.ehdrom_respond(self._handle, struct))
         return {name: getattr(struct, name) for name in _names_of("ehdrom_response")}
 
     @_alone
     def slide(self, sliding: float | None = None) -> dict[str, float]:
-        """Traction of the last solve or the accepted state with the surfaces sliding at u1 - u2 (m/s; by default as
-        slide_roll is set): friction_coefficient, friction_force and rolling_resistance (N/m or N), rolling_moment (N or
-        N m), power_loss (W/m or W), mean_shear_stress and largest_shear_stress (Pa); and indicated_deviation_friction,
-        relative, nan of a step and of a model that was not checked for it."""
+        """Returns the traction of the last solve or the accepted state.
+
+        sliding: u1 - u2 in m/s; by default the slide_roll of the settings.
+        The traction has friction_coefficient, friction_force and rolling_resistance (N/m or N), rolling_moment (N or
+        N m), power_loss (W/m or W), mean_shear_stress and largest_shear_stress (Pa). indicated_deviation_friction is
+        the relative error estimate of the friction; nan for a step, and for a model that was not checked for it."""
         struct = _begun("ehdrom_traction")
         self._solved(_lib.ehdrom_slide(self._handle, numpy.nan if sliding is None else sliding, struct))
         return {name: getattr(struct, name) for name in _names_of("ehdrom_traction")}
 
     @_alone
     def slide_step(self, sliding: float | None = None) -> dict[str, float]:
-        """As slide, of the last step, which need not be accepted."""
+        """Like slide, for the last step, which need not be accepted."""
         struct = _begun("ehdrom_traction")
         self._solved(_lib.ehdrom_slide_step(self._handle, numpy.nan if sliding is None else sliding, struct))
         return {name: getattr(struct, name) for name in _names_of("ehdrom_traction")}
@@ -454,12 +468,12 @@ class Contact(_Handle):
 
     @_alone
     def restart(self) -> None:
-        """After a jump of the conditions: the next step is first order."""
+        """Makes the next step first order. Call it after a jump of the conditions."""
         self._passed(_lib.ehdrom_restart(self._handle))
 
     @_alone
     def save(self) -> numpy.ndarray:
-        """The accepted state, a numpy array for restore()."""
+        """Returns the accepted state as a numpy array for restore()."""
         count = _ffi.new("size_t *")
         self._passed(_lib.ehdrom_state_size(self._handle, count))
         state = numpy.empty(count[0])
@@ -468,15 +482,16 @@ class Contact(_Handle):
 
     @_alone
     def restore(self, state: numpy.ndarray) -> None:
-        """Goes back to a saved state, of any contact of the same model and settings."""
+        """Restores a saved state of any contact with the same model and settings."""
         state = numpy.array(state, dtype=float)
         self._passed(_lib.ehdrom_state_restore(self._handle, _doubles(state), state.size))
 
     @_alone
     def fields(self) -> tuple[numpy.ndarray, numpy.ndarray, numpy.ndarray, numpy.ndarray]:
-        """x [num_x], y [num_y] in m, pressure and film [num_y, num_x] in Pa and m, of the last solution or the accepted
-        state; the library writes into the arrays that are returned. Of a list of models on different grids the nodes are
-        those of the model that has solved it."""
+        """Returns x [num_x] and y [num_y] in m, pressure in Pa and film in m [num_y, num_x].
+
+        They belong to the last solution or the accepted state. For a list of models on different grids the nodes are
+        those of the model that has solved the contact. The library writes into the returned arrays."""
         num_x, num_y = self.model.info["num_x"], self.model.info["num_y"]
         x, y, pressure, film = numpy.empty(num_x), numpy.empty(num_y), numpy.empty((num_y, num_x)), numpy.empty((num_y, num_x))
         self._passed(_lib.ehdrom_axes(self._handle, _doubles(x), _doubles(y)))
@@ -485,15 +500,16 @@ class Contact(_Handle):
         return x[:own], y, pressure[:, :own], film[:, :own]
 
     def _num_x(self):
-        """Nodes along x of the last solution or the accepted state."""
+        """Returns the number of nodes along x of the last solution or the accepted state."""
         num_x = _ffi.new("size_t *")
         self._passed(_lib.ehdrom_nodes(self._handle, num_x, _ffi.NULL))
         return num_x[0]
 
     @_alone
     def shear_stresses(self, sliding: float | None = None) -> tuple[numpy.ndarray, numpy.ndarray]:
-        """What the fluid does to surface 1 and to surface 2 along x, Pa, two arrays [num_y, num_x] at the nodes of
-        fields(); of the last solution or the accepted state, sliding as of slide()."""
+        """Returns the stresses of the fluid on surface 1 and on surface 2 along x, Pa, two arrays [num_y, num_x].
+
+        They belong to the nodes of fields() and to the last solution or the accepted state; sliding as for slide()."""
         stresses = numpy.empty((2, self.model.info["num_y"], self.model.info["num_x"]))
         self._passed(_lib.ehdrom_shear_stresses(self._handle, numpy.nan if sliding is None else sliding,
                                                 _doubles(stresses[0]), _doubles(stresses[1])))

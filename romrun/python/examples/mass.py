@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A mass on a contact, by scipy's integrator: mass.py MODEL SCENE.yml MASS END (kg or kg/m, s)
 
-The mass rests on the contact; from t = 0 on 2 % more weigh on it. The integrator tries what it likes: all trials start
-from the last accepted state of the contact, which goes along when scipy has taken a step."""
+The mass rests on the contact; from t = 0 on the weight is 2 % larger. The integrator may try any position and step:
+each trial starts from the last accepted state of the contact. A state is accepted when scipy has taken a step."""
 import sys
 
 import ehdrom
@@ -29,7 +29,7 @@ def motion(time, state):
 
 
 scales = contact.scales()
-small = 1e-5 * scales["film"]  # m, of the position; the film is about a tenth of the scale
+small = 1e-5 * scales["film"]  # m, tolerance of the position; the film is about a tenth of the scale
 solver = RK23(motion, 0, [now.approach, 0], end, rtol=1e-4, atol=[small, small / scales["time"]],
               first_step=scales["time"] / 1000, max_step=scales["time"] / 20)
 while solver.status == "running":
