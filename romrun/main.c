@@ -35,28 +35,31 @@
 typedef struct romrun_options {
     const char *model;
     const char *against;    // NULL: no comparison
-    part_list models;       // that it is, or names
-    part_sizes sizes;       // of each file of the list, or of the one model
-    double accuracy;        // of the films, to choose the sizes by; 0: not given
+    part_list models;       // files of the model: one, or those of a list
+    part_sizes sizes;       // of each of these files
+    double accuracy;        // of the films, chooses the sizes; 0: not given
     accuracy_limits limits; // of other quantities
-    part_sizes fallback;    // where the result of `sizes` is not accurate enough
-    const char *distrust;   // why no reduced step is to be trusted; NULL: single ones are not
-    const char *fall_back;  // what solves a scene where no size is: "full"; NULL, "none": nothing
+    part_sizes fallback;    // most accurate sizes, used if the result of `sizes` is not accurate
+                            // enough
+    // why no reduced step is trusted; NULL: each step is judged by itself
+    const char *distrust;
+    const char *fall_back; // "full": the full model solves where no size does; NULL or "none":
+                           // nothing
     bool allow_untrusted, resume, verify;
-    size_t repeats;        // of the solution; its median time is reported
+    size_t repeats;        // solutions in a row; their median time is reported
     const char *calibrate; // plan; NULL: none
     const char *cases;     // table of scenes; NULL: one scene
     bool trade;
-    bool fmu;             // export it
+    bool fmu;             // export an FMU
     size_t fmi;           // 2 or 3; 0: not given
     const char *exported; // model to write as a flat file; NULL: none
-    size_t num_jobs;      // 0: by itself
+    size_t num_jobs;      // 0: as many as processors
 } romrun_options;
 
 // clang-format off
 #define OWN_OPTIONS romrun_options
 
-// columns: name, letter, argument, help, how it is read
+// columns: name, letter, argument, help, reader
 static const program_option own_options[] = {
     {"model", 'm', "MODEL.h5", "The reduced model, or a list of models for parts of a region, a file whose name ends "
      "with .yml, of which each scene is solved by that in whose trained range it lies", OPTION_TEXT(model)},
@@ -111,7 +114,7 @@ static int compare_seconds(const void *a, const void *b) {
     return (p > q) - (p < q);
 }
 
-/* Solves `repeats` times; *result is the run of median time. */
+/* Solves `repeats` times; *result is the run with the median time. */
 static ehd_status solve(online_result *result, online_solver *solver, const ehd_contact *contact,
                         size_t repeats, ehd_error *error) {
     online_result *runs = calloc(repeats, sizeof *runs);
@@ -133,14 +136,14 @@ static bool falls_back(const romrun_options *options) {
     return options->fall_back && strcmp(options->fall_back, "full") == 0;
 }
 
-/* What would help where a result is not to be trusted. */
+/* Returns which options would help if a result is not trusted. */
 static const char *advice(const romrun_options *options) {
     return falls_back(options) ? ""
                                : " (--fallback full has the full model solve it, --allow-untrusted "
                                  "takes it all the same)";
 }
 
-/* Exit code and message of the outcome. */
+/* Returns the exit code of the outcome and writes its message. */
 static ehd_status judge(const run_result *result, const romrun_options *options, const char *path,
                         ehd_error *error) {
     if (result->status == EHD_UNTRUSTED && options->allow_untrusted) return EHD_OK;
@@ -153,7 +156,7 @@ static ehd_status judge(const run_result *result, const romrun_options *options,
 
 enum { MAX_INPUTS = MAX_PARTS + 4 };
 
-/* The model, and where it is a list of models these. */
+/* Adds the model to the inputs, and the models of a list. */
 static size_t add_models(const char *inputs[MAX_INPUTS], size_t count,
                          const romrun_options *options) {
     count = inputs_add(inputs, count, options->model);
@@ -162,7 +165,8 @@ static size_t add_models(const char *inputs[MAX_INPUTS], size_t count,
     return count;
 }
 
-/* What no output may overwrite, ended by NULL: the scene, the models and, where there is one, another file. */
+/* Lists the files that no output may overwrite, ending with NULL: the scene, the models and, if
+ * any, another file. */
 static void list_inputs(const char *inputs[MAX_INPUTS], const program *self,
                         const romrun_options *options, const char *other) {
     size_t count = self->num_arguments > 0 ? inputs_add(inputs, 0, self->arguments[0]) : 0;
@@ -171,7 +175,7 @@ static void list_inputs(const char *inputs[MAX_INPUTS], const program *self,
     inputs[inputs_add(inputs, count, other)] = NULL;
 }
 
-/* Of the reduced solution. */
+/* Prints the full model's residual and Newton step at the reduced solution. */
 static ehd_status print_verification(online_solver *solver, const online_result *solution,
                                      const ehd_contact *contact, ehd_error *error) {
     verification found;
@@ -186,7 +190,8 @@ static ehd_status print_verification(online_solver *solver, const online_result 
     return EHD_OK;
 }
 
-/* The settings of the scene and the command line's options on which the solution depends. */
+/* Writes the settings of the scene, and the options of the command line that change the
+ * solution. */
 static ehd_status text_with_sizes(char **whole, const char *text, const romrun_options *options,
                                   ehd_error *error) {
     char accuracy[NUMBER_TEXT + 16] = "", number[NUMBER_TEXT];
@@ -212,13 +217,13 @@ static ehd_status text_with_sizes(char **whole, const char *text, const romrun_o
     return ehd_no_memory(error, "settings");
 }
 
-/* The part of a model that a scene is solved with, and the solution. */
+/* A solution and the part of a model that computes it. */
 typedef struct attempt {
     online_model *model;
     online_solver *solver;
     online_result solution;
     online_indications others;
-    double first_seconds; // of an earlier attempt, at the sizes chosen first
+    double first_seconds; // of an earlier attempt with other sizes
 } attempt;
 
 static void attempt_free(attempt *self) {
@@ -227,7 +232,7 @@ static void attempt_free(attempt *self) {
     *self = (attempt){0};
 }
 
-/* With the model that is open. */
+/* Solves with the open model. */
 static ehd_status attempt_solve(attempt *self, const romrun_options *options,
                                 const ehd_contact *contact, ehd_error *error) {
     ehd_status status = online_solver_create(&self->solver, self->model, error);
@@ -237,8 +242,8 @@ static ehd_status attempt_solve(attempt *self, const romrun_options *options,
     return status ? status : online_solve(&self->solution, self->solver, contact, error);
 }
 
-/* Solves with the model as it is open, of options->sizes, and, where the result is not accurate
- * enough, with the fallback sizes, to which options->sizes is then set. */
+/* Solves with the open model, of sizes options->sizes. If the result is not accurate enough,
+ * solves again with the fallback sizes and sets options->sizes to them. */
 static ehd_status solve_scene(attempt *self, romrun_options *options, const program *caller,
                               const ehd_contact *contact, ehd_error *error) {
     ehd_status status = attempt_solve(self, options, contact, error);
@@ -270,20 +275,20 @@ static ehd_status solve_scene(attempt *self, romrun_options *options, const prog
     return status;
 }
 
-/* The run of a stationary scene. */
+/* The state while a stationary scene is solved. */
 typedef struct stationary_run {
     const program *caller;
     romrun_options *options;
     const ehd_contact *contact;
-    stored_result against; // of --against
+    stored_result against; // result of --against
     attempt attempt;
-    fallback full;             // zero while the reduced solution is good enough
-    bool by_full_model;        // the result is its
-    double *pressure, *film;   // [nodes of the grid], NULL unless fields are wanted, or traction
+    fallback full;             // zero unless the full model solves the scene
+    bool by_full_model;        // the result is the full model's
+    double *pressure, *film;   // [nodes of the grid], NULL unless fields or traction need them
     double *exits;             // [inner lines of the whole grid]
-    film_effects effects;      // of that grid
-    contact_traction traction; // where the scene asks for it
-    run_result result;         // views of these
+    film_effects effects;      // of the model's grid
+    contact_traction traction; // if the surfaces slide
+    run_result result;         // points to the members above
     char *text;                // settings
 } stationary_run;
 
@@ -309,7 +314,8 @@ static ehd_status read_against(stationary_run *self, bool with_fields, ehd_error
                          against->thinning, &grid, path, self->contact, error);
 }
 
-/* The solution as a result, with its exits and, where wanted, fields and what the grid does. */
+/* Makes a result of the solution, with its exits and, if wanted, its fields and the errors of the
+ * grid. */
 static ehd_status fill_result(stationary_run *self, bool with_fields, bool with_effects,
                               ehd_error *error) {
     const ehd_grid *grid = &self->contact->grid;
@@ -355,7 +361,7 @@ static ehd_status fill_result(stationary_run *self, bool with_fields, bool with_
     return status;
 }
 
-/* Adds the time of the reduced solution to that of the full one. */
+/* Adds the time of the reduced solution to the time of the full one. */
 static void add_seconds(run_result *full, const run_result *reduced) {
     full->seconds += reduced->seconds;
     full->seconds_rows += reduced->seconds_rows;
@@ -363,7 +369,8 @@ static void add_seconds(run_result *full, const run_result *reduced) {
     full->seconds_exit = reduced->seconds_exit;
 }
 
-/* Has the full model solve the scene where the reduced result is not good enough, and says so. */
+/* Solves the scene with the full model if the reduced result is not good enough, and prints a
+ * note. */
 static ehd_status fall_back(stationary_run *self, bool with_fields, bool with_effects,
                             ehd_error *error) {
     const romrun_options *options = self->options;
@@ -456,7 +463,7 @@ static ehd_status solve_and_show(stationary_run *self, const char *scene_lines, 
     return status;
 }
 
-/* Takes the model. */
+/* Solves a stationary scene; closes the model. */
 static ehd_status run_stationary(const program *caller, romrun_options *options,
                                  online_model *model, const ehd_contact *contact,
                                  const scene *given, const char *scene_lines, ehd_error *error) {
@@ -470,7 +477,7 @@ static ehd_status run_stationary(const program *caller, romrun_options *options,
 
 // ---- in time
 
-/* The full model beside the reduced one, with --fallback full. */
+/* Creates the full model beside the reduced one, for --fallback full. */
 static ehd_status create_fallback(fallback_march **full, const program *self,
                                   const romrun_options *options, const ehd_contact *contact,
                                   online_transient *in_time, const scene *given,
@@ -485,7 +492,7 @@ static ehd_status create_fallback(fallback_march **full, const program *self,
                                           given->transient.start_film, accuracy, distrust, error);
 }
 
-/* Takes the model. */
+/* Solves a scene in time; closes the model. */
 static ehd_status run_transient(const program *self, const romrun_options *options,
                                 online_model *model, const ehd_contact *contact, const scene *given,
                                 const char *scene_lines, time_run_again again, ehd_error *error) {
@@ -550,7 +557,7 @@ static ehd_status run_transient(const program *self, const romrun_options *optio
     return status;
 }
 
-/* A scene in time, and how it is run. */
+/* The parameters of run_transient, to run it again. */
 typedef struct transient_run {
     const program *caller;
     romrun_options *options;
@@ -559,7 +566,7 @@ typedef struct transient_run {
     const char *scene_lines;
 } transient_run;
 
-/* A march of its own with these sizes. */
+/* Runs a march with these sizes. */
 static ehd_status march_with(const transient_run *self, const part_sizes *sizes,
                              time_run_again again, ehd_error *error) {
     romrun_options options = *self->options;
@@ -572,15 +579,16 @@ static ehd_status march_with(const transient_run *self, const part_sizes *sizes,
                                   self->scene_lines, again, error);
 }
 
-/* Whether there are more accurate sizes to repeat a march with. With --fallback full single steps are the
- * full model's in their place. */
+/* Checks whether there are more accurate sizes to repeat a march with. With --fallback full the
+ * full model solves single steps instead. */
 static bool has_other_sizes(const romrun_options *options) {
     return options->accuracy > 0 && !falls_back(options) &&
            memcmp(&options->sizes, &options->fallback, sizeof options->sizes) != 0;
 }
 
-/* Repeats a march that did not converge or is not to be trusted with the most accurate sizes, and where these do
- * not converge, takes the first one all the same. A run to be resumed may have been repeated already. */
+/* Repeats a march that did not converge or is not trusted with the most accurate sizes. If these
+ * do not converge and the first sizes did, marches with the first sizes again. An interrupted run
+ * may already have been a repeated one. */
 static ehd_status march_again(const transient_run *self, ehd_status first, ehd_error *error) {
     romrun_options *options = self->options;
     const bool poor = first == EHD_NOT_CONVERGED || first == EHD_UNTRUSTED;
@@ -618,7 +626,7 @@ static ehd_status choose_sizes_of(romrun_options *options, size_t index, const p
         program_note(self, "--accuracy %g: %s%s%s", options->accuracy, one ? "" : path,
                      one ? "" : ": ", choice.note);
     }
-    // what no size promises single scenes may have all the same, and the full model has
+    // single scenes may reach an accuracy that no size promises, and the full model reaches it
     if (status == EHD_DATA && falls_back(options)) {
         if (in_time) options->distrust = "an --accuracy that the model was not measured to have";
         const size_t best = trade_most_accurate(&table, in_time);
@@ -640,7 +648,7 @@ static ehd_status choose_sizes(romrun_options *options, const program *self, boo
     return status;
 }
 
-/* The first option that has nothing to do with --cases; NULL: none. */
+/* Returns the first option that does not fit --cases; NULL: none. */
 static const char *beside_cases(const romrun_options *options, const char *mode) {
     if (options->calibrate || options->trade || options->exported) return mode;
     if (options->verify) return "--verify";
@@ -766,7 +774,8 @@ static ehd_status check_regime(const romrun_options *options, bool transient, eh
     return EHD_OK;
 }
 
-/* Said with a result: a foreign writer may leave the digest out, and so does a program of before. */
+/* Notes that changes of a file would not be noticed: its writer, another or an older program, has
+ * left out the digest. */
 static void note_content(const program *self, const char *model) {
     bool is_flat = true;
     if (online_is_flat(&is_flat, model, NULL) || is_flat ||
@@ -776,7 +785,7 @@ static void note_content(const program *self, const char *model) {
                  model, content_without_digest);
 }
 
-/* A scene that reduced models serve, and its text. */
+/* Reads a scene that reduced models can solve, and its text. */
 static ehd_status load_scene(scene *given, char **text, const program *self, ehd_error *error) {
     ehd_error cause = {""};
     ehd_status status = scene_load(given, text, self, error);
@@ -786,7 +795,7 @@ static ehd_status load_scene(scene *given, char **text, const program *self, ehd
     return status ? ehd_fail(error, status, "%s: %s", self->arguments[0], cause.text) : EHD_OK;
 }
 
-/* An FMU of one scene. */
+/* Writes an FMU of one scene. */
 static ehd_status export_fmu(const program *self, const romrun_options *options, ehd_error *error) {
     online_model *model = NULL;
     ehd_error cause = {""};
@@ -815,8 +824,8 @@ static ehd_status export_fmu(const program *self, const romrun_options *options,
     return status;
 }
 
-/* Each model of a list as a file of its own, and that they go together. A flat one is only opened, which
- * reads and checks all of it. */
+/* Checks each model of a list as a file of its own, and that the models fit together. Opening a
+ * flat model reads and checks all of it. */
 static ehd_status check_models(const char *path, ehd_error *error) {
     online_model *model = NULL;
     part_list list;
@@ -833,7 +842,7 @@ static ehd_status check_models(const char *path, ehd_error *error) {
     return status;
 }
 
-/* Models are opened for --check; of all other files output_check does it. */
+/* Checks a file for --check. Models are opened; output_check handles all other files. */
 static int check(program *self) {
     bool is_flat = false;
     ehd_error error = {""};
@@ -846,7 +855,7 @@ static int check(program *self) {
 
 // ---- many scenes
 
-/* Exit code and message of the worst. */
+/* Returns the exit code of the worst case and writes its message. */
 static ehd_status judge_cases(const cases_summary *found, const romrun_options *options,
                               const case_list *list, ehd_error *error) {
     const bool unsolved = found->num_unsolved > 0;
@@ -864,7 +873,7 @@ static ehd_status judge_cases(const cases_summary *found, const romrun_options *
 static void show_cases(const cases_summary *found, const program *self) {
     const size_t count = found->num_cases, bad = found->num_unsolved + found->num_untrusted;
 
-    if (!self->output) return; // the table is there
+    if (!self->output) return; // the table is on stdout
     printf("%-24s%zu: %zu good, %zu not to be trusted, %zu not converged\n", "cases", count,
            count - bad, found->num_untrusted, found->num_unsolved);
     if (found->num_solved > 0)
@@ -916,7 +925,7 @@ static ehd_status run_cases(const program *self, const romrun_options *given_opt
     return status;
 }
 
-/* One scene. */
+/* Solves one scene. */
 static ehd_status run_scene(const program *self, const romrun_options *given_options,
                             ehd_error *error) {
     romrun_options options = *given_options;
@@ -951,7 +960,7 @@ static ehd_status run_scene(const program *self, const romrun_options *given_opt
     return status;
 }
 
-/* With the models that the command line names. */
+/* Runs the command with the models on the command line. */
 static ehd_status run_with_models(const program *self, const romrun_options *options,
                                   ehd_error *error) {
     if (options->trade) return print_trade(options, error);
@@ -963,7 +972,7 @@ static ehd_status run_with_models(const program *self, const romrun_options *opt
     return options->cases ? run_cases(self, options, error) : run_scene(self, options, error);
 }
 
-/* Everything between the command line and the exit code. */
+/* Runs everything between the command line and the exit code. */
 static ehd_status run(const program *self, romrun_options *options, ehd_error *error) {
     const char *model = options->exported ? options->exported : options->model;
     ehd_status status = check_usage(self, options, error);
@@ -979,7 +988,7 @@ int main(int argc, char **argv) {
     const program_options options = {
         .options = own_options,
         .own = &own,
-        // as many lines as help2man takes: argp breaks those of more than 79 columns
+        // at most 79 columns each: argp breaks longer ones, and help2man needs one line for each
         .arguments_doc = "SCENE.yml --model MODEL.h5 [-o RESULT.h5]\n"
                          "SCENE.yml --cases CASES.csv --model MODEL.h5\n"
                          "--fmu SCENE.yml --model MODEL.h5 -o CONTACT.fmu\n"
