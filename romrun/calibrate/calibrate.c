@@ -87,7 +87,9 @@ char *calibration_settings(const char *of_model, const char *of_plan) {
     size_t length = end ? (size_t)(end - of_model) : strlen(of_model);
     char *joined = NULL;
 
-    if (asprintf(&joined, "%.*s%s%s", (int)length, of_model, separator, of_plan) < 0) joined = NULL;
+    if (asprintf(&joined, "%.*s%s%s", (int)length, of_model, of_plan ? separator : "",
+                 of_plan ? of_plan : "") < 0)
+        joined = NULL;
     return joined;
 }
 

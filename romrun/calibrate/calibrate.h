@@ -16,7 +16,7 @@ ehd_status calibrate(const program *self, const char *plan_path, const char *mod
                      size_t num_workers, ehd_error *error);
 
 /* Returns the settings text of a calibrated model: that of the model, without an earlier
- * calibration, and the text of the plan. Returns NULL without memory. */
+ * calibration, and the text of the plan (NULL: none). Returns NULL without memory. */
 char *calibration_settings(const char *of_model, const char *of_plan); // free with free()
 
 #endif

@@ -35,7 +35,7 @@ ehd_status time_compare(time_deviation *deviation, const double *time, const dou
         if (time[i] < other_time[0] || time[i] > other_time[num_other - 1]) continue;
         const double there = value_at(time[i], other_time, other_values, between, &near);
         double relative = fabs(values[i] / there - 1);
-        if (!(relative <= deviation->largest)) {
+        if (!isnan(deviation->largest) && !(relative <= deviation->largest)) {
             deviation->largest = relative;
             deviation->at = time[i];
         }

@@ -89,9 +89,9 @@ fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, f
     }
     snprintf(self->name, sizeof self->name, "%s", name ? name : "");
     if (type != fmi2CoSimulation)
-        show(self, true, "type: found model exchange, expected co-simulation");
+        show(self, FMU_FAILED, "type: found model exchange, expected co-simulation");
     else if (!folder_of(folder, resources))
-        show(self, true, "resources: found no folder, expected the URI of one");
+        show(self, FMU_FAILED, "resources: found no folder, expected the URI of one");
     else
         self->contact = fmu_create(guid, folder, show, self);
     if (!self->contact) {

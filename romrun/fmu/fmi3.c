@@ -56,9 +56,9 @@ fmi3InstantiateCoSimulation(fmi3String name, fmi3String token, fmi3String resour
     self->log = log;
     self->environment = environment;
     if (event_mode)
-        show(self, true, "event mode: found used, expected not, as hasEventMode says");
+        show(self, FMU_FAILED, "event mode: found used, expected not, as hasEventMode says");
     else if (!resources)
-        show(self, true, "resources: found none, expected the path of their folder");
+        show(self, FMU_FAILED, "resources: found none, expected the path of their folder");
     else
         self->contact = fmu_create(token, resources, show, self);
     if (!self->contact) {
@@ -205,7 +205,7 @@ fmi3Instance fmi3InstantiateModelExchange(fmi3String name, fmi3String token, fmi
                                           fmi3LogMessageCallback log) {
     const component self = {.log = log, .environment = environment};
 
-    show((void *)&self, true, "instance: found model exchange, expected co-simulation");
+    show((void *)&self, FMU_FAILED, "instance: found model exchange, expected co-simulation");
     return NULL;
 }
 
@@ -216,7 +216,7 @@ fmi3Instance fmi3InstantiateScheduledExecution(
     fmi3UnlockPreemptionCallback unlock) {
     const component self = {.log = log, .environment = environment};
 
-    show((void *)&self, true, "instance: found scheduled execution, expected co-simulation");
+    show((void *)&self, FMU_FAILED, "instance: found scheduled execution, expected co-simulation");
     return NULL;
 }
 
