@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What reading and writing share. */
+/* Functions for both reading and writing. */
 #include "common/artefact/internal.h"
 
 #include <stdlib.h>
@@ -46,7 +46,7 @@ void artefact_close(artefact **file) {
         unfinished = (*file)->partial;
         (*file)->partial = NULL;
     }
-    // removed before the close lets go of the writer's lock
+    // removed before closing releases the writer's lock
     if (unfinished) {
         unlink(unfinished);
         unlink((*file)->saved);
@@ -129,7 +129,7 @@ size_t artefact_length(const artefact *file, const char *axis) {
     return length ? *length : 0;
 }
 
-/* Where a dataset is kept open, NULL when it is not to be. */
+/* Returns where the id of a dataset is kept while streaming; NULL: it is not kept open. */
 static hid_t *held_dataset(const artefact *file, const char *name) {
     if (!file->growing || !file->streaming) return NULL;
     const artefact_field *field = find_field(file, name);
@@ -183,7 +183,7 @@ bool extend_dataset(hid_t dataset, size_t length) {
     return dataset_length(dataset) >= length || set_dataset_length(dataset, length);
 }
 
-/* Whether what has this name is on the growing axis, or the axis itself. */
+/* Checks whether the name is a field on the growing axis, or that axis. */
 static bool grows(const artefact *file, const char *name) {
     const artefact_field *field = find_field(file, name);
     return field ? field_grows(file, field) : file->growing && strcmp(name, file->growing) == 0;
@@ -217,7 +217,7 @@ static ehd_status select_part(selection *of, artefact *file, const char *name, s
                               size_t count, ehd_error *error) {
     of->file_space = H5Dget_space(of->dataset);
     if (select_entries(of->file_space, &of->memory_space, first, count)) return EHD_OK;
-    // of an unfinished file, also one that is resumed, a dataset may be shorter than its axis
+    // in an unfinished or resumed file, a dataset may be shorter than its axis
     const bool foreign = (file->growing && !file->partial) || file->history_line;
     return ehd_fail(error, foreign ? EHD_DATA : EHD_INTERNAL,
                     "%s: %s: found entries %zu to %zu, expected fewer", shown_name(file), name,
@@ -236,7 +236,7 @@ ehd_status read_entries(artefact *file, const char *name, artefact_type type, si
                                        : select_part(&of, file, name, first, count, error);
 
     if (!status) {
-        // of the dataset itself, whatever its axes are said to be
+        // counted in the dataset itself, whatever its axes claim
         const hssize_t found = H5Sget_select_npoints(of.file_space);
         if (found < 0 || (size_t)found != room)
             status = ehd_fail(error, EHD_DATA, "%s: %s: found %lld numbers, expected %zu",

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Artefacts: the HDF5 files that link the programs. The only place that speaks HDF5.
+/* Reads and writes artefacts: the HDF5 files that link the programs. Only this folder calls HDF5.
  *
- * HDF5 as Debian builds it is not thread-safe: of all functions here, only one may run at a time in
- * a process, whatever files they work on. HDF5 prints nothing, loads no filter plugins, and is not
- * shut down at exit.
+ * In a process, only one function of this folder may run at a time, whatever files are open: Debian
+ * builds HDF5 without thread safety. HDF5 prints nothing, loads no filter plugins, and is not shut
+ * down at exit.
  *
  * A field is declared once in a schema table (schemas.c); reader, writer and the pages in schemas/
  * all use that declaration. */
@@ -21,34 +21,35 @@ enum { ARTEFACT_MAX_RANK = 4, ARTEFACT_MAX_NODES = 100000000 };
 
 typedef enum artefact_type { ARTEFACT_REAL, ARTEFACT_INTEGER, ARTEFACT_TEXT } artefact_type;
 typedef enum artefact_need {
-    NEED_ALWAYS,  // a foreign program must write it too
-    NEED_OWN,     // our programs always write it; a reader can do without
+    NEED_ALWAYS,  // programs of others must write it too
+    NEED_OWN,     // our programs always write it; readers accept files without it
     NEED_OPTIONAL // depends on the settings
 } artefact_need;
 
-/* What the numbers of a field or an attribute may be (values.c), of a field whose entries have a
- * `status` where that is 0. */
+/* Ranges for the numbers of a field or an attribute (values.c). If the entries of a field have a
+ * `status`, the range applies only to entries with status 0. */
 typedef enum artefact_values {
     VALUES_ANY,
     VALUES_FINITE,
-    VALUES_KNOWN, // finite, or NaN where not known
+    VALUES_KNOWN, // finite, or NaN if unknown
     VALUES_POSITIVE,
     VALUES_POSITIVE_OR_NAN,
     VALUES_NOT_NEGATIVE,
-    VALUES_BOUND, // not negative, also infinite, or NaN where not known
+    VALUES_BOUND, // not negative (may be infinite), or NaN if unknown
     // integers
     VALUES_FLAG,
     VALUES_COUNT,
     VALUES_INDEX_OR_NONE,
     VALUES_STATE_OR_NONE,
-    VALUES_COLUMN,      // of x, or its length where there is none
-    VALUES_FILM_COLUMN, // of the nodes of the film, or their number, but for the first
-    VALUES_ROW,         // inner nodes of the grid, each once
-    VALUES_FILM_NODE    // nodes of the film, ascending
+    VALUES_COLUMN,      // index into x; the length of x means none
+    VALUES_FILM_COLUMN, // column of film nodes, from 1 to their number
+    VALUES_ROW,         // indices of inner nodes of the grid, each once
+    VALUES_FILM_NODE    // indices of film nodes, ascending
 } artefact_values;
 
-/* What makes SI units of a dimensionless number: the first of these attributes that a file has, in
- * the units of its row, and where the number is in a frame of its own, that frame's too. */
+/* Factor that converts a dimensionless number to SI units: the first of `attributes` that the file
+ * has. The schema gives the SI unit of that attribute. If `frame` is set, the factor is multiplied
+ * by that field, because the number is scaled by its own frame. */
 typedef struct artefact_scale {
     const char *attributes[2]; // "film_unit"; NULL: the frame has the units
     const char *frame;         // field along one axis, relative to the attribute; NULL: none
@@ -58,9 +59,9 @@ typedef struct artefact_axis {
     const char *name;            // "x", "state", "pressure_mode"
     const char *units;           // "1"
     const char *long_name;       // index axes get 0, 1, 2, … as their scale
-    size_t max;                  // longer ones are refused
-    bool optional;               // fields are on it only in a file that has it
-    const artefact_scale *scale; // NULL: without dimension, or in SI units; as in fields
+    size_t max;                  // a longer axis is refused
+    bool optional;               // a file may lack the axis; its fields then have one axis fewer
+    const artefact_scale *scale; // NULL: dimensionless or already in SI units; as in fields
 } artefact_axis;
 
 typedef struct artefact_field {
@@ -71,7 +72,7 @@ typedef struct artefact_field {
     const char *long_name;
     artefact_need need;
     artefact_values values;
-    bool by_entry; // along the first axis: most entries need not be there
+    bool by_entry; // read entry by entry along the first axis; most entries may be missing
     const artefact_scale *scale;
 } artefact_field;
 
@@ -88,7 +89,7 @@ typedef struct artefact_attribute {
 typedef struct artefact_schema {
     const char *name;                     // "ehdrom-snapshots"
     int major, minor;                     // a reader refuses a larger major, accepts any minor
-    const char *title;                    // what such a file holds
+    const char *title;                    // attribute `title` of such a file
     const artefact_axis *axes;            // ends with {0}
     const artefact_field *fields;         // ends with {0}
     const artefact_attribute *attributes; // ends with {0}
@@ -102,12 +103,13 @@ typedef struct artefact artefact;
 
 // ---- writing
 
-/* Creates PATH.partial for writing; PATH itself is untouched until artefact_finish. Fails with
- * EHD_CANTCREATE when PATH exists, or PATH.partial with what an interrupted run finished, and
- * program->force is not set; when it cannot be written, or another process is writing PATH.partial.
- * `settings_text` is stored as attribute `settings`; `inputs` (NULL-terminated paths, may be NULL)
- * are hashed (SHA-256) into `input_<n>_path`, `input_<n>_sha256`, and the history lines of those
- * that are artefacts come before our own line. */
+/* Creates PATH.partial for writing. PATH itself is untouched until artefact_finish. EHD_CANTCREATE:
+ * PATH.partial cannot be written, or another process writes it. Without program->force also: PATH
+ * exists, or PATH.partial holds finished work of an interrupted run.
+ *
+ * `settings_text` is stored as attribute `settings`. The SHA-256 of each of `inputs`
+ * (NULL-terminated paths, may be NULL) is stored in `input_<n>_path` and `input_<n>_sha256`.
+ * History lines of inputs that are artefacts come before the line of this run. */
 ehd_status artefact_create(
     // output:
     artefact **file,
@@ -115,9 +117,9 @@ ehd_status artefact_create(
     const char *path, const artefact_schema *schema, const program *program,
     const char *settings_text, const char *const *inputs, ehd_error *error);
 
-/* The same, with an axis that grows, of no entry yet. Fields may have it as their first axis only;
- * what is never written of them reads as NaN or -1, and entries of more than one number then take
- * no space on disk. */
+/* Creates a file like artefact_create, with a growing axis that has no entries yet. Only the first
+ * axis of a field may grow. Entries that are never written read as NaN or -1; if an entry has
+ * several numbers, an unwritten entry takes no space on disk. */
 ehd_status artefact_create_growing(
     // output:
     artefact **file,
@@ -125,23 +127,25 @@ ehd_status artefact_create_growing(
     const char *path, const artefact_schema *schema, const char *axis, const program *program,
     const char *settings_text, const char *const *inputs, ehd_error *error);
 
-/* Declares an axis of this file, of at least one entry, and writes its scale; `values` NULL: 0, 1,
- * 2, … as integers. */
+/* Declares an axis with at least one entry and writes its scale. `values` NULL: the integers 0, 1,
+ * 2, … */
 ehd_status artefact_put_axis(artefact *file, const char *name, size_t length, const double *values,
                              ehd_error *error);
 
-/* Writes `count` values of the growing axis from `first` on. Beyond its length everything on the
- * axis grows, the fields first and the axis itself last: a reader that asks the axis for its length
- * finds as much of every field. Hence it is put after the fields of these entries. */
+/* Writes `count` values of the growing axis from `first` on. To become longer, all fields on the
+ * axis grow first and the axis itself last. A reader that looks up the length of the axis therefore
+ * finds that many entries in every field. Call it after the fields of these entries have been
+ * written. */
 ehd_status artefact_put_axis_part(artefact *file, const char *name, size_t first, size_t count,
                                   const double *values, ehd_error *error);
 
-/* Creates the dataset (chunked along its first axis, Fletcher-32, fill NaN or -1), units, long_name
- * and scales attached; all of its axes must exist. artefact_put does it when needed. */
+/* Creates the dataset of a field (chunked along its first axis, Fletcher-32, fill NaN or -1) and
+ * attaches units, long_name and scales. All axes of the field must exist. artefact_put declares a
+ * field itself if needed. */
 ehd_status artefact_declare(artefact *file, const char *field, ehd_error *error);
 
-/* The same, with entries along the first axis that share no checksum: a kill while one of them is
- * overwritten leaves the others whole. */
+/* Declares a field like artefact_declare, but each entry along the first axis has a checksum of its
+ * own. A kill while one entry is overwritten leaves the other entries whole. */
 ehd_status artefact_declare_apart(artefact *file, const char *field, ehd_error *error);
 
 /* Writes a whole field, or `count` entries along its first axis from `first` on. A field on the
@@ -159,35 +163,39 @@ ehd_status artefact_put_integer(artefact *file, const char *attribute, int64_t v
 ehd_status artefact_put_text(artefact *file, const char *attribute, const char *text,
                              ehd_error *error);
 
-/* From here on the file stays readable at any moment, even after a kill, and others may read it
- * (HDF5 single writer, multiple readers). All fields that the schema calls NEED_ALWAYS or NEED_OWN
- * must have been declared, and its NEED_ALWAYS attributes written (else EHD_INTERNAL). Only
- * artefact_put*_part on declared fields and the growing axis may follow, then artefact_flush,
- * artefact_end_streaming, artefact_finish or artefact_close. Entries reach the file in the order of
- * the calls, so a `status` put last is never there before what it speaks of. */
+/* Starts streaming: from now on the file stays readable at any moment, even after a kill, and
+ * others may read it (HDF5 single writer, multiple readers). All NEED_ALWAYS and NEED_OWN fields
+ * must have been declared, and all NEED_ALWAYS attributes written (else EHD_INTERNAL). Afterwards
+ * only artefact_put*_part on declared fields and the growing axis may follow, then artefact_flush,
+ * artefact_end_streaming, artefact_finish or artefact_close.
+ *
+ * Entries reach the file in the order of the calls. A `status` that is put last is therefore never
+ * visible before the data of its entry. */
 ehd_status artefact_begin_streaming(artefact *file, ehd_error *error);
 ehd_status artefact_flush(artefact *file, ehd_error *error);
-/* The same, and what was written is on the disk before anything that follows, also where the power is
- * cut. EHD_IO. */
+/* Flushes like artefact_flush and waits until the data are on the disk, so that they survive a
+ * power cut. EHD_IO. */
 ehd_status artefact_sync(artefact *file, ehd_error *error);
-/* After artefact_flush of a file with a growing axis, else without effect: what HDF5 knows of its
- * data changes with each entry, and a power cut between two of these calls tears it. Keeps a copy
- * as it is now, PATH.saved, from which artefact_resume goes on, once as much time has passed since
- * the last one as fifty of them take; artefact_begin_streaming makes the first. A copy that fails
- * is none. */
+/* Copies a file with a growing axis to PATH.saved; does nothing for other files. Call it after
+ * artefact_flush. Each entry changes HDF5's metadata, and a power cut can leave them inconsistent;
+ * artefact_resume then continues from PATH.saved. artefact_begin_streaming makes the first copy.
+ * Another copy is made only after fifty times the time that the last one took. If copying fails,
+ * the earlier copy stays. */
 void artefact_save(artefact *file);
 
-/* Back to ordinary writing, for attributes that are only known at the end. artefact_finish does it
- * when needed. Does nothing when the file is not streaming. */
+/* Returns from streaming to ordinary writing, for attributes that are known only at the end.
+ * artefact_finish calls it if needed. Does nothing if the file is not streaming. */
 ehd_status artefact_end_streaming(artefact *file, ehd_error *error);
 
-/* Opens PATH.partial of an earlier run (where the machine has been started since, PATH.saved if
- * there is one), streaming again, with its axes and declared fields, which can also be read.
- * EHD_NOINPUT when there is none, or one that was interrupted before it began to stream, with
- * nothing in it; EHD_DATA when it is damaged, or its schema or settings (scene_text_matches)
- * differ; EHD_CANTCREATE when PATH exists and program->force is not set, or another process is
- * writing. A file with a growing axis is not streaming yet, and what is on the axis may differ in
- * length by the entries that a killed run was writing: artefact_cut_axis has to come next. */
+/* Opens PATH.partial of an earlier run and streams again. If the machine has been rebooted since
+ * then, PATH.saved is used if it exists. The axes and declared fields of the file can also be read.
+ *
+ * EHD_NOINPUT: no such file, or a file from a run that was interrupted before streaming. EHD_DATA:
+ * the file is damaged, or its schema or settings (scene_text_matches) differ. EHD_CANTCREATE: PATH
+ * exists and program->force is not set, or another process writes the file.
+ *
+ * A file with a growing axis is not streaming yet, and its datasets may differ in length by the
+ * entries that a killed run was writing. artefact_cut_axis must come next. */
 ehd_status artefact_resume(
     // output:
     artefact **file,
@@ -195,26 +203,25 @@ ehd_status artefact_resume(
     const char *path, const artefact_schema *schema, const program *program,
     const char *settings_text, ehd_error *error);
 
-/* After artefact_resume of a training: whether one of its states is whole and its numbers are what
- * they may be; else EHD_DATA. Of those that a killed run had not finished they need not be, and
- * artefact_resume does not look. */
+/* Checks one finished training state after artefact_resume: its data are whole and its numbers in
+ * range, else EHD_DATA. artefact_resume does not check them, because states that a killed run had
+ * not finished may be damaged. */
 ehd_status artefact_check_entry(artefact *file, size_t entry, ehd_error *error);
 
-/* After artefact_resume: whether a file that the run reads beside its settings is what it was when
- * the output was begun, by its content where it has another name now. EHD_DATA, with `what` it is,
- * when it is not; EHD_NOINPUT, EHD_IO. */
+/* Checks after artefact_resume that an input still has the content that it had when the output was
+ * begun. If no recorded input has this path, any recorded input with the same content is accepted.
+ * EHD_DATA: the content differs; the message names the input `what`. EHD_NOINPUT, EHD_IO. */
 ehd_status artefact_check_input(artefact *file, const char *what, const char *path,
                                 ehd_error *error);
 
-/* Drops the entries of the growing axis from `length` on, checks those before, and streams again.
- * Only after artefact_resume. EHD_DATA when the file has fewer entries, those kept are damaged, or no
- * axis grows.
- */
+/* Removes the entries of the growing axis from `length` on, checks those before, and streams again.
+ * Only after artefact_resume. EHD_DATA: the file has fewer entries, kept entries are damaged, or no
+ * axis grows. */
 ehd_status artefact_cut_axis(artefact *file, const char *name, size_t length, ehd_error *error);
 
-/* Puts all axes, fields and attributes of an opened file that its schema knows into a file of the
- * same schema that has none yet, but for some axes and the fields along them. What `from`, which may be
- * another program's, lacks of NEED_OWN the copy may lack too. */
+/* Copies all axes, fields and attributes of the schema from an opened file to an empty file of the
+ * same schema, except some axes and the fields along them. `from` may come from another program;
+ * NEED_OWN items that it lacks may also be missing in the copy. */
 ehd_status artefact_copy(
     // output:
     artefact *to,
@@ -224,15 +231,16 @@ ehd_status artefact_copy(
     ehd_error *error);
 
 /* Writes `complete` = 1 last, closes with every error checked, syncs to disk and renames to the
- * final name. Frees the file in any case; on failure the .partial file stays. All fields that the
- * schema calls NEED_ALWAYS or NEED_OWN must have been written, and a growing axis have an entry
- * (else EHD_INTERNAL). */
+ * final name. All NEED_ALWAYS and NEED_OWN items must have been written, and a growing axis must
+ * have an entry (else EHD_INTERNAL). Frees the file in any case. On failure PATH.partial stays if
+ * it was streaming or if only syncing or renaming failed; otherwise it is removed. */
 ehd_status artefact_finish(artefact **file, ehd_error *error);
 
-/* For who reads files inside of somebody else's program: HDF5's own ways of the process are as that
- * program has them again after artefact_leave, and what it does at exit stays. One thread at a time. */
+/* HDF5 settings of a host program in whose process files are read. artefact_visit saves them and
+ * sets ours; artefact_leave restores them. HDF5's behaviour at exit does not change. One thread at
+ * a time. */
 typedef struct artefact_guest {
-    void (*print)(void); // how HDF5 shows errors
+    void (*print)(void); // HDF5's function for printing errors
     void *data;
     unsigned plugins;
 } artefact_guest;
@@ -241,22 +249,22 @@ void artefact_leave(const artefact_guest *host);
 
 // ---- reading
 
-/* Opens a finished artefact for reading. Refuses (EHD_NOINPUT: missing; EHD_DATA: not HDF5,
- * truncated, empty, wrong schema, newer major version, complete = 0, a needed field missing, of
- * another rank or with axes of unequal length). `schemas`: the accepted ones, NULL at the end. */
+/* Opens a finished artefact for reading. EHD_NOINPUT: missing. EHD_DATA: not HDF5, truncated,
+ * empty, wrong schema, newer major version, complete = 0, a needed field missing, of another rank
+ * or with axes of unequal length. `schemas`: the accepted ones, NULL at the end. */
 ehd_status artefact_open(
     // output:
     artefact **file,
     // input:
     const char *path, const artefact_schema *const *schemas, ehd_error *error);
 
-/* Closes without finishing; a file being written stays as PATH.partial when it was streaming and is
- * removed otherwise. Accepts a NULL file. */
+/* Closes without finishing. A file that was streaming stays as PATH.partial; any other file being
+ * written is removed. Accepts a NULL file. */
 void artefact_close(artefact **file);
 
-/* The same also of a file that is being written or was left unfinished (PATH.partial), of which the
- * growing axis tells how far it goes: what is on it may be longer, so that it is read by
- * artefact_get_part. */
+/* Opens a file like artefact_open, but also one that is being written or was left unfinished
+ * (PATH.partial). The growing axis gives the number of valid entries. Fields on it may be longer;
+ * read them with artefact_get_part. */
 ehd_status artefact_open_unfinished(
     // output:
     artefact **file,
@@ -265,31 +273,31 @@ ehd_status artefact_open_unfinished(
 
 const artefact_schema *artefact_kind(const artefact *file);
 const char *artefact_path(const artefact *file);
-/* SHA-256 of the opened file, 64 hexadecimal digits; computed at the first call. */
+/* Returns the SHA-256 of the opened file, 64 hexadecimal digits; computed at the first call. */
 ehd_status artefact_identity(artefact *file, char identity[65], ehd_error *error);
 
-/* The same of a file that is not opened. EHD_NOINPUT, EHD_IO. */
+/* Returns the SHA-256 of any file. EHD_NOINPUT, EHD_IO. */
 ehd_status artefact_file_identity(char identity[65], const char *path, ehd_error *error);
 
-/* What is known of the content of a file: "digest checked", "digest not checked" where that is switched
- * off, or content_without_digest; NULL when it is none of ours. */
+/* Returns how the content digest of a file is treated: "digest checked", "digest not checked" if
+ * checking is switched off, or content_without_digest. NULL: the file is no artefact. */
 const char *artefact_content(const char *path);
 extern const char *const content_without_digest;
 
 bool artefact_has(const artefact *file, const char *field_or_attribute);
-/* Length of an axis; 0 when the file does not have it. */
+/* Returns the length of an axis; 0 if the file does not have it. */
 size_t artefact_length(const artefact *file, const char *axis);
-/* The axes of a field in this file, without the optional ones that it does not have. Returns their
+/* Lists the axes of a field in this file, without optional axes that the file lacks. Returns their
  * number. */
 size_t artefact_axes(const char *axes[ARTEFACT_MAX_RANK], const artefact *file,
                      const artefact_field *field);
-/* Whether artefact_get_axis has values to give. */
+/* Checks whether an axis has values for artefact_get_axis. */
 bool artefact_has_scale(const artefact *file, const char *axis);
 
-/* Reads into the caller's memory, which has room for `room` numbers: EHD_DATA where the file has more
- * or fewer, such as one whose axes do not fit each other. A checksum that fails, and an
- * optional field, attribute or scale that the file does not have, are EHD_DATA. A foreign file need
- * not have scales: then artefact_length still works, and artefact_get_axis is EHD_DATA. */
+/* Read into the caller's memory, which has room for `room` numbers. EHD_DATA: the file has more or
+ * fewer numbers (for example, its axes do not fit each other), a checksum fails, or an optional
+ * field, attribute or scale is missing. Files of other programs may lack scales: then
+ * artefact_length still works, and artefact_get_axis returns EHD_DATA. */
 ehd_status artefact_get_axis(artefact *file, const char *axis, double *values, size_t room,
                              ehd_error *error);
 ehd_status artefact_get(artefact *file, const char *field, double *data, size_t room,
@@ -304,28 +312,30 @@ ehd_status artefact_get_real(artefact *file, const char *attribute, double *valu
                              ehd_error *error);
 ehd_status artefact_get_integer(artefact *file, const char *attribute, int64_t *value,
                                 ehd_error *error);
-/* Free the text with free(). */
+/* Reads a text; free it with free(). */
 ehd_status artefact_get_text(artefact *file, const char *attribute, char **text, ehd_error *error);
-/* Any attribute of the root as text, numbers with as many digits as they have; free(). */
+/* Returns any attribute of the root as text; free(). Numbers have all digits that are needed to
+ * read back the same value. */
 ehd_status artefact_show_attribute(artefact *file, const char *attribute, char **text,
                                    ehd_error *error);
-/* The factor of a scale that has no frame, or beside it, and the units of what it makes. EHD_DATA: the
- * file has no such attribute, as of a contact that was not given in SI units. */
+/* Returns the factor of a scale without its frame, and the SI units that the factor leads to. A
+ * scale that has only a frame has factor 1. EHD_DATA: the file lacks the attribute, because its
+ * contact was not given in SI units. */
 ehd_status artefact_get_scale(
     // output:
     double *factor, const char **units,
     // input:
     artefact *file, const artefact_scale *scale, ehd_error *error);
 
-/* Visits the names of all attributes of the root, also of those that no schema knows. */
+/* Visits the names of all attributes of the root, including those outside the schema. */
 void artefact_visit_attributes(const artefact *file, void (*visit)(const char *name, void *data),
                                void *data);
 
-/* --check FILE: opens the file as any of the known schemas and reads every dataset that the schema
- * knows, so that every checksum is verified. */
+/* Checks a file (--check FILE): opens it with any of the known schemas and reads every dataset of
+ * its schema, so that every checksum is verified. */
 ehd_status artefact_check(const char *path, ehd_error *error);
 
-/* The tables of a schema as Markdown, from which the pages in schemas/ are checked. */
+/* Prints the tables of a schema as Markdown. A test compares the pages in schemas/ with them. */
 void artefact_print_markdown(const artefact_schema *schema, FILE *stream);
 
 #endif

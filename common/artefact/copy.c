@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* One artefact into another of the same kind. */
+/* Copies an artefact into another of the same kind. */
 #include "common/artefact/internal.h"
 
 #include <stdlib.h>
@@ -28,7 +28,7 @@ static ehd_status copy_attribute(artefact *to, artefact *from, const artefact_at
     }
 }
 
-/* Values that are 0, 1, 2, … are those of an index. */
+/* Copies an axis. Values 0, 1, 2, … are written as an integer index. */
 static ehd_status copy_axis(artefact *to, artefact *from, const char *name, size_t length,
                             ehd_error *error) {
     double *values = array_new(length, 1, sizeof *values);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Digests of what a file holds, so that a change by accident is noticed. The root attribute
+/* Computes digests of the content of a file, which show accidental changes. The root attribute
  * content_sha256 has a line "SHA-256 NAME" for each axis and dataset of the schema, and one for its
- * attributes; it is written when a file gets its final name. */
+ * attributes. It is written when a file gets its final name. */
 #include "common/artefact/internal.h"
 
 #include <endian.h>
@@ -13,7 +13,8 @@
 static const char attribute_name[] = "content_sha256";
 static const char of_attributes[] = "attributes";
 
-/* Hashing takes longer than reading: EHDROM_DIGEST=no leaves it out. */
+/* Checks whether digests are wanted. EHDROM_DIGEST=no switches them off, because hashing takes
+ * longer than reading. */
 static bool is_wanted(void) {
     const char *wanted = getenv("EHDROM_DIGEST");
 
@@ -24,7 +25,7 @@ static bool is_wanted(void) {
 
 struct content_digest {
     struct sha256_ctx context;
-    size_t entry; // numbers of an entry
+    size_t entry; // numbers in an entry
     bool by_entry;
 };
 
@@ -32,7 +33,7 @@ static void add_text(struct sha256_ctx *context, const char *text) {
     sha256_update(context, strlen(text), (const uint8_t *)text);
 }
 
-/* As 64-bit little-endian numbers. */
+/* Hashes numbers as 64-bit little-endian ones. */
 static void add_numbers(struct sha256_ctx *context, const void *numbers, size_t count) {
     enum { BLOCK = 512 };
     uint64_t block[BLOCK];
@@ -132,7 +133,7 @@ static void hash_attributes(const artefact *file, char digest[65]) {
 
 // ---- reading
 
-/* The digest in the file's list, NULL where the name has none. */
+/* Returns the stored digest of a name; NULL: none. */
 static const char *find_digest(const artefact *file, const char *name) {
     const size_t digits = 64, length = strlen(name);
 
@@ -169,7 +170,7 @@ ehd_status check_content(const artefact *file, const artefact_field *field, cons
     return check_digest(file, field->name, digest, error);
 }
 
-/* A dataset that the schema names is there if and only if the list has it. */
+/* Checks that a dataset is in the file if and only if the stored list has it. */
 static ehd_status check_listed(const artefact *file, const char *name, bool there,
                                ehd_error *error) {
     if ((find_digest(file, name) != NULL) == there) return EHD_OK;
@@ -205,7 +206,7 @@ const char *digest_outcome(hid_t file) {
 
 // ---- writing
 
-/* Adds the line of a dataset that the file has. */
+/* Adds the line of a dataset, if the file has the dataset. */
 static ehd_status list_dataset(FILE *list, artefact *file, const artefact_field *field,
                                ehd_error *error) {
     char digest[65];
@@ -235,7 +236,7 @@ ehd_status put_digests(artefact *file, ehd_error *error) {
     char *text = NULL;
     size_t size = 0;
 
-    // what an earlier end of the same file left would not be of this one
+    // a digest from an earlier end of this file would no longer fit
     if (!is_wanted())
         return hdf5_has_attribute(file->id, attribute_name) &&
                        H5Adelete(file->id, attribute_name) < 0

@@ -9,21 +9,20 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-/* An attribute has to fit into one message of an object header, which is 64 kB with its own name.
- */
+/* An attribute and its name must fit into one message of an object header, which has 64 kB. */
 enum { PIECE_BYTES = 60000 };
 
 static _Thread_local bool started = false;
-static bool not_begun; // HDF5 was refused memory when it began, and nothing of it works
+static bool not_begun; // HDF5 had no memory to initialise itself, so all of its functions fail
 
 static void be_quiet(void) {
-    // where HDF5 was built to be thread-safe, each thread has a stack of errors of its own, and prints
+    // a thread-safe build of HDF5 has an error stack in each thread, which prints by default
     if (H5Eset_auto2(H5E_DEFAULT, NULL, NULL) < 0) not_begun = true;
-    H5PLset_loading_state(0); // code that a file asks for is not loaded
+    H5PLset_loading_state(0); // no plugin is loaded on behalf of a file
 }
 
-/* HDF5 looks at how numbers are rounded when it begins: that of Debian 13 crashes where a host has set another rounding than
- * to nearest. */
+/* Initialises HDF5 while numbers are rounded to nearest, then restores the host's rounding. HDF5 of
+ * Debian 13 crashes during initialisation under any other rounding. */
 static herr_t open_hdf5(void) {
     fenv_t host;
 
@@ -38,8 +37,8 @@ void hdf5_start(void) {
     errno = 0;
     if (started) return;
     started = true;
-    H5dont_atexit();                                          // must come first
-    if (open_hdf5() < 0 || errno == ENOMEM) not_begun = true; // it may not notice itself
+    H5dont_atexit();                                          // must be the first call
+    if (open_hdf5() < 0 || errno == ENOMEM) not_begun = true; // HDF5 may miss a lack of memory
     be_quiet();
 }
 
@@ -51,7 +50,7 @@ artefact_guest artefact_visit(void) {
     H5Eget_auto2(H5E_DEFAULT, &print, &host.data);
     H5PLget_loading_state(&host.plugins);
     host.print = (void (*)(void))print;
-    started = true; // all of it, in this thread
+    started = true; // hdf5_start has nothing left to do in this thread
     be_quiet();
     return host;
 }
@@ -63,10 +62,11 @@ void artefact_leave(const artefact_guest *host) {
 
 // ---- errors
 
-// the driver says "…, errno = 28, error message = 'No space left on device', buf = …"
+// the file driver reports "…, errno = 28, error message = 'No space left on device', buf = …"
 static const char system_key[] = "error message = '";
 
-/* The first frame of the walk is the one that found the trouble, unless the system tells of it. */
+/* Keeps the message of the first frame, where the error was found, or of a later frame with a
+ * message of the system. */
 static herr_t take_first(unsigned depth, const H5E_error2_t *frame, void *data) {
     hdf5_reason *reason = data;
     if (frame->desc && (depth == 0 || strstr(frame->desc, system_key)))
@@ -75,7 +75,7 @@ static herr_t take_first(unsigned depth, const H5E_error2_t *frame, void *data) 
 }
 
 hdf5_reason hdf5_last_reason(void) {
-    // some of its functions forget what failed below them, but errno stays
+    // some HDF5 functions drop the errors below them, but errno stays
     hdf5_reason reason = {.text = "", .system = errno == EIO, .memory = errno == ENOMEM};
     H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, take_first, &reason);
 
@@ -92,7 +92,7 @@ hdf5_reason hdf5_last_reason(void) {
 
 void hdf5_release(hid_t id) {
     if (id < 0) return;
-    // nothing to keep, as nearly always: the way round by a copy takes as long as closing a space
+    // usually there is no error to keep; copying the stack takes as long as closing a space
     if (H5Eget_num(H5E_DEFAULT) == 0) {
         H5Idec_ref(id);
         return;
@@ -102,7 +102,8 @@ void hdf5_release(hid_t id) {
     H5Eset_current_stack(stack);
 }
 
-/* What a look-up could not tell, and why; of all files, since only one thread is here at a time. */
+/* First look-up that failed, and why. One variable for all files, since only one thread is here at
+ * a time. */
 static hdf5_reason unknown;
 static bool has_unknown;
 
@@ -117,8 +118,8 @@ static bool exists(htri_t found) {
     return found > 0;
 }
 
-/* Of an attribute that is there and was not read: where memory was refused, it is not that it is
- * something else. */
+/* Called for an attribute that exists but was not read: after a lack of memory, its type is unknown
+ * rather than wrong. */
 void hdf5_note_failure(void) {
     if (errno == ENOMEM) note_unknown();
 }
@@ -139,7 +140,7 @@ ehd_status hdf5_blame(ehd_status status, const char *path, ehd_error *error) {
 ehd_status hdf5_write_failed(artefact *file, const char *object, ehd_error *error) {
     hdf5_reason reason = hdf5_last_reason();
     file->failed = true;
-    // a part is read before it is written; what an earlier run left may be damaged
+    // HDF5 reads a chunk before it writes a part of it; a resumed file may be damaged
     if (file->history_line && !reason.system) return hdf5_read_failed(file, object, error);
     ehd_fail(error, EHD_IO, "%s: %s: found a write failure (%s), expected it to be written",
              file->partial, object, reason.text);
@@ -159,44 +160,46 @@ ehd_status hdf5_read_failed(const artefact *file, const char *object, ehd_error 
 
 // ---- files
 
-/* Locks of HDF5 are off: they would outlive nothing but they fail on some network file systems.
- * What has to be excluded, two writers of one file, is excluded by our own lock. False, as from all
- * that set properties, where memory was refused for one: the file would be another without it. */
+/* Sets how a file is opened. HDF5's locks are off because they fail on some network file systems;
+ * our own lock excludes a second writer. Like all functions that set properties, returns false if
+ * one fails for lack of memory, because the file would then differ. */
 static bool set_access(hid_t access) {
     return H5Pset_libver_bounds(access, H5F_LIBVER_V110, H5F_LIBVER_V110) >= 0 &&
            H5Pset_file_locking(access, false, true) >= 0 &&
            H5Pset_fclose_degree(access, H5F_CLOSE_STRONG) >= 0;
 }
 
-/* A writer caches no chunks: a write that fails does so in the call that wrote, and the order of
- * writes is the order in the file. */
+/* Switches off the chunk cache of a writer. A failed write then fails in its own call, and writes
+ * reach the file in the order of the calls. */
 static bool write_through(hid_t access) {
     return H5Pset_cache(access, 0, 0, 0, 0.75) >= 0;
 }
 
-/* Properties without a function of their own. */
+/* Switches on a property that has no function of its own. */
 static bool switch_on(hid_t access, const char *name) {
     const hbool_t yes = true;
     const htri_t there = H5Pexist(access, name);
     return there == 0 || (there > 0 && H5Pset(access, name, &yes) >= 0);
 }
 
-/* Of metadata whose checksum fails because a writer is at it. HDF5 waits twice as long each time,
- * from 1 ns on: 33 ms in all, where its default of 100 attempts would never end on a damaged
- * file. Where no other process writes, a failed checksum means damage. */
+/* Attempts to read metadata whose checksum fails because a writer changes them. HDF5 doubles the
+ * wait each time, from 1 ns on: 33 ms in all. With its default of 100 attempts, the waits would
+ * never end on a damaged file. Without another process that writes, a failed checksum means
+ * damage. */
 enum { READ_ATTEMPTS = 25 };
 
 static bool set_opening(hid_t access, unsigned flags, bool clear_flags) {
     const bool beside_writer = flags & H5F_ACC_SWMR_READ && !clear_flags;
     return set_access(access) && (!(flags & H5F_ACC_RDWR) || write_through(access)) &&
            H5Pset_metadata_read_attempts(access, beside_writer ? READ_ATTEMPTS : 1) >= 0 &&
-           // what h5clear uses
+           // the properties that h5clear uses
            (!clear_flags ||
             (switch_on(access, "clear_status_flags") && switch_on(access, "skip_eof_check")));
 }
 
-/* Whether a file can be told to be none of HDF5: without its signature at 0, 512, 1024, 2048, … bytes. HDF5 1.14 asks all
- * plugins whether they know such a file, and so runs code of theirs, whatever H5PLset_loading_state says. */
+/* Checks whether a file is not HDF5: without its signature at 0, 512, 1024, 2048, … bytes. HDF5
+ * 1.14 passes such a file to all plugins and so runs their code, whatever was set with
+ * H5PLset_loading_state. */
 static bool is_foreign(const char *path, off_t size) {
     static const unsigned char signature[8] = "\211HDF\r\n\032\n";
     unsigned char found[sizeof signature];
@@ -213,11 +216,11 @@ static bool is_foreign(const char *path, off_t size) {
 }
 
 hid_t hdf5_open(const char *path, unsigned flags, bool clear_flags) {
-    has_unknown = false; // of another file, of which nobody asked
+    has_unknown = false; // left over from another file
     errno = 0;
     struct stat about;
     const bool is_there = stat(path, &about) == 0;
-    if (is_there && !S_ISREG(about.st_mode)) return -1; // a pipe would wait
+    if (is_there && !S_ISREG(about.st_mode)) return -1; // opening a pipe would wait
     errno = 0;
     if (is_there && is_foreign(path, about.st_size)) {
         H5Eclear2(H5E_DEFAULT);
@@ -229,8 +232,8 @@ hid_t hdf5_open(const char *path, unsigned flags, bool clear_flags) {
     hid_t access = H5Pcreate(H5P_FILE_ACCESS), file = -1;
     if (set_opening(access, flags, clear_flags)) file = H5Fopen(path, flags, access);
     hdf5_release(access);
-    // what a killed writer added lies behind the end that the superblock knows, and must not be
-    // reused
+    // a killed writer may have written behind the end of file in the superblock; that space must
+    // not be reused
     if (file >= 0 && clear_flags && flags & H5F_ACC_RDWR && H5Fincrement_filesize(file, 0) < 0) {
         hdf5_release(file);
         return -1;
@@ -238,15 +241,15 @@ hid_t hdf5_open(const char *path, unsigned flags, bool clear_flags) {
     return file;
 }
 
-/* All attributes and links stay in the object header, one checksummed block that is read at once,
- * instead of moving to a heap and an index when they become many. */
+/* Keeps all attributes and links in the object header, one checksummed block that is read at once.
+ * HDF5 would otherwise move many of them to a heap and an index. */
 static bool keep_in_header(hid_t properties) {
     return H5Pset_attr_phase_change(properties, 65535, 0) >= 0 &&
            H5Pset_link_phase_change(properties, 65535, 0) >= 0;
 }
 
-/* Nothing smaller than a page of the system lies across two of them, and a kill comes between two
- * pages of a write, if at all: no metadata and no small chunk is then half written. */
+/* Keeps objects that are smaller than a page of the system within one page. If a kill interrupts a
+ * write, it does so between two pages, so no metadata and no small chunk is half written. */
 static bool keep_in_pages(hid_t creation) {
     return H5Pset_file_space_strategy(creation, H5F_FSPACE_STRATEGY_PAGE, false, 1) >= 0 &&
            H5Pset_file_space_page_size(creation, HDF5_PAGE_BYTES) >= 0;
@@ -262,9 +265,9 @@ hid_t hdf5_create(const char *path) {
     return file;
 }
 
-/* A look-up that failed for lack of memory, since when HDF5 has given back what it kept, is worth
- * another: a reader takes "no" for something that a file may lack, and goes on. After a read
- * failure the second would say no. */
+/* Checks whether a failed look-up is to be repeated: after a lack of memory, because HDF5 has freed
+ * memory since then. Otherwise a reader would go on as if the file lacked the item. After a read
+ * failure, the second look-up would wrongly return "no". */
 static bool is_worth_another(htri_t found) {
     return found < 0 && errno == ENOMEM;
 }
@@ -322,7 +325,7 @@ static void piece_name(char buffer[128], const char *name, int number) {
     snprintf(buffer, 128, number == 1 ? "%s" : "%s_%d", name, number);
 }
 
-/* Length of the next piece: it ends before a character, not inside of one. */
+/* Returns the length of the next piece. A piece ends between two characters, not inside of one. */
 static size_t piece_length(const char *text) {
     size_t length = strnlen(text, PIECE_BYTES + 1);
     if (length <= PIECE_BYTES) return length;
@@ -347,7 +350,7 @@ bool hdf5_put_text(hid_t root, const char *name, const char *text) {
         written = hdf5_put_string(root, label, piece);
         rest += length;
     }
-    // pieces of a longer text that stood here before
+    // removes pieces of a longer text that was stored before
     for (bool more = written; more; number++) {
         piece_name(label, name, number);
         more = hdf5_has_attribute(root, label);
@@ -358,7 +361,8 @@ bool hdf5_put_text(hid_t root, const char *name, const char *text) {
     return written;
 }
 
-/* Fixed-length strings may fill their space to the last byte, and Fortran pads with blanks. */
+/* Reads a fixed-length string. It may fill its space to the last byte, and Fortran pads with
+ * blanks. */
 static char *fixed_string(hid_t attribute, hid_t type) {
     size_t size = H5Tget_size(type);
     char *text = calloc(size + 1, 1);
@@ -383,7 +387,7 @@ static char *variable_string(hid_t attribute, hid_t type) {
     return text;
 }
 
-/* Some libraries write a single value as an array of one. */
+/* Opens an attribute with a single value. Some libraries write the value as an array of one. */
 static hid_t open_single(hid_t object, const char *name) {
     if (!hdf5_has_attribute(object, name)) return -1;
     hid_t attribute = H5Aopen(object, name, H5P_DEFAULT);
@@ -419,7 +423,7 @@ char *hdf5_get_text(hid_t root, const char *name) {
     for (int number = 2; text; number++) {
         piece_name(label, name, number);
         piece = hdf5_get_string(root, label);
-        if (!piece) break; // hdf5_blame knows whether it is there
+        if (!piece) break; // hdf5_blame reports a piece that exists but was not read
         size_t more = strlen(piece);
         char *longer = realloc(text, length + more + 1);
         if (!longer) {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Schema tables as the pages in schemas/ show them. */
+/* Prints schema tables as the pages in schemas/ show them. */
 #include "common/artefact/internal.h"
 
 static const char *need_text(artefact_need need) {
@@ -12,7 +12,7 @@ static const char *type_text(artefact_type type) {
     return texts[type];
 }
 
-/* What makes SI units of it, behind the meaning. */
+/* Prints which factor converts the number to SI units; stands after the meaning. */
 static void print_scale(const artefact_scale *scale, FILE *stream) {
     if (scale) {
         const char *first = scale->attributes[0];
@@ -32,7 +32,7 @@ static void print_axes(const artefact_axis *axis, FILE *stream) {
     }
 }
 
-/* An optional axis stands in brackets. */
+/* Prints the axes of a field, optional axes in brackets. */
 static void print_field_axes(const artefact_schema *schema, const artefact_field *field,
                              FILE *stream) {
     for (int i = 0; i < ARTEFACT_MAX_RANK && field->axes[i]; i++) {

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What is read of a stranger's file: datasets that lie in the file itself, with filters that are
- * part of HDF5. A link or a layout that leads elsewhere would read any file that its author names
- * and the user may read. */
+/* Restricts what is read from files of unknown origin: only datasets that lie in the file itself,
+ * with filters that are part of HDF5. Otherwise a link or a layout could make the program read any
+ * other file that its user may read. */
 #include "common/artefact/internal.h"
 
 #include <string.h>
 
-/* What a link is, NULL for one that leads to an object of this file. */
+/* Returns what a link is; NULL for a hard link, which leads to an object of this file. */
 static const char *other_link(H5L_type_t type) {
     switch (type) {
     case H5L_TYPE_HARD:
@@ -20,8 +20,9 @@ static const char *other_link(H5L_type_t type) {
     }
 }
 
-/* The same of each step of a path, such as "group/dataset", before it is followed. *address: where
- * the last leads. */
+/* Returns what the first link of a path such as "group/dataset" is that is not hard; NULL: all are
+ * hard. Checks each link before it follows the link. *address: of the object at the end of the
+ * path. */
 static const char *other_step(haddr_t *address, hid_t root, const char *path) {
     char step[512];
     const char *found = NULL;
@@ -34,14 +35,15 @@ static const char *other_step(haddr_t *address, hid_t root, const char *path) {
         if (path[end] != '/' && path[end] != '\0') continue;
         memcpy(step, path, end);
         step[end] = '\0';
-        if (strspn(step, "/.") == end) continue; // the group that it is already in
+        if (strspn(step, "/.") == end) continue; // "/" and "." stay in the same group
         found = H5Lget_info(root, step, &link, H5P_DEFAULT) < 0 ? "nothing" : other_link(link.type);
         if (!found) *address = link.u.address;
     }
     return found;
 }
 
-/* A filter that is no part of HDF5 itself would be a plugin. */
+/* Checks whether a dataset has a filter other than gzip, shuffle and Fletcher-32. HDF5 would load
+ * other filters as plugins. */
 static bool has_other_filter(hid_t properties) {
     const int count = H5Pget_nfilters(properties);
 
@@ -57,7 +59,8 @@ static bool has_other_filter(hid_t properties) {
     return count < 0;
 }
 
-/* The same of how a dataset is stored; *chunk: the numbers of a chunk, 1 where it has none. */
+/* Returns why a dataset is not read because of its layout or filters; NULL: no reason. *chunk:
+ * numbers in a chunk, 1 without chunks. */
 static const char *other_layout(double *chunk, hid_t dataset) {
     const hid_t properties = H5Dget_create_plist(dataset);
     const H5D_layout_t layout = H5Pget_layout(properties);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The file under its provisional name: who may write it, and how it gets its final name. */
+/* Handles the file under its provisional name: locks, copies, and the final name. */
 #include "common/artefact/internal.h"
 #include "common/program/output_file.h"
 
@@ -13,16 +13,16 @@
 #include <time.h>
 #include <unistd.h>
 
-/* Whether the file of this name is the one that is open; a writer may have given the name to another.
- */
+/* Checks whether the open file still has this name; another writer may have given the name to
+ * another file. */
 static bool has_name(int descriptor, const char *name) {
     struct stat opened, named;
     return fstat(descriptor, &opened) == 0 && stat(name, &named) == 0 &&
            opened.st_dev == named.st_dev && opened.st_ino == named.st_ino;
 }
 
-/* Opens the file and excludes a second writer. This kind of lock does not disturb readers, which HDF5
- * lets use flock, and it goes away with the process. Where a file system has no locks we go without. */
+/* Opens the file and locks it against a second writer. The lock ends with the process and does not
+ * disturb readers, for whom HDF5 uses flock. A file system without locks is used without one. */
 static ehd_status open_locked(int *descriptor, const char *name, int flags, ehd_error *error) {
     *descriptor = open(name, O_RDWR | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK | flags, 0666);
     if (*descriptor < 0) {
@@ -46,14 +46,14 @@ static ehd_status open_locked(int *descriptor, const char *name, int flags, ehd_
 // ---- the copy
 
 bool has_begun(const artefact *file) {
-    // of the format's specification: signature, then version and two sizes, consistency flags
+    // HDF5 specification: signature, then version and two sizes, consistency flags
     static const unsigned char signature[] = "\211HDF\r\n\032\n";
     enum { AT_FLAGS = 11, BEING_WRITTEN = 1, STREAMING = 4, NUM_BYTES = 12 };
     static const unsigned char none[NUM_BYTES] = {0};
     unsigned char found[NUM_BYTES] = {0};
     const ssize_t length = pread(file->lock, found, sizeof found, 0);
 
-    // data are written before the first bytes
+    // HDF5 writes data before the first bytes, so the size of the file shows nothing
     if (length < 0 || memcmp(found, none, sizeof none) == 0) return false;
     return memcmp(found, signature, sizeof signature - 1) != 0 ||
            (found[AT_FLAGS] & (BEING_WRITTEN | STREAMING)) != BEING_WRITTEN;
@@ -63,19 +63,20 @@ const char *written_name(const artefact *file) {
     return file->on_copy ? file->copy : file->partial;
 }
 
-/* All bytes of one file into another that is empty. */
+/* Copies all bytes of a file into an empty file. */
 static bool copy_bytes(int to, int from) {
     enum { AT_ONCE = 1 << 24 };
     off_t place = 0;
     ssize_t copied;
 
-    // shares the bytes where the file system can
+    // the copy shares the bytes if the file system supports it
     while ((copied = copy_file_range(from, &place, to, NULL, AT_ONCE, 0)) > 0) {
     }
     return copied == 0;
 }
 
-/* Whether what was written may not be on the disk: the machine has been started since. */
+/* Checks whether the machine has been rebooted since the file was written, so that its data may not
+ * be on the disk. */
 static bool is_from_before(int file) {
     struct timespec now, running;
     struct stat about;
@@ -104,8 +105,8 @@ ehd_status use_copy(artefact *file, ehd_error *error) {
     return status;
 }
 
-/* The file has its name, and what it has is on disk, so nothing is said where that fails: a power cut
- * may then take back the name, but nothing of the content. */
+/* Syncs the folder of the file after a renaming. A failure is not reported: the content is on disk,
+ * so a power cut may only undo the renaming. */
 static void sync_folder(const artefact *file) {
     char name[PATH_MAX];
     snprintf(name, sizeof name, "%s", file->path);
@@ -153,7 +154,7 @@ ehd_status keep_copy(artefact *file, ehd_error *error) {
     return EHD_OK;
 }
 
-/* What --resume continues: an entry of the dataset of at least `min` says that something is
+/* Files that --resume continues. An entry of at least `min` in the dataset means that something is
  * finished. */
 static const struct {
     const artefact_schema *schema;
@@ -177,8 +178,8 @@ bool is_kept_apart(const artefact *file, const artefact_field *field) {
     return field->axes[1] && is_finished_by_entry(file, field);
 }
 
-/* Whether an entry of the dataset is at least `min`. One by one, because a killed writer leaves the
- * entry that it was writing damaged. */
+/* Checks whether an entry of the dataset is at least `min`. Reads one entry at a time, because a
+ * killed writer leaves the entry that it was writing damaged. */
 static bool has_entry(hid_t file, const char *name, int64_t min) {
     if (!hdf5_has_dataset(file, name) || hdf5_find_foreign(file, name)) return false;
     const hid_t dataset = H5Dopen2(file, name, H5P_DEFAULT), space = H5Dget_space(dataset);
@@ -201,12 +202,12 @@ static bool has_entry(hid_t file, const char *name, int64_t min) {
     return found;
 }
 
-/* What an interrupted run has finished is not thrown away unasked. */
+/* Refuses to replace the finished work of an interrupted run, except with --force. */
 static ehd_status check_unfinished(const artefact *file, ehd_error *error) {
     const char *finished = NULL;
 
     if (file->force) return EHD_OK;
-    // a killed writer has left its mark, so the file opens only as beside a writer
+    // the mark of a killed writer allows only the mode for reading beside a writer
     const hid_t partial = hdf5_open(file->partial, H5F_ACC_RDONLY | H5F_ACC_SWMR_READ, true);
     char *kind = partial >= 0 ? hdf5_get_string(partial, "schema_name") : NULL;
     for (size_t i = 0; kind && i < sizeof resumable / sizeof *resumable; i++)
@@ -245,7 +246,7 @@ ehd_status writer_new(artefact **result, const char *path, const artefact_schema
     ehd_status status = output_file_check(file->path, file->force, error);
     if (status == EHD_OK) status = open_locked(&file->lock, file->partial, flags, error);
     if (status == EHD_OK && flags & O_CREAT) status = check_unfinished(file, error);
-    if (status == EHD_OK) unlink(file->copy); // of a run that was killed
+    if (status == EHD_OK) unlink(file->copy); // left by a killed run
     if (status == EHD_OK && flags & O_CREAT) unlink(file->saved);
     if (status != EHD_OK) {
         artefact_delete(file);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Where a file comes from: history lines and the identity of inputs. */
+/* Records the origin of a file: history lines and the identity of inputs. */
 #include "common/artefact/internal.h"
 
 #include <errno.h>
@@ -57,7 +57,7 @@ char *utf8_copy(const char *text) {
 
 // ---- history
 
-/* This build and the HDF5 library in use. */
+/* Returns a text on this build and the HDF5 library in use; free(). */
 static char *creator_text(void) {
     unsigned major = 0;
     unsigned minor = 0;
@@ -69,8 +69,8 @@ static char *creator_text(void) {
     return text;
 }
 
-/* One word of a command line, quoted as a shell would need it; a line break would break the line.
- */
+/* Prints one word of a command line, quoted for a shell. Replaces control characters by '?',
+ * because a line break would split the history line. */
 static void print_word(FILE *stream, const char *word) {
     static const char plain[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789"
                                 "_-+=./,:@%";
@@ -126,7 +126,7 @@ static bool has_line(const char *text, const char *line, size_t length) {
     return false;
 }
 
-/* The history of a file, NULL when it is no artefact or has none. */
+/* Returns the history of a file; free(). NULL: no artefact, or no history. */
 static char *history_of(const char *path) {
     char *history = NULL;
     hid_t file = hdf5_open(path, H5F_ACC_RDONLY, false);
@@ -137,7 +137,7 @@ static char *history_of(const char *path) {
     return history;
 }
 
-/* The history of those inputs that are artefacts, each line once. */
+/* Returns the history of all inputs that are artefacts, each line once; free(). */
 static char *history_of_inputs(const char *const *inputs) {
     char *all = strdup("");
     for (; all && inputs && *inputs; inputs++) {

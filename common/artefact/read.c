@@ -14,7 +14,7 @@
 
 ehd_status check_readable(const char *path, ehd_error *error) {
     struct stat found;
-    int descriptor = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK); // a FIFO is not waited for
+    int descriptor = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK); // does not wait for a FIFO
     if (descriptor < 0) {
         return ehd_fail(error, EHD_NOINPUT, "%s: found %s, expected a readable file", path,
                         strerror(errno));
@@ -30,7 +30,7 @@ ehd_status check_readable(const char *path, ehd_error *error) {
     return EHD_OK;
 }
 
-/* What HDF5 says of a file that is being written or whose writer was killed. */
+/* HDF5's message for a file that is being written or whose writer was killed. */
 static const char has_writer[] = "already open for";
 
 static ehd_status open_failed(const char *path, ehd_error *error) {
@@ -149,9 +149,9 @@ static ehd_status check_attributes(const artefact *file, ehd_error *error) {
     return EHD_OK;
 }
 
-/* Integers may be read as reals, but not the other way round. */
+/* Checks the type of a dataset. Integers may be read as reals, but not the other way round. */
 static bool type_fits(hid_t dataset, artefact_type type) {
-    const size_t widest = 16; // bytes, as of a long double
+    const size_t widest = 16; // bytes of a long double
     hid_t stored = H5Dget_type(dataset);
     H5T_class_t found = H5Tget_class(stored);
     if (H5Tget_size(stored) > widest) found = H5T_NO_CLASS;
@@ -159,8 +159,9 @@ static bool type_fits(hid_t dataset, artefact_type type) {
     return found == H5T_INTEGER || (found == H5T_FLOAT && type == ARTEFACT_REAL);
 }
 
-/* Every axis has one length in the whole file; the first dataset that has the axis decides, which
- * is its scale. What is on a growing axis may be longer until the axis is cut. */
+/* Checks that an axis has one length in the whole file. The first dataset along the axis sets the
+ * length: the scale, if there is one. Datasets on a growing axis may be longer until the axis is
+ * cut. */
 static ehd_status check_length(artefact *file, const char *object, const char *axis, size_t found,
                                ehd_error *error) {
     size_t *length = find_length(file, axis);
@@ -195,7 +196,7 @@ static ehd_status check_shape(artefact *file, const dataset_shape *shape, const 
     return status;
 }
 
-/* Behind those of the axes. */
+/* Returns the shapes of the fields, which follow those of the axes. */
 static const dataset_shape *field_shapes(const artefact *file) {
     const dataset_shape *shape = file->shapes;
 
@@ -204,15 +205,15 @@ static const dataset_shape *field_shapes(const artefact *file) {
     return shape;
 }
 
-/* What a scale's REFERENCE_LIST says: along which axis of which dataset it lies. */
+/* Entry of a scale's REFERENCE_LIST: a dataset and the axis where the scale belongs. */
 typedef struct scale_use {
     hobj_ref_t dataset; // the address of its header
     int axis;
 } scale_use;
 
-/* The uses of a scale, NULL when it tells none or there is no memory for *num_uses; free(). They
- * are read from the scale's side, because the datasets' own lists lie in a heap without checksums,
- * over which HDF5 1.10 hangs when it is damaged. */
+/* Reads the uses of a scale; free(). NULL with *num_uses = 0: none, or not readable; NULL
+ * otherwise: no memory. The datasets' own lists are not read: they lie in a heap without checksums,
+ * and HDF5 1.10 hangs on a damaged heap. */
 static scale_use *read_scale_uses(hid_t scale, size_t *num_uses) {
     static const char list[] = "REFERENCE_LIST";
     if (!hdf5_has_attribute(scale, list)) return NULL;
@@ -236,8 +237,8 @@ static scale_use *read_scale_uses(hid_t scale, size_t *num_uses) {
     return uses;
 }
 
-/* The first field that lies where the use says, which the schema does not have along this axis there;
- * NULL: none, as of what the schema does not know. */
+/* Returns the field that a use refers to, if the schema has another axis at this place. NULL: the
+ * axis is right, or the schema does not have the dataset. */
 static const artefact_field *find_misfit(const artefact *file, const scale_use *use,
                                          const char *axis) {
     const artefact_field *field = file->schema->fields;
@@ -252,7 +253,8 @@ static const artefact_field *find_misfit(const artefact *file, const scale_use *
     return NULL;
 }
 
-/* Named axes must be the schema's, so that a transposed square field is noticed. */
+/* Checks that a scale belongs to the axes that the schema gives, so that a transposed square field
+ * is noticed. */
 static ehd_status check_scale(const artefact *file, const char *axis, ehd_error *error) {
     hid_t scale = H5Dopen2(file->id, axis, H5P_DEFAULT);
     size_t num_uses = 0;
@@ -273,7 +275,8 @@ static ehd_status check_scale(const artefact *file, const char *axis, ehd_error 
     return status;
 }
 
-/* Opens a dataset, if there is one, and looks whether it is the file's own and of the right type. */
+/* Reads the shape of a dataset, if there is one, and checks that it is the file's own and has the
+ * right type. */
 static ehd_status look_at(dataset_shape *shape, const artefact *file, const char *name,
                           artefact_type type, ehd_error *error) {
     hsize_t dims[H5S_MAX_RANK] = {0};
@@ -308,13 +311,13 @@ static ehd_status look_at_all(artefact *file, ehd_error *error) {
     return status;
 }
 
-/* Length of a dataset along one of its axes where it has `rank` of them, else 0. */
+/* Returns the length of a dataset along an axis, or 0 if it does not have `rank` axes. */
 static size_t length_along(const dataset_shape *shape, size_t rank, size_t axis) {
     return shape->there && shape->rank == (int)rank ? (size_t)shape->dims[axis] : 0;
 }
 
-/* Which optional axes the file has, and their lengths: those with a scale or, because a foreign
- * file need not have scales, with a field that has all of its axes. */
+/* Finds the lengths of optional axes. A file has an optional axis if it has the scale. Files of
+ * other programs may lack scales; then a field with all of its axes is enough. */
 static void learn_optional_axes(artefact *file) {
     const dataset_shape *of_axis = file->shapes;
 
@@ -333,7 +336,8 @@ static void learn_optional_axes(artefact *file) {
     }
 }
 
-/* One field, that the file need not have. */
+/* Checks the shape of a field, if the file has the field. EHD_DATA: a NEED_ALWAYS field is
+ * missing. */
 static ehd_status check_field(artefact *file, const artefact_field *field,
                               const dataset_shape *shape, ehd_error *error) {
     const char *axes[ARTEFACT_MAX_RANK];
@@ -412,8 +416,8 @@ ehd_status examine(artefact *file, const artefact_schema *const *schemas, ehd_er
     return status;
 }
 
-/* Opens a file that was finished or, where `unfinished` is allowed, that is being written or was
- * left. */
+/* Opens a finished file or, with `unfinished`, also one that is being written or was left
+ * unfinished. */
 static ehd_status open_file(artefact **result, const char *path,
                             const artefact_schema *const *schemas, bool unfinished,
                             ehd_error *error) {
@@ -456,8 +460,8 @@ ehd_status artefact_open_unfinished(artefact **result, const char *path,
 
 // ---- all of a field
 
-/* Whether anything was written of an entry: its first chunk, where it has several. Each look takes as
- * long, however many chunks there are; H5Dget_chunk_info_by_coord goes through all of them. */
+/* Checks whether an entry was written, by its first chunk. The time of H5Dget_chunk_storage_size
+ * does not depend on the number of chunks; H5Dget_chunk_info_by_coord goes through all of them. */
 static bool is_stored(artefact *file, const char *name, size_t entry) {
     const hid_t dataset = open_dataset(file, name), properties = H5Dget_create_plist(dataset);
     const hsize_t offset[H5S_MAX_RANK] = {entry};
@@ -483,8 +487,8 @@ static ehd_status read_slice(artefact *file, const artefact_field *field, size_t
     return status;
 }
 
-/* Somebody waits for the end of a field of more than one slice; a file that is being written is
- * finished or left first. */
+/* Stops reading a long field if the program is interrupted. A file that is being written is not
+ * affected. */
 static ehd_status check_interrupted(const artefact *file, ehd_error *error) {
     return file->partial || !program_interrupted()
                ? EHD_OK
@@ -492,8 +496,9 @@ static ehd_status check_interrupted(const artefact *file, ehd_error *error) {
                           shown_name(file));
 }
 
-/* Returns how many entries one call reads. HDF5 takes 5 kB of memory for each chunk of a call, so these are few. If the order
- * of the entries is checked, one call reads all. A file that is being written is not checked. */
+/* Returns how many entries one call reads. HDF5 takes 5 kB of memory for each chunk of a call, so
+ * these are few. If the order of the entries is checked, one call reads all. A file that is being
+ * written is not checked. */
 static size_t slice_of(const artefact *file, const artefact_field *field) {
     enum { SLICE_NUMBERS = 1 << 16 };
     const size_t length = num_entries(file, field), entry = entry_size(file, field);
@@ -535,7 +540,7 @@ static ehd_status verify_field(artefact *file, const artefact_field *field, ehd_
     return status ? status : check_digest(file, field->name, digest, error);
 }
 
-/* The same of a field that is read by parts, before the first of them. */
+/* Verifies a field once, before its first part is read. */
 static ehd_status verify_once(artefact *file, const artefact_field *field, ehd_error *error) {
     const size_t index = (size_t)(field - file->schema->fields);
 
@@ -590,7 +595,8 @@ ehd_status artefact_get_integers_part(artefact *file, const char *field, size_t 
     return get(file, field, ARTEFACT_INTEGER, first, count, data, room, error);
 }
 
-/* A bare netCDF dimension is a scale without values, and says so in its name. */
+/* Checks whether an axis has values. A bare netCDF dimension is a scale without values, which its
+ * name shows. */
 bool artefact_has_scale(const artefact *file, const char *axis) {
     static const char bare[] = "This is a netCDF dimension but not a netCDF variable";
     if (!hdf5_has_dataset(file->id, axis)) return false;
@@ -657,7 +663,7 @@ ehd_status artefact_get_integer(artefact *file, const char *attribute, int64_t *
     return get_number(file, attribute, H5T_INTEGER, value, error);
 }
 
-/* A text of which memory was refused for a part. */
+/* Drops a text after a failure, because a part of it may be missing. */
 static void forget(char **text) {
     free(*text);
     *text = NULL;
@@ -726,7 +732,7 @@ ehd_status read_everything(artefact *file, bool partial, ehd_error *error) {
     return status;
 }
 
-/* One entry of a field, which is read and forgotten. */
+/* Reads one entry of a field and checks its numbers. */
 static ehd_status read_entry(artefact *file, const artefact_field *field, size_t entry,
                              ehd_error *error) {
     ehd_status status = check_memory(file, field, 1, error);

@@ -1,28 +1,29 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What each kind of file holds: one line a field. After a change, tests/unit/test_schemas tells
- * how to bring the pages in schemas/ up to date. */
+/* Lists what each kind of file holds: one line per field. After a change, tests/unit/test_schemas
+ * describes how to update the pages in schemas/. */
 #include "common/artefact/artefact.h"
 
 #define AXIS(name, units, max, long_name)                                                          \
     { name, units, long_name, max, false, NULL }
 #define REAL(name, units, need, values, long_name, ...)                                            \
     { name, ARTEFACT_REAL, {__VA_ARGS__}, units, long_name, need, values, false, NULL }
-// a real number without dimension that a scale gives one
+// a dimensionless real number with a scale for SI units
 #define SCALED(name, scale, need, values, long_name, ...)                                          \
     { name, ARTEFACT_REAL, {__VA_ARGS__}, "1", long_name, need, values, false, &(scale) }
 #define INTEGER(name, need, values, long_name, ...)                                                \
     { name, ARTEFACT_INTEGER, {__VA_ARGS__}, "1", long_name, need, values, false, NULL }
 #define ATTRIBUTE(name, type, units, need, values, long_name)                                      \
     { name, type, units, long_name, need, values, NULL }
-// of a result in time, which is read entry by entry
+// a field of a result in time, which is read entry by entry
 #define ENTRIES(name, scale, long_name)                                                            \
     {                                                                                              \
         name, ARTEFACT_REAL, {"time", "y", "x"}, "1", long_name, NEED_OPTIONAL, VALUES_ANY, true,  \
             &(scale)                                                                               \
     }
 
-/* No axis is longer: what a file makes a program take is bounded by them, and products of two with
- * the size of a number fit. Numbers of nodes and rows have to fit what LAPACK counts with. */
+/* Largest lengths of the axes. They bound the memory that a file can make a program take; the
+ * product of two lengths and the size of a number does not overflow. Numbers of nodes and rows fit
+ * into LAPACK's integers. */
 enum {
     MAX_X = 1000000,
     MAX_Y = 100000,
@@ -36,7 +37,7 @@ enum {
     MAX_FEW = 1000
 };
 
-// ---- lines that several kinds share
+// ---- lines that several kinds of file share
 
 #define X_AXIS                                                                                     \
     AXIS("x", "1", MAX_X,                                                                          \
@@ -63,7 +64,7 @@ enum {
 #define DEFORMATION_MODE_AXIS                                                                      \
     AXIS("deformation_mode", "1", MAX_MODES, "index of the deformation mode, strongest first")
 
-// `scale` of its lengths, or NULL
+// `scale`: of the lengths of the grid, or NULL
 #define GRID_ATTRIBUTES(kinds, scale)                                                              \
     ATTRIBUTE("contact", ARTEFACT_TEXT, "1", NEED_ALWAYS, VALUES_ANY, "kind of contact: " kinds),  \
         {"x_min", ARTEFACT_REAL, "1", "first node of x", NEED_ALWAYS, VALUES_FINITE, scale},       \
@@ -100,7 +101,7 @@ enum {
     ATTRIBUTE("basis_sha256", ARTEFACT_TEXT, "1", NEED_OWN, VALUES_ANY,                            \
               "identity of the basis file")
 
-// what the grid does to the films of a state
+// error estimates of a state for the grid
 #define EFFECT_FIELDS(prefix)                                                                      \
     REAL(prefix "step_effect", "1", NEED_OPTIONAL, VALUES_ANY,                                     \
          "error estimate of the central film by the step, relative; this and the next five are "   \
@@ -117,7 +118,7 @@ enum {
         REAL(prefix "inlet_effect_rolling", "1", NEED_OPTIONAL, VALUES_ANY,                        \
              "the second of the rolling resistance", "state")
 
-// a lubricant
+// fields that describe a lubricant
 #define RISE_FIELDS(prefix, axis)                                                                  \
     REAL(prefix "viscosity_rise", "1", NEED_OPTIONAL, VALUES_KNOWN,                                \
          "logarithm of the viscosity at the Hertz pressure over that at zero; NaN where not "      \
@@ -128,7 +129,7 @@ enum {
         REAL(prefix "viscosity_rise_half", "1", NEED_OPTIONAL, VALUES_KNOWN,                       \
              "the first at half the Hertz pressure", axis)
 
-// how much its flow is thinned
+// fields of shear thinning
 #define THINNING_FIELD(prefix)                                                                     \
     REAL(                                                                                          \
         prefix "thinning", "1", NEED_OPTIONAL, VALUES_NOT_NEGATIVE,                                \
@@ -177,8 +178,8 @@ enum {
 
 // ---- result
 
-// what makes SI units of the numbers of a result; fields and their places are in the frame of their
-// time, all others in that of the reference
+// scales for the SI units of a result; fields and coordinates are in the frame of their time, all
+// other numbers in the reference frame
 static const artefact_scale time_scale = {{"time_unit", NULL}, NULL},
                             length_scale = {{"half_width", NULL}, NULL},
                             film_scale = {{"film_unit", NULL}, NULL},
@@ -723,12 +724,12 @@ static const artefact_axis model_axes[] = {
     AXIS("shown", "1", MAX_STATES, "index of the scene or trajectory of the calibration"),
     {0}};
 
-/* Measured at a size of the model, over the scenes that it solved. */
+/* Deviation at one model size, over the scenes that the model solved. */
 #define DEVIATION(quantity, what)                                                                  \
     REAL("deviation_" quantity, "1", NEED_OPTIONAL, VALUES_BOUND,                                  \
          "deviation from the full model: " what, "position", "quantile")
 
-/* The same on trajectories. */
+/* Largest deviation at one model size, on trajectories. */
 #define WORST_IN_TIME(quantity, what)                                                              \
     REAL("worst_in_time_" quantity, "1", NEED_OPTIONAL, VALUES_BOUND,                              \
          "largest relative deviation from the full model with the same time steps: " what,         \

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Checksums of files and of their parts. */
+/* Computes checksums of files and of their parts. */
 #ifndef EHD_SHA256_H
 #define EHD_SHA256_H
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Streaming, resuming, finishing. */
+/* Streams, resumes and finishes files. */
 #include "common/artefact/internal.h"
 #include "common/settings/scene.h"
 
@@ -8,12 +8,14 @@
 
 // ---- streaming
 
-/* A copy of somebody else's file has what that has. */
+/* Checks whether a file must have items of this need. A copy of another program's file may lack
+ * NEED_OWN items. */
 static bool must_write(const artefact *file, artefact_need need) {
     return need == NEED_ALWAYS || (need == NEED_OWN && !file->copied);
 }
 
-/* A file that is resumed has not been written by this process. */
+/* Reports a missing item: EHD_INTERNAL, or EHD_DATA in a resumed file, which another process
+ * wrote. */
 static ehd_status not_written(const artefact *file, const char *name, ehd_error *error) {
     return ehd_fail(error, file->history_line ? EHD_DATA : EHD_INTERNAL,
                     "%s: found no %s, expected it in every %s", shown_name(file), name,
@@ -48,8 +50,9 @@ ehd_status artefact_sync(artefact *file, ehd_error *error) {
     return status == EHD_OK ? sync_file(file, error) : status;
 }
 
-/* Opens the file anew for streaming. H5Fstart_swmr_write would do it without, but then HDF5 reads damaged metadata a
- * hundred times, with waits that never end (READ_ATTEMPTS). Everything is on disk before the file is closed. */
+/* Closes the file and opens it again for streaming. H5Fstart_swmr_write would start streaming in
+ * the open file, but then HDF5 reads damaged metadata a hundred times, with waits that never end
+ * (READ_ATTEMPTS). All data are on disk before the file is closed. */
 static ehd_status reopen_streaming(artefact *file, ehd_error *error) {
     const ehd_status status = artefact_sync(file, error);
     if (status != EHD_OK) return status;
@@ -77,7 +80,7 @@ ehd_status artefact_begin_streaming(artefact *file, ehd_error *error) {
 
 ehd_status artefact_end_streaming(artefact *file, ehd_error *error) {
     if (!file->streaming) return EHD_OK;
-    herr_t outcome = H5Fclose(file->id); // with all that was kept open
+    herr_t outcome = H5Fclose(file->id); // also closes the datasets that were kept open
     file->id = -1;
     file->streaming = false;
     if (outcome < 0) return hdf5_write_failed(file, "file", error);
@@ -129,7 +132,7 @@ static ehd_status resume_streaming(artefact *file, const program *caller, const 
     if (status == EHD_OK && !file->growing) status = read_everything(file, true, error);
     if (status != EHD_OK) return status;
 
-    // a run whose last rename failed left 1
+    // it is 1 after a run whose last rename failed
     if (completeness(file) != 0 && !put_complete(file->id, 0)) {
         return hdf5_write_failed(file, "complete", error);
     }

@@ -7,17 +7,18 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* As of a history that turns a contact's load for months. */
+/* Enough for the load history of a contact over months. */
 enum { TABLE_MAX_ROWS = 100000000 };
 
-enum { LISTED_NAMES = 20 }; // of what a file has, in a message
+enum { LISTED_NAMES = 20 }; // of the file, in a message
 
 static ehd_status status_of(const hdf5_reason *reason) {
     if (reason->memory) return EHD_MEMORY;
     return reason->system ? EHD_IO : EHD_DATA;
 }
 
-/* Entries of a dataset of numbers along one axis; negative for any other. */
+/* Returns the number of entries of a dataset of numbers along one axis; negative for other
+ * datasets. */
 static hssize_t count_entries(hid_t dataset) {
     const hid_t type = H5Dget_type(dataset), space = H5Dget_space(dataset);
     const H5T_class_t class = H5Tget_class(type);
@@ -54,14 +55,14 @@ static ehd_status read_values(double **values, size_t *count, hid_t dataset, con
                     reason.text);
 }
 
-/* The first of the names that the file has a dataset of, "" where it has none. */
+/* Returns the first of the names that is a dataset of the file; "": none. */
 static const char *find_name(hid_t file, const char *const *names) {
     while (*names && !hdf5_has_dataset(file, *names))
         names++;
     return *names ? *names : "";
 }
 
-/* Says what the file has at its root in place of a column. */
+/* Reports a missing column and lists the names at the root of the file. */
 static ehd_status fail_missing(const table_column *column, hid_t file, const char *path,
                                ehd_error *error) {
     char shown[SHOWN_TEXT], names[LISTED_NAMES][SHOWN_TEXT], all[NAMES_TEXT];

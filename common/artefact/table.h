@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Tables of numbers from outside, such as a multibody program or a script writes: the one reader for
- * histories, surfaces and rows. */
+/* Reads tables of numbers from other programs, such as a multibody program or a script. All
+ * histories, surfaces and rows are read by this function. */
 #ifndef EHD_ARTEFACT_TABLE_H
 #define EHD_ARTEFACT_TABLE_H
 
@@ -9,7 +9,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/* Whether a file of this name is read as HDF5: it ends with .h5 or .hdf5. */
+/* Checks whether a file of this name is read as HDF5: it ends with .h5 or .hdf5. */
 bool artefact_is_table(const char *path);
 
 /* Reads columns by their names. The ending of the file's name decides whether it is HDF5 or CSV.

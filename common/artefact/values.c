@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What the numbers of a file may be, and how many of them it may hold. */
+/* Checks the ranges of the numbers in a file, and how many numbers it may hold. */
 #include "common/artefact/internal.h"
 
 #include <errno.h>
@@ -13,7 +13,7 @@
 
 // ---- ranges
 
-/* What bounds integers above. */
+/* Upper bounds of integers (see `largest`). */
 typedef enum largest_integer {
     BOUND_NONE,
     BOUND_X,
@@ -29,10 +29,10 @@ static const struct {
     const char *text;
     double low, high;      // of real numbers
     int64_t least;         // of integers
-    largest_integer bound; // the largest is this, less `below`
+    largest_integer bound; // upper bound of integers, less `below`
     int below;
     order order;
-    bool nan; // NaN will do, too
+    bool nan; // NaN is also allowed
 } ranges[] = {
     [VALUES_ANY] = {"", -INFINITY, INFINITY, INT64_MIN, BOUND_NONE, 0, ORDER_ANY, true},
     [VALUES_FINITE] = {"finite", -DBL_MAX, DBL_MAX, INT64_MIN, BOUND_NONE, 0, ORDER_ANY, false},
@@ -64,7 +64,8 @@ bool values_have_order(artefact_values values) {
     return ranges[values].order != ORDER_ANY;
 }
 
-/* Lines of the film, boundary lines counted: y has none of them, and half a domain has one. */
+/* Returns the number of lines of the film with its boundary lines; 1 without an axis y. The axis y
+ * has no boundary lines. A half domain has one boundary line, a whole one has two. */
 static int64_t film_lines(const artefact *file) {
     const int64_t lines = (int64_t)artefact_length(file, "y");
     int64_t half = 0;
@@ -74,7 +75,7 @@ static int64_t film_lines(const artefact *file) {
     return lines + (half ? 1 : 2);
 }
 
-/* The largest integer of a range in this file. */
+/* Returns the largest integer of a range in this file; INT64_MAX: no bound. */
 static int64_t largest(const artefact *file, artefact_values values) {
     const int64_t x = (int64_t)artefact_length(file, "x"), y = (int64_t)artefact_length(file, "y");
     int64_t bound = INT64_MAX;
@@ -118,9 +119,10 @@ static ehd_status integer_misfits(const artefact *file, const char *name, int64_
                     shown_name(file), name, found, ranges[values].least, last);
 }
 
-/* Tells whether all numbers lie between the bounds; NaN does not. The loops have no branches, so that the compiler can
- * vectorise them. NaN is found first, because an ordered comparison with NaN raises FE_INVALID, which a host may trap. isless
- * does not help: gcc 12 vectorises it to an instruction that raises it too. */
+/* Checks whether all numbers lie between the bounds; NaN does not. The loops have no branches, so
+ * that the compiler can vectorise them. NaN is found first, because an ordered comparison with NaN
+ * raises FE_INVALID, which a host may trap. isless does not help: gcc 12 vectorises it to an
+ * instruction that also raises FE_INVALID. */
 static bool reals_lie_between(const double *found, size_t count, double low, double high) {
     size_t unknown = 0, outside = 0;
 
@@ -176,7 +178,7 @@ static ehd_status check_order(const artefact *file, const char *name, artefact_v
     return status;
 }
 
-/* Whether the entries of a field have a status each. */
+/* Checks whether each entry of a field has a status. */
 static bool has_outcomes(const artefact *file, const artefact_field *field) {
     return file->outcomes && strcmp(field->axes[0], file->outcome_axis) == 0;
 }
@@ -205,7 +207,7 @@ ehd_status check_numbers(const artefact *file, const artefact_field *field, cons
         return status;
     }
     if (reals_lie_between(reals, count, ranges[values].low, ranges[values].high)) return EHD_OK;
-    for (size_t i = 0; i < count && !status; i++) // NaN may do
+    for (size_t i = 0; i < count && !status; i++) // NaN may be allowed
         status = check_real(file, field->name, values, reals[i], error);
     return status;
 }
@@ -215,14 +217,14 @@ ehd_status check_values(const artefact *file, const artefact_field *field, size_
     const artefact_values values = field->values;
     ehd_status status = EHD_OK;
 
-    // of a file that is being written, entries are there before their numbers
+    // in a file that is being written, entries exist before their numbers
     if (values == VALUES_ANY || file->growing || file->partial) return EHD_OK;
     const size_t each = entry_size(file, field);
     if (!has_outcomes(file, field))
         status = check_numbers(file, field, data, count * each, error);
     else
         for (size_t e = 0; e < count && !status; e++)
-            if (file->outcomes[first + e] == 0) // reals and integers are of one size
+            if (file->outcomes[first + e] == 0) // reals and integers have the same size
                 status = check_numbers(file, field, (const int64_t *)data + e * each, each, error);
     if (status || field->type != ARTEFACT_INTEGER) return status;
     return check_order(file, field->name, values, data, count * each, error);
@@ -272,7 +274,7 @@ size_t entry_size(const artefact *file, const artefact_field *field) {
     return size;
 }
 
-/* Bytes of a file that are on the disk, without its holes; negative: it cannot be opened. */
+/* Returns the bytes of a file on the disk, without holes; negative: it cannot be opened. */
 static double bytes_on_disk(const char *path) {
     const int descriptor = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
     if (descriptor < 0) return -1;
@@ -283,7 +285,7 @@ static double bytes_on_disk(const char *path) {
         const off_t data = lseek(descriptor, at, SEEK_DATA);
         if (data < 0 && errno == ENXIO) break; // a hole up to the end
         off_t hole = data < 0 ? -1 : lseek(descriptor, data, SEEK_HOLE);
-        if (hole < 0) hole = end; // a file system that does not tell
+        if (hole < 0) hole = end; // the file system does not report holes
         bytes += (double)(hole - (data < 0 ? at : data));
         at = hole;
     }
@@ -291,10 +293,11 @@ static double bytes_on_disk(const char *path) {
     return bytes;
 }
 
-/* Largest ratio of gzip: two bits stand for at most 258 bytes (RFC 1951). */
+/* Largest compression ratio of gzip: two bits stand for at most 258 bytes (RFC 1951). */
 static const double MAX_UNPACKING = 1032;
 
-/* As double, since the product may not fit. */
+/* Returns the numbers of a field that a reader may read at once, as a double, since the product may
+ * overflow an integer. */
 static double count_numbers(const artefact *file, const artefact_field *field) {
     const char *axes[ARTEFACT_MAX_RANK];
     const size_t rank = artefact_axes(axes, file, field);
@@ -305,7 +308,7 @@ static double count_numbers(const artefact *file, const artefact_field *field) {
     return count;
 }
 
-/* A chunk is unpacked at once, whatever is read of it. */
+/* Checks the size of a chunk, because HDF5 unpacks all of it to read a part of it. */
 static ehd_status check_chunk(const artefact *file, const char *name, const dataset_shape *shape,
                               double numbers, ehd_error *error) {
     const double small = 1 << 20, most = fmax(numbers, small);
@@ -315,7 +318,7 @@ static ehd_status check_chunk(const artefact *file, const char *name, const data
                     shown_name(file), name, shape->chunk, most);
 }
 
-/* What a reader may take of the file at once. */
+/* Adds up the numbers that a reader may read at once, and checks the chunk sizes. */
 static ehd_status add_numbers(double *numbers, const artefact *file, ehd_error *error) {
     const dataset_shape *shape = file->shapes;
     ehd_status status = EHD_OK;
@@ -363,7 +366,7 @@ ehd_status check_stored(const char *path, double numbers, ehd_error *error) {
 
 ehd_status check_memory(const artefact *file, const artefact_field *field, size_t entries,
                         ehd_error *error) {
-    const double small = 64e6; // not worth asking
+    const double small = 64e6; // bytes that are not checked
     const double bytes = (double)entries * (double)entry_size(file, field) * (double)sizeof(double);
 
     if (bytes < small) return EHD_OK;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Ordinary writing. */
+/* Writes axes, fields and attributes. */
 #include "common/artefact/internal.h"
 #include "common/program/output_file.h"
 
@@ -9,20 +9,20 @@
 #include <stdlib.h>
 #include <string.h>
 
-// Scalars share a chunk, and a large field has several chunks an entry.
+// Scalars share a chunk. One entry of a large field has several chunks.
 enum { CHUNK_MIN_BYTES = 8192, CHUNK_MAX_BYTES = 1 << 20 };
 
-// Where entries come one after the other, two chunks with their checksums fill a page. They are small
-// because every entry rewrites one, and lie within a page because a kill must not tear one that has
-// earlier entries too.
+// Chunk size of fields that are written entry by entry: two chunks with their checksums fill a
+// page. Chunks are small because every entry rewrites one. They lie within a page, because a kill
+// must not damage a chunk that also has earlier entries.
 enum { CHUNK_PAGE_BYTES = HDF5_PAGE_BYTES / 2 - 4 };
 
 typedef enum layout {
     LAYOUT_PLAIN,
-    LAYOUT_EARLY, // the space is taken and filled at once, so that later writes change no metadata,
-                  // and a chunk that is not within a page has one entry
-    LAYOUT_APART, // the same, and each entry of the first axis is one chunk
-    LAYOUT_GROWING // the first axis has no bound, and space is taken for what is written
+    LAYOUT_EARLY, // space is allocated and filled at once, so that later writes change no metadata;
+                  // a chunk larger than a page has one entry
+    LAYOUT_APART, // like LAYOUT_EARLY, and each entry of the first axis is one chunk
+    LAYOUT_GROWING // the first axis is unlimited; space is allocated for what is written
 } layout;
 
 // ---- the file
@@ -38,7 +38,7 @@ static ehd_status create_file(artefact **result, const char *path, const artefac
 
     file->id = hdf5_create(file->partial);
     if (file->id < 0) {
-        // that it may be created writer_new has seen
+        // writer_new has checked that the file may be created
         hdf5_reason reason = hdf5_last_reason();
         status = ehd_fail(error, reason.system ? EHD_IO : EHD_CANTCREATE,
                           "%s: found %s, expected a file that can be created", file->partial,
@@ -60,7 +60,7 @@ ehd_status artefact_create(artefact **file, const char *path, const artefact_sch
 
 // ---- axes and fields
 
-/* Entries of the first axis to a chunk. */
+/* Returns the number of entries of the first axis in a chunk. */
 static hsize_t entries_of_chunk(hsize_t length, hsize_t entry_bytes, int rank, layout kind) {
     const hsize_t bytes = kind == LAYOUT_PLAIN ? CHUNK_MIN_BYTES : CHUNK_PAGE_BYTES;
     if (kind == LAYOUT_APART || (kind == LAYOUT_GROWING && rank > 1)) return 1;
@@ -68,7 +68,8 @@ static hsize_t entries_of_chunk(hsize_t length, hsize_t entry_bytes, int rank, l
     return kind == LAYOUT_GROWING || entries < length ? entries : length;
 }
 
-/* Entries of the first axis to a chunk, and parts of an entry where one alone is too large. */
+/* Chooses how many entries of the first axis a chunk has. Divides an entry that is too large for
+ * one chunk. */
 static void choose_chunks(hsize_t *chunk, const hsize_t *dims, int rank, layout kind) {
     hsize_t entry = 8;
     for (int i = 1; i < rank; i++)
@@ -87,7 +88,8 @@ static void choose_chunks(hsize_t *chunk, const hsize_t *dims, int rank, layout 
     }
 }
 
-/* Each setting takes memory; without one the file would be another. */
+/* Sets the properties of a dataset. Each one takes memory; returns false if one fails, because the
+ * file would then have another layout. */
 static bool set_properties(hid_t properties, bool integer, const hsize_t *chunk, int rank,
                            bool early) {
     const double no_real = NAN;
@@ -126,7 +128,7 @@ static bool describe(hid_t dataset, const char *units, const char *long_name) {
            hdf5_put_string(dataset, "long_name", long_name);
 }
 
-/* A scale without values yet. */
+/* Creates a scale without values. */
 static bool create_scale(hid_t *dataset, hid_t root, const artefact_axis *axis, bool integer,
                          size_t length, layout kind) {
     hsize_t dims[1] = {length};
@@ -153,7 +155,8 @@ static bool write_scale(hid_t root, const artefact_axis *axis, size_t length,
     return written;
 }
 
-/* The schema's axis of this name, NULL when it has none or the file has it already. */
+/* Returns the schema's axis of this name; NULL if the schema has none, the file already has it, or
+ * the file is streaming. */
 static const artefact_axis *new_axis(const artefact *file, const char *name) {
     const artefact_axis *axis = file->schema->axes;
     while (axis->name && strcmp(axis->name, name) != 0)
@@ -261,7 +264,7 @@ static ehd_status put(artefact *file, const char *name, artefact_type type, size
     }
     ehd_status status = EHD_OK;
     if (!field_exists(file, field)) {
-        if (file->streaming) { // of a resumed file, whoever wrote it has not
+        if (file->streaming) { // a resumed file: the earlier run has not declared the field
             status =
                 ehd_fail(error, file->history_line ? EHD_DATA : EHD_INTERNAL,
                          "%s: found no field %s, expected a declared one", file->partial, name);
@@ -294,7 +297,7 @@ ehd_status artefact_put_integers_part(artefact *file, const char *field, size_t 
 
 // ---- the growing axis
 
-/* Lets all fields on the growing axis have at least `length` entries. */
+/* Extends all fields on the growing axis to at least `length` entries. */
 static ehd_status extend_fields(artefact *file, size_t length, ehd_error *error) {
     ehd_status status = EHD_OK;
     hdf5_start();
@@ -319,7 +322,7 @@ ehd_status artefact_put_axis_part(artefact *file, const char *name, size_t first
     ehd_status status = EHD_OK;
     if (first + count > *length) {
         status = extend_fields(file, first + count, error);
-        // only a flush makes sure that what the fields became is seen before what the axis becomes
+        // only a flush ensures that readers see the longer fields before the longer axis
         if (status == EHD_OK) status = artefact_flush(file, error);
     }
     if (status == EHD_OK) {
