@@ -22,10 +22,10 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-/* The columns; units and scales are those of the schema's rows. */
+/* Columns of the table. The schema gives their units and scales. */
 static const struct {
     const char *name;
-    size_t offset; // in case_row; of an integer where the schema says so
+    size_t offset; // in case_row, of a double, or of an integer if the schema has one
 } columns[] = {
 #define COLUMN(name)                                                                               \
     { #name, offsetof(case_row, name) }
@@ -155,16 +155,16 @@ struct case_table {
     bool expected[NUM_COLUMNS]; // some row will have a value
     size_t num_expected;
     bool written[NUM_COLUMNS];
-    int units[NUM_COLUMNS]; // columns of the units, by unit_of
-    size_t num_rows;        // written
-    artefact *file;         // HDF5, or
-    output_file out;        // CSV, or
-    FILE *stream;           // CSV: that of `out`, or stdout
+    int units[NUM_COLUMNS]; // column of each column's unit (unit_of)
+    size_t num_rows;        // rows written
+    artefact *file;         // NULL for CSV
+    output_file out;        // CSV file, not stdout
+    FILE *stream;           // CSV: stream of `out`, or stdout
     char *identity;         // CSV: path of the file that identifies the run and has its marks
-    FILE *marks;            // CSV: that file, open to append
-    done_mark mark;         // CSV: the last one
-    struct sha256_ctx hash; // CSV: of the bytes up to the mark
-    csv_file done;          // CSV: what an interrupted run left, read row by row
+    FILE *marks;            // CSV: the file `identity`, open to append
+    done_mark mark;         // CSV: the last mark
+    struct sha256_ctx hash; // CSV: SHA-256 of the bytes up to the mark
+    csv_file done;          // CSV: rows of an interrupted run, read one by one
     size_t status_column, next_status;
 };
 
@@ -173,8 +173,8 @@ static bool is_known(size_t column, const case_row *row) {
                                                       : !isnan(real_of(row, column));
 }
 
-/* Whether the table has a column. It has an optional one if some row needs it, unless the column belongs to the other
- * kind of contact. */
+/* Checks whether the table has a column. It has an optional one if some row needs it, unless the
+ * column belongs to the other kind of contact. */
 static bool applies(const case_table *self, size_t column, const contact_kind *kind) {
     const char *other = kind->dimensions > 1 ? "line_" : "point_";
 
@@ -182,7 +182,8 @@ static bool applies(const case_table *self, size_t column, const contact_kind *k
            (self->expected[column] && strncmp(columns[column].name, other, strlen(other)) != 0);
 }
 
-/* The column that holds a column's unit; NOT_WRITTEN: it has none, or that one is not written. */
+/* Returns the column with the SI unit of a column; NOT_WRITTEN: there is none, or it is not
+ * written. */
 static int unit_of(size_t column, const bool *written) {
     const artefact_scale *scale = field_of(column)->scale;
 
@@ -244,7 +245,8 @@ static ehd_status not_resumable(const case_table *self, const char *found, ehd_e
         self->caller->output, found);
 }
 
-/* Makes the text that identifies a run: program, settings, and checksums of the input files. Free with free(). */
+/* Makes the text that identifies a run: program, settings, and checksums of the input files. Free
+ * with free(). */
 static ehd_status describe(char **text, const case_table *self, const char *settings_text,
                            const char *const *inputs, ehd_error *error) {
     char identity[SHA256_TEXT];
@@ -320,7 +322,7 @@ static ehd_status put_text(case_table *self, const char *text, size_t length, eh
                : failed_mark(self, error);
 }
 
-/* Whether a table has anything behind its header. */
+/* Checks whether a table has anything after its header. */
 static bool has_rows(const char *partial) {
     FILE *stream = fopen(partial, "r");
     int character = 0;
@@ -341,7 +343,8 @@ static ehd_status open_done(case_table *self, const char *partial, ehd_error *er
     return status;
 }
 
-/* Counts the whole rows within the first `most` bytes of PATH.partial and their bytes, up to the first row that is incomplete. */
+/* Counts the whole rows within the first `most` bytes of PATH.partial and their bytes, up to the
+ * first incomplete row. */
 static ehd_status measure_done(case_table *self, const char *partial, size_t most, size_t *bytes,
                                ehd_error *error) {
     ehd_error torn;
@@ -360,7 +363,8 @@ static ehd_status measure_done(case_table *self, const char *partial, size_t mos
                                                     : open_done(self, partial, error);
 }
 
-/* Computes the SHA-256 of the first `bytes` of a file. Returns false if the file is shorter or cannot be read. */
+/* Computes the SHA-256 of the first `bytes` of a file. Returns false if the file is shorter or
+ * cannot be read. */
 static bool hash_file(struct sha256_ctx *hash, const char *path, size_t bytes) {
     FILE *stream = fopen(path, "r");
     uint8_t block[4096];
@@ -376,7 +380,8 @@ static bool hash_file(struct sha256_ctx *hash, const char *path, size_t bytes) {
     return stream && bytes == 0;
 }
 
-/* Finds the last mark within the first `size` bytes of the table. Returns where its line ends in the text, or 0 without a mark. */
+/* Finds the last mark within the first `size` bytes of the table. Returns where its line ends in
+ * the text, or 0 without a mark. */
 static size_t last_mark(done_mark *mark, const char *text, size_t size) {
     const size_t digits = SHA256_TEXT - 1;
     const char *line = text, *end;
@@ -394,7 +399,8 @@ static size_t last_mark(done_mark *mark, const char *text, size_t size) {
     return (size_t)(line - text);
 }
 
-/* Accepts the rows up to the last mark if their checksum is right. *kept becomes the length of the marks up to it. */
+/* Accepts the rows up to the last mark if their checksum is right. *kept: length of the marks up to
+ * the last one. */
 static ehd_status take_marked(case_table *self, size_t *kept, size_t *bytes, const char *partial,
                               const char *marks, ehd_error *error) {
     struct stat found;
@@ -414,7 +420,7 @@ static ehd_status take_marked(case_table *self, size_t *kept, size_t *bytes, con
                                                 : not_resumable(self, "damaged rows", error);
 }
 
-/* EHD_CANTCREATE: an interrupted run left rows. */
+/* Returns EHD_CANTCREATE, because an interrupted run left rows. */
 static ehd_status refuse_rows(case_table *self, const char *partial, ehd_error *error) {
     size_t bytes;
     const ehd_status status = measure_done(self, partial, SIZE_MAX, &bytes, error);
@@ -426,8 +432,8 @@ static ehd_status refuse_rows(case_table *self, const char *partial, ehd_error *
                              partial, self->num_rows);
 }
 
-/* Finds the rows of an interrupted run. *bytes: their length in the table; *kept: length of NAME.resume up to their mark.
- * EHD_DATA: they belong to another run or are damaged. */
+/* Finds the rows of an interrupted run. *bytes: their length in the table; *kept: length of
+ * NAME.resume up to their mark. EHD_DATA: they belong to another run or are damaged. */
 static ehd_status find_done(case_table *self, size_t *kept, size_t *bytes, const char *text,
                             bool resume, ehd_error *error) {
     const size_t length = strlen(text);
@@ -467,7 +473,7 @@ static ehd_status begin_csv_file(case_table *self, const char *settings_text,
     if (!status) status = output_file_open(&self->out, caller->output, caller->force, error);
     if (!status && (resume || !caller->force))
         status = find_done(self, &kept, &bytes, text, resume, error);
-    if (status) output_file_leave(&self->out); // what is not this run's stays
+    if (status) output_file_leave(&self->out); // a file of another run stays
     if (self->num_rows == 0) bytes = kept = 0;
     if (!status) status = output_file_keep(&self->out, bytes, error);
     self->stream = self->out.stream;
@@ -519,7 +525,7 @@ static ehd_status create_hdf5(case_table *self, const contact_kind *kind, const 
     return status ? status : artefact_begin_streaming(self->file, error);
 }
 
-/* Goes on with a file whose inputs have not changed. EHD_NOINPUT: nothing was left. */
+/* Continues a file whose inputs have not changed. EHD_NOINPUT: there is no such file. */
 static ehd_status resume_hdf5(case_table *self, const char *settings_text,
                               const char *const *inputs, ehd_error *error) {
     ehd_status status = artefact_resume(&self->file, self->caller->output, &schema_cases,

@@ -7,7 +7,7 @@
 
 #include <stdlib.h>
 
-/* What the reader of a result needs to know of it. */
+/* Reads the kind of contact and the number of times, for the readers of results. */
 static ehd_status look_at_result(const contact_kind **kind, size_t *num_times, artefact *file,
                                  ehd_error *error) {
     *num_times = artefact_length(file, "time");
@@ -48,7 +48,7 @@ static ehd_status read_with(const output_reader *readers, const artefact_schema 
     return EHD_OK;
 }
 
-/* As the programs that take such a file read it. */
+/* Reads a file as the programs do that take it as input. */
 static ehd_status read_as_input(const output_reader *readers, const char *path, ehd_error *error) {
     const contact_kind *contact = NULL;
     const artefact_schema *kind = NULL;

@@ -1,35 +1,35 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Error estimates of a grid on the films and the rolling resistance of a stationary contact. */
+/* Error estimates of the grid for the films and the rolling resistance of a stationary contact. */
 #ifndef EHD_FILM_EFFECTS_H
 #define EHD_FILM_EFFECTS_H
 
 #include <stdbool.h>
 
 enum {
-    EFFECT_STEP,         // of the central film
-    EFFECT_INLET,        // the same
-    EFFECT_STEP_MINIMUM, // of the minimum film
+    EFFECT_STEP,         // step, central film
+    EFFECT_INLET,        // inlet, central film
+    EFFECT_STEP_MINIMUM, // step, minimum film
     EFFECT_INLET_MINIMUM,
-    EFFECT_STEP_ROLLING, // of the rolling resistance, and the same of its moment
+    EFFECT_STEP_ROLLING, // step, rolling resistance and rolling moment
     EFFECT_INLET_ROLLING,
     NUM_EFFECTS
 };
 
-/* Estimated sizes of the relative errors by the step, and by the length of the inlet. NaN:
- * not known; infinite: the grid is too coarse, or its inlet too short, to tell. */
+/* Estimated sizes of the relative errors by the step and by the length of the inlet. NaN: unknown.
+ * Infinite: the grid is too coarse, or its inlet too short, for an estimate. */
 typedef struct film_effects {
     double of[NUM_EFFECTS];
 } film_effects;
 
 film_effects film_effects_unknown(void);
 
-/* Whether any of them is infinite. */
+/* Checks whether any estimate is infinite. */
 bool film_effects_are_infinite(const film_effects *effects);
 
-/* Whether the inlet is too short to estimate what it changes, while the step is fine enough. */
+/* Checks whether the inlet is too short to estimate its error, while the step is fine enough. */
 bool film_effects_inlet_is_short(const film_effects *effects);
 
-/* Error estimate of the rolling resistance by the grid, relative; NaN: not known. */
+/* Returns the relative error estimate of the rolling resistance by step and inlet; NaN: unknown. */
 double film_effects_of_rolling(const film_effects *effects);
 
 /* "step_effect", …: attributes of a result, and datasets of snapshots. */

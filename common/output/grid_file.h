@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The grid and kind of contact that every file states, and the scene that a program is given. */
+/* Reads and writes the grid and the kind of contact of files, prints grids, and loads the scene of
+ * a program. */
 #ifndef EHD_GRID_FILE_H
 #define EHD_GRID_FILE_H
 
@@ -9,23 +10,24 @@
 #include "common/settings/scene.h"
 #include <stdbool.h>
 
-/* Axis x, the inner nodes, and of a point contact y, their lines. */
+/* Writes the axis x (inner nodes) and, for a point contact, y (their lines). */
 ehd_status grid_write_axes(artefact *file, const ehd_grid *grid, ehd_error *error);
 
-/* Attributes contact, x_min, step, discretization, of a point contact or an ellipse boundary, and of
- * an ellipse ellipticity. */
+/* Writes the attributes contact, x_min, step and discretization; for a point contact or an ellipse
+ * also boundary, and for an ellipse also ellipticity. */
 ehd_status grid_write_attributes(artefact *file, const contact_kind *kind, const ehd_grid *grid,
                                  ehd_error *error);
 
-/* Both of them, and of a half grid that it is one. */
+/* Writes axes and attributes, and for a half grid the attribute half. */
 ehd_status grid_write(artefact *file, const contact_kind *kind, const ehd_grid *grid,
                       ehd_error *error);
 
-/* Puts values at the inner nodes, [inner_lines, inner_x] as files have them, of the whole grid
- * where `mirrored`, to the grid's nodes, where the grid is a half its own half of them. */
+/* Copies values at the inner nodes, [inner_lines, inner_x] as in files, to the nodes of the grid.
+ * With `mirrored` the values belong to the whole grid, and a half grid takes its half of them. */
 void grid_put_inner(double *nodes, const double *inner, const ehd_grid *grid, bool mirrored);
 
-/* And back: those at the inner nodes, of a half grid where `mirrored` of the whole one. */
+/* Copies values from the nodes of the grid to [inner_lines, inner_x] as in files. With `mirrored` a
+ * half grid fills the values of the whole grid. */
 void grid_take_inner(double *inner, const double *nodes, const ehd_grid *grid, bool mirrored);
 
 /* Writes values at the inner nodes as entry `index` of a field whose last axes are (y and) x.
@@ -34,69 +36,75 @@ ehd_status grid_put_field(artefact *file, const char *name, size_t index,
                           const double *nodes, // [num_nodes]
                           const ehd_grid *grid, bool mirrored, ehd_error *error);
 
-/* Lines of an open file's inner nodes, 1 of a line contact. EHD_DATA: not as many as the kind has.
- */
+/* Returns the number of lines of inner nodes of an open file; 1 for a line contact. EHD_DATA: the
+ * number does not fit the kind. */
 ehd_status grid_count_lines(size_t *num_lines, artefact *file, const contact_kind *kind,
                             ehd_error *error);
 
-/* The discretisation of a file: published where it says nothing. EHD_DATA: an unknown one. */
+/* Reads the discretisation of a file; published if missing. EHD_DATA: unknown name. */
 ehd_status grid_read_discretization(ehd_discretization *discretization, artefact *file,
                                     ehd_error *error);
 
-/* The boundary of a file of a point contact: zero where it says nothing. EHD_DATA: an unknown
- * one. */
+/* Reads the boundary of a point contact's file; zero if missing. EHD_DATA: unknown name. */
 ehd_status grid_read_boundary(ehd_boundary *boundary, artefact *file, ehd_error *error);
 
-/* The shape of a file of an ellipse; that of the others is round. EHD_DATA: missing or out of
+/* Reads the shape of an ellipse; the shape of other kinds is round. EHD_DATA: missing or out of
  * bounds. */
 ehd_status grid_read_shape(contact_shape *shape, artefact *file, const contact_kind *kind,
                            ehd_error *error);
 
-/* Its kind of contact. EHD_DATA: an unknown one. */
+/* Reads the kind of contact of a file. EHD_DATA: unknown name. */
 ehd_status contact_kind_read(const contact_kind **kind, artefact *file, ehd_error *error);
 
-/* Grid and kind of contact of an open file. EHD_DATA when the dry contact does not lie inside, or
- * the kind is not known. */
+/* Reads grid and kind of contact of an open file. EHD_DATA: the dry contact does not lie inside the
+ * grid, or the kind is unknown. */
 ehd_status grid_read(ehd_grid *grid, const contact_kind **kind, artefact *file, ehd_error *error);
 
-/* EHD_DATA, naming `path`: the dry contact does not lie inside of the grid, or its step is too large. */
+/* Checks that the dry contact lies inside the grid and that the step is not too large, else
+ * EHD_DATA, naming `path`. */
 ehd_status grid_check_extent(const ehd_grid *grid, const char *path, ehd_error *error);
 
-/* Attributes transport and, where it is known, smoothing of a training with trajectories. */
+/* Writes the attributes transport and, if known, smoothing of a training with trajectories. */
 ehd_status carriage_write(artefact *file, const ehd_carriage *carriage, ehd_error *error);
 
-/* Reads them; upwind where the first is missing, NaN where the second is. EHD_DATA: not known. */
+/* Reads the attributes transport (upwind if missing) and smoothing (NaN if missing). EHD_DATA:
+ * unknown name, or smoothing out of range. */
 ehd_status carriage_read(ehd_carriage *carriage, artefact *file, ehd_error *error);
 
-/* The grid of a file of snapshots, a basis, a model or a result with fields. Errors as artefact_open. */
+/* Reads the grid of a file of snapshots, a basis, a model or a result with fields. Errors as
+ * artefact_open. */
 ehd_status grid_of_file(ehd_grid *grid, const contact_kind **kind, const char *path,
                         ehd_error *error);
 
-/* EHD_DATA naming `path` when the shape of its contact, or its grid, differs from the one of
- * `expected_path`. */
+/* Check that the shape of the contact, or the whole grid, is that of `expected_path`, else
+ * EHD_DATA, naming `path`. */
 ehd_status grid_check_shape(const ehd_grid *grid, const char *path, const ehd_grid *expected,
                             const char *expected_path, ehd_error *error);
 ehd_status grid_check(const ehd_grid *grid, const char *path, const ehd_grid *expected,
                       const char *expected_path, ehd_error *error);
 
-/* Says how many `bytes` solutions of a point contact, `num_jobs` at a time, will take in all,
- * before they are taken; nothing of a line. EHD_MEMORY, naming `object`: more than there are. */
+/* Checks before the work that `bytes` of memory are free for solutions of a point contact,
+ * `num_jobs` at a time, and prints the amount. Does nothing for a line contact. EHD_MEMORY, naming
+ * `object`: not enough memory. */
 ehd_status grid_check_memory(const program *caller, const char *object, const ehd_contact *contact,
                              double bytes, size_t num_jobs, ehd_error *error);
 
-/* Prints how many nodes the whole grid has, from where to where and how far apart. */
+/* Prints the number of nodes of the whole grid, its ends and its step. */
 void grid_print_nodes(const ehd_grid *grid);
 
-/* Prints a contact's discretisation and, of a point contact, what lies around its grid. */
+/* Prints the shape of an ellipse, the discretisation and, for a point contact, the boundary. */
 void grid_print_equations(const ehd_contact *contact);
 
-/* Prints a contact's grid, and what it was chosen for where the scene does not give it. */
+/* Prints a contact's grid. If the scene does not give the grid, also prints `needed_by`, which the
+ * grid was chosen for. */
 void grid_print(const ehd_contact *contact, const char *needed_by);
 
-/* The scene of caller->arguments[0] with its overrides. `text` identifies it; free with free(). */
+/* Reads the scene of caller->arguments[0] with its overrides. `text` identifies the scene; free
+ * with free(). */
 ehd_status scene_load(scene *given, char **text, const program *caller, ehd_error *error);
 
-/* The loaded scene as a contact, of the kind that the file `model` has (NULL: any). */
+/* Makes a contact of the loaded scene. The scene must have the kind `kind` of the file `model`;
+ * NULL: any kind. */
 ehd_status contact_load(ehd_contact *contact, const scene *given, const program *caller,
                         const contact_kind *kind, const char *model, ehd_error *error);
 

@@ -1,25 +1,25 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Quantities of a stationary result, beside the films, whose deviation from the full model is
- * indicated. */
+/* Quantities of a stationary result, besides the films, that have an error estimate ("indicated
+ * deviation" from the full model). */
 #ifndef EHD_INDICATED_H
 #define EHD_INDICATED_H
 
 typedef enum indicated_quantity {
     INDICATED_CENTRAL_PRESSURE, // relative
-    INDICATED_EXIT_POSITION,    // half widths; unknown where exits are nodes
+    INDICATED_EXIT_POSITION,    // half widths; unknown if exits are nodes
     INDICATED_LOAD,             // over the reference
     INDICATED_PRESSURE,         // largest of all nodes, Hertz pressures
     INDICATED_FILM,             // largest of all nodes with pressure, over the central film
-    INDICATED_FRICTION,         // relative, of the friction force; last, as files of before lack it
+    INDICATED_FRICTION,         // relative, of the friction force; last, since older files lack it
     NUM_INDICATED
 } indicated_quantity;
 
-/* What is indicated of one. */
+/* Names of one quantity. */
 typedef struct indicated_entry {
-    const char *name;  // in results and of --accuracy-of: "central_pressure"
+    const char *name;  // in results and for --accuracy-of: "central_pressure"
     const char *field; // "indicated_deviation_central_pressure"
     const char *text;  // "central pressure"
-    const char *unit;  // "half widths", or "" of a ratio
+    const char *unit;  // "half widths", or "" for a ratio
 } indicated_entry;
 
 extern const indicated_entry indicated_entries[NUM_INDICATED];

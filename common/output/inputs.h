@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The files that a run reads, as its output records them (artefact_create). */
+/* Lists the files that a run reads, as its output records them (artefact_create). */
 #ifndef EHD_INPUTS_H
 #define EHD_INPUTS_H
 
@@ -7,24 +7,24 @@
 #include "common/settings/scene.h"
 #include <stddef.h>
 
-/* Adds a path to the list where it is not in it yet; NULL is none. Returns the new count. */
+/* Adds a path to the list, unless it is NULL or already there. Returns the new count. */
 size_t inputs_add(
     // output:
     const char **paths, // [count], with room for one more
     // input:
     size_t count, const char *path);
 
-enum { MAX_TABLES = NUM_VARY + 1 }; // of a scene
+enum { MAX_TABLES = NUM_VARY + 1 }; // tables of a scene
 
-/* The same with the tables that a scene's histories and its surface are read from. */
+/* Adds the tables of a scene's histories and surface to the list. Returns the new count. */
 size_t inputs_add_tables(
     // output:
     const char **paths, // [count], with room for MAX_TABLES more; they point into the scene
     // input:
     size_t count, const scene *given);
 
-/* Whether the tables are those that the output which is resumed was begun with. Errors as
- * artefact_check_input. */
+/* Checks that the tables still have the content that they had when the resumed output was begun.
+ * Errors as artefact_check_input. */
 ehd_status inputs_check_tables(artefact *file, const scene *given, ehd_error *error);
 
 #endif

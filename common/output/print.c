@@ -9,22 +9,22 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { SLICE_NUMBERS = 1 << 20 }; // read at a time, 8 MB
+enum { SLICE_NUMBERS = 1 << 20 }; // numbers read at a time, 8 MB
 
-/* One name of the command line, or an axis that leads the line. */
+/* Column of the output: a name of the command line, or an axis printed before these names. */
 typedef struct column {
     const char *name;
     const artefact_field *field; // NULL: an axis or an attribute
     const char *axes[ARTEFACT_MAX_RANK];
     size_t rank;       // 0: an attribute
-    double *reals;     // of a slice of the entries of a field, or of the whole axis
-    int64_t *integers; // the same of a field of integers
-    char *text;        // of an attribute
+    double *reals;     // slice of a field, or the whole axis
+    int64_t *integers; // slice of an integer field
+    char *text;        // text of an attribute
     si_units si;       // without units: dimensionless
-    size_t frame_axis; // its place among those of the entries
+    size_t frame_axis; // place of si.frame_axis among the axes of the entries
 } column;
 
-/* The entries that the lines stand for. */
+/* Entries that are printed, one per line. */
 typedef struct entries {
     const char *axes[ARTEFACT_MAX_RANK];
     size_t lengths[ARTEFACT_MAX_RANK];
@@ -33,9 +33,9 @@ typedef struct entries {
 
 // ---- text
 
-/* Character by character, for which no memory is taken. */
+/* Prints character by character, so that no memory is needed. */
 void print_csv_text(const char *text, FILE *stream) {
-    // what begins with # would be a comment
+    // a text that begins with # would be a comment
     const char *quote = *text == '#' || text[strcspn(text, ",\"\n")] ? "\"" : "";
     fputs(quote, stream);
     for (size_t length; *text; text += length) {
@@ -54,7 +54,7 @@ void print_csv_real(double value, FILE *stream) {
     char shown[NUMBER_TEXT];
 
     if (!isnan(value)) number_show(shown, value);
-    fputs(isnan(value) ? "nan" : shown, stream); // which may have a sign
+    fputs(isnan(value) ? "nan" : shown, stream); // without the sign that NaN may have
 }
 
 // ---- names
@@ -73,9 +73,9 @@ static const artefact_field *find_field(const artefact *file, const char *name) 
     return NULL;
 }
 
-/* What names are put into one after the other, as far as there is room. */
+/* Names in one text, as far as there is room. */
 typedef struct name_list {
-    char text[700]; // an error's text has room for a path beside it
+    char text[700]; // leaves room for a path in the text of an error
     size_t length;
     bool full;
 } name_list;
@@ -144,7 +144,8 @@ static size_t axis_place(const char *const *axes, size_t rank, const char *name)
     return place;
 }
 
-/* A dataset must have the axes of all others, an axis must be one of them. */
+/* Checks whether a column fits: a dataset must have the same axes as the entries, an axis must be
+ * one of them. */
 static bool fits(const column *one, const entries *all) {
     if (!one->field)
         return one->rank == 0 || axis_place(all->axes, all->rank, one->name) < all->rank;
@@ -154,7 +155,7 @@ static bool fits(const column *one, const entries *all) {
     return same;
 }
 
-/* Those of the column that has the most axes. */
+/* Takes the entries of the column with the most axes, and checks that all columns fit. */
 static ehd_status find_entries(entries *all, const artefact *file, const column *columns,
                                size_t num_columns, ehd_error *error) {
     const column *first = columns;
@@ -182,8 +183,8 @@ static size_t count_long_axes(const entries *all) {
     return count;
 }
 
-/* Puts the axes that nobody named before the columns, where there are several of more than one
- * entry. Returns the new number of columns. */
+/* Puts axes that are not named before the columns, if several axes have more than one entry.
+ * Returns the new number of columns. */
 static size_t add_leading_axes(column *columns, size_t num_columns, const entries *all) {
     size_t num_leading = 0;
 
@@ -202,7 +203,8 @@ static size_t add_leading_axes(column *columns, size_t num_columns, const entrie
 
 // ---- SI units
 
-/* A frame is along an axis of the entries, or has one entry. */
+/* Finds the axis of a column's frame. EHD_DATA: the frame has several entries, and its axis is none
+ * of the entries' axes. */
 static ehd_status find_frame(column *one, const artefact *file, const entries *all,
                              ehd_error *error) {
     const char *axis = one->si.frame_axis;
@@ -228,7 +230,7 @@ static ehd_status show_attribute(column *one, artefact *file, ehd_error *error) 
     return one->text ? EHD_OK : ehd_no_memory(error, artefact_path(file));
 }
 
-/* Scale and units of each column. */
+/* Reads scale and units of each column. */
 static ehd_status find_units(column *columns, size_t num_columns, artefact *file,
                              const entries *all, ehd_error *error) {
     ehd_status status = si_units_check(file, error);
@@ -256,7 +258,7 @@ static ehd_status read_axis(column *axis, artefact *file, ehd_error *error) {
     return EHD_OK;
 }
 
-/* Takes memory for slices of `size` numbers, and reads what is no field whole. */
+/* Allocates memory for slices of `size` numbers, and reads axes as a whole. */
 static ehd_status prepare(column *columns, size_t num_columns, artefact *file, size_t size,
                           ehd_error *error) {
     ehd_status status = EHD_OK;
@@ -293,8 +295,8 @@ static ehd_status read_slice(column *columns, size_t num_columns, artefact *file
 
 // ---- lines
 
-/* Where the entries go on with another index than the last one's, of all axes but the last: an
- * empty line for the last of these, two for any other. */
+/* Prints empty lines before an entry at which axes start again: one for the last axis, two if
+ * further axes start again. */
 static void print_gap(const entries *all, const size_t index[ARTEFACT_MAX_RANK], FILE *stream) {
     size_t inner = 0; // axes of several entries that start again
     for (size_t k = all->rank; k-- > 0;) {
@@ -306,13 +308,13 @@ static void print_gap(const entries *all, const size_t index[ARTEFACT_MAX_RANK],
         fputc('\n', stream);
 }
 
-/* What makes SI units of an entry. */
+/* Returns the factor to SI units for an entry. */
 static double factor_at(const column *one, const entries *all,
                         const size_t index[ARTEFACT_MAX_RANK]) {
     return si_units_at(&one->si, one->frame_axis < all->rank ? index[one->frame_axis] : 0);
 }
 
-/* `place` of a field's entry in its slice, `index` along the axes. */
+/* Prints one value. `place`: entry of a field in its slice; `index`: entry along each axis. */
 static void print_value(const column *one, const entries *all, size_t place,
                         const size_t index[ARTEFACT_MAX_RANK], FILE *stream) {
     if (one->text) {
@@ -347,7 +349,7 @@ static void print_header(const column *columns, size_t num_columns, FILE *stream
     fputc('\n', stream);
 }
 
-/* To the next entry, the last axis first. */
+/* Moves `index` to the next entry; the last axis changes first. */
 static void go_on(size_t index[ARTEFACT_MAX_RANK], const entries *all) {
     for (size_t k = all->rank; k-- > 0;) {
         if (++index[k] < all->lengths[k]) return;
@@ -358,7 +360,7 @@ static void go_on(size_t index[ARTEFACT_MAX_RANK], const entries *all) {
 static ehd_status print_lines(column *columns, size_t num_columns, artefact *file,
                               const entries *all, FILE *stream, ehd_error *error) {
     size_t index[ARTEFACT_MAX_RANK] = {0},
-           inner = 1; // numbers that one entry of the first axis has
+           inner = 1; // numbers per entry of the first axis
     const size_t length = all->rank > 0 ? all->lengths[0] : 1;
 
     for (size_t k = 1; k < all->rank; k++)
@@ -377,7 +379,7 @@ static ehd_status print_lines(column *columns, size_t num_columns, artefact *fil
             if (program_interrupted())
                 status = ehd_fail(error, EHD_INTERRUPTED,
                                   "%s: found an interruption, expected none", artefact_path(file));
-            if (ferror(stream)) return EHD_OK; // program_finish says it
+            if (ferror(stream)) return EHD_OK; // program_finish reports it
         }
     }
     return status;
@@ -409,7 +411,7 @@ ehd_status print_entries(artefact *file, const char *const *names, size_t num_na
     return status;
 }
 
-// ---- what there is
+// ---- list of names
 
 typedef struct description {
     artefact *file;

@@ -16,7 +16,7 @@
 ehd_status result_put_contact(artefact *file, const ehd_contact *contact, ehd_error *error) {
     const struct {
         const char *name;
-        double value; // NaN where the scene is not physical
+        double value; // NaN if the scene is not in SI units
     } units[] = {{"half_width", contact->half_width},
                  {"half_width_across",
                   contact->kind == &contact_ellipse ? contact_half_width_across(contact) : NAN},
@@ -138,7 +138,7 @@ void result_judge_grid(run_result *result, const ehd_grid *grid) {
              film_effects_inlet_is_short(result->effects) ? "short" : "coarse");
 }
 
-/* Those that are known. */
+/* Writes the error estimates that are known. */
 static ehd_status put_effects(artefact *file, const film_effects *effects, ehd_error *error) {
     ehd_status status = EHD_OK;
 
@@ -148,7 +148,8 @@ static ehd_status put_effects(artefact *file, const film_effects *effects, ehd_e
     return status;
 }
 
-/* What shear heating of the inlet does; outside of its range the factor is not known. */
+/* Writes the effect of shear heating in the inlet. The factor is missing outside the range of its
+ * formula. */
 static ehd_status put_heating(artefact *file, const ehd_contact *contact, ehd_error *error) {
     const inlet_heating heating = inlet_heating_of(contact);
     ehd_status status = EHD_OK;
@@ -186,7 +187,8 @@ static void print_value(const char *name, double value, double scale, const char
         printf("%-24s%.8g\n", name, value);
 }
 
-/* Adds one source of what a film may be off by to the line; NaN: nothing, infinite: the grid's lack. */
+/* Adds one source of error to the line. NaN: prints nothing. Infinite: prints `lack`, which
+ * prevents an estimate. */
 static void print_part(const char **separator, const char *name, double part, const char *lack) {
     if (isnan(part)) return;
     printf("%s%s ", *separator, name);
@@ -197,8 +199,8 @@ static void print_part(const char **separator, const char *name, double part, co
     *separator = ", ";
 }
 
-/* What of a film comes from the reduction, the grid's step and its inlet, where something is known
- * of the grid. */
+/* Prints the error estimates of a film by the reduced model, the grid's step and its inlet. Prints
+ * nothing if nothing is known of the grid. */
 static void print_parts(const char *head, double model, double step, double inlet) {
     const char *separator = "";
 
@@ -210,7 +212,8 @@ static void print_parts(const char *head, double model, double step, double inle
     putchar('\n');
 }
 
-/* A line of what is indicated of the others; `with_friction`: the result has one. */
+/* Prints a line with the error estimates of other quantities. `with_friction`: the result has
+ * friction. */
 static void print_indicated(const double *indicated, bool with_friction) {
     const char *separator = "";
     bool any = false;
@@ -229,7 +232,7 @@ static void print_indicated(const double *indicated, bool with_friction) {
     putchar('\n');
 }
 
-/* A line of what shear heating of the inlet does, where something is known of it. */
+/* Prints a line on shear heating in the inlet, if the scene has the data. */
 static void print_heating(const ehd_contact *contact) {
     const inlet_heating heating = inlet_heating_of(contact);
 
@@ -316,7 +319,8 @@ ehd_status result_get_contact(stored_result *stored, artefact *file, const conta
     return status;
 }
 
-/* The first one at Y = 0: of a point contact the file has one a line, of a reversal several. */
+/* Reads the first exit at Y = 0. A point contact has exits on each line; where the entrainment
+ * reverses, a line has several. */
 static ehd_status get_exit(stored_result *stored, artefact *file, ehd_error *error) {
     const size_t several = artefact_length(file, "exit"), each = several > 0 ? several : 1;
     if (!artefact_has(file, "exit_position")) return EHD_OK;
@@ -339,7 +343,7 @@ static ehd_status get_scalars(stored_result *stored, artefact *file, ehd_error *
                  {"central_pressure", &stored->central_pressure}};
     ehd_status status = EHD_OK;
 
-    // those that everybody writes are there, or the file would not have been opened
+    // NEED_ALWAYS fields exist, or the file would not have opened
     for (size_t i = 0; i < sizeof reals / sizeof *reals && !status; i++)
         if (artefact_has(file, reals[i].name))
             status = artefact_get(file, reals[i].name, reals[i].value, 1, error);

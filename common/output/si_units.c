@@ -12,7 +12,7 @@ static const artefact_field *find_field(const artefact *file, const char *name) 
     return NULL;
 }
 
-/* What the row of a name says: its units, and the scale to SI ones. */
+/* Finds the units of a name in the schema, and returns its scale to SI units. */
 static const artefact_scale *look_up(const char **units, const artefact *file, const char *name) {
     const artefact_schema *kind = artefact_kind(file);
     const artefact_field *field = find_field(file, name);

@@ -13,7 +13,7 @@
 
 enum { NUM_SLOTS = 2, SLOT_INVALID = -1 };
 
-/* The real scalars of a time: their field, and where writer and reader keep them. */
+/* Real scalars of a time: name of their field, and offsets for writer and reader. */
 static const struct {
     const char *name;
     size_t entry;  // offset of a double in time_entry
@@ -86,7 +86,7 @@ ehd_status time_result_create(artefact **file, const program *caller, const ehd_
                                                 caller, settings_text, inputs, error);
 
     if (!status) status = result_put_contact(*file, reference, error);
-    // the exits of a point contact lie on lines
+    // the exits of a point contact are along y
     if (!status && (with_fields || whole.inner_lines > 1))
         status = grid_write_axes(*file, &whole, error);
     if (!status && with_all_exits)
@@ -105,7 +105,7 @@ ehd_status time_result_create(artefact **file, const program *caller, const ehd_
 
 // ---- entries
 
-/* Those that the file has of each line: all, or the first one. */
+/* Writes the exits of each line: all of them, or the first one if the file has one per line. */
 static ehd_status put_exits(artefact *file, const time_entry *entries, size_t count,
                             size_t num_lines, size_t index, ehd_error *error) {
     const size_t each = artefact_length(file, "exit") > 0 ? GRID_EXITS : 1;
@@ -120,7 +120,7 @@ static ehd_status put_exits(artefact *file, const time_entry *entries, size_t co
     return status;
 }
 
-/* `column` is work of [count]. */
+/* Writes the double at `offset` of each entry. `column`: work [count]. */
 static ehd_status put_real(artefact *file, const char *name, size_t offset,
                            const time_entry *entries, size_t count, size_t index, double *column,
                            ehd_error *error) {
@@ -170,7 +170,7 @@ static ehd_status put_fields(artefact *file, const time_entry *entry, const ehd_
     if (!status && entry->film)
         status = grid_put_field(file, "film_thickness", index, entry->film, grid, true, error);
     if (!status && entry->pressure && entry->film && entry->frame)
-        // in the frame, of a point contact; a line has no far field that needs it
+        // approach in units of the frame; only the far field of a point contact needs it
         status = traction_put_stresses(file, index, entry->frame, entry->pressure, entry->film,
                                        entry->rigid_approach / entry->frame_film_unit, error);
     return status;
@@ -199,7 +199,8 @@ ehd_status time_result_append(artefact *file, const ehd_grid *grid, const time_e
 
 // ---- restart slots
 
-/* Entries after which each slot resumes. A slot whose number was being written has none. */
+/* Reads after how many entries each slot resumes. A slot is invalid if a kill damaged its
+ * number. */
 static ehd_status get_slots(int64_t num_entries[NUM_SLOTS], artefact *file, ehd_error *error) {
     ehd_status status = EHD_OK;
 
@@ -224,7 +225,7 @@ ehd_status time_result_checkpoint(artefact *file, const double *restart, size_t 
     size_t slot = found[1] < found[0] ? 1 : 0; // the older one
     status = artefact_put_integers_part(file, "restart_entries", slot, 1, &invalid, error);
     if (!status) status = artefact_put_part(file, "restart", slot, 1, restart, error);
-    // on the disk before the number that says so
+    // the data must be on the disk before the number that makes them valid
     if (!status) status = artefact_sync(file, error);
     if (!status)
         status = artefact_put_integers_part(file, "restart_entries", slot, 1, &valid, error);
@@ -233,7 +234,8 @@ ehd_status time_result_checkpoint(artefact *file, const double *restart, size_t 
     return status;
 }
 
-/* Equal settings may leave the grid to the contact, or to other files. */
+/* Checks that the earlier run had this grid and restart_size. Equal settings are not enough: they
+ * may leave the grid to the contact or to other files. */
 static ehd_status check_same_run(artefact *file, const ehd_contact *reference, size_t restart_size,
                                  ehd_error *error) {
     const size_t found = artefact_length(file, "restart_entry");
@@ -242,7 +244,7 @@ static ehd_status check_same_run(artefact *file, const ehd_contact *reference, s
     ehd_error cause = {""};
     ehd_status status = result_get_contact(&run, file, reference->kind, error);
 
-    // without fields a line has no axis, and the state to resume from tells the number of nodes
+    // a line contact without fields has no axis x; then restart_size depends on the number of nodes
     if (run.num_inner == 0) run.num_inner = grid_whole(&reference->grid).num_inner;
     if (!status) status = result_check_grid(&run, "partial", &reference->grid, &cause);
     if (*cause.text) return ehd_fail(error, status, "%s.%s", artefact_path(file), cause.text);
@@ -256,7 +258,7 @@ static ehd_status check_same_run(artefact *file, const ehd_contact *reference, s
     return status;
 }
 
-/* Reads the valid slot of the latest time; zeros when there is none. */
+/* Reads the valid slot of the latest time; zeros if there is none. */
 static ehd_status get_restart(double *restart, size_t *num_entries, artefact *file,
                               size_t restart_size, ehd_error *error) {
     int64_t found[NUM_SLOTS];
@@ -278,7 +280,7 @@ ehd_status time_result_resume(artefact **file, double *restart, size_t *num_entr
     ehd_status status =
         artefact_resume(file, caller->output, &schema_result, caller, settings_text, error);
 
-    // before sizes, which differ too with another model
+    // checked before sizes, because these also differ with another model
     for (size_t i = 0; models && models[i] && !status; i++)
         status = artefact_check_input(*file, "model", models[i], error);
     if (!status) status = inputs_check_tables(*file, given, error);
@@ -363,7 +365,7 @@ static ehd_status get_time(time_series *series, artefact *file, ehd_error *error
     return status;
 }
 
-/* The number at `place` of the `each` that an entry of time has; NaN where there are none. */
+/* Reads for each time the number `place` of `each` numbers; NaN if the file lacks the field. */
 static ehd_status get_real(double *values, size_t num_times, artefact *file, const char *name,
                            size_t each, size_t place, ehd_error *error) {
     for (size_t t = 0; t < num_times; t++)

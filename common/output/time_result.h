@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The result of a transient scene: a result.h5 whose axis `time` grows while the run goes on. It
- * can be followed by other readers, and resumed after a kill. */
+/* Writes and reads the result of a transient scene: a result.h5 whose axis `time` grows during the
+ * run. Other programs can read the file meanwhile, and a run can be resumed after a kill. */
 #ifndef EHD_TIME_RESULT_H
 #define EHD_TIME_RESULT_H
 
@@ -13,8 +13,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* One time. Numbers are dimensionless and in the reference frame, unless said otherwise; NaN stands
- * for "not known". */
+/* Results at one time. Numbers are dimensionless and in the reference frame unless noted otherwise.
+ * NaN: unknown. */
 typedef struct time_entry {
     double time; // T, increasing from entry to entry
     double central_film_thickness;
@@ -25,38 +25,38 @@ typedef struct time_entry {
     double contact_half_width; // of the frame, relative to the reference; so are the next two
     double frame_hertz_pressure;
     double frame_film_unit;  // a^2/R
-    double surface_position; // of a contact with a surface
-    const double *exits;     // [lines of the whole grid, GRID_EXITS] as of march_solver
+    double surface_position; // only of a contact with a surface
+    const double *exits;     // [lines of the whole grid, GRID_EXITS], in the order of march_solver
     size_t newton_iterations;
     double residual;
     ehd_status status;                   // EHD_OK, EHD_NOT_CONVERGED or EHD_UNTRUSTED
-    bool by_full_model;                  // in a file `with_models`
-    double step;                         // of the integration that led here, 0 at the start
-    double effect, effect_minimum;       // of the steps in time on the films, as in march_step
-    double indicated, indicated_minimum; // deviation of the films, as in march_step
-    contact_traction traction;           // in the reference frame, where the reference has it
-    const ehd_contact *frame;            // of the fields; NULL: without traction
+    bool by_full_model;                  // only in a file `with_models`
+    double step;                         // time step that led here; 0 at the start
+    double effect, effect_minimum;       // effect of the time steps on the films, as in march_step
+    double indicated, indicated_minimum; // error estimates of the films, as in march_step
+    contact_traction traction;           // in the reference frame; unknown without traction
+    const ehd_contact *frame;            // frame of the fields; NULL: without traction
     const double *pressure; // [num_nodes] in the current frame, NULL: no field at this time
     const double *film;     // [num_nodes] in the current frame, NULL: no field at this time
 } time_entry;
 
-/* What is known at the end of a run. */
+/* Totals at the end of a run. */
 typedef struct time_summary {
     double seconds; // of the solution, without reading and writing
-    double seconds_rows, seconds_linear, seconds_exit; // parts of it; NaN: not measured apart
-    size_t num_steps;                                  // accepted ones
+    double seconds_rows, seconds_linear, seconds_exit; // parts of `seconds`; NaN: not measured
+    size_t num_steps;                                  // accepted steps
     size_t num_rejected;      // steps that were taken again with a shorter one
     size_t newton_iterations; // of all steps, rejected ones too
-    // in a file `with_models`:
-    size_t full_steps;   // accepted ones of the full model
-    double seconds_full; // all that it took
+    // only in a file `with_models`:
+    size_t full_steps;   // accepted steps of the full model
+    double seconds_full; // of the full model, all attempts
 } time_summary;
 
-/* Starts caller->output, streaming. `with_fields`: pressure and film at some times at least;
- * `with_all_exits`: of every interval of pressure, as where the entrainment reverses, else one a line;
- * `with_models`: which model solved each time.
- * `restart_size`: numbers that a run needs to go on, 0: it cannot be resumed. `inputs`: paths, NULL
- * at the end. Errors as artefact_create. */
+/* Creates caller->output and starts streaming. `with_fields`: the file has pressure and film, at
+ * some times at least. `with_all_exits`: the file has the exit of every interval of pressure, for
+ * entrainment that reverses; else one exit per line. `with_models`: the file has which model solved
+ * each time. `restart_size`: numbers that a run needs to continue; 0: it cannot be resumed.
+ * `inputs`: paths, NULL at the end. Errors as artefact_create. */
 ehd_status time_result_create(
     // output:
     artefact **file, // give to time_result_finish; artefact_close leaves NAME.partial
@@ -65,22 +65,22 @@ ehd_status time_result_create(
     const char *const *inputs, bool with_fields, bool with_all_exits, bool with_models,
     size_t restart_size, ehd_error *error);
 
-/* Writes `count` entries from `index` on, counted from 0, and lets readers see them. `time` grows
- * last, so that all that belongs to a time is there when the time is. EHD_IO; EHD_MEMORY;
- * EHD_INTERNAL for fields in a file without. */
+/* Writes `count` entries from `index` on, counted from 0, and flushes them for readers. `time`
+ * grows last, so that the data of a time are there before the time is visible. EHD_IO; EHD_MEMORY;
+ * EHD_INTERNAL: fields in a file without fields. */
 ehd_status time_result_append(artefact *file, const ehd_grid *grid, const time_entry *entries,
                               size_t count, size_t index, ehd_error *error);
 
-/* Stores what a run needs to go on after entry num_entries - 1. There are two slots, used in turn,
- * each with its number of entries: taken away first and written last, so that a kill at any moment
- * leaves one of them whole. */
+/* Stores a checkpoint, with which a run can continue after entry num_entries - 1. Two slots are
+ * used in turn. The number of entries of a slot is deleted first and written last, so that a kill
+ * at any moment leaves one slot whole. */
 ehd_status time_result_checkpoint(artefact *file,
                                   const double *restart, // [restart_size] of the file
                                   size_t num_entries, ehd_error *error);
 
-/* Opens NAME.partial of an earlier run, streaming again, and drops the entries after its last whole
- * checkpoint, which are to be computed again. EHD_NOINPUT when there is none; EHD_DATA when it is
- * damaged, or its settings, model, tables, grid or restart_size differ; EHD_CANTCREATE as
+/* Opens NAME.partial of an earlier run, streams again, and drops the entries after its last whole
+ * checkpoint; the run computes them again. EHD_NOINPUT: no such file. EHD_DATA: the file is
+ * damaged, or its settings, model, tables, grid or restart_size differ. EHD_CANTCREATE as
  * artefact_resume. */
 ehd_status time_result_resume(
     // output:
@@ -90,22 +90,22 @@ ehd_status time_result_resume(
     // input:
     const program *caller, const ehd_contact *reference, const char *settings_text,
     const char *const *models, // paths, ended by NULL; NULL: none
-    const scene *given,        // says which tables are read
+    const scene *given,        // names the tables that are read
     size_t restart_size, ehd_error *error);
 
-/* Ends streaming, writes the summary and gives the file its name. The file is closed in any case;
- * on failure NAME.partial stays. */
+/* Ends streaming, writes the summary and gives the file its final name. The file is closed in any
+ * case; on failure NAME.partial stays. */
 ehd_status time_result_finish(artefact **file, const time_summary *summary, ehd_error *error);
 
-/* The scalars of a result over time, whoever wrote it; one time when stationary. Reals that a
- * foreign file need not have are NaN where they are missing, integers -1. */
+/* Scalars of a result over time; one time if stationary. Values that a file of another program
+ * lacks are NaN, integers -1. */
 typedef struct time_series {
-    ehd_grid grid; // whole; no nodes: a line without fields, of which not all is known
+    ehd_grid grid; // whole; without nodes for a line contact without fields
     double moes_M, moes_L, alpha_p_H;
     flow_thinning thinning;
     double hertz_pressure; // Pa
     size_t num_times;
-    double *time; // [num_times], as all that follow; 0 when stationary
+    double *time; // [num_times], like all arrays below; 0 if stationary
     double *central_film_thickness;
     double *minimum_film_thickness;
     double *central_pressure;
@@ -124,8 +124,8 @@ typedef struct time_series {
     int64_t *status;
 } time_series;
 
-/* Errors as artefact_open; EHD_DATA also for another kind of contact, times that do not increase,
- * and several times without a scale that tells them. */
+/* Reads the scalars of a result over time. Errors as artefact_open; EHD_DATA also for another kind
+ * of contact, times that do not increase, and several times without values on the axis. */
 ehd_status time_series_read(
     // output:
     time_series *series, // free with time_series_free, also after a failure

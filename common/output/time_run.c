@@ -14,21 +14,21 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const double CHECKPOINT_PAUSE = 1; // s between two checkpoints
-static const double WRITE_PAUSE = 0.2;    // s that an entry waits at most for others
+static const double CHECKPOINT_PAUSE = 1; // s, shortest time between two checkpoints
+static const double WRITE_PAUSE = 0.2;    // s, longest time that an entry waits for others
 enum { MAX_WAITING = 256 };
 
-/* What is reported of the whole trajectory beside what march_state counts; all members are numbers
- * of one type, so that the struct can be saved as such. */
+/* Totals of the whole trajectory for the report, besides the counters of march_state. All members
+ * are doubles, so that the struct can be saved as numbers. */
 typedef struct run_totals {
     double seconds, seconds_rows, seconds_linear, seconds_exit; // as in time_summary
-    double min_film, max_film;                                  // minimum and central one
-    // of the steps on the central film, int effect^2 dT, and on both the largest one
+    double min_film, max_film;                                  // smallest minimum, largest central
+    // effect of the time steps: int effect^2 dT of the central film, and the largest of each film
     double effect_squares, max_effect, max_effect_minimum;
-    double max_indicated, max_indicated_minimum; // deviations of both; NaN: not known
+    double max_indicated, max_indicated_minimum; // error estimates of both films; NaN: unknown
 } run_totals;
 
-/* Places in a restart slot. */
+/* Offsets in a restart slot, in numbers. */
 enum {
     AT_APPROACH = sizeof(march_state) / sizeof(double),
     AT_TOTALS,
@@ -38,18 +38,17 @@ enum {
 
 typedef struct runner {
     const time_run_task *task;
-    apart_march contact; // the task's solver, of a contact that may be lost
+    apart_march contact; // the task's solver, wrapped so that bodies may part
     march march;
     artefact *file; // NULL: nothing is written
     double *restart;
-    double *pressure, *film; // [num_nodes], NULL: no fields
-    double *exits;           // [MAX_WAITING, lines of the whole grid, GRID_EXITS]
-    time_entry
-        waiting[MAX_WAITING]; // to be written together, since a write costs as much as a step
+    double *pressure, *film;         // [num_nodes], NULL: no fields
+    double *exits;                   // [MAX_WAITING, lines of the whole grid, GRID_EXITS]
+    time_entry waiting[MAX_WAITING]; // written together, since a write takes as long as a step
     size_t num_waiting, num_written;
     double started, last_checkpoint, last_write;
-    double writing;    // s of it since the start
-    run_totals totals; // films of all entries; seconds of the earlier runs that this one resumes
+    double writing;    // s spent on writing since the start
+    run_totals totals; // films of all entries; seconds of earlier runs only
     time_trace *trace;
     progress progress;
 } runner;
@@ -85,7 +84,7 @@ static ehd_status trace_add(time_trace *trace, const time_entry *entry, ehd_erro
     return EHD_OK;
 }
 
-/* What an earlier run stored. */
+/* Reads the trace that an earlier run stored. */
 static ehd_status trace_read(time_trace *trace, artefact *file, size_t num_entries,
                              ehd_error *error) {
     ehd_status status = trace_reserve(trace, num_entries, error);
@@ -103,7 +102,7 @@ static ehd_status trace_read(time_trace *trace, artefact *file, size_t num_entri
 
 // ---- storing
 
-/* With this run's part of the times, up to `now`. */
+/* Returns the totals with this run's seconds up to `now`. */
 static run_totals totals_at(const runner *self, double now) {
     run_totals totals = self->totals;
     double rows, linear, exit;
@@ -116,7 +115,7 @@ static run_totals totals_at(const runner *self, double now) {
     return totals;
 }
 
-/* A text as numbers, the codes of its characters. */
+/* Saves a text as numbers, one per character. */
 static void save_text(double saved[MARCH_REASON], const char text[MARCH_REASON]) {
     size_t length = strlen(text);
 
@@ -147,7 +146,8 @@ static ehd_status write_waiting(runner *self, ehd_error *error) {
     return status;
 }
 
-/* Writes it now, when its fields are there for a moment only, or with others. */
+/* Writes an entry with fields at once, because the next step overwrites the fields. Other entries
+ * wait and are written together. */
 static ehd_status write_entry(runner *self, const time_entry *entry, double now, ehd_error *error) {
     self->waiting[self->num_waiting++] = *entry;
     if (!entry->pressure && self->num_waiting < MAX_WAITING && now - self->last_write < WRITE_PAUSE)
@@ -155,7 +155,7 @@ static ehd_status write_entry(runner *self, const time_entry *entry, double now,
     return write_waiting(self, error);
 }
 
-/* After all entries so far. */
+/* Stores a checkpoint after all entries so far. */
 static ehd_status checkpoint(runner *self, double now, ehd_error *error) {
     const march_solver *solver = &self->march.solver;
     const run_totals totals = totals_at(self, now);
@@ -171,8 +171,8 @@ static ehd_status checkpoint(runner *self, double now, ehd_error *error) {
     return time_result_checkpoint(self->file, self->restart, self->num_written, error);
 }
 
-/* Exits in the reference frame, kept for the entry that waits next. Of a line contact the first one
- * is that of the scalars. */
+/* Returns the exits in the reference frame, in memory that stays until the entry is written. For a
+ * line contact the first exit is that of the scalars. */
 static const double *take_exits(runner *self, const march_step *step,
                                 const contact_scalars *scalars) {
     const size_t num_lines = grid_whole(&self->task->reference->grid).inner_lines;
@@ -186,12 +186,12 @@ static const double *take_exits(runner *self, const march_step *step,
     return exits;
 }
 
-/* NaN where one of them is. */
+/* Returns the larger number; NaN if one is NaN. */
 static double larger(double a, double b) {
     return isnan(a) || isgreater(a, b) ? a : b;
 }
 
-/* Entry `march_step` of the file, with fields at every N-th step. */
+/* Stores a step as entry `index` of the file, with fields at every N-th step. */
 static ehd_status store(void *sink, const march_step *step, size_t index, ehd_error *error) {
     runner *self = sink;
     double before = program_seconds();
@@ -329,7 +329,7 @@ static ehd_status begin(runner *self, ehd_error *error) {
 
 // ---- the end
 
-/* Where the result falls short of what was asked for. */
+/* Prints where the march ended early, and since when it is not to be trusted. */
 static void report_shortfall(const runner *self, ehd_status outcome) {
     const march_state *state = &self->march.state;
     const char *output = self->task->caller->output;
@@ -344,14 +344,15 @@ static void report_shortfall(const runner *self, ehd_status outcome) {
                self->march.untrusted);
 }
 
-/* Root of the mean square over time of what the steps do to the central film; NaN: not told. */
+/* Returns the root mean square over time of the time steps' effect on the central film; NaN:
+ * unknown. */
 static double mean_effect(const run_totals *totals, const march_state *state) {
     return state->time > 0 ? sqrt(totals->effect_squares / state->time) : NAN;
 }
 
-/* Where error control did not come to what it was asked for. */
+/* Prints a note if error control did not keep the effect of the time steps near the tolerance. */
 static void note_effect(const runner *self, const run_totals *totals) {
-    const double much = 3; // times the tolerance, within which usual histories are
+    const double much = 3; // times the tolerance; usual histories stay below
     const double tolerance = self->task->given->transient.tolerance;
     const double effect = mean_effect(totals, &self->march.state);
 
@@ -375,7 +376,7 @@ static void report_effects(const run_totals *totals, const march_state *state) {
     printf("\n");
 }
 
-/* What the full model did, in numbers and as a note. */
+/* Prints the share of the full model, and a note with the reason. */
 static void report_share(const runner *self) {
     const time_run_task *task = self->task;
     const double num_steps = self->march.state.num_steps;
@@ -444,7 +445,7 @@ static ehd_status finish(runner *self, const run_totals *totals, ehd_error *erro
     return status ? status : time_result_finish(&self->file, &summary, error);
 }
 
-/* What the end of the march means for the caller. */
+/* Returns the status of a march that has ended, with its message. */
 static ehd_status judge(const runner *self, ehd_status outcome, ehd_error *error) {
     const time_run_task *task = self->task;
     const char *path = task->caller->arguments[0];
@@ -541,7 +542,7 @@ ehd_status time_run(time_trace *trace, const time_run_task *task, ehd_error *err
     if (begun && self.file && (status || outcome == EHD_NOT_CONVERGED)) {
         ehd_error ignored;
         if (status && status != EHD_INTERRUPTED)
-            write_waiting(&self, &ignored); // the state may be amid an attempt
+            write_waiting(&self, &ignored); // no checkpoint: the state may be within an attempt
         else
             checkpoint(&self, program_seconds(), &ignored);
     }

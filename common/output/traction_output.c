@@ -65,13 +65,13 @@ ehd_status traction_put_stresses(artefact *file, size_t index, const ehd_contact
     return status;
 }
 
-/* Digits of a number that may be off by this share, the last two of them uncertain. */
+/* Returns the digits to print for a number with this relative error; the last two are uncertain. */
 static int digits_of(double error, int most) {
     return error > 0 ? (int)fmin(fmax(ceil(-log10(error)) + 1, 1), most) : most;
 }
 
-/* Friction coefficient of a lubricant that the pressure thickens, above which a line says that its law of
- * shear stress does not hold: the largest that the law `limiting` takes. */
+/* Largest friction coefficient that the law `limiting` accepts. If a lubricant whose viscosity
+ * rises with pressure has more, a line warns that its law of shear stress does not hold. */
 static const double MUCH_FRICTION = 1;
 
 void traction_print(const contact_traction *traction, const ehd_contact *contact,

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The traction of a result: into its file, and printed. */
+/* Writes the traction of a result to its file, and prints it. */
 #ifndef EHD_TRACTION_OUTPUT_H
 #define EHD_TRACTION_OUTPUT_H
 
@@ -18,13 +18,14 @@ typedef struct traction_entry {
 
 extern const traction_entry traction_entries[NUM_TRACTION];
 
-/* Attributes of a result that its numbers are units of, beside those of result_put_contact. */
+/* Writes the attributes that convert traction to SI units, besides those of result_put_contact, and
+ * slide_roll. */
 ehd_status traction_put_units(artefact *file, const ehd_contact *contact, ehd_error *error);
 
-/* The numbers of a stationary result. */
+/* Writes the traction of a stationary result. */
 ehd_status traction_put(artefact *file, const contact_traction *traction, ehd_error *error);
 
-/* The stresses on both surfaces as entry `index` of their fields. EHD_MEMORY; and as
+/* Writes the stresses on both surfaces as entry `index` of their fields. EHD_MEMORY; and as
  * artefact_put_part. */
 ehd_status traction_put_stresses(artefact *file, size_t index, const ehd_contact *contact,
                                  const double *pressure, // [num_nodes]
@@ -32,10 +33,10 @@ ehd_status traction_put_stresses(artefact *file, size_t index, const ehd_contact
                                  double rigid_approach,  // in the contact's frame
                                  ehd_error *error);
 
-/* Prints a line for each, in units of the contact and SI units. Rolling resistance, rolling moment and
- * power loss have only the digits that the error estimate of the rolling resistance allows. A further line
- * where the friction is more than a lubricant carries. */
+/* Prints a line for each number, dimensionless and in SI units. Rolling resistance, rolling moment
+ * and power loss have only the digits that the error estimate of the rolling resistance allows.
+ * Prints a warning if the friction is higher than a lubricant can carry. */
 void traction_print(const contact_traction *traction, const ehd_contact *contact,
-                    const film_effects *effects); // of the grid
+                    const film_effects *effects); // error estimates of the grid
 
 #endif

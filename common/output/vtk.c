@@ -14,7 +14,7 @@ enum { NUM_FIELDS = 2, NUM_LAYERS = 2 };
 
 static const char *const field_names[NUM_FIELDS] = {"pressure", "film_thickness"};
 
-/* A field, or without values one that the file does not have. */
+/* A field; without values if the file does not have it. */
 typedef struct field {
     const char *name;
     si_units si;
@@ -93,8 +93,8 @@ static void release(images *self) {
     }
 }
 
-/* The fields of a time in SI units. *any: there are some, not those of a time that was not asked
- * for. */
+/* Reads the fields of a time in SI units. *any: the time has fields; fields that were not written
+ * are all NaN. */
 static ehd_status read_time(bool *any, images *self, size_t time, ehd_error *error) {
     const size_t count = self->num_x * self->num_lines;
     ehd_status status = EHD_OK;
@@ -115,12 +115,12 @@ static ehd_status read_time(bool *any, images *self, size_t time, ehd_error *err
 
 // ---- an image
 
-/* Lines of the image: a line contact has one more. */
+/* Returns the number of lines of the image, 2 for a line contact. */
 static size_t image_lines(const images *self) {
     return self->num_lines > 1 ? self->num_lines : 2;
 }
 
-/* A block of appended data: its bytes, then each layer. */
+/* Writes a block of appended data: its number of bytes, then each layer. */
 static void write_block(const images *self, const field *one, FILE *stream) {
     const size_t lines = image_lines(self), repeats = lines / self->num_lines;
     const uint64_t bytes = NUM_LAYERS * lines * self->num_x * sizeof *one->values;
@@ -205,7 +205,7 @@ static ehd_status put_one(images *self, const char *path, ehd_error *error) {
 
 // ---- a time series
 
-/* Text inside of quotes of XML. */
+/* Prints a text within the quotes of an XML attribute. */
 static void print_quoted(const char *text, FILE *stream) {
     for (; *text; text++) {
         if (strchr("<>&\"", *text))
@@ -215,7 +215,7 @@ static void print_quoted(const char *text, FILE *stream) {
     }
 }
 
-/* The name of an image beside the collection, which ends with ".pvd"; free(). */
+/* Returns the name of an image beside the collection `path`, which ends with ".pvd"; free(). */
 static char *image_path(const char *path, size_t number) {
     char *name = NULL;
     const int base = (int)(strlen(path) - strlen(".pvd"));
@@ -260,7 +260,8 @@ static ehd_status put_entries(images *self, FILE *collection, ehd_error *error) 
     return status;
 }
 
-/* Images first: a collection never names one that is not there. */
+/* Writes each image before its entry in the collection, so that a collection never names a missing
+ * image. */
 static ehd_status put_series(images *self, ehd_error *error) {
     output_file out;
     ehd_status status = output_file_create(&out, self->caller->output, self->caller->force, error);
