@@ -121,7 +121,7 @@ void artefact_save(artefact *file) {
     const double now = program_seconds();
     if (!file->growing || now - file->saved_at < TIMES * file->save_seconds) return;
 
-    const int to = open(file->copy, O_RDWR | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+    const int to = open(file->copy, O_RDWR | O_CREAT | O_TRUNC | O_CLOEXEC | O_NOFOLLOW, 0666);
     const bool copied = to >= 0 && copy_bytes(to, file->lock) && fsync(to) == 0;
     if (to >= 0) close(to);
     if (!copied || rename(file->copy, file->saved) != 0) unlink(file->copy);
