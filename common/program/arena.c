@@ -3,13 +3,13 @@
 
 #include <stdlib.h>
 
-/* Stands before each array. */
+/* Header in front of each array. */
 struct arena_block {
     arena_block *before;
     max_align_t array[];
 };
 
-/* *bytes = more + rows * columns * size; false where that overflows. */
+/* Computes *bytes = more + rows * columns * size. Returns false if it overflows. */
 static bool count_bytes(size_t *bytes, size_t more, size_t rows, size_t columns, size_t size) {
     return !__builtin_mul_overflow(rows, columns, bytes) &&
            !__builtin_mul_overflow(*bytes, size, bytes) &&

@@ -9,7 +9,8 @@
  * `ulimit -v` sets where it is lower. The other half is for the files that are read. */
 double memory_option_default(void);
 
-/* "2G", "500M", "1.5G" into bytes, a double, as program_option reads. EHD_USAGE: anything else. */
+/* Reads a size such as "2G", "500M" or "1.5G" into *member, a double, in bytes. It is a `read` of
+ * program_option. EHD_USAGE: the argument is not a number above 0 with K, M, G or T. */
 ehd_status memory_option_read(void *member, const char *argument, ehd_error *error);
 
 #endif

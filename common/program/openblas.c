@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What OpenBLAS asks of its environment when it is loaded, which is before main begins. */
+/* Replaces environment variables that OpenBLAS reads while it is loaded, before main begins. */
 #include "common/program/openblas.h"
 
 #include "common/program/status.h"
@@ -25,13 +25,13 @@ static bool has_avx2(void) {
 }
 #endif
 
-// of OpenBLAS: one buffer, kept for later calls when it is given back
+// Functions of OpenBLAS: they take and give back one buffer. OpenBLAS keeps it for later calls.
 void *blas_memory_alloc(int unused);
 void blas_memory_free(void *buffer);
 
 static const size_t BUFFER = (size_t)OPENBLAS_BUFFER_MB << 20;
 
-/* Whether this much can be had now. */
+/* Checks whether this much memory is available now. */
 static bool has_room(size_t bytes) {
     void *room = mmap(NULL, bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
     if (room == MAP_FAILED) return false;
@@ -49,7 +49,7 @@ size_t openblas_take_buffers(size_t num_threads) {
         pthread_attr_getstacksize(&attributes, &stack);
         pthread_attr_destroy(&attributes);
     }
-    // room for the stacks of all threads so far too, which come afterwards
+    // leaves room for the stacks of the threads counted so far, which are created afterwards
     while (count < num_threads && has_room(BUFFER + (count + 1) * stack))
         buffers[count++] = blas_memory_alloc(0);
     for (size_t i = 0; i < count; i++)
@@ -58,7 +58,8 @@ size_t openblas_take_buffers(size_t num_threads) {
     return count;
 }
 
-/* Ends the process where OpenBLAS, while it is loaded, would ask for its first buffer for ever (0.3.29). */
+/* Ends the process if there is no memory for the first buffer of OpenBLAS. While it is loaded,
+ * OpenBLAS 0.3.29 would request that buffer without end. */
 static void check_room_while_loaded(void) {
     char line[256];
 
@@ -70,15 +71,15 @@ static void check_room_while_loaded(void) {
     _exit(EHD_MEMORY);
 }
 
-/* Replaces the C library's getenv in the programs. It differs for two variables of OpenBLAS:
- * - OPENBLAS_NUM_THREADS is 1, whatever the user has set. Our own threads are enough, more only
- *   slow down small matrices, and where memory is limited they wait for it without end.
- *   Debian's OpenBLAS without threads is no way out: it has no lock around its work space, and
- *   of 2 million small products in each of four threads one in 200 was wrong.
- * - OPENBLAS_CORETYPE is Haswell where the user has set none and the processor has AVX2.
- *   OpenBLAS 0.3.21 takes an Intel processor later than itself for a Prescott of 2004, and then
- *   has a quarter of the speed. The environment itself stays as it is, so that programs started
- *   from here choose for the processor on which they run. */
+/* Replaces the C library's getenv in the programs. Two variables of OpenBLAS differ:
+ * - OPENBLAS_NUM_THREADS is 1, whatever the user has set. The programs' own threads are enough.
+ *   More threads only slow down small matrices, and where memory is limited they wait for it
+ *   without end. Debian's OpenBLAS without threads is no alternative: it has no lock around its
+ *   work space. Of 2 million small products in each of four threads, one in 200 was wrong.
+ * - OPENBLAS_CORETYPE is Haswell if the user has set none and the processor has AVX2. OpenBLAS
+ *   0.3.21 takes an Intel processor later than itself for a Prescott of 2004, and then has a
+ *   quarter of the speed. The environment itself stays as it is, so that programs started from here
+ *   choose for the processor on which they run. */
 char *getenv(const char *name) {
     static char one_thread[] = "1", haswell[] = "Haswell";
     const size_t length = strlen(name);

@@ -7,11 +7,12 @@
 /* Megabytes of work space that OpenBLAS takes for each thread that calls it (x86-64, 0.3.21 and 0.3.29). */
 enum { OPENBLAS_BUFFER_MB = 128 };
 
-/* Takes the work space of so many threads in advance, because OpenBLAS asks for it for ever where memory is
- * refused. Returns for how many of them there is memory. */
+/* Takes the work space of `num_threads` threads in advance, because OpenBLAS retries without end
+ * where memory is refused. Returns the number of threads for which there is memory. */
 size_t openblas_take_buffers(size_t num_threads);
 
-/* One thread of OpenBLAS in this process. A program that calls it has none begun at all. */
+/* Limits OpenBLAS to one thread in this process. A program that calls this function also links
+ * getenv of openblas.c, with which OpenBLAS starts no threads at all. */
 void openblas_one_thread(void);
 
 #endif

@@ -10,7 +10,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-/* Can a file be made beside this one? */
+/* Checks whether a file can be created in the folder of `path`. */
 static ehd_status check_folder(const char *path, ehd_error *error) {
     char *copy = strdup(path);
 
@@ -30,7 +30,7 @@ ehd_status output_file_check(const char *path, bool force, ehd_error *error) {
         return ehd_fail(error, EHD_CANTCREATE, "%s: found %s, expected to create it", path,
                         strerror(errno));
     }
-    if (S_ISLNK(found.st_mode) && stat(path, &found) != 0) found.st_mode = S_IFREG; // leads nowhere
+    if (S_ISLNK(found.st_mode) && stat(path, &found) != 0) found.st_mode = S_IFREG; // a dead link
     if (S_ISDIR(found.st_mode))
         return ehd_fail(error, EHD_CANTCREATE, "%s: found a folder, expected a file or none", path);
     if (!S_ISREG(found.st_mode)) // a rename would replace a device, too
@@ -53,7 +53,8 @@ ehd_status output_file_check_inputs(const char *path, const char *const *inputs,
     return EHD_OK;
 }
 
-/* Opens and locks a file. NULL with errno; EWOULDBLOCK: another process writes it. */
+/* Opens and locks a file for writing. Returns NULL with errno after a failure. EWOULDBLOCK: another
+ * process writes the file. */
 static FILE *open_partial(const char *path) {
     const int descriptor =
         open(path, O_WRONLY | O_CREAT | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, 0666);
@@ -128,7 +129,7 @@ ehd_status output_file_finish(output_file *self, ehd_error *error) {
         output_file_drop(self);
         return status;
     }
-    fclose(self->stream); // on the disk already
+    fclose(self->stream); // fsync has written all data
     release(self);
     return EHD_OK;
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* An output that is no HDF5 file: it appears under its name only when it is finished, and is
- * NAME.partial until then. */
+/* An output file other than HDF5. It is NAME.partial until it is finished, and only then gets its
+ * name. */
 #ifndef EHD_OUTPUT_FILE_H
 #define EHD_OUTPUT_FILE_H
 
@@ -9,39 +9,44 @@
 #include <stdio.h>
 
 typedef struct output_file {
-    FILE *stream; // to write to; failures are seen by output_file_finish
+    FILE *stream; // for writing; output_file_finish reports failures
     char *path, *partial;
 } output_file;
 
-/* EHD_CANTCREATE where the name exists and `force` is not set, may not be the program's, or lies in a folder that is not
- * there or not to be written; EHD_MEMORY. To be called before the work. */
+/* Checks whether the output can be created; call it before the work. EHD_CANTCREATE: the name
+ * exists and `force` is not set, it is no regular file, or its folder does not exist or is not
+ * writable. EHD_MEMORY. */
 ehd_status output_file_check(const char *path, bool force, ehd_error *error);
 
-/* EHD_CANTCREATE where the output is one of the inputs (NULL at the end, or for none), by whatever name:
- * `force` replaces an earlier output, never what the program reads. */
+/* Checks that the output is none of the inputs, whatever their names. `inputs` ends with NULL, or
+ * is NULL for none. EHD_CANTCREATE: it is one of them. `force` replaces an earlier output, never a
+ * file that the program reads. */
 ehd_status output_file_check_inputs(const char *path, const char *const *inputs, ehd_error *error);
 
-/* The same check as output_file_check, and starts PATH.partial anew. EHD_CANTCREATE also where that cannot be created, or
- * another process is writing it; EHD_MEMORY. */
+/* Checks the output like output_file_check, and starts PATH.partial anew. EHD_CANTCREATE also if
+ * PATH.partial cannot be created, or another process is writing it; EHD_IO, EHD_MEMORY. */
 ehd_status output_file_create(
     // output:
     output_file *self, // give to output_file_finish or output_file_drop
     // input:
     const char *path, bool force, ehd_error *error);
 
-/* As output_file_create, but leaves the content of PATH.partial as it is. output_file_keep comes next. */
+/* Opens the output like output_file_create, but leaves the content of PATH.partial as it is. Call
+ * output_file_keep next. */
 ehd_status output_file_open(output_file *self, const char *path, bool force, ehd_error *error);
 
-/* Keeps the first `kept` bytes; what is written comes behind them. EHD_IO. */
+/* Keeps the first `kept` bytes of PATH.partial; later writes follow them. EHD_IO: the file is left
+ * as by output_file_leave. */
 ehd_status output_file_keep(output_file *self, size_t kept, ehd_error *error);
 
-/* Writes what is left, to the disk, and gives the file its name; EHD_IO, and no file. Frees. */
+/* Writes all data to the disk, gives the file its name, and frees `self`. EHD_IO: PATH.partial is
+ * removed. */
 ehd_status output_file_finish(output_file *self, ehd_error *error);
 
-/* Leaves PATH.partial with what was written, and frees; nothing where there is none. */
+/* Leaves PATH.partial with what was written, and frees `self`. Does nothing if no file is open. */
 void output_file_leave(output_file *self);
 
-/* Removes what was written, and frees; nothing where there is none. */
+/* Removes PATH.partial and frees `self`. Does nothing if no file is open. */
 void output_file_drop(output_file *self);
 
 #endif

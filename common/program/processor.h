@@ -3,17 +3,20 @@
 #ifndef EHD_PROCESSOR_H
 #define EHD_PROCESSOR_H
 
-/* Marks functions that run before the check, so that they use no such instructions. */
+/* Marks functions that run before the check. They use only instructions of every x86-64
+ * processor. */
 #ifdef __x86_64__
 #define ON_ANY_PROCESSOR __attribute__((target("arch=x86-64")))
 #else
 #define ON_ANY_PROCESSOR
 #endif
 
-/* Why the build cannot run here, as "processor: found one without AVX2, expected …"; NULL: it can. A constant text. */
+/* Returns why the build cannot run here, a constant text such as "processor: found one without
+ * AVX2, expected …". Returns NULL if it can. */
 const char *processor_refusal(void);
 
-/* Ends a program with that line before main. The library does not: ehdrom_model_open returns an error. */
+/* Ends a program with the line of processor_refusal before main, if the build cannot run here. The
+ * library does not contain it: ehdrom_model_open returns an error. */
 void processor_check(int argc, char **argv, char **environment);
 
 #endif

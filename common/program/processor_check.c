@@ -7,7 +7,8 @@
 #include <string.h>
 #include <unistd.h>
 
-/* A constructor, since main itself may use such instructions. glibc calls it with the arguments of main. */
+/* Runs as a constructor, because main itself may use instructions that the processor lacks. glibc
+ * calls it with the arguments of main. */
 ON_ANY_PROCESSOR __attribute__((constructor)) void processor_check(int argc, char **argv,
                                                                    char **environment) {
     const char *refusal = processor_refusal(), *slash = argc > 0 ? strrchr(argv[0], '/') : NULL;

@@ -49,8 +49,8 @@ const char *program_build(void) {
 }
 
 FILE *program_open(const char *path) {
-    const int file =
-        open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK); // a pipe would wait for a writer
+    // without O_NONBLOCK a pipe would wait for a writer
+    const int file = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
     struct stat about;
 
     if (file < 0) return NULL;
@@ -87,7 +87,8 @@ static void on_signal(int number) {
     interrupted = 1;
 }
 
-/* "MemAvailable: 123 kB" of /proc/meminfo, in bytes; infinite where there is none. */
+/* Returns the bytes of the line "MemAvailable: 123 kB" in /proc/meminfo; infinity if there is
+ * none. */
 static double free_memory(void) {
     FILE *file = fopen("/proc/meminfo", "r");
     double bytes = INFINITY, kilobytes;
@@ -126,9 +127,10 @@ bool program_interrupted(void) {
 
 // ---- libraries that end the process
 
-static const char *name_of_program; // NULL: not a program of ours
+static const char *name_of_program; // NULL: program_start was not called
 
-/* Without stdio, which may be in the middle of something. */
+/* Writes the program's name and a text to stderr. It does not use stdio, which may be in the middle
+ * of a call. */
 static void say(const char *text) {
     if (write(STDERR_FILENO, name_of_program, strlen(name_of_program)) < 0 ||
         write(STDERR_FILENO, text, strlen(text)) < 0)
@@ -139,7 +141,7 @@ static void say_no_memory(void) {
     say(": out of memory\n");
 }
 
-/* HDF5 may call exit(-1) where memory is refused. */
+/* Ends with EHD_MEMORY in place of exit(-1), which HDF5 may call when memory is refused. */
 static void on_foreign_exit(int code, void *unused) {
     (void)unused;
     if (code != -1) return;
@@ -147,7 +149,8 @@ static void on_foreign_exit(int code, void *unused) {
     _exit(EHD_MEMORY);
 }
 
-/* What FFTW calls where memory is refused; its own prints a line and aborts. */
+/* Replaces the function that FFTW calls when memory is refused. FFTW's own function prints a line
+ * and aborts. */
 void fftw_assertion_failed(const char *text, int line, const char *file);
 void fftw_assertion_failed(const char *text, int line, const char *file) {
     (void)text, (void)line, (void)file;
@@ -166,9 +169,9 @@ void fftw_assertion_failed(const char *text, int line, const char *file) {
 #endif
 
 #ifndef HAS_SANITIZER
-/* HDF5 may crash where memory is refused, and what is mapped of a file may be cut off, or not to be read
- * from the disk. What else crashes is left to crash, by the default action, which SA_RESETHAND brings
- * back. */
+/* Ends the process with a message after two kinds of crashes. HDF5 may crash when memory is
+ * refused. A mapped file may be cut off, or become unreadable on the disk. Any other crash takes
+ * the default action, which SA_RESETHAND restores. */
 static void on_crash(int number, siginfo_t *info, void *unused) {
     (void)unused;
     if (number == SIGBUS && info->si_code == BUS_ADRERR) {
@@ -215,7 +218,7 @@ static void print_line(const program *self, const char *text) {
     ehd_error line;
     snprintf(line.text, sizeof line.text, "%s", text);
     text_make_printable(line.text, "");
-    // on a terminal it replaces a progress line
+    // on a terminal the line replaces a progress line
     fprintf(stderr, "%s%s: %s\n", isatty(STDERR_FILENO) == 1 ? "\r\033[K" : "", self->name,
             line.text);
 }
@@ -296,7 +299,7 @@ static const struct argp_option common_options[] = {
     {.name = "version", .key = KEY_VERSION, .doc = "Print version and build", .group = 10},
     {0}};
 
-/* Input of both parsers. */
+/* Input of parse_common and parse_own. */
 typedef struct parsing {
     program *program;
     void *own; // the program's own options
@@ -306,7 +309,7 @@ typedef struct parsing {
 
 // ---- a program's own options
 
-enum { FIRST_KEY = 0x200 }; // of options without a letter
+enum { FIRST_KEY = 0x200 }; // keys of options without a letter start here
 
 static int key_of(const program_option *rows, size_t i) {
     return rows[i].letter ? rows[i].letter : FIRST_KEY + (int)i;
@@ -438,7 +441,7 @@ static char *base_name(char *path) {
     return slash ? slash + 1 : path;
 }
 
-/* Runs argp, and keeps only the first line of its complaint, without the program's name. */
+/* Runs argp. Of its error message only the first line is kept, without the program's name. */
 static ehd_status run_argp(program *self, const struct argp *argp, char **arguments, parsing *input,
                            ehd_error *error) {
     const unsigned flags = ARGP_NO_HELP | ARGP_NO_EXIT;
@@ -449,7 +452,7 @@ static ehd_status run_argp(program *self, const struct argp *argp, char **argume
     FILE *const capture = open_memstream(&complaint, &length);
     if (!capture) return ehd_no_memory(error, "command line");
 
-    // getopt and argp complain on several lines; glibc lets a program exchange its stderr
+    // getopt and argp print errors on several lines; glibc lets a program exchange its stderr
     stderr = capture;
     const error_t failure = argp_parse(argp, self->argc, arguments, flags, NULL, input);
     stderr = terminal;
@@ -511,7 +514,7 @@ static ehd_status parse_arguments(program *self, const program_options *options,
                               .children = children};
     parsing input = {.program = self, .own = options->own};
     const size_t room = (size_t)self->argc + 1;
-    char **arguments = calloc(room, sizeof *arguments); // argp reorders what it is given
+    char **arguments = calloc(room, sizeof *arguments); // a copy: argp reorders it
     ehd_status status;
 
     self->options = options->options;
@@ -522,7 +525,7 @@ static ehd_status parse_arguments(program *self, const program_options *options,
         status = ehd_no_memory(error, "command line");
     } else {
         memcpy(arguments, self->argv, (size_t)self->argc * sizeof *arguments);
-        // getopt's complaints start with the first argument, argp's with its last part
+        // getopt's errors start with the first argument, argp's with its last part
         if (self->argc > 0) arguments[0] = base_name(self->argv[0]);
         status = run_argp(self, &argp, arguments, &input, error);
     }
@@ -537,8 +540,8 @@ static ehd_status parse_arguments(program *self, const program_options *options,
     return *done ? EHD_OK : status;
 }
 
-/* Where one of the standard files was closed, the next file to be opened would take its place, and what is
- * said or printed would be written into that. These fail each write. */
+/* Opens /dev/null for each standard file that is closed. Otherwise the next file to be opened would
+ * take its place, and messages would be written into that file. Writes to these files fail. */
 static void fill_standard_files(void) {
     int file;
 
@@ -555,8 +558,8 @@ void program_start(program *self, int argc, char **argv, const program_options *
     *self = (program){.name = argc > 0 ? base_name(argv[0]) : "ehdrom", .argc = argc, .argv = argv};
     setlocale(LC_ALL, "C"); // numbers are written and read with a decimal point
     name_of_program = self->name;
-    processor_check(argc, argv,
-                    NULL); // has run as a constructor; the call makes the linker include it
+    // has run as a constructor; the call makes the linker include it
+    processor_check(argc, argv, NULL);
     set_signals();
     self->stage = stage_here();
     set_last_resort();

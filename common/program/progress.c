@@ -19,7 +19,7 @@ void progress_start(progress *self, const program *owner, size_t total) {
                        .terminal = isatty(STDERR_FILENO) == 1};
 }
 
-/* ", 4 s left", in seconds, minutes or hours. */
+/* Writes a time such as ", 4 s left", in seconds, minutes or hours. */
 static void show_time(char *shown, size_t size, double seconds, const char *what) {
     if (seconds < 100)
         snprintf(shown, size, ", %.0f s%s", seconds, what);
@@ -29,7 +29,7 @@ static void show_time(char *shown, size_t size, double seconds, const char *what
         snprintf(shown, size, ", %.1f h%s", seconds / 3600, what);
 }
 
-/* "; stage 1 of 5, about 3 min in all", as far as that is known. */
+/* Writes "; stage 1 of 5, about 3 min in all", the time only if it is known. */
 static void show_stage(char *shown, size_t size, const progress *self, double left) {
     const stage *here = &self->program->stage;
     const bool whole = !isnan(self->rest);
@@ -40,9 +40,9 @@ static void show_stage(char *shown, size_t size, const progress *self, double le
     if (!here->names) return;
     const double all = stage_left(&at_least, here, whole ? left + self->rest : left, whole);
     at_least = at_least || self->more;
-    // that it takes at least nothing is no news
+    // "at least 0 s" is no information
     if (isfinite(all) && (all > 0.5 || !at_least)) show_time(time, sizeof time, all, " in all");
-    // behind the comma
+    // time + 1 skips the comma
     snprintf(shown, size, "; stage %zu of %zu%s%s", here->number, here->total,
              !*time     ? ""
              : at_least ? ", at least"

@@ -11,7 +11,7 @@
 
 enum { STAGE_NAME = 128 };
 
-/* The name of a stage, from 1; empty: there is none. */
+/* Copies the name of a stage, counted from 1; empty: there is no such stage. */
 static void name_of(char name[STAGE_NAME], const stage *self, size_t number) {
     const char *rest = self->names;
     int length = 0;
@@ -40,7 +40,7 @@ stage stage_here(void) {
     return self;
 }
 
-/* Whether it is that name, or ends in it behind a "-". */
+/* Checks whether a name is `last` or ends in "-" and `last`. */
 static bool ends_in(const char *name, const char *last) {
     const size_t length = strlen(name), end = strlen(last);
 
@@ -59,11 +59,11 @@ void stage_next(stage *self, const char *last) {
 }
 
 typedef struct expectation {
-    double seconds; // NAN: none
+    double seconds; // NAN: not known
     int least;
 } expectation;
 
-/* What a stage is expected to take, by the file. */
+/* Returns the expected duration of a stage from the file. */
 static expectation expected(const stage *self, size_t number) {
     char wanted[STAGE_NAME], name[STAGE_NAME];
     expectation result = {NAN, 0}, found;
@@ -76,8 +76,8 @@ static expectation expected(const stage *self, size_t number) {
     return result;
 }
 
-/* Renews the file: what is known of the later stages that `last` names, or of the present one where
- * that is NULL. */
+/* Rewrites the file with a new duration: a lower bound of the later stages that `last` names or, if
+ * `last` is NULL, the duration of the present stage. */
 static void renew(const stage *self, const char *last, double seconds) {
     char name[STAGE_NAME], path[sizeof self->file + 32];
     FILE *file = NULL;
@@ -113,7 +113,7 @@ double stage_left(bool *at_least, const stage *self, double left, bool whole) {
         const expectation here = expected(self, number);
         if (number > self->number)
             left += here.seconds;
-        else // fmax would leave out what is not known
+        else // fmax would ignore NAN
             left = isnan(here.seconds) ? NAN : fmax(left, here.seconds - elapsed);
         *at_least = *at_least || here.least;
     }

@@ -1,9 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Where a program is one of several stages that make a model, one after the other: which, and what
- * those after it are expected to take. The environment variable EHDROM_STAGES is FILE HERE NAME...:
- * the stages' names in their order, the name of the present one, and a file with a line "NAME
- * SECONDS LEAST" for each of which something is known: as long as it took the last time, or, where
- * LEAST is 1, what it takes at least. */
+/* Place of a program in a pipeline of stages that make a model one after the other, and the
+ * expected duration of the stages.
+ *
+ * The environment variable EHDROM_STAGES is FILE HERE NAME...: a file, the name of the present
+ * stage, and the names of all stages in their order. FILE has a line "NAME SECONDS LEAST" for each
+ * stage whose duration is known. SECONDS is the duration of the last run or, if LEAST is 1, a lower
+ * bound. */
 #ifndef EHD_STAGE_H
 #define EHD_STAGE_H
 
@@ -11,31 +13,32 @@
 #include <stddef.h>
 
 typedef struct stage {
-    const char *names; // of the environment, the first of them; NULL: a program by itself
+    const char *names; // names of all stages, in the variable; NULL: not in a pipeline
     char file[1024];
-    size_t number, total; // from 1
-    double started;       // program_seconds
+    size_t number, total; // number is from 1 to total
+    double started;       // program_seconds at the start of the stage
 } stage;
 
-/* The present one. A variable that does not read so counts as none. */
+/* Returns the present stage. A variable that does not have this form counts as none. */
 stage stage_here(void);
 
-/* What it took is kept for the next time. */
+/* Stores the duration of the stage for the next run. */
 void stage_end(const stage *self);
 
-/* A program that is the next stage too goes on to it, if that has the name `last`, or the end of it
- * behind a "-". */
+/* Goes on to the next stage, if its name is `last` or ends in "-" and `last`. It is for a program
+ * that is several stages. */
 void stage_next(stage *self, const char *last);
 
-/* What all later stages of this name, or which end in it behind a "-", take at least, s.
- * Nothing is said where the file cannot be written: it is for progress alone. */
+/* Stores a lower bound in seconds for all later stages whose name is `last` or ends in "-" and
+ * `last`. There is no error if the file cannot be written, because it is for progress alone. */
 void stage_expect(const stage *self, const char *last, double seconds);
 
-/* Seconds that are left in all, of which so many in the present stage at least; not `whole`: it goes
- * on behind that, as long as expected. NAN where too little is known. */
+/* Returns the seconds left in all stages. `left` is the time left in the present stage. If `whole`,
+ * the present stage then ends. Otherwise it lasts as long as expected, and at least `left`. NAN:
+ * too little is known. */
 double stage_left(
     // output:
-    bool *at_least, // where not all that is summed is known so well
+    bool *at_least, // true if some of the summed durations are lower bounds
     // input:
     const stage *self, double left, bool whole);
 

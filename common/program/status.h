@@ -32,7 +32,7 @@ ehd_status ehd_fail(
 /* Writes "object: out of memory" into *error, which may be NULL, and returns EHD_MEMORY. */
 ehd_status ehd_no_memory(ehd_error *error, const char *object);
 
-/* clang-tidy reads one source at a time and has to be told that a failure is returned as such. */
+/* Shows clang-tidy, which reads one source at a time, that these functions return their status. */
 #ifdef __clang_analyzer__
 #define ehd_fail(error, status, ...) (ehd_fail(error, status, __VA_ARGS__), (status))
 #define ehd_no_memory(...)           (ehd_no_memory(__VA_ARGS__), EHD_MEMORY)

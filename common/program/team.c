@@ -27,7 +27,7 @@ struct team {
     bool open;             // whether there may be parts left
     bool closing;          // the threads are to end
     size_t num_active;     // threads at work
-    atomic_size_t next;    // part that nobody has taken
+    atomic_size_t next;    // next part that no thread has taken
     size_t num_threads;    // besides the caller
     team_member members[]; // [num_threads]
 };
@@ -45,7 +45,7 @@ static void do_parts(team *self, const team_work *work, size_t member) {
 static void *run_member(void *argument) {
     const team_member *own = argument;
     team *self = own->of;
-    size_t last = 0; // work that it was at
+    size_t last = 0; // last work that this thread took part in
 
     pthread_mutex_lock(&self->lock);
     for (;;) {
@@ -104,7 +104,7 @@ size_t team_num_parts(size_t count, size_t size) {
     return count / size + (count % size > 0);
 }
 
-/* All parts by the caller. */
+/* Does all parts in the calling thread. */
 static void do_alone(const team_work *work) {
     for (size_t i = 0; i < work->num_parts; i++) {
         const bool last = i + 1 == work->num_parts;
@@ -129,7 +129,7 @@ void team_share(team *self, size_t count, size_t size, team_task *task, void *co
     pthread_mutex_unlock(&self->lock);
     do_parts(self, &work, 0);
     pthread_mutex_lock(&self->lock);
-    self->open = false; // who wakes up now comes too late
+    self->open = false; // a thread that wakes up now finds no work
     while (self->num_active > 0)
         pthread_cond_wait(&self->ended, &self->lock);
     pthread_mutex_unlock(&self->lock);

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Threads that share one piece of work, such as a loop over the nodes of a grid.
  *
- * The list is cut into parts that depend on its length alone, and each part is done by whoever is free:
- * what a part computes, and sums of the parts in their order, have the same bits with any number of
- * threads. */
+ * The list is cut into parts that depend on its length alone. Any free thread does the next part.
+ * The results of the parts, and sums over the parts in their order, therefore have the same bits
+ * with any number of threads. */
 #ifndef EHD_TEAM_H
 #define EHD_TEAM_H
 
@@ -13,24 +13,25 @@ typedef struct team team;
 
 /* A part of a list. */
 typedef struct team_part {
-    size_t first, end; // things of the list, the last one excluded
+    size_t first, end; // elements of the list, `end` excluded
     size_t number;     // of the part, from 0 on
-    size_t member;     // who does it: 0 is the caller, below team_size
+    size_t member;     // thread that does it, below team_size; 0: the caller
 } team_part;
 
 typedef void team_task(void *context, const team_part *part);
 
-/* So many members, of which the caller is one; fewer where no more threads can be had. NULL, which all
- * functions take for the caller alone: one is enough, or no memory. They wait without taking time. */
+/* Creates a team of `num_members` threads, of which the caller is one. The team is smaller if no
+ * more threads can be created. Returns NULL if one member is enough or there is no memory; all
+ * functions take NULL for the caller alone. Waiting threads take no processor time. */
 team *team_create(size_t num_members);
 team *team_free(team *self); // accepts and returns NULL
 size_t team_size(const team *self);
 
-/* Parts of a list, each of `size` things but for the last one. */
+/* Returns the number of parts of a list, each of `size` elements except for the last one. */
 size_t team_num_parts(size_t count, size_t size);
 
-/* Does the task for all parts of a list of `count` things and returns when they are done. One call at a
- * time. */
+/* Does the task for all parts of a list of `count` elements, and returns when they are done. Only
+ * one call may run at a time. */
 void team_share(team *self, size_t count, size_t size, team_task *task, void *context);
 
 #endif

@@ -10,7 +10,7 @@
 
 bool number_read(double *value, const char *text) {
     char *end;
-    // strtod alone would take spaces, nan, inf and hexadecimal
+    // strtod alone would accept spaces, nan, inf and hexadecimal
     if (!*text || text[strspn(text, "+-.0123456789eE")]) return false;
     errno = 0;
     const double number = strtod(text, &end);
@@ -70,7 +70,7 @@ static bool is_printable(const char *text, size_t length) {
 void text_make_printable(char *text, const char *kept) {
     char *to = text;
     for (size_t length; *text; text += length) {
-        if (*text >= ' ' && *text < 0x7F) { // most are; errors may come with each step in time
+        if (*text >= ' ' && *text < 0x7F) { // fast path: each step in time may have an error
             length = 1;
             *to++ = *text;
             continue;
@@ -87,7 +87,7 @@ void text_make_printable(char *text, const char *kept) {
     *to = '\0';
 }
 
-/* "a number from 0 to 1"; infinite bounds are left out. */
+/* Writes "a number from 0 to 1"; infinite bounds are left out. */
 static void show_range(char shown[SHOWN_TEXT], double min, double max) {
     if (isfinite(min) && isfinite(max))
         snprintf(shown, SHOWN_TEXT, "a number from %g to %g", min, max);
@@ -112,7 +112,7 @@ ehd_status parse_real(double *value, const char *text, double min, double max, c
     return ehd_fail(error, refusal, "%s: found %s, expected %s", object, found, expected);
 }
 
-/* False unless the text is digits only and fits. */
+/* Reads a text of digits only. Returns false for anything else, and if the number does not fit. */
 static bool count_read(size_t *value, const char *text) {
     char *end;
     if (!*text || text[strspn(text, "0123456789")]) return false;
