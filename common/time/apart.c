@@ -7,7 +7,7 @@
 /* Largest neglected load, relative to the reference load. */
 static const double NEGLIGIBLE = 0.01;
 
-static const double SLACK = 1e-9; // of a step, by the rounding of times
+static const double SLACK = 1e-9; // relative, of a step: round-off of times
 
 static const apart_moment together = {.approach = -INFINITY, .doubtful = -INFINITY};
 
@@ -20,7 +20,8 @@ void apart_init(apart_march *self, march_solver inner, const ehd_contact *refere
                           .speed = NAN};
 }
 
-/* A frame under a load. At rest, where no stationary film separates the bodies, with the entrainment of the reference. */
+/* Returns a frame under another load. At rest, where no stationary film separates the bodies, the
+ * frame has the entrainment of the reference. */
 static contact_frame moving_under(const apart_march *self, const contact_frame *frame,
                                   double load) {
     contact_frame under = frame_with_load(self->reference->kind, frame, load);
@@ -29,7 +30,7 @@ static contact_frame moving_under(const apart_march *self, const contact_frame *
     return under;
 }
 
-/* The stationary film under a load, in the reference frame. */
+/* Returns the stationary central film under a load by the film formula, in the reference frame. */
 static double stationary_film(const apart_march *self, const contact_frame *frame, double load) {
     const contact_kind *kind = self->reference->kind;
     const contact_frame under = moving_under(self, frame, load);
@@ -40,7 +41,8 @@ static double stationary_film(const apart_march *self, const contact_frame *fram
            kind->central_film(&contact.grid.shape, contact.moes_M, contact.moes_L);
 }
 
-/* Finds where bodies touch, in self->approach and self->load. It is solved again only when the conditions change. */
+/* Finds the approach and load at which bodies touch, and stores both in `self`. Solves again only
+ * if speed, radius or modulus have changed. */
 static ehd_status find_touching(apart_march *self, const contact_frame *frame, ehd_error *error) {
     if (self->speed == frame->speed && self->radius == frame->radius &&
         self->modulus == frame->modulus)
@@ -59,8 +61,9 @@ static bool by_load(const contact_frame *frame) {
     return isnan(frame->approach);
 }
 
-/* Decides whether the neglected force of bodies apart is negligible. It is at most that of a stationary contact in the same
- * gap or, where they do not touch, that of the lightest contact. */
+/* Decides whether the neglected force of bodies apart is negligible. This force is at most that of
+ * a stationary contact in the same gap. Bodies that do not touch have at most the force of the
+ * lightest contact. */
 static ehd_status find_known(bool *known, apart_march *self, const contact_frame *frame,
                              ehd_error *error) {
     ehd_status status = EHD_OK;
@@ -74,7 +77,7 @@ static ehd_status find_known(bool *known, apart_march *self, const contact_frame
     return status;
 }
 
-/* Makes an outcome of bodies that are apart. */
+/* Sets the outcome of bodies that are apart. */
 static ehd_status part(march_step *outcome, apart_march *self, const contact_frame *frame,
                        ehd_error *error) {
     const contact_frame free = frame_with_load(self->reference->kind, frame, 1);
@@ -99,7 +102,8 @@ static ehd_status part(march_step *outcome, apart_march *self, const contact_fra
     return status;
 }
 
-/* Notes an outcome of bodies in contact. It is not to be trusted as long as a film that was found at rest is in the contact. */
+/* Stores the state of bodies in contact. Marks the outcome as EHD_UNTRUSTED as long as a film that
+ * was found at rest is in the contact. */
 static void touch(march_step *outcome, apart_march *self, const contact_frame *frame,
                   double doubtful) {
     self->next = (apart_moment){
@@ -115,9 +119,10 @@ static void touch(march_step *outcome, apart_march *self, const contact_frame *f
         "bodies that touched at rest, whose film is taken from the speed of the reference";
 }
 
-/* Decides whether the bodies part in this attempt. With a given approach they do if the load is not positive, or if the
- * attempt fails while they recede beyond the touching approach; with a given load if it fails under a load that is
- * negligible and less than the touching one. */
+/* Decides whether the bodies part in this attempt. With a given approach they part if the load is
+ * not positive, or if the attempt fails while they recede beyond the touching approach. With a
+ * given load they part if the attempt fails under a load that is negligible and less than the
+ * touching load. */
 static ehd_status find_parting(bool *parts, apart_march *self, const contact_frame *frame,
                                const march_step *attempted, ehd_error *error) {
     const bool failed = attempted->status == EHD_NOT_CONVERGED;
@@ -160,8 +165,9 @@ static ehd_status attempt_contact(march_step *outcome, apart_march *self,
     return status;
 }
 
-/* Returns an approach beyond which bodies cannot touch. The approach of a contact is less than its central film, and that of
- * the lightest contact is less than twice the formula's. */
+/* Returns an approach beyond which bodies cannot touch. The approach of a contact is less than its
+ * central film. The central film of the lightest contact is less than twice that of the film
+ * formula. */
 static double farthest_touch(const apart_march *self, const contact_frame *frame) {
     const contact_frame under = moving_under(self, frame, 1);
     ehd_contact contact;
@@ -170,8 +176,8 @@ static double farthest_touch(const apart_march *self, const contact_frame *frame
     return 2 * stationary_film(self, frame, fmin(MIN_MOES_M / contact.moes_M, 1));
 }
 
-/* Decides whether bodies that are apart touch. They do not where they recede, unless they overlap: then nothing but a
- * pressure can hold them apart. */
+/* Decides whether bodies that are apart touch. Bodies that recede do not touch, unless they
+ * overlap: only pressure can hold overlapping bodies apart. */
 static ehd_status find_touch(bool *touches, apart_march *self, const contact_frame *frame,
                              ehd_error *error) {
     const bool may =
@@ -188,7 +194,8 @@ static ehd_status find_touch(bool *touches, apart_march *self, const contact_fra
     return status;
 }
 
-/* A contact that is found again starts from the stationary film, at rest from that of the reference's entrainment. */
+/* Attempts a step of bodies that are apart. A contact that is found again starts from the
+ * stationary film; at rest it starts from the film at the reference's entrainment. */
 static ehd_status attempt_apart(march_step *outcome, apart_march *self, const contact_frame *frame,
                                 double step, ehd_error *error) {
     bool touches;

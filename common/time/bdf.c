@@ -6,16 +6,18 @@
 
 const double bdf_most_growth = 1 + 1.4142135623730951;
 
-/* Largest sum of the magnitudes of a predictor's weights, by which it enlarges errors of the states.
- * Steps that each grow by bdf_most_growth have this sum. */
+/* Largest sum of the magnitudes of a predictor's weights. A prediction enlarges errors of the
+ * states by up to this sum. Steps that each grow by bdf_most_growth reach it. */
 static const double MOST_ENLARGED = 46;
 
 /* Largest ratio of a step of first order to the time that the known states span, up to which their
- * slope predicts the step. Iterations leave errors of 1e-8 to 1e-5 of a film, so that the slope of states closer
- * together is that of their errors; a longer step is then predicted not to change the film. */
+ * slope predicts the step. Iterations leave errors of 1e-8 to 1e-5 of a film. The slope of states
+ * that lie closer together is that of these errors. A longer step is therefore predicted not to
+ * change the film. */
 static const double MOST_EXTRAPOLATED = 100;
 
-/* Weights of the polynomial through some of the previous states, taken a step later. */
+/* Sets the weights with which the polynomial through the chosen previous states predicts the new
+ * one. `ago` is the time from each previous state to the new one. */
 static void set_predictor(bdf_formula *formula, const double *ago, const size_t *chosen,
                           size_t count) {
     memset(formula->predictor, 0, sizeof formula->predictor);
@@ -36,7 +38,8 @@ static double enlarged(const bdf_formula *formula) {
     return sum;
 }
 
-/* First order, with a prediction along the slope of the states or, for long steps, of no change. */
+/* Sets a formula of first order. It predicts along the slope of the states, or for long steps no
+ * change. */
 static void set_first_order(bdf_formula *formula, double step, const double *ago,
                             size_t num_previous) {
     const size_t oldest = num_previous - 1, chosen[] = {0, oldest};
@@ -49,9 +52,10 @@ static void set_first_order(bdf_formula *formula, double step, const double *ago
     formula->error = has_slope ? step / ago[oldest] : oldest > 0 ? 1 : 0;
 }
 
-/* Second order, with the last state and the state `second` before it. Formula and prediction both leave
- * out a third derivative, so the error of one follows from that of the other. Without a usable third
- * state the prediction leaves out a second derivative, which makes the error larger than it is. */
+/* Sets a formula of second order, with the last state and the state `second` before it. Formula and
+ * prediction both leave out a third derivative, so the error of one follows from that of the other.
+ * Without a usable third state the prediction leaves out a second derivative, and the error
+ * estimate is too large. */
 static void set_second_order(bdf_formula *formula, double step, const double *ago, size_t second,
                              double interval, size_t num_previous) {
     const double ratio = step / interval;
@@ -75,8 +79,8 @@ static void set_second_order(bdf_formula *formula, double step, const double *ag
 
 bdf_formula bdf_step(double step, const double *intervals, size_t num_previous) {
     bdf_formula formula = {.order = 0};
-    double ago[BDF_PREVIOUS] = {step}; // of the previous states, seen from the new time
-    double interval = 0;               // to the last state
+    double ago[BDF_PREVIOUS] = {step}; // time from each previous state to the new one
+    double interval = 0;               // from state i to the last state
 
     for (size_t i = 1; i < num_previous; i++)
         ago[i] = ago[i - 1] + intervals[i - 1];
@@ -99,7 +103,7 @@ bdf_ring bdf_ring_empty(void) {
     return ring;
 }
 
-/* Between the states i and i + 1 steps before the one being solved. */
+/* Returns the time between the states i and i + 1 steps before the one being solved. */
 static double interval(const bdf_ring *ring, size_t i) {
     return ring->time[ring->place[i]] - ring->time[ring->place[i + 1]];
 }
@@ -119,10 +123,10 @@ static void swap(bdf_ring *ring, size_t i, size_t k) {
     ring->place[k] = place;
 }
 
-/* Whether a state is passing. Steps that grow, as after a start, are not. */
+/* Checks whether a state is passing. States after steps that grow, as after a start, are not. */
 static bool is_passing(const bdf_ring *ring, double time, double least) {
     const double grown = 1.5;  // steps of a march at most double
-    const double slack = 1e-9; // by the rounding of times
+    const double slack = 1e-9; // round-off of times
     const double step = time - ring->time[ring->place[1]];
 
     return ring->num_previous == BDF_PREVIOUS && step < least * (1 - slack) &&

@@ -14,7 +14,7 @@ contact_frame frame_at(const contact_kind *kind, double time, const double *valu
                            .modulus = values[VARY_MODULUS],
                            .approach = approach};
 
-    // a ratio, the same of all shapes
+    // the ratio is the same for all shapes
     frame.half_width = kind->half_width(&shape_round, frame.load, frame.radius, frame.modulus) /
                        kind->half_width(&shape_round, 1, 1, 1);
     frame.hertz_pressure =
@@ -65,7 +65,7 @@ void frame_contact(ehd_contact *contact, const contact_frame *frame, const ehd_c
     contact->far_speed = contact->entrainment;
     contact->hertz_pressure *= frame->hertz_pressure;
     contact->alpha_p_H *= frame->hertz_pressure;
-    // the stationary contact of the same lambda U
+    // Moes numbers of the stationary contact with the same lambda U
     contact->moes_M =
         fmin(kind->moes_M(shape, contact->lambda * fabs(contact->entrainment)), MAX_MOES_M);
     contact->moes_L = reference->moes_L * frame->hertz_pressure *
@@ -125,7 +125,7 @@ closing_gap frame_closing_gap(const contact_frame *now, const contact_frame *bef
     frame_contact(&contact, now, reference);
     const double speed = fabs(contact.entrainment);
     const bool line = contact.kind->dimensions == 1;
-    const double closes = growth * end / 2 - speed; // -D(X^2/2)/DT there, over X
+    const double closes = growth * end / 2 - speed; // -D(X^2/2)/DT at `end`, over X
     gap.begin = fmax(2 * speed / growth, 1);
     gap.load = 3. / 8 * contact.lambda * growth / contact.kind->load * (line ? 1 / gap.begin : 2);
     if (closes > 0)

@@ -7,47 +7,50 @@
 #include "common/physics/traction.h"
 #include <stdbool.h>
 
-/* What holds at one time, relative to the reference. */
+/* Conditions and scales of the contact at one time, relative to the reference. */
 typedef struct contact_frame {
     double time;  // T = u_ref t / a_ref
-    double load;  // that scales the frame; the load itself where it is given
+    double load;  // scales the frame; the load itself if the load is given
     double speed; // entrainment, of either sign
     double radius;
     double modulus;
-    double approach;       // H0 that is given, in the reference frame; NaN: the load is given
+    double approach;       // given H0, in the reference frame; NaN: the load is given
     double half_width;     // a / a_ref
     double hertz_pressure; // p_H / p_H,ref
     double film_scale;     // (a^2 / R) / (a_ref^2 / R_ref)
-    double path;           // int u/u_ref dT, how far the fluid has come, in reference half widths
+    double path;           // path of the fluid, int u/u_ref dT, in reference half widths
 } contact_frame;
 
-/* `values`: load, speed, radius, modulus (VARY_… of scene.h) relative to the reference; `approach`
- * NaN where the load is given. The path is left at zero. */
+/* Returns the frame at a time. `values` are load, speed, radius and modulus (VARY_… of scene.h)
+ * relative to the reference. `approach` is NaN if the load is given. The path is left at zero. */
 contact_frame frame_at(const contact_kind *kind, double time, const double *values,
                        double approach);
 
-/* Whether a frame may be one of frame_at: of what a file says. */
+/* Checks whether a frame that was read from a file may be a result of frame_at. */
 bool frame_is_valid(const contact_frame *frame);
 
-/* The reference contact as it is in the frame: lambda, Hertz pressure, U, Moes numbers, closure.
- * Moes M, that of the same speed in either direction, grows beyond all bounds as it goes to zero and
- * is cut at 1e5. */
+/* Sets the contact in the frame from the reference contact: lambda, Hertz pressure, U, Moes
+ * numbers, closure. Moes M is that of the same speed in either direction. It grows beyond all
+ * bounds as the speed goes to zero, and is cut at 1e5. */
 void frame_contact(
     // output:
     ehd_contact *contact,
     // input:
     const contact_frame *frame, const ehd_contact *reference);
 
-/* Where a place X of frame `now` lies in frame `then`, per X, and what turns a film of `then` into
- * one of `now`: the physical place and film are the same. */
+/* Returns the ratio of the place in frame `then` to the place X in frame `now`, for the same
+ * physical place. */
 double frame_stretch(const contact_frame *now, const contact_frame *then);
+/* Returns the ratio of the film in frame `now` to the film in frame `then`, for the same physical
+ * film. */
 double frame_film_ratio(const contact_frame *now, const contact_frame *then);
 
-/* Where in frame `then`, behind its stretched place, the fluid was that is at a place of frame `now`:
- * X' = stretch X - shift, by the path in between. */
+/* Returns the shift of the fluid between two frames, by the path between them. The fluid that is at
+ * X in frame `now` was at X' = stretch X - shift in frame `then`. */
 double frame_shift(const contact_frame *now, const contact_frame *then);
 
-/* Returns the time in T in which the fluid moves by one step of the grid, at a dimensionless entrainment of at least 1. */
+/* Returns the time in T in which the fluid moves by one step of the grid. The dimensionless
+ * entrainment counts as at least 1. */
 double frame_grid_step(const contact_frame *frame, const ehd_grid *grid);
 
 /* Returns the shortest step in T that error control takes along the path: a quarter of frame_grid_step. Interpolation dominates
@@ -59,46 +62,52 @@ double frame_shortest_step(const contact_frame *frame, const ehd_grid *grid);
  * path and not with the number of steps. */
 double frame_step_share(const contact_frame *frame, double step, const ehd_grid *grid);
 
-/* A frame scaled by another load. */
+/* Returns the frame scaled by another load. */
 contact_frame frame_with_load(const contact_kind *kind, const contact_frame *frame, double load);
 
-/* The frame that belongs to a load `ratio` times the one that scales this frame: where the approach
- * is given, a frame is scaled by an expected load, and `ratio` is the solution's. */
+/* Returns the frame of a load that is `ratio` times the load that scales this frame. If the
+ * approach is given, a frame is scaled by an expected load, and `ratio` follows from the
+ * solution. */
 contact_frame frame_of_load(const contact_kind *kind, const contact_frame *frame, double ratio);
 
-/* How fast a contact changes between two frames. */
+/* Rates of change of a contact between two frames. */
 typedef struct frame_rates {
     double all;  // |d ln a/dT| + |d(u/u_ref)/dT|
     double load; // |d ln a/dT|, by load, radius or modulus
 } frame_rates;
+/* Returns the mean rates between two frames; 0 for two frames of the same time. */
 frame_rates frame_rates_between(const contact_frame *now, const contact_frame *before);
 
-/* A gap that closes behind the contact, where dh/dt outweighs u dh/dx: while the radius grows, behind
- * x = 2 R u/(dR/dt). There a second zone of pressure builds up. In the gap X^2/2 of a line without
- * deflection it begins at 2/3 of that place and falls as 1/X^2 (README.md, A gap that closes behind the
- * exit); on a point contact the zone is taken to be as wide as it is far away. */
+/* A gap that closes behind the contact, where dh/dt outweighs u dh/dx. While the radius grows, this
+ * is behind x = 2 R u/(dR/dt). A second zone of pressure builds up there. In the gap X^2/2 of a
+ * line without deflection, the zone begins at 2/3 of that place and its pressure falls as 1/X^2
+ * (README.md, A gap that closes behind the exit). On a point contact the zone is taken to be as
+ * wide as it is far away. */
 typedef struct closing_gap {
-    double begin;  // |X| from which on the gap closes, at least 1; INFINITY: it does not
-    double load;   // of the zone behind, part of the whole load
-    double beyond; // about what the zone lacks of it where the pressure is zero at `end`
+    double begin; // |X| from which on the gap closes, at least 1; INFINITY: it does not close
+    double load;  // of the second zone, relative to the whole load
+    // estimate of the load that is missing because the pressure is zero at `end`, relative to the
+    // whole load
+    double beyond;
 } closing_gap;
 
-/* Largest part of the load that a model may lack so and be trusted. Of a line at M = 3, L = 3, whose radius
- * grows to 3 in T = 40 while its speed falls from 0.05 to 0.005 of the reference, grids to X = 3, 4,
- * 8 and 12 lack 0.84, 0.66, 0.35 and 0.24 % by this at T = 38.5; against one to 24 the central film is
- * 0.05, 0.04, 0.02 and 0.01 % off, the minimum film 0.12, 0.09, 0.05 and 0.03 %. */
+/* Largest missing load, relative, with which a result is trusted. A line at M = 3, L = 3 lacks
+ * 0.84 % on a grid to X = 3, while its radius grows to 3 in T = 40 and its speed falls from 0.05 to
+ * 0.005 of the reference. Against a grid to X = 24 its central film is 0.05 % off, its minimum film
+ * 0.12 %. */
 extern const double frame_most_cut_load;
 
-/* Of two frames with steps between them and no jump. `end`: |X| of the grid's end downstream. */
+/* Estimates the closing gap from two frames at different times, without a jump between them. `end`
+ * is |X| of the downstream end of the grid. */
 closing_gap frame_closing_gap(const contact_frame *now, const contact_frame *before,
                               const ehd_contact *reference, double end);
 
-/* Scalars in the constant reference frame from those of the current one; the load becomes relative
- * to the reference. */
+/* Converts scalars from the current frame to the constant reference frame. The load becomes
+ * relative to the reference. */
 contact_scalars frame_to_reference(const contact_scalars *current, const contact_frame *frame,
                                    const ehd_contact *reference);
 
-/* Scalars in the current frame from those in the constant reference frame. */
+/* Converts scalars from the constant reference frame to the current frame. */
 contact_scalars frame_from_reference(const contact_scalars *scalars, const contact_frame *frame,
                                      const ehd_contact *reference);
 

@@ -10,22 +10,22 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { MIN_LINEAR = 2, MIN_SPLINE = 3 }; // rows of a table
+enum { MIN_LINEAR = 2, MIN_SPLINE = 3 }; // least rows of a table
 
 static const double ROUNDING = 1e-12; // of a factor
 static const double MAX_TIME = 1e12,
-                    MIN_DISTANCE = 1e-9; // of a table's times, as of other times
+                    MIN_DISTANCE = 1e-9; // limits of a table's times, as of times in a scene
 
 typedef struct history_law history_law;
 
-/* How one quantity varies. */
+/* The history of one quantity. */
 typedef struct history {
     const history_law *law;
     history_settings given;
     double *time;   // [count], of a table
     double *values; // [count]
     size_t count;
-    spline *spline; // NULL: linear
+    spline *spline; // NULL: linear interpolation
 } history;
 
 typedef struct minimum_value {
@@ -34,20 +34,20 @@ typedef struct minimum_value {
 
 struct ehd_histories {
     history of[NUM_VARY];
-    minimum_value slowest, lightest; // speed, load
-    double start_speed;              // NaN: that of the history
+    minimum_value slowest, lightest; // smallest speed, smallest load
+    double start_speed;              // NaN: the speed of the history at T = 0
 };
 
-/* A law is a row of a table. */
+/* A law of histories: one row of the table `laws`. */
 struct history_law {
     const char *name;
     ehd_status (*prepare)(history *self, double end_time, ehd_error *error); // NULL: nothing to do
     double (*value)(const history *self, double time);
     minimum_value (*minimum)(const history *self, double end_time); // from 0 to end_time
     double (*integral)(const history *self, double time);           // of the value, from 0
-    /* The first kink or jump after `time`; NULL: it has none. */
+    /* Returns the first kink or jump after `time`; NULL: the law has none. */
     double (*next_kink)(const history *self, double time, bool *jump);
-    double (*shortest_time)(const history *self); // NULL: it varies at once or not at all
+    double (*shortest_time)(const history *self); // NULL: the law jumps or is constant
 };
 
 static void lower_to(minimum_value *minimum, const history *self, double time) {
@@ -55,7 +55,7 @@ static void lower_to(minimum_value *minimum, const history *self, double time) {
     if (value < minimum->value) *minimum = (minimum_value){value, time};
 }
 
-/* Of a law that is monotonic. */
+/* Returns the minimum of a law that is monotonic. */
 static minimum_value minimum_of_ends(const history *self, double end_time) {
     minimum_value minimum = {self->law->value(self, 0), 0};
     lower_to(&minimum, self, end_time);
@@ -85,7 +85,7 @@ static double sine_value(const history *self, double time) {
 static double sine_integral(const history *self, double time) {
     const history_settings *given = &self->given;
     const double rate = 2 * M_PI / given->period, half = rate * time / 2;
-    // the difference of the cosines at both ends
+    // this product is the difference of the cosines at both ends
     return given->mean * time + 2 * given->amplitude / rate * sin(half) * sin(half + given->phase);
 }
 
@@ -93,7 +93,7 @@ static minimum_value sine_minimum(const history *self, double end_time) {
     const history_settings *given = &self->given;
     const double trough = given->amplitude > 0 ? -M_PI_2 : M_PI_2; // phase of the minimum
     const double turns = (trough - given->phase) / (2 * M_PI);
-    const double first = (turns - floor(turns)) * given->period; // its first time from 0 on
+    const double first = (turns - floor(turns)) * given->period; // first minimum from T = 0 on
     if (first > end_time) return minimum_of_ends(self, end_time);
     return (minimum_value){given->mean - fabs(given->amplitude), first};
 }
@@ -113,7 +113,7 @@ static double ramp_value(const history *self, double time) {
 static double ramp_integral(const history *self, double time) {
     const history_settings *given = &self->given;
     const double duration = given->duration, change = given->to - given->from;
-    // of the part from start on and, backwards, of that before the start of time
+    // integrals of the change from the start of the ramp to T = 0 and to `time`
     const double ends[] = {-given->start, time - given->start};
     double sum[2];
     for (int i = 0; i < 2; i++) {
@@ -215,7 +215,7 @@ static ehd_status prepare_table(history *self, double end_time, ehd_error *error
     return EHD_OK;
 }
 
-/* The row that starts the interval around a time inside of the table. */
+/* Returns the row at the start of the interval around a time within the table. */
 static size_t row_before(const history *self, double time) {
     return gsl_interp_bsearch(self->time, time, 0, self->count - 1);
 }
@@ -226,7 +226,7 @@ static double line_value(const history *self, double time) {
     return self->values[i] * (1 - part) + self->values[i + 1] * part;
 }
 
-/* Outside of the table its first or last value. */
+/* Returns the value at a time; outside of the table its first or last value. */
 static double table_value(const history *self, double time) {
     const size_t last = self->count - 1;
     if (time <= self->time[0]) return self->values[0];
@@ -234,7 +234,8 @@ static double table_value(const history *self, double time) {
     return self->spline ? spline_at(self->spline, time) : line_value(self, time);
 }
 
-/* Where the spline turns within an interval: its slope there is a parabola. */
+/* Lowers the minimum to the extrema of the spline within interval i. The slope of the spline there
+ * is a parabola. */
 static void lower_to_turns(minimum_value *minimum, const history *self, size_t i, double end_time) {
     const double left = self->time[i], right = self->time[i + 1];
     const double slope = spline_slope(self->spline, left);
@@ -258,7 +259,7 @@ static minimum_value table_minimum(const history *self, double end_time) {
     return minimum;
 }
 
-/* From the first row on to a time within the table. */
+/* Returns the integral from the first row to a time within the table. */
 static double integral_of_rows(const history *self, double time) {
     const size_t last = row_before(self, time);
     double sum = 0;
@@ -275,7 +276,8 @@ static double table_integral(const history *self, double time) {
     return beyond + integral_of_rows(self, within) - integral_of_rows(self, 0);
 }
 
-/* Only lines have corners. */
+/* Returns the next row of a table with linear interpolation, because its value has a corner there.
+ * A spline has no corners. */
 static double table_next_kink(const history *self, double time, bool *jump) {
     *jump = false;
     if (self->spline || time >= self->time[self->count - 1]) return INFINITY;
@@ -299,7 +301,7 @@ static const history_law laws[] = {
     {"table", prepare_table, table_value, table_minimum, table_integral, table_next_kink,
      table_shortest_time}};
 
-/* What is given no law is constant. */
+/* Returns the law of a name. A quantity without a law is constant. */
 static const history_law *find_law(const char *name) {
     for (size_t i = 0; i < sizeof laws / sizeof *laws; i++)
         if (strcmp(laws[i].name, name) == 0) return &laws[i];
@@ -309,7 +311,7 @@ static const history_law *find_law(const char *name) {
 static ehd_status check_history(const history *self, int quantity, double end_time,
                                 ehd_error *error) {
     const minimum_value minimum = self->law->minimum(self, end_time);
-    // any finite value; that of the speed is checked below
+    // the approach may have any finite value; check_forward checks the speed
     if (quantity == VARY_APPROACH || quantity == VARY_SPEED || isgreater(minimum.value, 0))
         return EHD_OK;
     if (quantity == VARY_LOAD && isgreaterequal(minimum.value, -ROUNDING)) return EHD_OK;
@@ -318,7 +320,7 @@ static ehd_status check_history(const history *self, int quantity, double end_ti
                     quantity == VARY_LOAD ? "at least" : "more than");
 }
 
-/* Where the speed may not be below 0, for the reason given. */
+/* Checks that the speed and the speed of the start are not below 0. `reason` ends the message. */
 static ehd_status check_forward(const ehd_histories *self, const char *reason, ehd_error *error) {
     if (isless(self->start_speed, 0))
         return ehd_fail(error, EHD_DATA, "transient.start_speed: found %.6g, expected at least 0%s",
@@ -392,7 +394,7 @@ ehd_histories *histories_free(ehd_histories *self) {
 void histories_at(double value[NUM_VARY], const ehd_histories *self, double time) {
     for (int i = 0; i < NUM_VARY; i++)
         value[i] = self->of[i].law->value(&self->of[i], time);
-    // a load of 0, and a speed of one direction, but for rounding
+    // removes round-off from a load of 0, and from a speed of one direction
     if (value[VARY_LOAD] < ROUNDING) value[VARY_LOAD] = 0;
     if (!histories_reverse(self)) value[VARY_SPEED] = fmax(value[VARY_SPEED], 0);
 }

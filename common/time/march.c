@@ -14,33 +14,32 @@ const double march_short_path = 0.25;
 const double march_most_missed = 0.05;
 const double march_error_growth = 1.5;
 
-/* Local errors add up over the hundreds of steps that a film takes through the contact. What a step
- * may make is the tolerance by this, measured on a film that follows a load of period 1/2: its
- * central value is then twenty times the tolerance off at most, and errors go as the tolerance to
- * the power 2/3. */
+/* Divisor of the tolerance, for the local error of one step. Local errors add up over the hundreds
+ * of steps that a film takes through the contact. Measured on a film that follows a load of period
+ * 1/2: its central value is at most twenty times the tolerance off, and errors go as the tolerance
+ * to the power 2/3. */
 static const double PASSAGE = 30;
 
-/* The tolerance is a root mean square over time, and what a film may have taken up in all, at once, is
- * so many of them. Where it is more, since errors travel with a front in place of cancelling along
- * the way, steps are made as much more accurate. Of the eight histories of
- * scenes/studies/time-steps, a load that swings by 40 % is then 1.8 tolerances of 5e-3 off, 6.0
- * without (16: 5.7), and steps elsewhere are what they were (4: a fifth more). */
+/* Largest error that a film may have taken up at any one time, in tolerances; the tolerance itself
+ * is a root mean square over time. Errors that travel with a front do not cancel along the way. If
+ * the error exceeds this bound, steps become more accurate by the same factor. A load that swings
+ * by 40 % (scenes/studies/time-steps) is then 1.8 tolerances of 5e-3 off, in place of 6.0. */
 static const double MOST_TAKEN_UP = 8;
 
-static const double FIRST_OF_FIXED = 1. / 8; // a longer first-order step launches a front
+static const double FIRST_OF_FIXED = 1. / 8; // first step; a longer one launches a front
 
 static const double MAX_GROWTH = 2; // below bdf_most_growth
 static const double MIN_SHRINK = 0.2;
 static const double FAILED_SHRINK = 0.25; // where Newton did not converge
 static const double SAFETY = 0.85;
-static const double NOISE_KEPT = 0.9; // of what was met of the solver's noise, a step later
+static const double NOISE_KEPT = 0.9; // part of the solver's noise that still counts a step later
 enum { WATCHED_ATTEMPTS = 3000, STILL_ATTEMPTS = 100, MAX_HALVINGS = 60 };
-static const double MIN_STEP = 1e-9;            // relative to the first one
-static const double ROUNDING = 8 * DBL_EPSILON; // of a time, relative, by sums and multiples
+static const double MIN_STEP = 1e-9;            // relative to the first step
+static const double ROUNDING = 8 * DBL_EPSILON; // relative round-off of summed times
 // Longest step while the bodies are apart, as a part of the shortest time of the histories: no error limits these steps. The
 // shortest time of a sine is 1/(2 pi) of its period, so a contact that lasts for a hundredth of the period is not missed.
 static const double WATCHED_PART = 1. / 16;
-static const double SLIVER = 1e-3; // of a step: times closer than that are one
+static const double SLIVER = 1e-3; // of a step: times closer than that count as one
 
 march_settings march_settings_of(const scene *given, const ehd_histories *histories,
                                  double reference_approach) {
@@ -90,7 +89,7 @@ bool march_deviates(char reason[MARCH_REASON], double central, double minimum, d
     return true;
 }
 
-/* Marks a solved step by what is indicated of its films. */
+/* Marks a solved step as EHD_UNTRUSTED if its estimated deviation exceeds the accuracy. */
 static void judge_accuracy(march *self, march_step *outcome) {
     if (outcome->status || !march_deviates(self->deviation, outcome->indicated,
                                            outcome->indicated_minimum, self->settings.accuracy))
@@ -106,7 +105,7 @@ ehd_status march_check_start(double speed, bool approach_given, ehd_error *error
                     "where the approach is given");
 }
 
-/* The frame of the start. */
+/* Returns the frame of the start. */
 static contact_frame start_frame(const march *self) {
     contact_frame frame =
         march_frame(&self->settings, self->reference->kind, self->histories, 0, 1);
@@ -131,7 +130,7 @@ ehd_status march_begin(march_step *outcome, march *self, ehd_error *error) {
     }
     if (status) return status;
     self->reason[0] = self->rejected[0] = self->untrusted[0] = '\0';
-    // an event that is one with the start is no stop
+    // an event that counts as the time of the start is no stop
     self->state =
         (march_state){.step = settings->first_step, .last_event = INFINITY, .untrusted_since = NAN};
     load_forecast_start(&self->state.forecast, outcome);
@@ -166,23 +165,25 @@ double load_forecast_scale(const load_forecast *self, double step, const ehd_gri
     return share < 1 ? self->scale + share * (load - self->scale) : load;
 }
 
-/* Up to which distance times are one: a linear table whose times have nine digits, k/30, with a
- * fixed step of 1/30 took 1040 steps down to 3e-11 in place of 64, since after a step that an event
- * cuts short the next ones are twice as long at most. */
+/* Returns the distance up to which two times count as one. Without it a linear table with times
+ * k/30 of nine digits and a fixed step of 1/30 took 1040 steps in place of 64. After a step that an
+ * event cuts short, each of the next steps is at most twice as long as the one before. */
 static double least_distance(double time, double step) {
     return fmax(SLIVER * step, ROUNDING * time);
 }
 
-/* Where the next attempt leads. */
+/* End of the next attempt. */
 typedef struct next_stop {
     double time;
-    bool is_kink;      // the histories have an event there
-    bool is_jump;      // and they jump
-    double held, last; // times of the first of these jumps, else `time`; of the last event
+    bool is_kink; // the histories have an event there
+    bool is_jump; // the histories jump there
+    // time of the first jump of this stop, else `time`; time of the last event
+    double held, last;
 } next_stop;
 
-/* Longest step in which a surface that is not smooth is resolved on its way. The path of the fluid
- * may be longer than at the speed of now: then by halves. */
+/* Returns the next step, shortened so that it resolves the motion of a surface that is not smooth.
+ * The fluid may be faster within the step than at its start. The step is therefore shortened
+ * repeatedly, each time by a half at most. */
 static double step_of_surface(const march *self) {
     const march_state *state = &self->state;
     const ehd_surface *surface = self->reference->surface;
@@ -201,7 +202,7 @@ static double step_of_surface(const march *self) {
     return step;
 }
 
-/* Takes the events of the histories from one on that are the same time as the stop. */
+/* Adds to a stop the events of the histories, from `kink` on, that count as the same time. */
 static void join_events(next_stop *stop, const march *self, double kink, bool jump,
                         double distance) {
     while (kink <= stop->time + distance) {
@@ -213,19 +214,19 @@ static void join_events(next_stop *stop, const march *self, double kink, bool ju
     }
 }
 
-/* A step further, or where the histories have an event, a fixed step's multiple is or the march
- * ends. Of those that are one time the march stands at its end or else at the multiple. */
+/* Finds the end of the next attempt. It is one step further, or before that an event of the
+ * histories, a multiple of the fixed step or the end of the march. If several of these count as one
+ * time, the attempt ends at the end of the march, or else at the multiple. */
 static next_stop find_next_stop(const march *self) {
     const march_state *state = &self->state;
     const double time = state->time, step = step_of_surface(self);
     const double distance = least_distance(time, step);
     const double fixed = self->settings.fixed_step, end = self->settings.end_time;
-    // events that were one with the time now, unless the step has become shorter since
+    // events up to this time count as the present time; the step may have become shorter since
     const double since = fmax(time, fmin(state->last_event, time + distance));
     bool jump;
     const double kink = histories_next_kink(self->histories, since, &jump);
-    // a multiple, not a sum, so that times do not drift and a step that was cut falls back into
-    // place
+    // a multiple, not a sum: times do not drift, and a step that was cut falls back into place
     const double multiple =
         isnan(fixed) ? INFINITY : (floor((time + distance) / fixed) + 1) * fixed;
     const double event = fmin(fmin(kink, multiple), end);
@@ -242,7 +243,7 @@ static next_stop find_next_stop(const march *self) {
     return (next_stop){.time = next, .held = next, .last = next};
 }
 
-/* The frame at a stop: where the histories jump it is the one before. */
+/* Returns the frame at a stop. At a jump of the histories it is the frame before the jump. */
 static contact_frame frame_at_stop(const march *self, const next_stop *stop, double load) {
     contact_frame frame =
         march_frame(&self->settings, self->reference->kind, self->histories, stop->held, load);
@@ -252,11 +253,12 @@ static contact_frame frame_at_stop(const march *self, const next_stop *stop, dou
     return frame;
 }
 
-/* The solvers take the solution for smooth. Right after a kink its second derivative has jumped, by
- * J say: then J step^2 / 2 is what the prediction misses, and the part last_step / (2 step +
- * last_step) of that is what BDF2 does. After long steps that is much more than in a smooth
- * solution. A step as short as the first one of all is taken as that one is, because the first
- * derivative may have jumped too, which is harmless. */
+/* Returns the local error of a step, corrected after a kink of the histories. The solvers assume a
+ * smooth solution. Right after a kink its second derivative has jumped by some J. The prediction
+ * then misses J step^2 / 2, and the error of BDF2 is the part last_step / (2 step + last_step) of
+ * that. After long steps this is much more than in a smooth solution. The error of a step as short
+ * as the first one of the march is not corrected: the first derivative may have jumped too, which
+ * is harmless. */
 static double error_after_kink(const march *self, const march_step *outcome) {
     const double step = outcome->step, interval = outcome->formula.interval;
     const double smooth = outcome->formula.error, local_error = outcome->local_error;
@@ -266,7 +268,8 @@ static double error_after_kink(const march *self, const march_step *outcome) {
     return local_error * fmax(part / smooth, 1);
 }
 
-/* Below it the march ends: shorter steps lead nowhere, or are lost in the rounding of the time. */
+/* Returns the step size below which the march ends. Shorter steps do not advance the march, or are
+ * lost in the round-off of the time. */
 static double min_step(const march *self) {
     return fmax(MIN_STEP * self->settings.first_step, ROUNDING * self->state.time);
 }
@@ -275,27 +278,26 @@ static bool is_along_path(const march *self) {
     return self->reference->transport == TRANSPORT_PATH;
 }
 
-/* Along the path the error of a step whose films have taken up more than they may counts as many
- * times. */
+/* Returns the local error of a step. Along the path it is enlarged if the films have taken up more
+ * error than they may, by the ratio of that error to its bound. */
 static double error_with_taken_up(const march *self, const march_step *outcome) {
     const double most = MOST_TAKEN_UP * self->settings.tolerance;
 
     return outcome->local_error * (is_along_path(self) ? fmax(outcome->taken_up / most, 1) : 1);
 }
 
-/* Order in the step of what the tolerance is on. */
+/* Returns the order in the step size of the error that the tolerance limits. */
 static double error_order(const march *self) {
     return is_along_path(self) ? 2 : 3;
 }
 
-/* Where a step is shorter than the one tried before and its error not even less by as much, what is
- * left is the solver's own noise, of exits that move by whole nodes, which no shorter one takes
- * away: then that much more is accepted, for some steps, and then it is tried again. Not more than
- * what all steps together are asked for. A reduced model of a point contact (33 nodes a side, 60
- * modes, 180 rows, load of an unseen period 3/4, upwind) takes 571 steps to T = 3 so, and without
- * it does not get beyond T = 1.31. Along the path, where steps have a shortest length, it changed
- * nothing but 438 to 433 steps in one of 17 marches (lines and points, full and reduced, tolerances
- * from 5e-4 to 5e-3, loads of 10 and 30 %, a reversal). */
+/* Raises the estimate of the solver's noise. If a step is shorter than the one tried before, but
+ * its error is not less in proportion, the rest is noise, of exits that move by whole nodes. No
+ * shorter step takes it away. For some steps the march then accepts this noise, but not more than
+ * PASSAGE tolerances, the error that all steps of a passage together may make. With this a reduced
+ * model of a point contact (33 nodes a side, 60 modes, 180 rows, load of an unseen period 3/4,
+ * upwind) takes 571 steps to T = 3; without it the march does not get beyond T = 1.31. Steps along
+ * the path do not need it, because they have a shortest length. */
 static void watch_noise(march *self, const march_step *outcome) {
     march_state *state = &self->state;
     double error = outcome->local_error, tolerance = self->settings.tolerance;
@@ -311,19 +313,20 @@ static double accepted_error(const march *self) {
     return fmin(fmax(tolerance, 2 * self->state.noise), PASSAGE * tolerance);
 }
 
-/* Along the path no step is shortened beyond it. */
+/* Returns the length below which no step along the path is shortened; 0 with upwind. */
 static double shortest_step(const march *self, const contact_frame *frame) {
     return is_along_path(self) ? frame_shortest_step(frame, &self->reference->grid) : 0;
 }
 
-/* What a step is at most shortened to. */
+/* Largest ratio of a repeated step to the rejected one. */
 static const double LEAST_SHRINK = 0.9;
 
 static bool is_shortest(const march *self, const march_step *outcome) {
     return LEAST_SHRINK * outcome->step <= shortest_step(self, &outcome->frame);
 }
 
-/* The fixed step, or on the way to it twice the last one. */
+/* Returns the fixed step. Along the path fixed steps begin shorter, and each is at most twice the
+ * last one. */
 static double fixed_step_after(const march *self, const march_step *outcome) {
     double fixed = self->settings.fixed_step;
 
@@ -365,7 +368,7 @@ static bool is_rejected(const march *self, const march_step *outcome) {
             !(outcome->local_error <= accepted_error(self)));
 }
 
-/* A shorter step is tried next, or the march ends where there is none. */
+/* Rejects an attempt. Sets a shorter step, or ends the march if that is too short. */
 static void reject(march *self, const march_step *outcome) {
     march_state *state = &self->state;
     bool failed = outcome->status == EHD_NOT_CONVERGED;
@@ -384,31 +387,32 @@ static void reject(march *self, const march_step *outcome) {
                  state->step, state->time, self->rejected, min_step(self));
 }
 
-/* The length of the next attempt after an accepted step. Neither a step cut short by an event nor
- * one shortened for noise says anything about it. */
+/* Returns the length of the next attempt after an accepted step. If an event cut the step short, or
+ * the step was shortened for noise, its length does not limit the next one. */
 static double step_after(const march *self, const march_step *outcome) {
     const march_state *state = &self->state;
     double before = outcome->local_error > self->settings.tolerance ? state->rejected_step : 0;
 
     if (!is_adaptive(self)) return fixed_step_after(self, outcome);
     const double shortest = shortest_step(self, &outcome->frame);
-    // its error, which is the grid's, says nothing about it either
+    // the error of a shortest step is that of the grid, and does not limit the next step
     if (is_shortest(self, outcome))
         return fmax(next_step(self, outcome), fmin(shortest, MAX_GROWTH * outcome->step));
     return fmax(next_step(self, outcome), fmin(fmax(state->step, before), 2 * outcome->step));
 }
 
-/* That of the march follows from times in which histories vary, of which a jump has none. Along the
- * path a film takes up the error of this step of first order, which no earlier state tells: after a
- * jump of the load by 30 % (scenes/studies/time-steps) the central film was 0.40 % off (rms, 0.14 %
- * told) with a step of 0.007, and is 0.16 % (0.21 %) with the shortest one along the path. */
+/* Returns the first step after a jump. The first step of the march follows from the times in which
+ * histories vary; a jump has no such time. Along the path a film takes up the error of this step of
+ * first order, which no earlier state predicts. With the shortest step along the path, the central
+ * film after a jump of the load by 30 % (scenes/studies/time-steps) is 0.16 % off (rms), with a
+ * step of 0.007 it was 0.40 % off. */
 static double first_step_after_jump(const march *self, const march_step *outcome) {
     const double first = self->settings.first_step;
 
     return is_along_path(self) ? fmin(first, shortest_step(self, &outcome->frame)) : first;
 }
 
-/* The step counts; it was the solver's last attempt. */
+/* Accepts the solver's last attempt, and sets the next step. */
 static void accept(march *self, march_step *outcome, const next_stop *reached) {
     march_state *state = &self->state;
 
@@ -430,11 +434,11 @@ static void accept(march *self, march_step *outcome, const next_stop *reached) {
     if (outcome->apart && is_adaptive(self))
         state->step = fmin(state->step, WATCHED_PART * histories_shortest_time(self->histories));
     state->rejected_step = 0;
-    // where this is too long, the march ends as soon as it is rejected
+    // if this step is too long, the march ends as soon as it is rejected
     state->step = fmax(state->step, 2 * min_step(self));
 }
 
-/* One attempt, accepted or not. */
+/* Makes one attempt, and accepts or rejects it. */
 static ehd_status advance(march *self, ehd_error *error) {
     const next_stop next = find_next_stop(self);
     march_step outcome;
@@ -449,21 +453,20 @@ static ehd_status advance(march *self, ehd_error *error) {
     return self->store(self->sink, &outcome, (size_t)self->state.num_steps, error);
 }
 
-/* Tells whether the last attempt was accepted at an event of the histories. The histories then decided its length. */
+/* Checks whether the last attempt was accepted at an event of the histories. The histories then
+ * determined its length. */
 static bool ended_at_kink(const march *self, double steps_before) {
     return self->state.num_steps > steps_before && self->state.at_kink > 0;
 }
 
-/* Where a march was when its last attempts began. */
+/* Time and number of rejected attempts at the start of the watched attempts. */
 typedef struct stillness {
     double time, num_rejected;
 } stillness;
 
-/* Ends a march that stands still: its steps are shorter than a thousandth of the first one in the mean,
- * and with such steps the end is more than a million attempts away. Without a rejected attempt steps do
- * not become shorter, except where the histories have events.
- * A line at M = 3, L = 3 whose speed and radius are ramps from 0.05 to -0.05 and from 1 to 3 in T = 40
- * crawls from T = 0.03 on, for minutes until WATCHED_ATTEMPTS are over. */
+/* Ends a march that stands still: its mean step is shorter than a thousandth of the first one, and
+ * with such steps the end is more than a million attempts away. At least one attempt must be
+ * rejected: otherwise steps become shorter only at events of the histories. */
 static void watch_standstill(march *self, stillness *mark) {
     const double shrunk = 1e-3, most_attempts = 1e6;
     const march_state *state = &self->state;
@@ -479,10 +482,10 @@ static void watch_standstill(march *self, stillness *mark) {
     *mark = (stillness){state->time, state->num_rejected};
 }
 
-/* Ends a march whose step size collapses: where a model's own noise is above the tolerance, steps
- * get shorter until the noise of a step is, and the end is out of reach. */
+/* Ends a march whose step size collapses. If a model's noise exceeds the tolerance, steps become
+ * shorter and shorter, and the end is out of reach. */
 static void watch_progress(march *self, double *mark, double usual) {
-    const double min_progress = 0.01; // of the usual one, in so many attempts
+    const double min_progress = 0.01; // relative to `usual`, in WATCHED_ATTEMPTS
 
     if (!(self->state.time - *mark > min_progress * usual))
         snprintf(self->reason, sizeof self->reason,

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The march through time, the same for the full and the reduced model: frames from histories, step
- * sizes from the local error (or fixed), events, rejected steps. */
+/* The march through time, for the full and the reduced model alike. It makes frames from histories,
+ * controls the step size by the local error (or keeps it fixed), stops at events and repeats
+ * rejected steps. */
 #ifndef EHD_MARCH_H
 #define EHD_MARCH_H
 
@@ -13,52 +14,56 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/* What one implicit step came to. */
+/* Outcome of one implicit step. */
 typedef struct march_step {
     ehd_status status; // EHD_OK, EHD_NOT_CONVERGED, or EHD_UNTRUSTED: solved, but not to be trusted
     const char *reason; // why it is not EHD_OK, or ""
     contact_frame frame;
-    double step;             // 0 at the start
-    bdf_formula formula;     // of the step
-    double local_error;      // largest of rho H, relative to the central film; along the path what
-                             // a film takes up on its way; 0: cannot be told
+    double step; // 0 at the start
+    bdf_formula formula;
+    // largest local error of rho H, relative to the central film; along the path the error that a
+    // film takes up on its way to the centre; 0: no estimate
+    double local_error;
     contact_scalars scalars; // in the current frame
-    // relative changes of central and minimum film by ever smaller steps in time and, along the
-    // path, no filter, estimated (README.md, Errors in time); NaN: cannot be told
+    // Estimated relative changes of central and minimum film by ever smaller steps in time and,
+    // along the path, no filter (README.md, Errors in time). NaN: no estimate.
     double effect, effect_minimum;
-    // largest error of rho H that a film on its way to the centre has taken up so far, in this step
-    // and those before, relative; 0: none is told
+    // Largest relative error of rho H that a film on its way to the centre has taken up so far, in
+    // this step and those before. 0: no estimate.
     double taken_up;
-    // relative deviation of both from the full model with the same steps, indicated; NaN: not known
+    // Estimated relative deviation of central and minimum film from the full model with the same
+    // steps. NaN: not known.
     double indicated, indicated_minimum;
-    size_t iterations; // Newton
+    size_t iterations; // Newton iterations
     double residual;
-    bool by_full_model; // of a solver that falls back on it; else false
+    bool by_full_model; // the full model solved the step as a fallback
     bool apart;         // the bodies do not touch (apart.h)
-    bool begins;        // they have just touched again; earlier states are not used
+    bool begins;        // the bodies have just touched again; earlier states are not used
 } march_step;
 
-/* Path of a step along which films are carried, half widths, up to which a film takes up the errors
- * of many steps on its way to the centre. Longer steps make the film that they find there, and its
- * error is that of the step. Without the difference a slow ramp of the load by 8 % ended 1.7 % off
- * in 18 steps; with it 0.14 % off in 396, of a tolerance of 0.15 %. */
+/* Longest path of a step, in half widths, for which the errors of many steps add up in the central
+ * film. In such short steps a film takes up the errors of many steps on its way to the centre. A
+ * longer step makes the film at the centre in that step, and its own local error counts. Without
+ * this distinction a slow ramp of the load by 8 % ended 1.7 % off; with it 0.14 % off, at a
+ * tolerance of 0.15 %. */
 extern const double march_short_path;
 
-/* Along the path, a step is repeated where the film before the centre is farther from its prediction
- * than this part of the central film: the iteration has then found another solution. In the paper's
- * transient case no step is more than 0.014 off; solutions that rupture in the inlet, as after a load
- * step by a half, are 0.2 and more off. Steps that are predicted not to change the film are not checked. */
+/* Largest local error of the film anywhere before the centre, relative to the central film. Along
+ * the path a step with a larger one is repeated, because the iteration has then found another
+ * solution. In the paper's transient case no step has more than 0.014. Solutions that rupture in
+ * the inlet, as after a load step by a half, have 0.2 and more. Steps that are predicted not to
+ * change the film are not checked. */
 extern const double march_most_missed;
 
-/* An error that steps of equal length add to a film one after the other, as what the filter changes,
- * BDF2 makes so many times as large: its rate times the step. */
+/* Factor by which BDF2 enlarges an error that steps of equal length add to a film one after the
+ * other, such as the change by the filter. It is the formula's rate times the step. */
 extern const double march_error_growth;
 
-/* The local error is looked at up to this far before the exit boundary, in half widths: nearer to
- * it, the exit's moves by whole nodes make a noise that no shorter step takes away. */
+/* Distance before the exit boundary, in half widths, up to which the local error is evaluated.
+ * Nearer to the exit its moves by whole nodes make a noise that no shorter step takes away. */
 extern const double march_exit_margin;
 
-/* A solver that can take steps. `self` is its own. */
+/* A solver that can take steps. `self` is the solver's own data. */
 typedef struct march_solver {
     void *self;
     /* Solves the state that is `step` later, in the frame given. The accepted states do not change, so a step can be
@@ -66,12 +71,12 @@ typedef struct march_solver {
      * converge is an outcome, not an error. */
     ehd_status (*attempt)(march_step *outcome, void *self, const contact_frame *frame, double step,
                           ehd_error *error);
-    void (*accept)(void *self); // the state of the last attempt
-    void (*restart)(
-        void *self); // accepted states before the last one no longer count (after a jump)
-    /* The state to start from: stationary in the frame given, which outcome->frame scales anew
-     * where the approach is given; NaN stands for the approach that belongs to the load. It is
-     * accepted. */
+    void (*accept)(void *self); // accepts the state of the last attempt
+    // after a jump: accepted states before the last one no longer count
+    void (*restart)(void *self);
+    /* Solves and accepts the state to start from, which is stationary in the given frame. If the
+     * approach is given, outcome->frame is scaled by the load of the solution. An approach of NaN
+     * stands for the approach that belongs to the load. */
     ehd_status (*start)(march_step *outcome, void *self, const contact_frame *frame,
                         ehd_error *error);
     /* Finds the lightest stationary contact that the solver can solve, at the speed, radius and modulus of a frame with a load
@@ -80,54 +85,56 @@ typedef struct march_solver {
      * accepted states are valid, and the last attempt is not. */
     ehd_status (*touching)(double *approach, double *load, void *self, const contact_frame *frame,
                            ehd_error *error);
-    /* Everything needed to go on from the last accepted state, as numbers; EHD_DATA when they are
-     * none. */
+    /* Save and restore everything needed to go on from the last accepted state, as numbers.
+     * EHD_DATA: the numbers are no such state. */
     size_t (*saved_size)(const void *self);
     void (*save)(double *saved, const void *self);
     ehd_status (*restore)(void *self, const double *saved, ehd_error *error);
-    /* P and H of the last accepted state at all nodes, [num_nodes]. */
+    /* Computes P and H of the last accepted state at all nodes, [num_nodes]. */
     ehd_status (*fields)(double *pressure, double *film, void *self, ehd_error *error);
-    /* Its exits, [inner lines of grid_whole, GRID_EXITS]: X in its frame on each line, the farthest
-     * downstream first, NaN where there is none. */
+    /* Computes the exits of the last accepted state, [inner lines of grid_whole, GRID_EXITS]: X in
+     * the frame of the state on each line, the farthest downstream first; NaN: there is none. */
     void (*exits)(double *positions, const void *self);
-    /* Its traction in its frame, of a contact there with the scalars of its step, without its fields;
-     * NULL: from these. */
+    /* Computes the traction of the last accepted state in its frame, without its fields. `contact`
+     * is the contact in that frame, `scalars` are those of the step. NULL: the caller computes the
+     * traction from the fields. */
     contact_traction (*traction)(void *self, const ehd_contact *contact,
                                  const contact_scalars *scalars);
 } march_solver;
 
 typedef struct march_settings {
     double end_time;
-    double accuracy; // indicated to deviate by more, a step is not to be trusted; 0: whatever it is
-    double tolerance;  // on the local error of one step, or on what a film takes up; NaN with a
-                       // fixed step
-    double fixed_step; // NaN: steps by the local error
+    // largest estimated deviation with which a step is trusted; 0: no limit
+    double accuracy;
+    // on the local error of one step, or on the error that a film takes up; NaN with a fixed step
+    double tolerance;
+    double fixed_step; // NaN: the local error controls the steps
     double first_step; // after the start and after a jump
     bool approach_given;
-    double reference_approach; // H0 that a factor of 1 stands for; when the approach is given
+    double reference_approach; // H0 for a factor of 1, when the approach is given
 } march_settings;
 
 /* Forecast of the load that scales the next frame, where the load is an outcome. All members are doubles, so that the struct can
  * be saved. */
 typedef struct load_forecast {
-    double load;      // of the last accepted state; of bodies apart that of the reference
+    double load;      // of the last accepted state; while bodies are apart the reference load
     double scale;     // load that scaled the frame of that state
     double rate;      // of change of the load in the last accepted step
-    double last_step; // that step; 0: none since the start, a jump or a contact's loss
+    double last_step; // length of that step; 0: none since the start, a jump or a contact's loss
 } load_forecast;
 
-/* Where a march stands: everything that it needs to go on, with the solver's states. */
+/* State of a march: together with the solver's states it has everything needed to go on. All
+ * members are doubles, so that the struct can be saved. */
 typedef struct march_state {
-    double time, step;                    // of the next attempt
-    double rejected_step, rejected_error; // of the last attempt rejected at this step, 0: none
-    double noise;      // of the solver's local errors, as far as it was met lately
+    double time, step;                    // reached time, and length of the next attempt
+    double rejected_step, rejected_error; // of the last rejected attempt of this step; 0: none
+    double noise;      // noise of the solver's local errors, as recently observed
     double at_kink;    // 1 where the histories have a kink at `time`, else 0
-    double last_event; // of the histories that is one with `time`, else `time`
+    double last_event; // last event that counts as the same time as `time`, else `time`
     load_forecast forecast;
     double num_steps, num_rejected,
-        num_iterations;     // whole; all members are numbers of one type, so
-                            // that the struct can be saved as such
-    double untrusted_since; // time of the first step that was not to be trusted; NaN: none
+        num_iterations;     // whole numbers
+    double untrusted_since; // time of the first untrusted step; NaN: none
 } march_state;
 
 enum { MARCH_REASON = 256 };
@@ -138,29 +145,30 @@ typedef struct march {
     const ehd_contact *reference;
     march_solver solver;
     march_state state;
-    /* Takes an accepted step away; `index` counts from 1, the start being 0. */
+    /* Stores an accepted step. `index` counts from 1; the start is 0. */
     ehd_status (*store)(void *sink, const march_step *step, size_t index, ehd_error *error);
     void *sink;
-    char deviation[MARCH_REASON]; // that of the last step, where it was above the accuracy
-    char reason[MARCH_REASON];    // why it ended before end_time, or ""
-    char rejected[MARCH_REASON];  // why the last step that was rejected was
+    char deviation[MARCH_REASON]; // why the last step exceeded the accuracy
+    char reason[MARCH_REASON];    // why the march ended before end_time, or ""
+    char rejected[MARCH_REASON];  // why the last rejected step was rejected
     char untrusted[MARCH_REASON]; // why the first untrusted step was not to be trusted, or ""
 } march;
 
-/* Settings of a transient scene. */
+/* Returns the settings of the march of a transient scene. */
 march_settings march_settings_of(const scene *given, const ehd_histories *histories,
                                  double reference_approach);
 
-/* The frame at `time`, scaled by `load` where the approach is given (and by the history where
- * not). */
+/* Returns the frame at `time`. It is scaled by `load` if the approach is given, else by the load of
+ * the history. */
 contact_frame march_frame(const march_settings *settings, const contact_kind *kind,
                           const ehd_histories *histories, double time, double load);
 
-/* At rest there is no stationary contact whose load an approach could lead to: EHD_DATA. */
+/* Checks that a start with a given approach is not at rest. At rest there is no stationary contact
+ * whose load could follow from the approach. EHD_DATA. */
 ehd_status march_check_start(double speed, bool approach_given, ehd_error *error);
 
-/* Whether a film is indicated to deviate by more than the accuracy, and by how much; not where nothing
- * is indicated (NaN), nor with an accuracy of 0. */
+/* Checks whether the estimated deviation of a film exceeds the accuracy, and writes the reason.
+ * Returns false without an estimate (NaN) and with an accuracy of 0. */
 bool march_deviates(char reason[MARCH_REASON], double central, double minimum, double accuracy);
 
 /* Starts a forecast from the outcome of a start, or continues it with an accepted step. */
@@ -172,13 +180,14 @@ void load_forecast_accept(load_forecast *self, const march_step *step);
  * forecast. Otherwise the error of the last forecast would change the frame at an unlimited rate. */
 double load_forecast_scale(const load_forecast *self, double step, const ehd_grid *grid);
 
-/* Takes the march to its start, time 0. Not converged is an outcome: then nothing else may follow.
- * In self->settings the reference approach NaN is replaced by that of the start. */
+/* Solves the start of the march, at time 0. EHD_NOT_CONVERGED is an outcome; no other call may
+ * follow it. A reference approach of NaN in self->settings is replaced by that of the start. */
 ehd_status march_begin(march_step *outcome, march *self, ehd_error *error);
 
-/* Goes on to end_time. Where a step size underflows, the march ends there: *outcome is
- * EHD_NOT_CONVERGED, self->reason says why and everything stored stands; EHD_OK else.
- * EHD_INTERRUPTED and what the solver or `store` return are errors. */
+/* Marches on to end_time. If the step size becomes too small, or the march hardly advances, the
+ * march ends there: *outcome is EHD_NOT_CONVERGED, self->reason is the cause, and everything stored
+ * stands. Otherwise *outcome is EHD_OK. EHD_INTERRUPTED and failures of the solver or `store` are
+ * errors. */
 ehd_status march_run(ehd_status *outcome, march *self, ehd_error *error);
 
 #endif

@@ -8,9 +8,10 @@
 
 enum { ORDER = PATH_FILTER_ORDER, BAND = ORDER + 1 };
 
-static const double MOST_STEPS = 50; // of the length: at 56 rounding leaves no factor
+static const double MOST_STEPS = 50; // longest length: at 56 steps round-off leaves no factor
 
-/* Weight of the squared difference about a place: at k h << 1 the difference is (k h)^ORDER. */
+/* Returns the weight of the squared difference around a place. For k h << 1 the difference of a
+ * wave k is (k h)^ORDER. */
 static double weight_at(const ehd_grid *grid, double x, double y, double length) {
     const double inside = 1 - x * x - y * y;
 
@@ -19,7 +20,7 @@ static double weight_at(const ehd_grid *grid, double x, double y, double length)
 
 static const double binomial[BAND] = {-1, 5, -10, 10, -5, 1};
 
-/* Lower half of I + D' alpha D: `matrix`[i, i - j]. */
+/* Assembles the lower half of I + D' alpha D: `matrix`[i, i - j]. */
 static void assemble(double *matrix, const double *weight, size_t width) {
     for (size_t i = 0; i < width; i++)
         matrix[i * BAND] = 1;
@@ -29,8 +30,8 @@ static void assemble(double *matrix, const double *weight, size_t width) {
                 matrix[(i + a) * BAND + (a - b)] += weight[i] * binomial[a] * binomial[b];
 }
 
-/* Replaces the matrix by its factor L, M = L L'; the diagonal holds the reciprocals. False: rounding
- * leaves none, the length being too many steps. */
+/* Replaces the matrix M by its factor L, M = L L'. The diagonal holds the reciprocals. Returns
+ * false if round-off leaves no factor, because the length is too many steps. */
 static bool factorise(double *matrix, size_t width) {
     for (size_t i = 0; i < width; i++) {
         double *row = matrix + i * BAND;
@@ -50,9 +51,9 @@ static bool factorise(double *matrix, size_t width) {
 
 double path_filter_length(const ehd_contact *contact) {
     const double usual = 0.014, usual_tolerance = 1.5e-3;
-    // of a central film at fronts, what the filter changes goes as the third power of the length
-    const double share = fmin( // 1 where no tolerance is known
-        cbrt(contact->time_tolerance / usual_tolerance), 1);
+    // the filter's change of a central film at fronts goes as the third power of the length; the
+    // share is 1 where no tolerance is known
+    const double share = fmin(cbrt(contact->time_tolerance / usual_tolerance), 1);
 
     if (!isnan(contact->smoothing)) return contact->smoothing;
     return fmax(share * usual, 0.85 * contact->grid.step);
@@ -98,7 +99,7 @@ void path_filter_free(path_filter *self) {
     memset(self, 0, sizeof *self);
 }
 
-/* D' alpha D of the values. */
+/* Computes D' alpha D of the values. */
 static void differences(double *result, double *work, const double *values, const double *weight,
                         size_t count, size_t stride) {
     memset(result, 0, count * sizeof *result);
@@ -127,7 +128,7 @@ static void solve(double *values, const double *factor, size_t count) {
 void path_filter_apply(path_filter *self, double *values, size_t line, size_t stride,
                        double share) {
     const size_t count = self->num_columns;
-    double *taken = self->work; // off the values: small, so that rounding is of it alone
+    double *taken = self->work; // the filter's change: small, and so is its round-off
 
     differences(taken, taken + count, values, self->weight + line * count, count, stride);
     solve(taken, self->factor + line * count * BAND, count);

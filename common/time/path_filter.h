@@ -1,29 +1,30 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The filter of films that are carried along their paths. Nothing damps a wave in a film that
- * pressure cannot move: neither the equations, nor cubic splines where a step's path is a whole
- * number of nodes. So waves that the grid cannot carry, and those that make a reduced model's rank
- * grow with the grid, are damped once a step (README.md, Along the path). */
+/* Filter of films that are carried along their paths. Nothing damps a wave in a film that pressure
+ * cannot move: neither the equations, nor cubic splines if a step's path is a whole number of
+ * nodes. Once a step the filter damps waves that the grid cannot carry, and waves that make a
+ * reduced model's rank grow with the grid (README.md, Along the path). */
 #ifndef EHD_PATH_FILTER_H
 #define EHD_PATH_FILTER_H
 
 #include "common/physics/contact.h"
 
-/* (I + D' diag(alpha) D)^-1 along each line of a grid, with D the differences of order
- * PATH_FILTER_ORDER: a wave of length 2 pi/k is left 1/(1 + (length k/2)^10) of, as long as the
- * length is several steps. Polynomials of one degree less than the order pass, sums are kept, and
- * the filter is its own transpose. */
+/* The filter (I + D' diag(alpha) D)^-1 along each line of a grid. D are the differences of order
+ * PATH_FILTER_ORDER. Of a wave of length 2 pi/k the filter leaves the part 1/(1 + (length k/2)^10),
+ * if the wave is several steps long. Polynomials of one degree less than the order pass, sums are
+ * kept, and the filter is its own transpose. */
 typedef struct path_filter {
     size_t num_columns, num_lines;
-    double *weight; // [num_lines, num_columns] alpha of the difference from a column on
-    double *factor; // [num_lines, num_columns, PATH_FILTER_ORDER + 1] of Cholesky, banded
+    double *weight; // [num_lines, num_columns] alpha of the difference that begins at a column
+    double *factor; // [num_lines, num_columns, PATH_FILTER_ORDER + 1] banded Cholesky factor
     double *work;   // [2, num_columns]
 } path_filter;
 
 enum { PATH_FILTER_ORDER = 5 };
 
-/* The filter of a grid: its length is `length` half widths at the centre, sqrt(1 - X^2 - Y^2) times
- * that around it, as the pressure of the dry contact, and zero outside. The film at the constriction
- * and the pressure spike, near the rim, is thus left alone. EHD_MEMORY; EHD_DATA: a length of too many steps. */
+/* Makes the filter of a grid. Its length is `length` half widths at the centre and sqrt(1 - X^2 -
+ * Y^2) times that around it, like the pressure of the dry contact. It is zero outside. The film at
+ * the constriction and the pressure spike, near the rim, is thus left alone. EHD_MEMORY; EHD_DATA:
+ * a length of too many steps. */
 ehd_status path_filter_init(
     // output:
     path_filter *self, // free with path_filter_free
@@ -31,17 +32,19 @@ ehd_status path_filter_init(
     const ehd_grid *grid, double length, ehd_error *error);
 void path_filter_free(path_filter *self);
 
-/* The length of a contact: given, or 0.014 half widths, less where the steps in time have a
- * tolerance below the usual one, and at least 0.85 steps of the grid that it is solved on. Measured
- * on the paper's transient case and a point contact on 65 by 65 nodes (README.md): with less a
- * reduced model takes more modes, with more the central film is more than 1.5 % off at fronts. */
+/* Returns the filter length of a contact, in half widths. It is the given length, or else 0.014.
+ * The default is less if the steps in time have a tolerance below the usual one, and at least 0.85
+ * steps of the contact's grid. Measured on the paper's transient case and a point contact on 65 by
+ * 65 nodes (README.md): with less a reduced model takes more modes, with more the central film is
+ * more than 1.5 % off at fronts. */
 double path_filter_length(const ehd_contact *contact);
 
-/* How the contact's films are carried, with that length along the path. */
+/* Returns how the contact's films are carried, along the path with path_filter_length. */
 ehd_carriage path_carriage(const ehd_contact *contact);
 
-/* Applies a share of the filter's change, 0 … 1, to the values along a line, which are `stride` apart. A step takes the share
- * frame_step_share: then a path is filtered alike by many short steps and by few longer ones. Uses `work`. */
+/* Applies a share of the filter's change, 0 … 1, to the values along a line, which are `stride`
+ * apart. A step takes the share frame_step_share, so that many short steps filter a path as much as
+ * few longer ones. Uses self->work. */
 void path_filter_apply(
     // in and out:
     path_filter *self,

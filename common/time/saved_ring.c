@@ -19,7 +19,8 @@ ehd_status saved_frame(contact_frame *frame, const double *saved, size_t size, e
 
 enum { NUM_PREVIOUS, IS_PASSING, NUM_HEAD };
 
-/* The previous states and the passing one, which there is only behind all of them. */
+/* Returns the number of states: the previous ones and a passing one, which exists only if the ring
+ * has all previous ones. */
 static size_t num_saved(const bdf_ring *ring) {
     return ring->num_previous + (ring->passing ? 1 : 0);
 }
@@ -40,7 +41,8 @@ void ring_save(double *saved, const bdf_ring *ring, const saved_states *states, 
     }
 }
 
-/* Whether each accepted state is later than the one before it. */
+/* Checks that each accepted state is later than the one before it. EHD_DATA: the ring then has no
+ * states. */
 static ehd_status check_times(bdf_ring *ring, ehd_error *error) {
     const size_t count = num_saved(ring);
 

@@ -8,44 +8,47 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* By how much a surface may move in a step, in its lengths. */
+/* Longest move of a surface in a step, in units of `length` of the surface. */
 static const double PART_OF_LENGTH = 0.5;
 
-/* And steps of the grid, which does not carry more. */
+/* Move in steps of the grid that is always allowed, because the grid does not resolve more. */
 static const double PART_OF_STEP = 0.25;
 
-/* Steps of the grid that it takes at least to see a wave: measured in README.md. */
+/* Least number of steps of the grid for one wave (README.md, A surface that is not smooth). */
 static const double STEPS_PER_WAVE = 4;
 
-enum { MIN_ROWS = 3 };                                // of a table
+enum { MIN_ROWS = 3 };                                // least rows and lines of a table
 static const double MAX_X = 1e9, MIN_DISTANCE = 1e-9; // of a table's x, half widths
 
 typedef struct surface_kind surface_kind;
 
-/* All lengths in reference half widths, heights in the reference film unit; x from the position. */
+/* Lengths are in reference half widths, heights in the reference film unit. x is measured from the
+ * position. */
 struct ehd_surface {
     const surface_kind *kind;
     surface_settings given;
-    bool is_half;           // the contact
-    double ellipticity;     // of it, by which Y is scaled
-    double *x, *y, *values; // [count], of a table; y NULL: it is of one line
+    bool is_half;           // the contact is solved in one half
+    double ellipticity;     // of the contact; scales Y
+    double *x, *y, *values; // [count], of a table; y NULL: the table is of x alone
     size_t count, num_x, num_lines;
-    spline **lines;     // [num_lines]
-    double front, rear; // x up to which, and from which on, it is not smooth
-    double length;      // sqrt(height/curvature), of the largest ones: what a step is measured by
+    spline **lines; // [num_lines]
+    // largest and smallest x at which the surface is not smooth
+    double front, rear;
+    double length; // sqrt(largest height/largest curvature), the unit of PART_OF_LENGTH
 };
 
-/* A kind is a row of a table. */
+/* A kind of surface: one row of the table `kinds`. */
 struct surface_kind {
     const char *name;
-    /* Sets front, rear and length. */
+    /* Scales lengths and heights by the factors, and sets front, rear and length. */
     ehd_status (*prepare)(ehd_surface *self, double of_length, double of_height, ehd_error *error);
     double (*height)(const ehd_surface *self, double x, double y);
 };
 
 // ---- waviness
 
-/* Without end behind the front, which is its place, and at rest without any. */
+/* Prepares a waviness. The end that comes in first is at its position; behind it the waviness is
+ * without end. At rest it has no ends. */
 static ehd_status prepare_sine(ehd_surface *self, double of_length, double of_height,
                                ehd_error *error) {
     (void)error;
@@ -57,7 +60,8 @@ static ehd_status prepare_sine(ehd_surface *self, double of_length, double of_he
     return EHD_OK;
 }
 
-/* Grows in over a wavelength, with continuous slope and curvature, unless it rests. */
+/* Returns the height of a waviness. Unless it rests, it grows over its first wavelength, with
+ * continuous slope and curvature. */
 static double sine_height(const ehd_surface *self, double x, double y) {
     const surface_settings *given = &self->given;
     const double behind = (given->speed > 0 ? -x : x) / given->wavelength;
@@ -70,8 +74,8 @@ static double sine_height(const ehd_surface *self, double x, double y) {
 
 // ---- dent
 
-/* Of the radius: where cos and so the height is zero for the second time, and below 2e-8 of the depth
- * anywhere beyond. */
+/* End of the dent, in radii: the second zero of the cosine. Beyond it the height would be below
+ * 2e-8 of the depth. */
 static const double DENT_ENDS = 3.6;
 
 static ehd_status prepare_dent(ehd_surface *self, double of_length, double of_height,
@@ -82,12 +86,13 @@ static ehd_status prepare_dent(ehd_surface *self, double of_length, double of_he
     self->given.depth *= of_height;
     self->front = DENT_ENDS * self->given.radius;
     self->rear = -self->front;
-    // depth/r^2 ((pi/2)^2 + 4) with r = 1.2 radius is the curvature in its middle
+    // the curvature in the middle is depth/r^2 ((pi/2)^2 + 4) with r = 1.2 radius
     self->length = width * self->given.radius / sqrt(M_PI_2 * M_PI_2 + 4);
     return EHD_OK;
 }
 
-/* The dimple of Mourier et al., Tribology International 39 (2006) 1745-1756. */
+/* Returns the height of the dimple of Mourier et al., Tribology International 39 (2006)
+ * 1745-1756. */
 static double dent_height(const ehd_surface *self, double x, double y) {
     const double radius = self->given.radius, r = hypot(x, y) / (1.2 * radius);
 
@@ -111,7 +116,8 @@ static ehd_status check_row(const ehd_surface *self, size_t i, ehd_error *error)
     return EHD_OK;
 }
 
-/* Increasing x in each line of the grid, that of the first one, and increasing y from line to line. */
+/* Checks the order of row i: x increases in each line of the grid and is that of the first line. y
+ * is the same in a line and increases from line to line. */
 static bool is_in_order(const ehd_surface *self, size_t i) {
     const size_t column = i % self->num_x;
 
@@ -122,7 +128,7 @@ static bool is_in_order(const ehd_surface *self, size_t i) {
     return i == 0 || self->y[i] - self->y[i - 1] >= MIN_DISTANCE;
 }
 
-/* Beyond the table there is nothing. */
+/* Checks whether row i is at the edge of the table. */
 static bool is_at_edge(const ehd_surface *self, size_t i) {
     const size_t column = i % self->num_x, line = i / self->num_x;
 
@@ -138,12 +144,13 @@ static double highest_of(const ehd_surface *self) {
     return highest;
 }
 
-/* Heights that are the same to the rounding of whoever wrote the table. */
+/* Returns the difference up to which two heights of the table count as equal. */
 static double rounding_of(const ehd_surface *self) {
     return 1e-9 * highest_of(self);
 }
 
-/* Sets heights at the edge, which are 0 to rounding, to 0. */
+/* Checks that heights at the edge are 0 to round-off, and sets them to 0. The surface is smooth
+ * beyond the table. */
 static ehd_status check_edge(ehd_surface *self, ehd_error *error) {
     const double rounding = rounding_of(self);
 
@@ -188,7 +195,7 @@ static ehd_status check_table(ehd_surface *self, ehd_error *error) {
     return check_edge(self, error);
 }
 
-/* Half a contact is that of a surface whose halves are alike. */
+/* Checks that the table is symmetric in y, because the contact is solved in one half. */
 static ehd_status check_halves(const ehd_surface *self, ehd_error *error) {
     const double rounding = rounding_of(self);
 
@@ -256,13 +263,13 @@ static ehd_status prepare_file(ehd_surface *self, double of_length, double of_he
     return EHD_OK;
 }
 
-/* Y of a line of the table. */
+/* Returns y of a line of the table. */
 static double line_y(const ehd_surface *self, size_t line) {
     return self->y[line * self->num_x];
 }
 
-/* Height of a line and its slope across at one x, by the parabola through it and its neighbours; none
- * at the edge. */
+/* Computes the height of a line and its slope across at one x. The slope is that of the parabola
+ * through the line and its neighbours. Both are 0 at the edge. */
 static void line_at(double *height, double *slope, const ehd_surface *self, size_t line, double x) {
     *height = *slope = 0;
     if (line == 0 || line + 1 == self->num_lines) return;
@@ -274,7 +281,8 @@ static void line_at(double *height, double *slope, const ehd_surface *self, size
     *slope = (down * after + up * before) / (before + after);
 }
 
-/* Along x by splines, across by cubics with these slopes; of one line the same everywhere across. */
+/* Returns the height of a table: splines along x, cubics across with the slopes of line_at. A table
+ * of x alone is the same everywhere across. */
 static double file_height(const ehd_surface *self, double x, double y) {
     double height[2], slope[2];
     size_t line = 0;
@@ -304,17 +312,18 @@ static const surface_kind *find_kind(const char *name) {
     return NULL;
 }
 
-/* The ends of a grid, its boundary included. */
+/* Returns the first x of a grid, its boundary included. */
 static double first_x(const ehd_grid *grid) {
     return grid_x(grid, 0);
 }
 
+/* Returns the last x of a grid, its boundary included. */
 static double last_x(const ehd_grid *grid) {
     return grid_x(grid, grid_width(grid) - 1);
 }
 
-/* Sets where the surface begins, if the scene does not say it: in front of the grid, on the side from which it comes in, or
- * in the centre of the contact if it rests. */
+/* Sets the position at T = 0. If the scene gives none, a surface at rest is in the centre of the
+ * contact. Any other surface is in front of the grid, on the side from which it comes in. */
 static void set_position(ehd_surface *self, double of_length, const ehd_grid *grid) {
     surface_settings *given = &self->given;
 
@@ -327,7 +336,8 @@ static void set_position(ehd_surface *self, double of_length, const ehd_grid *gr
             given->speed > 0 ? first_x(grid) - self->front : last_x(grid) - self->rear;
 }
 
-/* Where a scene says how fast both surfaces are, it is one of them. */
+/* Checks that the speed is that of one of the two surfaces, if the scene gives the speeds of
+ * both. */
 static ehd_status check_slide_roll(double speed, double slide_roll, ehd_error *error) {
     const double faster = 1 + slide_roll / 2, slower = 1 - slide_roll / 2, rounding = 1e-9;
 

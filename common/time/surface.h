@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A waviness, a dent or a table of heights on one of the surfaces, which moves with it (README.md, A
- * surface that is not smooth). The gap of a contact grows by its height. */
+/* A waviness, a dent or a table of heights on one of the surfaces. It moves with that surface, and
+ * the gap of a contact grows by its height (README.md, A surface that is not smooth). */
 #ifndef EHD_SURFACE_H
 #define EHD_SURFACE_H
 
@@ -12,9 +12,10 @@
 /* Read-only once it is made. */
 typedef struct ehd_surface ehd_surface;
 
-/* That of a valid scene; NULL: both surfaces are smooth. EHD_DATA or EHD_NOINPUT: a table as of a
- * history, or of another height than 0 where it ends; units si without physical; EHD_MEMORY. Reads
- * HDF5, so only one at a time (artefact.h). */
+/* Makes the surface of a valid scene; *self is NULL if both surfaces are smooth. EHD_DATA or
+ * EHD_NOINPUT: the table is missing or not valid, or its height is not 0 where it ends. EHD_DATA:
+ * units si without physical, or a speed other than those of the slide-roll ratio. EHD_MEMORY. Reads
+ * HDF5, so only one call at a time (artefact.h). */
 ehd_status surface_init(
     // output:
     ehd_surface **self, // free with surface_free; NULL after a failure
@@ -23,35 +24,37 @@ ehd_status surface_init(
 
 ehd_surface *surface_free(ehd_surface *self); // accepts and returns NULL
 
-/* Whether it has a speed of 0. Then it is part of the start. NULL: not. */
+/* Checks whether the surface has a speed of 0. Then it is part of the start. Returns false for
+ * NULL. */
 bool surface_rests(const ehd_surface *self);
 
-/* EHD_DATA where in the frame of a start some of one that moves is on the grid already: the start is
- * smooth. */
+/* Checks that a surface that moves is in front of the grid in the frame of a start, because the
+ * start is smooth. EHD_DATA: some of it is on the grid already. */
 ehd_status surface_check_start(const ehd_surface *self, const contact_frame *frame,
                                const ehd_grid *grid, ehd_error *error);
 
-/* EHD_DATA where the nodes of the reference's grid do not see the surface: one that rests outside of
- * the grid, or one that is finer than the steps. */
+/* Checks that the nodes of the reference's grid resolve the surface. EHD_DATA: it rests outside of
+ * the grid, or is too fine for the steps of the grid. */
 ehd_status surface_check_grid(const ehd_surface *self, const ehd_grid *grid, ehd_error *error);
 
-/* Height at a place of a frame, in its scales. */
+/* Returns the height at a place of a frame, in the scales of the frame. */
 double surface_height(const ehd_surface *self, const contact_frame *frame, double x, double y);
 
-/* The same at the nodes of a grid. */
+/* Computes the heights at the nodes of a grid, in the scales of the frame. */
 void surface_heights(
     // output:
     double *heights, // [num_nodes]
     // input:
     const ehd_surface *self, const contact_frame *frame, const ehd_grid *grid);
 
-/* Where it is when the fluid has come so far: the end of a waviness, the middle of a dent, x = 0 of a
- * table; reference half widths, as the path. */
+/* Returns the position of the surface for a path of the fluid, both in reference half widths. The
+ * position is the end of a waviness, the middle of a dent, x = 0 of a table. */
 double surface_position(const ehd_surface *self, double path);
 
-/* How far the fluid may come in a step, reference half widths, so that the step resolves how the
- * surface passes the grid; INFINITY: any. */
+/* Returns the longest path of the fluid in a step, in reference half widths, for which the step
+ * resolves how the surface passes the grid. INFINITY: any path. `backwards`: the fluid moves
+ * backwards. */
 double surface_longest_path(const ehd_surface *self, const contact_frame *frame,
-                            const ehd_grid *grid, bool backwards); // the fluid
+                            const ehd_grid *grid, bool backwards);
 
 #endif
