@@ -12,10 +12,10 @@
 static const char name_column[] = "name";
 
 struct case_list {
-    scene_source base; // keeps the paths below
+    scene_source base; // has pointers to the paths below
     char *scene_path, *table_path;
     csv_file table;
-    const setting **rows; // [table.width] settings of the columns; NULL: the names of the cases
+    const setting **rows; // [table.width] settings of the columns; NULL: the column of names
     bool any;             // a row was found
 };
 
@@ -107,7 +107,7 @@ ehd_status case_list_scene(scene *one, const case_list *self, const case_texts *
         status =
             source_assign(&source, self->rows[i], row->texts[i], self->table_path, where, error);
     }
-    if (status) return status; // names the line
+    if (status) return status; // the error names the line already
     status = source_finish(&source, error);
     *one = source.values;
     return status == EHD_DATA ? case_list_fail(self, row->line, error) : status;

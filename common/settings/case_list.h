@@ -34,24 +34,26 @@ ehd_status case_list_next(
     // in and out:
     case_list *list, ehd_error *error);
 
-/* Back to the first row. */
+/* Goes back to the first row. */
 ehd_status case_list_rewind(case_list *list, ehd_error *error);
 
 void case_texts_free(case_texts *row);
 
-/* The scene of a row, complete and valid. EHD_DATA with the line of the table. */
+/* Makes the scene of a row, complete and valid. EHD_DATA, with the line of the table. */
 ehd_status case_list_scene(scene *one, const case_list *list, const case_texts *row,
                            ehd_error *error);
 
 /* Puts the table's name and a line number in front of an error's text. EHD_DATA. */
 ehd_status case_list_fail(const case_list *list, size_t line, ehd_error *error);
 
-/* The columns in the order of the table; case_list_key has the full key where the table has a short one. */
+/* Returns the number of columns. */
 size_t case_list_num_columns(const case_list *list);
+/* Returns the key of a column, in the order of the table: the full key even where the table has a
+ * short one, or "name". */
 const char *case_list_key(const case_list *list, size_t column);
 
-/* The settings of the scene, as far as they are given without the table; free with free(). NULL: no
- * memory. */
+/* Returns the settings of the scene as text, as far as they are given without the table; free with
+ * free(). NULL: no memory. */
 char *case_list_settings(const case_list *list);
 
 void case_list_free(case_list *list);

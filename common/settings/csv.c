@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { MAX_RECORD = 1 << 20 }; // bytes of a row; a quote that never ends is then found soon
+enum { MAX_RECORD = 1 << 20 }; // bytes of a row; limits the search for the end of a quote
 
 // ---- text
 
@@ -45,7 +45,7 @@ static ehd_status append_line(bool *found, csv_file *self, ehd_error *error) {
     return EHD_OK;
 }
 
-/* Tells whether there is text at `at`; reads a line of the stream if necessary. */
+/* Checks whether there is text at `at`, and reads a line of the stream if necessary. */
 static ehd_status more_text(bool *found, csv_file *self, size_t at, ehd_error *error) {
     *found = at < self->length;
     return *found || !self->stream ? EHD_OK : append_line(found, self, error);
@@ -83,7 +83,7 @@ static ehd_status find_end(size_t *end, csv_file *self, size_t start, const char
                                "found a quote that does not end, expected its end");
 }
 
-/* The next record, which is neither blank nor a comment; *record is NULL at the end. */
+/* Reads the next record that is neither blank nor a comment; *record is NULL at the end. */
 static ehd_status next_record(char **record, csv_file *self, const char *separators,
                               ehd_error *error) {
     ehd_status status = EHD_OK;
@@ -112,8 +112,9 @@ static ehd_status next_record(char **record, csv_file *self, const char *separat
     return status;
 }
 
-/* Drops the quotes of a field that starts with one, and halves those within. Returns where the field
- * ends: at a separator or the end of the record. Other quotes are left as they are, as part of the field. */
+/* Removes the quotes around a field that starts with one, and halves doubled quotes within it.
+ * Returns the end of the field: a separator or the end of the record. Any other quotes are left as
+ * part of the field. */
 static char *unquote(char *field, char separator) {
     const char stops[] = {separator, '\0'};
     char *from = field + 1, *to = field;
@@ -131,7 +132,8 @@ static char *unquote(char *field, char separator) {
     return end;
 }
 
-/* The next field of a record, NULL after the last one; *rest moves on to the rest of the record. */
+/* Returns the next field of a record, NULL after the last one. *rest moves on to the rest of the
+ * record. */
 static char *next_field(char **rest, char separator) {
     if (!*rest) return NULL;
     const char stops[] = {separator, '\0'};
@@ -154,7 +156,8 @@ static int compare_names(const void *left, const void *right) {
     return strcmp(*(char *const *)left, *(char *const *)right);
 }
 
-/* Columns without a name may be several: nobody can ask for them. */
+/* Checks that no name comes twice. Several columns may have no name, because no name selects
+ * them. */
 static ehd_status check_once(const csv_file *self, ehd_error *error) {
     char shown[SHOWN_TEXT], all[NAMES_TEXT];
     const char *again = NULL;
@@ -296,7 +299,7 @@ void table_show_names(char shown[SHOWN_TEXT], const char *const *names) {
     text_show(shown, all);
 }
 
-/* Place of a name in the list, its length when it is not there. */
+/* Returns the index of a name in the list, or the length of the list if it is not there. */
 static int rank_of(const char *name, const char *const *names) {
     int rank = 0;
     while (names[rank] && strcmp(name, names[rank]) != 0)
@@ -304,11 +307,11 @@ static int rank_of(const char *name, const char *const *names) {
     return rank;
 }
 
-/* Place of a wanted column, NO_COLUMN where it is missing and need not be there. */
+/* Finds the index of a column; NO_COLUMN: an optional column is missing. */
 static ehd_status find_column(int *place_of, const csv_file *self, const table_column *column,
                               ehd_error *error) {
     char shown[SHOWN_TEXT], all[NAMES_TEXT];
-    const int none = rank_of("", column->names); // a column without a name is none of them
+    const int none = rank_of("", column->names); // the rank of any name that is not in the list
     int best = none, count = 0;
     *place_of = NO_COLUMN;
     for (size_t i = 0; i < self->width; i++) {

@@ -16,40 +16,42 @@ typedef struct csv_file {
     char *path;
     FILE *stream; // read row by row; NULL: the whole file is in `text`
     char *text;   // the whole file, or the row read last; `names` and `fields` point into it
-    size_t length, room,
-        at;     // of `text`: bytes in it, bytes allocated, and the first one not yet parsed
+    // of `text`: its bytes, the bytes allocated, and the first byte not yet parsed
+    size_t length, room, at;
     char *line; // buffer for getline
     size_t line_room;
-    char *header;   // what `names` point into where the file is read row by row
+    char *header;   // text that `names` point into, if the file is read row by row
     size_t lines;   // parsed so far
-    size_t bytes;   // of the file, parsed so far
+    size_t bytes;   // bytes of the file parsed so far
     bool ended;     // the last row ended with a line break, not with the file
     place where;    // first line of the last row
-    char separator; // of columns
-    size_t width;   // columns
+    char separator; // between columns
+    size_t width;   // number of columns
     char **names;   // [width], "" where a column has no name
-    char **
-        fields; // [width], values of the row read last, valid until csv_close, or the next row (csv_open_rows)
+    // [width], values of the row read last; valid until csv_close or, with csv_open_rows, the next
+    // row
+    char **fields;
 } csv_file;
 
-/* Reads the file into memory, and its header. EHD_NOINPUT, EHD_IO, EHD_MEMORY, EHD_DATA: too large,
- * a zero byte, no header, or a name twice. */
+/* Reads a file into memory and parses its header. EHD_NOINPUT, EHD_IO, EHD_MEMORY. EHD_DATA: the
+ * file is too large, has a zero byte or no header, or a name comes twice. */
 ehd_status csv_open(
     // output:
     csv_file *self, // free with csv_close, also after a failure
     // input:
     const char *path, ehd_error *error);
 
-/* The same for a file of any length: only one row is in memory, and its values are valid until the next is read. */
+/* Opens a file of any length like csv_open. Only one row is in memory, and its values are valid
+ * until the next row is read. */
 ehd_status csv_open_rows(csv_file *self, const char *path, ehd_error *error);
 
 void csv_close(csv_file *self);
 
-/* An upper bound on the number of rows left, after csv_open. */
+/* Returns an upper bound on the number of rows left, after csv_open. */
 size_t csv_count_rows(const csv_file *self);
 
-/* Reads the next row into `fields`. *found is false after the last one. EHD_DATA: the row has not as
- * many values as there are columns, or a quote does not end. */
+/* Reads the next row into `fields`. *found is false after the last one. EHD_DATA: the number of
+ * values is not the number of columns, or a quote does not end. */
 ehd_status csv_next_row(
     // output:
     bool *found,
@@ -58,11 +60,11 @@ ehd_status csv_next_row(
     // output:
     ehd_error *error);
 
-/* A column that is wanted of a table of numbers, CSV or HDF5 (artefact/table.h). */
+/* A column to read from a table of numbers, CSV or HDF5 (artefact/table.h). */
 typedef struct table_column {
-    const char *const *names; // the first of these that there is, NULL at the end
+    const char *const *names; // possible names, NULL at the end; the first that exists is read
     bool optional;
-    bool alone;     // in CSV: refused where another of the names is there too
+    bool alone;     // in CSV: refused if several of the names exist
     double *values; // [count] as read, free with free(); NULL: not there, or after a failure
 } table_column;
 
@@ -71,12 +73,12 @@ enum { NAMES_TEXT = 320 }; // bytes, with the closing zero
 /* Lists the columns of a table for messages: "T, load, speed", the end of a long list as "...". */
 void table_show_columns(char shown[NAMES_TEXT], char *const *names, size_t count);
 
-/* "row|rows", for messages. */
+/* Joins names for messages: "row|rows". */
 void table_show_names(char shown[SHOWN_TEXT], const char *const *names);
 
 /* Reads columns of a file of numbers by their names; the values of other columns are ignored.
- * EHD_DATA: no such column, or several; a value that is no finite number; and as csv_open and
- * csv_next_row. */
+ * EHD_DATA: no such column, or several; a value that is no finite number. Other errors are those of
+ * csv_open and csv_next_row. */
 ehd_status csv_read_table(
     // input:
     const char *path,

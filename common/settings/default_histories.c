@@ -7,28 +7,29 @@
 #include <stdio.h>
 #include <string.h>
 
-// T at which each of them ends: the fluid passes the contact in two units
+// T at which each trajectory ends; the fluid passes the contact in two units of T
 static const double END = 2.5;
 
 static const char *const kind_names[] = {"sine", "ramp", "step"};
 enum { SINE, RAMP, STEP, NUM_KINDS };
 enum { MOST_VARYING = 2 };
 
-/* One history between the bounds: a sine with period and phase, a ramp with start and duration, a
- * step at a time. */
+/* One history between the bounds. `first` and `second` are period and phase of a sine, start and
+ * duration of a ramp, or the time of a step. */
 typedef struct shape {
     int kind;
     bool down; // from the upper bound to the lower one
     double first, second;
 } shape;
 
-/* Of one quantity, or of each pair. */
+/* The histories of one quantity, or of a pair of quantities. */
 typedef struct trajectory_shape {
     size_t num_varying;
     shape of[MOST_VARYING];
 } trajectory_shape;
 
-/* Measured in schemas/plan.md, Histories. */
+/* The trajectories of each quantity and of each pair. schemas/plan.md, Histories, has the errors
+ * that were measured with them. */
 static const trajectory_shape shapes[] = {
     {1, {{SINE, false, 0.8, 0}}},
     {1, {{SINE, false, 1.4, 1.6}}},
@@ -119,7 +120,7 @@ ehd_status default_histories_read(default_histories *self, const tree_node *node
 
 // ---- the trajectories
 
-/* One of them: which shape, of which quantities, by their index. */
+/* One trajectory: its shape, and the indices of its quantities. */
 typedef struct choice {
     const trajectory_shape *shape;
     size_t quantity[MOST_VARYING];
@@ -136,8 +137,8 @@ static bool is_wanted(const default_histories *self, const choice *of) {
     return wanted;
 }
 
-/* Finds number `number`, all of a quantity, then of a pair, together; returns how many there are
- * up to it, at most. */
+/* Finds trajectory `number`. All trajectories of one quantity follow one another, and so do those
+ * of one pair. Returns number + 1, or the number of all trajectories if that is less. */
 static size_t choose(choice *chosen, const default_histories *self, size_t number) {
     const size_t num = self->num_quantities;
     size_t count = 0;
@@ -191,7 +192,7 @@ static ehd_status assign_number(scene_source *source, const char *quantity, cons
     return assign(source, key, text, where, error);
 }
 
-/* Has nothing vary. */
+/* Removes all histories from a scene. EHD_DATA: an override gives one. */
 static ehd_status clear(scene_source *source, place where, ehd_error *error) {
     static const char group[] = "transient.";
     scene none;
@@ -199,7 +200,7 @@ static ehd_status clear(scene_source *source, place where, ehd_error *error) {
     scene_defaults(&none);
     memcpy(source->values.transient.vary, none.transient.vary, sizeof none.transient.vary);
     for (const setting *row = scene_settings(); row->key; row++) {
-        // of a history, not of the run
+        // a dot in the name: a key of a history, not of the run
         const char *name = row->key + sizeof group - 1;
         if (strncmp(row->key, group, sizeof group - 1) != 0 || !strchr(name, '.')) continue;
         if (source_is_overridden(source, row))

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The trajectories that a plan trains where it says between which factors load, speed, radius and
- * modulus vary, and not how (schemas/plan.md, Histories). */
+/* The trajectories of a plan that gives only bounds for the factors of load, speed, radius and
+ * modulus, and no histories (schemas/plan.md, Histories). */
 #ifndef EHD_DEFAULT_HISTORIES_H
 #define EHD_DEFAULT_HISTORIES_H
 
@@ -8,12 +8,12 @@
 
 #include <stdbool.h>
 
-/* Bounds of the factors, and which kinds of histories. */
+/* Bounds of the factors, and the kinds of histories. */
 typedef struct default_histories {
     size_t num_quantities;
     int quantity[NUM_VARY]; // VARY_LOAD, ...
     double low[NUM_VARY], high[NUM_VARY];
-    bool chosen;   // the kinds are; else sines, ramps and the steps of the speed
+    bool chosen;   // the plan gives the kinds; else sines, ramps and the steps of the speed
     bool kinds[3]; // sine, ramp, step
     place where;
 } default_histories;
@@ -22,15 +22,16 @@ typedef struct default_histories {
 ehd_status default_histories_read(default_histories *self, const tree_node *node, const char *path,
                                   ehd_error *error);
 
-/* How many trajectories these are: 0 without any quantity. */
+/* Returns the number of trajectories; 0 without any quantity. */
 size_t default_histories_count(const default_histories *self);
 
-/* Has a scene vary as one of them, and nothing else of it; it ends at T = 2.5 unless an override
- * says when. EHD_DATA: a bad value, or an override of what varies. */
+/* Sets the histories of a scene to trajectory `number`; nothing else in it varies. The scene ends
+ * at T = 2.5 unless an override gives the end. EHD_DATA: a bad value, another regime than
+ * transient, or an override of a history. */
 ehd_status default_histories_apply(const default_histories *self, size_t number,
                                    scene_source *source, ehd_error *error);
 
-/* "load ramp, speed sine" */
+/* Writes the histories of trajectory `number`: "load ramp, speed sine". */
 void default_histories_show(const default_histories *self, size_t number, char *shown, size_t size);
 
 #endif

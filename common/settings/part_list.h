@@ -14,10 +14,11 @@ typedef struct part_list {
     char *paths[MAX_PARTS]; // of models
 } part_list;
 
-/* Whether a file is one by its name, which ends with ".yml" or ".yaml". */
+/* Checks whether a file is a list by its name, which ends with ".yml" or ".yaml". */
 bool part_list_is(const char *path);
 
-/* Reads one; of any other file the list is that file alone. EHD_NOINPUT, EHD_IO, EHD_DATA, EHD_MEMORY. */
+/* Reads a list. Any other file becomes a list of that file alone. EHD_NOINPUT, EHD_IO, EHD_DATA,
+ * EHD_MEMORY. */
 ehd_status part_list_read(
     // output:
     part_list *self, // free with part_list_free, also where it fails

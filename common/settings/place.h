@@ -11,18 +11,18 @@ typedef struct place {
     size_t line;      // from 1; 0: unknown
 } place;
 
-/* ehd_fail with EHD_DATA, and "file:line: " before the text as far as known. */
+/* Fails like ehd_fail with EHD_DATA. Writes "file:line: " before the text, as far as known. */
 ehd_status place_fail(
     // output:
     ehd_error *error,
     // input:
     place where, const char *format, ...) __attribute__((format(printf, 3, 4)));
 
-#ifdef __clang_analyzer__ // as in status.h
+#ifdef __clang_analyzer__ // see status.h
 #define place_fail(...) (place_fail(__VA_ARGS__), EHD_DATA)
 #endif
 
-/* The file called `name` in the folder of `path`, `name` itself if it is absolute; free with
+/* Returns the path of `name` in the folder of `path`, or `name` itself if it is absolute; free with
  * free(). NULL: no memory. */
 char *path_beside(const char *path, const char *name);
 

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-// of plans that are parts of parts
+// depth of plans that are parts of parts
 enum { MAX_DEPTH = 16 };
 
 /* The arguments of plan_read. */
@@ -16,14 +16,14 @@ typedef struct plan_reader {
     const char *const *overrides;
     size_t num_overrides;
     ehd_error *error;
-    double times; // as many candidates as the groups say
+    double times; // factor on the number of candidates of each group
 } plan_reader;
 
 static place place_in(const plan_reader *self, const tree_node *node) {
     return (place){self->path, node->line};
 }
 
-/* EHD_DATA unless a node is a map with no other keys than the given ones, which end with NULL. */
+/* Checks that a node is a map with no other keys than `keys`, which ends with NULL. EHD_DATA. */
 static ehd_status check_keys(const plan_reader *self, const tree_node *map, const char *what,
                              const char *const *keys, const char *expected) {
     char shown[SHOWN_TEXT];
@@ -44,8 +44,8 @@ static ehd_status check_keys(const plan_reader *self, const tree_node *map, cons
 
 // ---- the base scene of a group
 
-/* `scene_path` receives the name of the scene's file, if it is one; the base keeps a pointer to
- * it. */
+/* Reads the base scene of a group. `scene_path` receives the name of the scene's file, if it is
+ * one; the base keeps a pointer to it. */
 static ehd_status read_base(const plan_reader *self, scene_source *base, char **scene_path,
                             const tree_node *node) {
     char shown[SHOWN_TEXT];
@@ -175,7 +175,7 @@ static ehd_status read_group(const plan_reader *self, const tree_node *node, siz
     return status;
 }
 
-/* A scene file: one group of one point. */
+/* Reads a scene file as a plan of one group with one point. */
 static ehd_status read_single(const plan_reader *self, const tree_node *root) {
     const variation unvaried = {.num_points = 1};
     scene_source base;
@@ -214,7 +214,7 @@ static ehd_status read_times(const plan_reader *self, const tree_node *node, dou
     return status;
 }
 
-/* Leaves nothing outside of further bounds. */
+/* Narrows bounds to their intersection with further bounds. */
 static void narrow(plan_where *where, const plan_where *further) {
     for (int w = 0; w < NUM_WHERE; w++) {
         where->bounds[w][0] = fmax(where->bounds[w][0], further->bounds[w][0]);
@@ -222,7 +222,7 @@ static void narrow(plan_where *where, const plan_where *further) {
     }
 }
 
-/* The groups of the whole, within further bounds. */
+/* Reads the groups of the whole plan, of which this plan is a part, within further bounds. */
 static ehd_status read_part(const plan_reader *self, const tree_node *root, int depth) {
     static const char *const keys[] = {"part_of", "where", "candidates_times", NULL};
     const tree_node *name = tree_find(root, "part_of");
@@ -292,7 +292,7 @@ static int compare_points(const plan *of, const plan_point *left, const plan_poi
     return order;
 }
 
-/* For qsort_r over point numbers: equal points become neighbours, in their original order. */
+/* Compares point numbers for qsort_r: equal points become neighbours, in their original order. */
 static int compare_numbers(const void *left, const void *right, void *context) {
     const plan *of = context;
     const size_t i = *(const size_t *)left, j = *(const size_t *)right;

@@ -8,7 +8,8 @@
 
 // ---- writing
 
-/* Prints the settings in which a point differs from the one before; NULL: all that are given. */
+/* Prints the settings in which a point differs from the one before. If `before` is NULL, prints all
+ * settings that are given. */
 static void print_changes(FILE *stream, const scene *now, const scene *before) {
     for (const setting *row = scene_settings(); row->key; row++) {
         const bool given = setting_is_given(row, now);
@@ -20,7 +21,8 @@ static void print_changes(FILE *stream, const scene *now, const scene *before) {
     }
 }
 
-/* Bounds on alpha p_H always, on M where there are any: texts of before stay the same. */
+/* Prints a group and its bounds. Bounds on alpha p_H are always printed, bounds on M only where
+ * there are any, so that texts of earlier versions stay the same. */
 static void print_group(FILE *stream, size_t group, const plan_where *where) {
     char low[NUMBER_TEXT], high[NUMBER_TEXT];
     fprintf(stream, "# group %zu", group);
@@ -58,16 +60,18 @@ ehd_status plan_write_text(plan *of, const char *path, ehd_error *error) {
 
 // ---- reading
 
-/* A text, and the plan that its lines so far make. */
+/* A plan while its text is read. */
 typedef struct text_reader {
     plan *plan;
-    place where;        // of the present line
-    scene scene;        // its values so far
-    size_t group, room; // of the point that follows; points that there is memory for
+    place where; // of the present line
+    scene scene; // values of the present point so far
+    // group of the next point; number of points that there is memory for
+    size_t group, room;
     ehd_error *error;
 } text_reader;
 
-/* One of ", KEY from LOWEST to HIGHEST"; returns its length, 0 where it is something else. */
+/* Reads one pair of bounds, ", KEY from LOWEST to HIGHEST". Returns its length; 0: the text is
+ * something else. */
 static int read_bounds(plan_where *where, const char *text) {
     char key[16];
     double bounds[2];
@@ -81,7 +85,7 @@ static int read_bounds(plan_where *where, const char *text) {
     return length;
 }
 
-/* "# group N" and its bounds, at least one pair. */
+/* Reads "# group N" and its bounds, at least one pair. */
 static ehd_status read_group(text_reader *self, const char *line) {
     plan *of = self->plan;
     plan_where found = plan_anywhere();
@@ -125,7 +129,7 @@ static ehd_status read_point(text_reader *self) {
     return EHD_OK;
 }
 
-/* Takes the quotes of setting_print away. */
+/* Removes the quotes of setting_print. */
 static void unquote(char *value) {
     const size_t length = strlen(value);
     if (length < 2 || *value != '\'' || value[length - 1] != '\'') return;

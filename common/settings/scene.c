@@ -26,7 +26,7 @@ void scene_defaults(scene *of) {
     }
 }
 
-/* Defaults that are a law's own. */
+/* Fills in the defaults that the chosen law has itself. */
 static void fill_law(scene *of, const law_group *group) {
     const lubricant_law *law = law_group_choice(group, of);
     char key[MAX_KEY];
@@ -44,12 +44,12 @@ static void fill_real(double *value, double default_value) {
     if (isnan(*value)) *value = default_value;
 }
 
-/* Whether there are lines of nodes across: of a point contact or an ellipse. */
+/* Checks whether the grid has lines of nodes across: of a point contact or an ellipse. */
 static bool has_lines(const scene *of) {
     return *of->contact && strcmp(of->contact, "line") != 0;
 }
 
-/* That of the paper, whatever M and L. */
+/* Fills in the grid of the paper, for any M and L. */
 static void fill_published_grid(scene *of) {
     const bool point = has_lines(of);
 
@@ -66,7 +66,7 @@ static void fill_boundary(scene *of) {
         snprintf(of->boundary, sizeof of->boundary, "%s", published ? "zero" : "open");
 }
 
-/* What follows from the way that films are carried. */
+/* Fills in the transport of films, and the tolerance, which depends on it. */
 static void fill_transient(scene *of) {
     const bool published = strcmp(of->discretization, "published") == 0;
 

@@ -11,10 +11,10 @@
 
 /* The quantities that may vary in time. */
 enum { VARY_LOAD, VARY_SPEED, VARY_RADIUS, VARY_MODULUS, VARY_APPROACH, NUM_VARY };
-enum { MAX_FACTOR = 1000 };                    // on a reference value, of either sign
+enum { MAX_FACTOR = 1000 };                    // most on a reference value, of either sign
 extern const char *const vary_names[NUM_VARY]; // "load", …: the keys of their histories
 
-/* The history of one of them: a factor on its reference value as a function of T = u_ref t /
+/* The history of one quantity: a factor on its reference value as a function of T = u_ref t /
  * a_ref. */
 typedef struct history_settings {
     char law[16];          // constant, sine, ramp, step, table
@@ -32,8 +32,9 @@ typedef struct history_settings {
     char interpolation[8]; // spline, linear
 } history_settings;
 
-/* The five of `physical`, or none; in place of the mean speed those of both surfaces, of an ellipse
- * perhaps another radius, and the viscosity may be left to a law that has its own. */
+/* The operating point in SI units. Load, radius, speed, modulus and viscosity are given, or none of
+ * them. The speeds of both surfaces may replace the mean speed, and an ellipse may have another
+ * radius across. The viscosity may be left to a law that has its own. */
 typedef struct physical_settings {
     double load;          // N/m of a line contact, N of a point contact
     double radius;        // m
@@ -45,35 +46,36 @@ typedef struct physical_settings {
     double viscosity;     // Pa s at zero pressure
 } physical_settings;
 
-/* NaN: as the contact needs it (scene_contact.h). */
+/* The grid. NaN: chosen as the contact needs it (scene_contact.h). */
 typedef struct grid_settings {
     double x_min; // contact half widths
     double x_max;
     double step;
-    double y_max; // NaN of a line contact too
+    double y_max; // NaN: also a line contact
     int half;     // 1, 0: whether the symmetric half is solved; -1: a line contact
 } grid_settings;
 
 typedef struct output_settings {
     int fields;       // 1, 0, or -1: the program's own default
-    int resolution;   // the same
+    int resolution;   // 1, 0, or -1: the program's own default
     int fields_every; // fields at every N-th step, only when transient
 } output_settings;
 
 typedef struct transient_settings {
-    double end_time;    // T
-    double tolerance;   // 1, on the local error, or along the path on the film's
+    double end_time; // T
+    // 1, on the local error of a step or, along the path, on the error of the central film
+    double tolerance;
     double smoothing;   // half widths, of films carried along their paths
     double fixed_step;  // of T; NaN: step size control by the local error
     double start_film;  // H at the start from rest
-    double start_speed; // factor; NaN: that of its history at T = 0
+    double start_speed; // factor; NaN: that of the speed's history at T = 0
     history_settings vary[NUM_VARY];
 } transient_settings;
 
-/* What stands out of, or is missing from, one of the surfaces (common/time/surface.h). */
+/* Waviness, dent or heights on one of the surfaces (common/time/surface.h). */
 typedef struct surface_settings {
     char kind[16]; // sine, dent, file; "": both surfaces are smooth
-    char units[8]; // contact, si: of heights and lengths
+    char units[8]; // contact, si: units of heights and lengths
     double speed;  // of that surface, relative to the mean
     double position;
     double amplitude, wavelength, phase;
@@ -97,7 +99,7 @@ typedef struct scene {
         double M, L; // 1, given both or neither
     } moes;
     physical_settings physical;
-    double slide_roll;     // (u1 - u2)/u_m; NaN: traction is not asked for
+    double slide_roll;     // (u1 - u2)/u_m; NaN: not given
     double ellipticity;    // b/a of an ellipse; NaN: by physical.radius_across
     double hertz_pressure; // Pa, optional
     lubricant_settings lubricant;
@@ -107,8 +109,9 @@ typedef struct scene {
     surface_settings surface;     // only when transient
 } scene;
 
-// of a grid, of which those of a point contact are checked against memory first: results have twice as many, in both
-// halves, which files may have; of a line contact
+// Most nodes of the grid of a point contact, and of a line contact. Grids of point contacts are
+// also checked against memory. A result has both halves of a grid, so files may have twice as many
+// nodes.
 enum { MAX_NODES = 50000000, MAX_LINE_NODES = 2000000 };
 
 typedef enum setting_type {
@@ -128,8 +131,8 @@ typedef struct setting_condition {
 
 enum { MAX_CONDITIONS = 2 };
 
-/* One key of a scene: what parsing, validation, --help, the schema page and stored settings
- * follow from. */
+/* One key of a scene. Parsing, validation, --help, the schema page and stored settings follow from
+ * it. */
 typedef struct setting {
     const char *key; // "lubricant.viscosity.alpha"
     setting_type type;
@@ -140,29 +143,30 @@ typedef struct setting {
     double min, max;           // allowed range, both included, for SETTING_REAL and SETTING_WHOLE
     const char *unit;          // "1", "Pa", ...; "N/m|N": of a line contact, and of others
     const char *help;          // one sentence
-    // the key is used only where all of these hold, and refused elsewhere; they end with a NULL
-    // key, and refer to keys of rows before this one
+    // conditions that must all hold, or the key is refused; they end with a NULL key, and refer to
+    // keys of rows before this one
     setting_condition when[MAX_CONDITIONS];
-    bool required; // where they hold
+    bool required; // if the conditions hold
 } setting;
 
-/* The table: an array that ends with a row whose key is NULL. The keys of the lubricant follow from
- * the tables of laws. */
+/* Returns the table of settings, an array that ends with a row whose key is NULL. The keys of the
+ * lubricant follow from the tables of laws. */
 const setting *scene_settings(void);
 
-/* A scene with nothing given, but the defaults of keys without conditions filled in. */
+/* Makes a scene with nothing given, except for the defaults of keys without conditions. */
 void scene_defaults(scene *scene);
 
 /* Fills in the defaults of all keys that are used with the scene's contact, regime, closure and
  * laws. scene_read, scene_parse and plan_read do this themselves. */
 void scene_complete(scene *scene);
 
-/* The mean speed of both surfaces in m/s, and (u1 - u2) over it, from what is given of the two; NaN:
- * not given. */
+/* Returns the mean speed of both surfaces in m/s; NaN: not given. */
 double scene_speed(const scene *scene);
+/* Returns the slide-roll ratio, (u1 - u2) over the mean speed; NaN: not given. */
 double scene_slide_roll(const scene *scene);
 
-/* Whether its law of shear stress counts in the film's flow. */
+/* Checks whether the law of shear stress counts in the flow of the film too
+ * (lubricant.shear.in_film). */
 bool scene_thins_flow(const scene *scene);
 
 /* Reads a YAML file. `overrides` are "key.path=value" strings ("--set"), applied after the file
@@ -176,8 +180,8 @@ ehd_status scene_read(
     // input:
     const char *path, const char *const *overrides, size_t num_overrides, ehd_error *error);
 
-/* The same from memory, as a multibody code may want; `name` stands for the file in errors, and
- * relative names start from the working folder. */
+/* Reads a scene from memory like scene_read. `name` stands for the file in errors, and relative
+ * names start from the working folder. */
 ehd_status scene_parse(
     // output:
     scene *scene,
@@ -189,23 +193,27 @@ ehd_status scene_parse(
 ehd_status scene_set(scene *scene, const char *key, const char *value, const char *where,
                      ehd_error *error);
 
-/* The checks that involve several keys: either moes or physical is given, and of an ellipse either
- * ellipticity or radius_across; required keys are
- * given, and none that regime, closure or laws do not use; the grid's extent is a whole number of
- * steps; the contact lies inside the grid. */
+/* Checks settings that depend on each other. `where` leads the error text.
+ * - Either moes or physical is given, and of an ellipse either ellipticity or radius_across.
+ * - Required keys are given, and no keys that regime, closure or laws do not use.
+ * - The grid's extent is a whole number of steps.
+ * - The contact lies inside the grid. */
 ehd_status scene_validate(const scene *scene, const char *where, ehd_error *error);
 
-/* All settings that have a value, one line "key: value" each, in table order. Numbers round-trip.
- * Equal scenes give equal texts, so the text also identifies a scene. Free with free(). */
+/* Returns all settings that have a value, one line "key: value" each, in table order. Numbers
+ * round-trip. Equal scenes give equal texts, so the text also identifies a scene. Free with free().
+ * NULL: no memory. */
 char *scene_text(const scene *scene);
 
-/* Whether a text that a file keeps is of the same settings as one of now, of scenes or plans alike.
- * A text without a discretization is of a version before 0.3.0, which had the published one alone,
- * with zero pressure around the grid: it matches the same text with that. */
+/* Checks whether the text of settings that a file keeps matches the text `now`, of a scene or a
+ * plan. A text without a discretization is from a version before 0.3.0, which had only the
+ * published one, with zero pressure around the grid. It matches if those settings are the only
+ * difference. */
 bool scene_text_matches(const char *kept, const char *now);
 
-/* The table as text for --help, and as a Markdown table for schemas/scene.md. */
+/* Prints the table as text for --help. */
 void scene_print_help(FILE *stream);
+/* Prints the table as a Markdown table for schemas/scene.md. */
 void scene_print_markdown(FILE *stream);
 
 /* One training point of a plan. */
@@ -214,7 +222,7 @@ typedef struct plan_point {
     size_t group; // number of its group, from 0
 } plan_point;
 
-/* What a plan's `where` may bound. */
+/* Quantities that `where` of a plan may bound. */
 enum { WHERE_ALPHA_P_H, WHERE_MOES_M, NUM_WHERE };
 
 /* Bounds of a group, -inf..inf where it has none. */
@@ -223,18 +231,21 @@ typedef struct plan_where {
 } plan_where;
 
 typedef struct plan {
-    plan_point *points; // [num_points], in the order of the file, grids with the last key fastest;
-                        // without points that equal an earlier one, bounds included
+    // [num_points], in the order of the file, grids with the last key fastest; without points that
+    // equal an earlier one, bounds included
+    plan_point *points;
     size_t num_points;
-    bool has_region; // points are candidates, of which training solves those that it needs
-    char *text; // identifies the plan for --resume: the groups with their bounds, the first point's
-                // scene_text, and of each further point what differs from the one before
+    bool has_region; // points are candidates; training solves those that it needs
+    // identifies the plan for --resume: the groups with their bounds, scene_text of the first
+    // point, and of each further point what differs from the one before
+    char *text;
     plan_where *where; // [num_groups]
     size_t num_groups;
 } plan;
 
-/* The key of each, and bounds that leave nothing out. */
+/* The key of each quantity in `where`. */
 extern const char *const plan_where_keys[]; // [NUM_WHERE + 1], NULL at the end
+/* Returns bounds that leave nothing out. */
 plan_where plan_anywhere(void);
 
 /* Reads a plan (schemas/plan.md). Paths in it are relative to the plan's folder. Overrides act on
@@ -246,9 +257,9 @@ ehd_status plan_read(
     // input:
     const char *path, const char *const *overrides, size_t num_overrides, ehd_error *error);
 
-/* The plan of a text, which files keep as their settings: the same points, groups and bounds. Lines
- * that others added to it, which begin with #, are passed over. `name` stands for the file in errors.
- * EHD_DATA, EHD_MEMORY. */
+/* Reads the plan of a text, which files keep as their settings: the same points, groups and bounds.
+ * Lines that others added to the text, which begin with #, are ignored. `name` stands for the file
+ * in errors. EHD_DATA, EHD_MEMORY. */
 ehd_status plan_parse(
     // output:
     plan *plan, // free with plan_free

@@ -44,10 +44,10 @@ ehd_status scene_check_approach(const scene *given, const ehd_contact *contact, 
                                                    : EHD_OK;
 }
 
-/* How films are carried, on the contact's grid. */
+/* Sets how films are carried through the contact. */
 static void set_transport(ehd_contact *contact, const scene *given) {
     contact->transport = TRANSPORT_UPWIND;
-    transport_find(&contact->transport, given->transport); // a choice, or none when stationary
+    transport_find(&contact->transport, given->transport); // a valid name, or none when stationary
     contact->smoothing = given->transient.smoothing;
     contact->time_tolerance = isnan(given->transient.fixed_step) ? given->transient.tolerance : NAN;
 }
@@ -87,8 +87,8 @@ ehd_status scene_contact_begin(ehd_contact *contact, const scene *given, ehd_err
     if (status) return status;
     contact->slide_roll = scene_slide_roll(given);
     contact->grid.half = given->grid.half != 0 && contact->kind->dimensions > 1;
-    discretization_find(&contact->grid.discretization, given->discretization); // a choice
-    boundary_find(&contact->grid.boundary, given->boundary); // a choice, or none of a line
+    discretization_find(&contact->grid.discretization, given->discretization); // a valid name
+    boundary_find(&contact->grid.boundary, given->boundary); // a valid name, or none of a line
     contact->grid_given =
         (grid_extent){given->grid.x_min, given->grid.x_max, given->grid.step, given->grid.y_max};
     if (contact_has_chosen_grid(contact)) return EHD_OK;

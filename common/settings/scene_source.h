@@ -16,10 +16,11 @@ typedef struct scene_source {
     place places[MAX_SETTINGS]; // by row of scene_settings(); file NULL: not given
 } scene_source;
 
-/* scene_defaults with no source locations. `file` and `beside` are kept, not copied. */
+/* Initialises a source with scene_defaults and no source locations. `file` and `beside` are kept,
+ * not copied. */
 void source_init(scene_source *source, const char *file, const char *beside);
 
-/* setting_assign; file names are relative to the folder of `beside`. */
+/* Assigns a value like setting_assign. File names are relative to the folder of `beside`. */
 ehd_status source_assign(
     // output:
     scene_source *source,
@@ -30,20 +31,20 @@ ehd_status source_assign(
  * repeated or bad keys. */
 ehd_status source_apply_map(scene_source *source, const tree_node *map, ehd_error *error);
 
-/* The same of a file; also EHD_NOINPUT, EHD_IO, EHD_MEMORY. */
+/* Assigns the values in a YAML file like source_apply_map; also EHD_NOINPUT, EHD_IO, EHD_MEMORY. */
 ehd_status source_apply_file(scene_source *source, const char *path, ehd_error *error);
 
 /* Sets "key=value" strings and unsets those without a value; a later one wins. */
 ehd_status source_apply_overrides(scene_source *source, const char *const *overrides,
                                   size_t num_overrides, ehd_error *error);
 
-/* Whether an override set or unset the key of a row. */
+/* Checks whether an override set or unset the key of a row. */
 bool source_is_overridden(const scene_source *source, const setting *row);
 
-/* scene_complete and source_validate. */
+/* Calls scene_complete and source_validate. */
 ehd_status source_finish(scene_source *source, ehd_error *error);
 
-/* The checks of scene_validate. */
+/* Does the checks of scene_validate. Errors have the source location of a key. */
 ehd_status source_validate(const scene_source *source, ehd_error *error);
 
 #endif

@@ -8,7 +8,7 @@ static const double whole_number_tolerance = 1e-9; // relative, of the number of
 
 // ---- groups of keys
 
-/* How many of some keys are given that need no other, and the others as a list "moes.M, moes.L". */
+/* Numbers of given and of all keys of a group, and the missing ones as a list "moes.M, moes.L". */
 typedef struct key_count {
     size_t given;
     size_t all;
@@ -50,15 +50,17 @@ static ehd_status check_whole(const scene_source *source, const char *name, cons
                       count->all, count->missing);
 }
 
-/* Whether the law has the viscosity that `physical` lacks. A lubricant that is wrong is told elsewhere. */
+/* Checks whether the law has the viscosity that `physical` lacks. Also true for a lubricant that is
+ * wrong, which another check reports. */
 static bool has_viscosity_of_law(const scene *of) {
     ehd_lubricant lubricant;
     return isnan(of->physical.viscosity) &&
            (lubricant_init(&lubricant, &of->lubricant, NULL) || !isnan(lubricant.eta0));
 }
 
-/* The five of `physical` that every contact needs: either the mean speed counts, or both surfaces'
- * where one of them is given, and the viscosity only where the law has none. */
+/* Counts the keys of `physical` that every contact needs. The speeds of both surfaces count in
+ * place of the mean speed if one of them is given. The viscosity does not count if the law has its
+ * own. */
 static key_count count_physical(bool *both_speeds, bool viscosity_of_law, const scene *of) {
     static const char *const own[] = {"physical.speed_1", "physical.speed_2"};
     const setting *mean = setting_find("physical.speed");
@@ -88,7 +90,7 @@ static ehd_status check_speeds(const scene_source *source, bool both_speeds, ehd
     if (both_speeds && !isnan(of->slide_roll))
         return place_fail(error, where,
                           "physical.speed_1: found beside slide_roll, expected only one of them");
-    // where one is missing the count says so
+    // if one speed is missing, this is NaN, and the count of keys gives the error
     if (both_speeds && scene_speed(of) < setting_find("physical.speed")->min)
         return place_fail(error, where,
                           "physical.speed_1: found %g with physical.speed_2 of %g m/s, expected a "
@@ -113,7 +115,8 @@ static ehd_status check_operating_point(const scene_source *source, ehd_error *e
     return status;
 }
 
-/* The traction's stresses are in pascals, and a law of shear is for the traction. */
+/* Checks the settings of the traction. Its stresses are in pascals, so it needs `physical`. A law
+ * of shear needs the traction. */
 static ehd_status check_traction(const scene_source *source, ehd_error *error) {
     const scene *of = &source->values;
     const bool has_law = *of->lubricant.shear.law;
@@ -140,7 +143,8 @@ static ehd_status check_traction(const scene_source *source, ehd_error *error) {
     return EHD_OK;
 }
 
-/* Cross fluxes are those of a stationary flow across. */
+/* Checks that cross-flux is used only where there is a stationary flow across: not of a line, and
+ * not in time. */
 static ehd_status check_cross_flux(const scene_source *source, ehd_error *error) {
     const scene *of = &source->values;
     const bool line = strcmp(of->contact, "line") == 0;
@@ -152,7 +156,7 @@ static ehd_status check_cross_flux(const scene_source *source, ehd_error *error)
                       line ? "line contact" : "contact in time");
 }
 
-/* An ellipse has its shape from one of two keys. */
+/* Checks that an ellipse has its shape from one of two keys. */
 static ehd_status check_ellipse(const scene_source *source, ehd_error *error) {
     const scene *of = &source->values;
     const bool by_radius = !isnan(of->physical.radius_across);
@@ -173,13 +177,13 @@ static ehd_status check_ellipse(const scene_source *source, ehd_error *error) {
 
 // ---- conditions
 
-/* Whether two keys are required because of the same condition. */
+/* Checks whether two keys are required because of the same condition. */
 static bool same_reason(const setting *left, const setting *right) {
     const char *a = left->when[0].key, *b = right->when[0].key;
     return a && b ? strcmp(a, b) == 0 : a == b;
 }
 
-/* Whether the scene's law needs a key that other laws may do without. */
+/* Checks whether the scene's law needs a key that other laws may do without. */
 static bool law_needs(const setting *row, const scene *of) {
     for (int i = 0; row->when[0].key && i < NUM_LAW_GROUPS; i++) {
         const size_t length = strlen(law_groups[i].key);
@@ -196,7 +200,7 @@ static bool is_missing(const setting *row, const scene *of) {
            !setting_unmet(row, of);
 }
 
-/* All required keys are given. */
+/* Checks that all required keys are given. */
 static ehd_status check_needed(const scene_source *source, ehd_error *error) {
     const scene *of = &source->values;
     const setting *first = scene_settings();
@@ -215,7 +219,8 @@ static ehd_status check_needed(const scene_source *source, ehd_error *error) {
                       "%s: found nothing, expected a value with the %s", count.missing, shown);
 }
 
-/* No given key is unused. A condition on a key that is not given is left to check_needed. */
+/* Checks that no given key is unused. A condition on a key that is not given is left to
+ * check_needed. */
 static ehd_status check_used(const scene_source *source, ehd_error *error) {
     const scene *of = &source->values;
     char shown[SHOWN_TEXT];
@@ -246,7 +251,7 @@ static void add_name(char list[SHOWN_LIST], const char *name) {
     snprintf(list + used, SHOWN_LIST - used, "%s%s", used ? ", " : "", name);
 }
 
-/* A law with presets needs either one of them or all of its constants. */
+/* Checks that a law with presets has either one of them or all of its constants. */
 static ehd_status check_preset(const scene_source *source, const law_group *laws,
                                ehd_error *error) {
     const lubricant_law *law = law_group_choice(laws, &source->values);
@@ -290,7 +295,7 @@ static bool is_point(const scene *of) {
     return strcmp(of->contact, "line") != 0;
 }
 
-/* The allowed step nearest to the given one that divides the extent. */
+/* Returns the allowed step nearest to the given one that divides the extent. */
 static double nearest_step(double extent, double step) {
     const setting *row = setting_find("grid.step");
     double count = round(extent / step);
@@ -322,7 +327,7 @@ static bool is_whole(double steps) {
     return fabs(steps - round(steps)) <= whole_number_tolerance * steps;
 }
 
-/* Number of inner lines of nodes; as far as the scene says it. */
+/* Returns the number of inner lines of nodes; 1 if the scene does not give it. */
 static double count_lines(const scene *of) {
     if (!is_point(of) || isnan(of->grid.y_max)) return 1;
     const double beside = of->grid.y_max / of->grid.step;
@@ -337,7 +342,7 @@ static ehd_status check_grid(const scene_source *source, ehd_error *error) {
     const int most = is_point(of) ? MAX_NODES : MAX_LINE_NODES;
     char found[NUMBER_TEXT], valid[NUMBER_TEXT];
     const ehd_status status = check_extent(source, error);
-    // the rest is chosen so that it fits
+    // settings that are not given are chosen so that they fit
     if (status || isnan(steps)) return status;
     if (!(nodes <= most))
         return place_fail(error, place_of_key(source, "grid.step"),
@@ -351,7 +356,7 @@ static ehd_status check_grid(const scene_source *source, ehd_error *error) {
                           "such as with %s",
                           found, of->grid.x_min, of->grid.x_max, valid);
     }
-    // of an ellipse the lines, which have a step of their own, go on to y_max or just beyond
+    // the lines of an ellipse have a step of their own, and go on to y_max or just beyond
     const bool square = is_point(of) && strcmp(of->contact, "ellipse") != 0;
     if (!square || isnan(of->grid.y_max) || is_whole(of->grid.y_max / step)) return EHD_OK;
     number_show(valid, step * ceil(of->grid.y_max / step));

@@ -214,7 +214,7 @@ const lubricant_law *law_group_choice(const law_group *group, const scene *of) {
 
 const char *const vary_names[NUM_VARY] = {"load", "speed", "radius", "modulus", "approach"};
 
-// rows and texts that make_table makes at most, of the tables of laws and of the histories
+// most rows and texts that make_table makes from the tables of laws and of the histories
 #define ROWS_OF(rows) (sizeof(rows) / sizeof *(rows)-1)
 enum {
     LAW_ROWS = 1 + MAX_LAW_KEYS,
@@ -225,16 +225,16 @@ enum {
 };
 _Static_assert((int)MAX_ROWS <= (int)MAX_SETTINGS, "MAX_SETTINGS is too small");
 
-/* The rows of all settings, and the storage of their texts that are made at run time. */
+/* The rows of all settings, and the storage of texts that are made at run time. */
 static struct {
     setting rows[MAX_ROWS + 1];
     size_t num_rows;
     char texts[MAX_TEXTS][TEXT_ROOM];
     size_t num_texts;
-    const setting *of_condition[MAX_ROWS + 1][MAX_CONDITIONS]; // rows that the conditions are on
+    const setting *of_condition[MAX_ROWS + 1][MAX_CONDITIONS]; // rows of the conditions' keys
 } table;
 
-/* A text stored with the table. */
+/* Formats a text and stores it with the table. */
 static const char *make_text(const char *format, ...) {
     char *text = table.texts[table.num_texts++];
     va_list arguments;
@@ -303,14 +303,16 @@ static void add_history(int quantity) {
     }
 }
 
-/* The row of a key among those before a row; most conditions are on the first rows. NULL: none. */
+/* Returns the row of a key among the rows before `row`; NULL: none. Most conditions are on the
+ * first rows. */
 static const setting *row_before(const setting *row, const char *key) {
     for (const setting *other = table.rows; other < row; other++)
         if (*other->key == *key && strcmp(other->key, key) == 0) return other;
     return NULL;
 }
 
-/* Looked up once: each case of a table of cases asks for all of them. */
+/* Finds the rows of all conditions once, because each case of a table of cases checks all
+ * conditions. */
 static void find_conditions(void) {
     for (size_t r = 0; r < table.num_rows; r++) {
         const setting *row = &table.rows[r];
@@ -354,7 +356,7 @@ static const char *last_part(const char *key) {
 
 const setting *setting_find_short(const char *name) {
     const setting *found = setting_find(name), *used = NULL;
-    size_t num_found = 0, num_used = 0; // the latter in any scene
+    size_t num_found = 0, num_used = 0; // num_used: of keys without conditions
     if (found) return found;
     for (const setting *row = scene_settings(); row->key; row++) {
         if (strcmp(last_part(row->key), name) != 0) continue;
@@ -388,7 +390,7 @@ static size_t smallest(size_t a, size_t b, size_t c) {
     return ab < c ? ab : c;
 }
 
-/* Levenshtein distance, ignoring case; both texts are shorter than MAX_KEY. */
+/* Returns the Levenshtein distance, ignoring case; both texts are shorter than MAX_KEY. */
 static size_t edit_distance(const char *left, const char *right) {
     size_t row[MAX_KEY];
     const size_t width = strlen(right);
@@ -411,8 +413,8 @@ static size_t edit_distance(const char *left, const char *right) {
 /* Other words for the last part of a key. */
 static const char *const synonyms[][2] = {{"velocity", "speed"}, {"force", "load"}};
 
-/* The key that is meant by a key with another word for its last part, "physical.velocity"; or
- * NULL. */
+/* Returns the key that is meant by a key with another word for its last part, "physical.velocity";
+ * or NULL. */
 static const setting *same_meaning(const char *key) {
     char meant[MAX_KEY];
     const size_t length = (size_t)(last_part(key) - key);
@@ -424,8 +426,8 @@ static const setting *same_meaning(const char *key) {
     return NULL;
 }
 
-/* The key that is meant by an unknown one: of the same meaning, else of a similar spelling, else
- * with the same last part; or NULL. */
+/* Returns the key that is meant by an unknown one: of the same meaning, else of a similar spelling,
+ * else with the same last part; or NULL. */
 static const setting *nearest(const char *key) {
     const setting *found = same_meaning(key);
     size_t nearest_distance = (strlen(key) + 2) / 3 + 1;
@@ -441,7 +443,7 @@ static const setting *nearest(const char *key) {
     return found;
 }
 
-/* "moes.M, moes.L": the keys and groups right below a group. */
+/* Lists the keys and groups right below a group: "moes.M, moes.L". */
 static void list_group(char *list, size_t size, const char *group) {
     const size_t depth = strlen(group) + 1;
     const char *before = "";
@@ -620,8 +622,8 @@ void setting_print(FILE *stream, const setting *row, const scene *of) {
 
 enum { ALLOWED_TEXT = 160 };
 
-/* " N/m" of a line contact, " N" of a point contact, and before it is known " N/m (of a point
- * contact N)"; "" for the unit 1. `of` may be NULL. */
+/* Writes the unit: " N/m" of a line contact, " N" of a point contact, or " N/m (of a point contact
+ * N)" as long as the contact is not known. Writes "" for the unit 1. `of` may be NULL. */
 static void show_unit(char shown[SHOWN_TEXT], const setting *row, const scene *of) {
     const char *unit = row->unit, *other = strchr(unit, '|');
     *shown = '\0';
@@ -637,7 +639,8 @@ static void show_unit(char shown[SHOWN_TEXT], const setting *row, const scene *o
                  other + 1);
 }
 
-/* "line|point", "true|false", "a number from 1 to 1000 Pa". `of` may be NULL. */
+/* Writes the allowed values: "line|point", "true|false", "a number from 1 to 1000 Pa". `of` may be
+ * NULL. */
 static void show_allowed(char shown[ALLOWED_TEXT], const setting *row, const scene *of) {
     char unit[SHOWN_TEXT];
     switch (row->type) {
@@ -659,7 +662,7 @@ static void show_allowed(char shown[ALLOWED_TEXT], const setting *row, const sce
     }
 }
 
-/* Whether a text is a number with a unit: "200kN/m", "0.7 GPa". */
+/* Checks whether a text is a number with a unit: "200kN/m", "0.7 GPa". */
 static bool has_unit(const setting *row, const char *text) {
     char *end;
     if (row->type != SETTING_REAL || strcmp(row->unit, "1") == 0) return false;
@@ -693,7 +696,7 @@ static bool assign_flag(scene *of, const setting *row, const char *text) {
     return true;
 }
 
-/* Whether a text has no control characters; UTF-8 is allowed. */
+/* Checks that a text has no control characters; UTF-8 is allowed. */
 static bool is_printable(const char *text) {
     for (; *text; text++)
         if ((unsigned char)*text < ' ' || *text == 0x7f) return false;
@@ -735,13 +738,13 @@ ehd_status setting_assign(scene *of, const setting *row, const char *text, place
 
 // ---- the table as help and as Markdown
 
-/* "barus, wlf" from "barus|wlf": a bar would end the cell of a Markdown table. */
+/* Prints "barus, wlf" for "barus|wlf", because a bar would end the cell of a Markdown table. */
 static void print_words(FILE *stream, const char *choices, const char *between) {
     for (; *choices; choices++)
         fputs(*choices == '|' ? between : (char[]){*choices, '\0'}, stream);
 }
 
-/* The quantity whose history a key belongs to; -1: none. */
+/* Returns the quantity whose history a key belongs to; -1: none. */
 static int quantity_of(const char *key) {
     char group[MAX_KEY];
     for (int i = 0; i < NUM_VARY; i++) {
@@ -751,7 +754,8 @@ static int quantity_of(const char *key) {
     return -1;
 }
 
-/* "regime transient, closure load"; of histories only what all have in common. */
+/* Prints the conditions of a row: "regime transient, closure load". For a key of histories, prints
+ * only the condition that all histories have. */
 static void print_conditions(FILE *stream, const setting *row, const char *before) {
     const size_t max_shown = quantity_of(row->key) < 0 ? MAX_CONDITIONS : 1;
     for (size_t i = 0; i < max_shown && row->when[i].key; i++) {
@@ -760,12 +764,13 @@ static void print_conditions(FILE *stream, const setting *row, const char *befor
     }
 }
 
-/* Whether a row is shown. All histories have the same keys, so that only the first one is. */
+/* Checks whether a row is shown. All histories have the same keys, so only the first one is
+ * shown. */
 static bool is_shown(const setting *row) {
     return quantity_of(row->key) <= 0;
 }
 
-/* "moes.M", or "transient.<load|speed>.law" for all histories. */
+/* Prints "moes.M", or "transient.<load|speed>.law" for all histories. */
 static void print_key(FILE *stream, const setting *row, const char *between) {
     if (quantity_of(row->key) < 0) {
         fputs(row->key, stream);

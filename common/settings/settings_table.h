@@ -11,11 +11,11 @@
 #include <stdio.h>
 
 enum {
-    MAX_SETTINGS = 256, // with fewer than there may be, settings_table.c does not compile
+    MAX_SETTINGS = 256, // if this is too few, settings_table.c does not compile
     MAX_KEY = 128
 };
 
-/* A table of laws, and where a scene has its choice. */
+/* A table of laws, and the place of the chosen law in a scene. */
 typedef struct law_group {
     const char *key; // "lubricant.viscosity"
     const lubricant_law *const *laws;
@@ -25,45 +25,49 @@ typedef struct law_group {
 enum { LAWS_VISCOSITY, LAWS_DENSITY, LAWS_SHEAR, NUM_LAW_GROUPS };
 extern const law_group law_groups[NUM_LAW_GROUPS];
 
-/* The law that a scene names; NULL: none, or there is no such law. */
+/* Returns the law that a scene names; NULL: none, or there is no such law. */
 const lubricant_law *law_group_choice(const law_group *group, const scene *of);
 
-/* The row of a key such as "moes.M", or NULL. */
+/* Returns the row of a key such as "moes.M", or NULL. */
 const setting *setting_find(const char *key);
 
-/* The same; the last part of a key is enough where it is unique, or unique among the keys that any
- * scene uses: "M" for "moes.M", "speed" for "physical.speed" beside "surface.speed". */
+/* Returns the row of a key or of its last part, or NULL. The last part is enough if it is unique,
+ * or unique among the keys without conditions: "M" for "moes.M", "speed" for "physical.speed"
+ * beside "surface.speed". */
 const setting *setting_find_short(const char *name);
 
-/* Position of a row in the table. */
+/* Returns the position of a row in the table. */
 size_t setting_index(const setting *row);
 
-/* Whether there are keys below it, as below "grid" or "lubricant.viscosity". */
+/* Checks whether there are keys below a key, as below "grid" or "lubricant.viscosity". */
 bool setting_is_group(const char *key);
 
-/* EHD_DATA for a key that is no setting; the error suggests a similar key or the keys of the
- * group. */
+/* Fails with EHD_DATA for a key that is no setting. The error suggests a similar key, or the keys
+ * of the group. */
 ehd_status setting_unknown(ehd_error *error, place where, const char *key);
 
-/* Whether a word is one of "a|b|c". */
+/* Checks whether a word is one of "a|b|c". */
 bool setting_has_choice(const char *choices, const char *word);
 
-/* The first condition of a key, those of the keys that it refers to included, that does not hold.
- * NULL: the key is used. */
+/* Returns the first condition of a key that does not hold, including the conditions of the keys
+ * that it refers to. NULL: the key is used. */
 const setting_condition *setting_unmet(const setting *row, const scene *of);
 
-/* "law wlf": the key of a condition with its present value. */
+/* Writes the key of a condition with its present value: "law wlf". */
 void setting_show_condition(char shown[SHOWN_TEXT], const setting_condition *condition,
                             const scene *of);
 
-/* Whether a scene has a value for a row's key, and taking it away. */
+/* Checks whether a scene has a value for a row's key. */
 bool setting_is_given(const setting *row, const scene *of);
+/* Removes the value of a row's key from a scene. */
 void setting_clear(const setting *row, scene *of);
 
-/* Negative, 0 or positive, as strcmp; a value that is not given is less than any other. */
+/* Compares two values. Returns a negative number, 0 or a positive number like strcmp. A value that
+ * is not given is less than any other. */
 int setting_compare(const setting *row, const scene *left, const scene *right);
 
-/* The value as setting_assign takes it; it must be given. Returns how long it is, as snprintf. */
+/* Writes a value, which must be given, as setting_assign takes it. Returns its length, like
+ * snprintf. */
 size_t setting_show(char *text, size_t size, const setting *row, const scene *of);
 
 /* Prints "key: value"; the value must be given. */

@@ -139,7 +139,7 @@ static ehd_status read_csv(variation *self, const tree_node *points, const char 
 
 // ---- regions
 
-/* A bound is a value that the setting may have. */
+/* Reads a bound, which must be a value that the setting may have. */
 static ehd_status check_bound(double *bound, const setting *row, const char *text, place where,
                               ehd_error *error) {
     scene any;
@@ -188,13 +188,13 @@ static ehd_status add_range(variation *self, const tree_node *node, const char *
     return read_bounds(range, node, error);
 }
 
-/* Corner number `corner` of the unit cube: one bit a setting. */
+/* Sets corner number `corner` of the unit cube: one bit a setting. */
 static void set_corner(double *here, size_t num_ranges, size_t corner) {
     for (size_t r = 0; r < num_ranges; r++)
         here[r] = (double)(corner >> r & 1);
 }
 
-/* Of all edges, those along one axis after the other. Returns how many places they are. */
+/* Fills the places along all edges of the unit cube, axis after axis. Returns their number. */
 static size_t fill_edges(double *places, size_t num_ranges, size_t num_on_edge) {
     size_t count = 0;
     for (size_t axis = 0; axis < num_ranges; axis++)
@@ -209,12 +209,12 @@ static size_t fill_edges(double *places, size_t num_ranges, size_t num_on_edge) 
     return count;
 }
 
-/* The corners, a quarter of the candidates along the edges, the rest inside. */
+/* Fills the candidates: the corners, a quarter of all along the edges, the rest inside. */
 static ehd_status fill_candidates(variation *self, const char *path, ehd_error *error) {
     const size_t d = self->num_ranges, num_corners = (size_t)1 << d,
                  num_edges = d * num_corners / 2;
     const size_t num_on_edge = self->num_candidates / 4 / num_edges;
-    // in our own memory: gsl_qrng_alloc ends the process that is refused some
+    // in our own memory, because gsl_qrng_alloc ends the process if memory is refused
     const gsl_qrng_type *type = gsl_qrng_sobol;
     gsl_qrng sequence = {type, (unsigned)d, type->state_size((unsigned)d), NULL};
     sequence.state = malloc(sequence.state_size);
@@ -272,7 +272,7 @@ static ehd_status read_region(variation *self, const tree_node *group, double ti
     return status;
 }
 
-/* Of a candidate in a range. Equal bounds are refused, so that the logarithms are apart. */
+/* Returns the value of a candidate in a range. */
 static double range_value(const variation *self, size_t range, size_t point) {
     const variation_range *of = &self->ranges[range];
     const double part = self->candidates[self->num_ranges * (point % self->num_candidates) + range];
@@ -398,7 +398,7 @@ ehd_status variation_check_overrides(const variation *self, const scene_source *
 
 // ---- points
 
-/* The index of a point's value in a column. */
+/* Returns the index of a point's value in a column. */
 static size_t value_index(const variation *self, size_t column, size_t point) {
     if (self->num_ranges > 0) point /= self->num_candidates;
     if (self->num_histories > 0) point /= self->num_histories;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The settings that a group of a plan varies: columns of values, from its YAML or from a CSV file,
- * and bounds between which others vary. */
+ * and settings that vary between bounds. */
 #ifndef EHD_VARIATION_H
 #define EHD_VARIATION_H
 
@@ -19,7 +19,7 @@ typedef struct variation_column {
     place *places;      // [num_values]
 } variation_column;
 
-/* A setting that varies between bounds, by its logarithm where these are positive. */
+/* A setting that varies between bounds, on a logarithmic scale if these are positive. */
 typedef struct variation_range {
     const setting *row;
     place where;
@@ -40,12 +40,12 @@ typedef struct variation {
     csv_file points;             // owns the texts that come from a CSV file
 } variation;
 
-/* Reads `vary` and `combine`, or `points`, and `region` with its `candidates` or `histories`, of a
- * group; one without them has one point. Candidates are the corners of the region, places along its
- * edges, and inside of it Sobol's sequence (gsl_qrng_sobol), which leaves no gaps however long it
- * is; they are `times` as many as the group says. `plan_path` is the plan's file, named in errors;
- * `points` is relative to its folder.
- * EHD_DATA, EHD_NOINPUT, EHD_IO, EHD_MEMORY. */
+/* Reads what a group varies: `vary` and `combine`, or `points`, and `region` with its `candidates`,
+ * or `histories`. A group without them has one point. Candidates are the corners of the region,
+ * places along its edges, and inside of it Sobol's sequence (gsl_qrng_sobol), which leaves no gaps
+ * at any length. There are `times` as many candidates as the group gives. `plan_path` is the plan's
+ * file, for errors; `points` is relative to its folder. EHD_DATA, EHD_NOINPUT, EHD_IO,
+ * EHD_MEMORY. */
 ehd_status variation_read(
     // output:
     variation *self, // free with variation_free
@@ -60,7 +60,7 @@ ehd_status table_settings(
     // input:
     const csv_file *table, const char *beside, ehd_error *error);
 
-/* EHD_DATA where --set gives a setting that varies; `path` is where that is said. */
+/* Checks that --set gives no setting that varies. EHD_DATA. `path` is the plan, for the error. */
 ehd_status variation_check_overrides(const variation *self, const scene_source *base,
                                      const char *path, ehd_error *error);
 
@@ -68,7 +68,7 @@ ehd_status variation_check_overrides(const variation *self, const scene_source *
 ehd_status variation_apply(const variation *self, size_t point, scene_source *source,
                            ehd_error *error);
 
-/* "moes.M=5, moes.L=1" */
+/* Writes the values of one point: "moes.M=5, moes.L=1". */
 void variation_show(const variation *self, size_t point, char *shown, size_t size);
 
 void variation_free(variation *self);

@@ -89,7 +89,7 @@ static size_t line_at(const reader *self, size_t offset) {
     return line;
 }
 
-/* Whether a line is indented with a tab, which YAML forbids. */
+/* Checks whether a line is indented with a tab, which YAML forbids. */
 static bool indented_with_tab(const reader *self, size_t line) {
     size_t i = 0;
     for (; i < self->length && line > 1; i++)
@@ -273,7 +273,8 @@ ehd_status tree_parse(tree_node **root, const char *text, size_t length, const c
     const size_t skipped = length >= 3 && memcmp(text, "\xef\xbb\xbf", 3) == 0 ? 3 : 0;
     *root = NULL;
     if (!yaml_parser_initialize(&self.parser)) return ehd_no_memory(error, name);
-    // a byte order mark is no text where the encoding is given, as it is lest it select UTF-16
+    // The encoding is given, so that a byte order mark cannot select UTF-16. The parser then takes
+    // the mark of UTF-8 for text, so it is skipped here.
     yaml_parser_set_input_string(&self.parser, (const unsigned char *)text + skipped,
                                  length - skipped);
     yaml_parser_set_encoding(&self.parser, YAML_UTF8_ENCODING);

@@ -34,22 +34,22 @@ ehd_status tree_read_text(
     // input:
     const char *path, ehd_error *error);
 
-/* EHD_DATA with "name:line: found X, expected Y": malformed, not UTF-8, empty, or beyond the limits
- * on depth and size; EHD_MEMORY. */
+/* Parses a text. EHD_DATA with "name:line: found X, expected Y": the text is malformed, not UTF-8,
+ * empty, or beyond the limits on depth and size. EHD_MEMORY. */
 ehd_status tree_parse(
     // output:
     tree_node **root, // free with tree_free
     // input:
     const char *text, size_t length, const char *name, ehd_error *error);
 
-/* NULL when the map has no such key or `map` is no map. */
+/* Returns the child of a map with this key. NULL: there is no such key, or `map` is no map. */
 const tree_node *tree_find(const tree_node *map, const char *key);
 
-/* The node as shown in a message: "a map", "a list", "nothing", or the scalar's text, which is
- * stored in `shown` (SHOWN_TEXT bytes). */
+/* Returns the node as text for a message: "a map", "a list", "nothing", or the scalar's text, which
+ * is stored in `shown` (SHOWN_TEXT bytes). */
 const char *tree_show(char *shown, const tree_node *node);
 
-/* Accepts NULL. */
+/* Frees a tree, which may be NULL. */
 void tree_free(tree_node *root);
 
 #endif
