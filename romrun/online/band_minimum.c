@@ -10,7 +10,6 @@ typedef struct band {
     size_t first, last;
 } band;
 
-/* A node and its value. */
 typedef struct candidate {
     size_t node;
     double value;
@@ -20,7 +19,7 @@ static double value_at(const band *self, size_t node) {
     return self->values->at(self->values->context, node);
 }
 
-/* Smallest value near a node, by ever shorter strides around the best one so far. */
+/* Returns the smallest value near a node, by ever shorter strides around the best one so far. */
 static candidate refine_minimum(const band *self, candidate best, size_t stride) {
     while (stride > 1) {
         stride = (stride + 2) / 4;

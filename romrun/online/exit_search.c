@@ -6,10 +6,11 @@
 #include <math.h>
 #include <string.h>
 
-static const double WINDOW = 0.05; // around the exit, in which it may move at a time; half widths
-// distance of an exit from where it should be, half widths: a node or two do not move the film
+static const double WINDOW = 0.05; // distance that an exit may move at a time, half widths
+// distance from the wanted exit, half widths, that counts as settled: a node or two do not move the
+// film
 static const double SETTLED = 0.005;
-static const double NOISE = 1e-5; // negative pressure that a truncated basis may cause
+static const double NOISE = 1e-5; // negative pressure that truncation may cause
 
 void exits_init(exit_search *self, const reduced_model *model, double spacing, arena *memory) {
     const exit_band *band = &model->band;
@@ -40,9 +41,7 @@ static size_t window_nodes(const reduced_model *model) {
 static size_t window_begin(const reduced_model *model, size_t exit, size_t window) {
     const size_t band_begin = model->band.lines[0].begin;
     size_t base = model->checkpoints.exit[reduced_model_checkpoint(model, &exit)];
-    size_t reach =
-        window + reynolds_reach_back(
-                     &model->grid); // a row at the window's first node has its stencil before it
+    size_t reach = window + reynolds_reach_back(&model->grid); // reach of the first row's stencil
     size_t begin = exit > band_begin + reach ? exit - reach : band_begin;
 
     return begin < base ? begin : base;
@@ -50,7 +49,8 @@ static size_t window_begin(const reduced_model *model, size_t exit, size_t windo
 
 // ---- film and rows in the band
 
-/* H at a band node, evaluated once in a search: rows of neighbouring lines share nodes. */
+/* Returns H at a band node, evaluated once per search, since rows of neighbouring lines share
+ * nodes. */
 static double film_at(const exit_query *query, size_t node, size_t index) {
     exit_search *self = query->search;
 
@@ -78,7 +78,7 @@ typedef struct band_stencil {
     reynolds_fluid fluid;
 } band_stencil;
 
-/* P and H at a boundary node of a stencil, whose lines beside the grid have no nodes in the
+/* Computes P and H at a boundary node of a stencil. Lines beside the grid have no nodes in the
  * band. */
 static void fill_outer_node(double *pressure, double *film, const exit_query *query, size_t node,
                             bool banded) {
@@ -120,7 +120,8 @@ static void fill_stencil(band_stencil *around, const exit_query *query, size_t n
     around->fluid = reynolds_fluid_in(around->memory, count, query->contact);
     reynolds_fluid_evaluate(&around->fluid, query->contact, around->pressure, count);
     for (size_t i = 0; i < count && around->fluid.density; i++)
-        if (outer[i]) around->fluid.density[i] = 1; // as far_field_set_density
+        if (outer[i])
+            around->fluid.density[i] = 1; // density at zero pressure, see far_field_set_density
 }
 
 static double multiplier_at(void *state, size_t node) {
@@ -156,8 +157,8 @@ static double line_film(void *state, size_t node) {
 
 // ---- where the exits should be
 
-/* First node that may be the exit of a line: rows at the node before have their stencil in the
- * band. */
+/* Returns the first node that may be the exit of a line: the row at the node before it has its
+ * stencil in the band. */
 static size_t first_exit(const reduced_model *model) {
     const band_line *band = &model->band.lines[0];
     const size_t first = band->begin + reynolds_reach_back(&model->grid) + 1;
@@ -165,7 +166,7 @@ static size_t first_exit(const reduced_model *model) {
     return first > band->min_exit ? first : band->min_exit;
 }
 
-/* Exit of a stationary line contact by its flux, within the window. */
+/* Returns the exit of a stationary line contact by its flux, within the window. */
 static size_t find_by_flux(exit_query *query) {
     const reduced_model *model = query->search->model;
     const band_line *band = &model->band.lines[0];
@@ -189,10 +190,11 @@ static size_t find_by_flux(exit_query *query) {
     return exit_by_flux(&line, exit);
 }
 
-/* Exit of a line by the signs of pressure and multiplier at the nodes of the window, in time and on
- * point contacts, where the flux is not one number. In time a node that enters or leaves with a
- * finite pressure changes the film by a jump, and with it the multipliers of a whole region. On a
- * point contact nodes with negative pressure therefore stay out, for exits to converge. */
+/* Returns the exit of a line by the signs of pressure and multiplier at the nodes of the window.
+ * Contacts in time and point contacts need it, because their flux is not one number. In time a node
+ * that enters or leaves with a finite pressure changes the film by a jump, and with it the
+ * multipliers of a whole region. On a point contact in time nodes with negative pressure therefore
+ * stay out, for exits to converge. */
 static size_t find_by_signs(exit_query *query, size_t line) {
     const reduced_model *model = query->search->model;
     const band_line *band = &model->band.lines[line];
@@ -212,8 +214,8 @@ static size_t find_by_signs(exit_query *query, size_t line) {
     return column;
 }
 
-/* P and H at the band nodes around the exit line that rows at the exits of a line and of its
- * neighbours need; P in the whole window, behind the exit by the uncut modes. */
+/* Computes P and H at the band nodes around the exit line that rows at the exits of a line and of
+ * its neighbours need. P covers the whole window, behind the exit by the uncut modes. */
 static void expand_around(exit_query *query) {
     const reduced_model *model = query->search->model;
     const size_t *exits = query->nodes->exit;
@@ -240,7 +242,8 @@ static void expand_around(exit_query *query) {
     }
 }
 
-/* Whether the exit is searched for on a line: inner lines `spacing` apart, and the last one. */
+/* Checks whether the exit is searched for on a line: on inner lines `spacing` apart, and on the
+ * last one. */
 static bool is_searched(const exit_search *self, size_t line) {
     const ehd_grid *grid = &self->model->grid;
     size_t spacing = (size_t)(self->spacing / grid->step);
@@ -269,7 +272,8 @@ static void interpolate_exits(size_t *exits, const exit_search *self) {
     }
 }
 
-/* Sets self->wanted to where the exits should be; on lines not searched, to where they are. */
+/* Sets self->wanted to where the exits should be. On lines that are not searched it is where they
+ * are. */
 static void find_exits(exit_query *query) {
     exit_search *self = query->search;
     const reduced_model *model = self->model;
@@ -289,7 +293,7 @@ static void find_exits(exit_query *query) {
     }
 }
 
-/* What the multiplier at the exit of a line is worth in pressure there. */
+/* Returns the multiplier at the exit of a line over its derivative by the pressure there. */
 static double multiplier_margin(exit_query *query, size_t node) {
     band_stencil around;
     reynolds_row row;
@@ -322,7 +326,7 @@ void exits_margins(double *margin, exit_search *self, node_state *nodes, const d
 
 // ---- within a node
 
-/* P and H around the last node with pressure. */
+/* Computes P and H around the last node with pressure. */
 static void expand_cell(band_stencil *around, const exit_query *query, size_t node) {
     const reduced_model *model = query->search->model;
     const size_t exit = node + 1, back = reynolds_reach_back(&model->grid);
@@ -391,7 +395,7 @@ bool exits_move_cell(reduced_state *state, const reduced_model *model, double ch
 
 // ---- moving them
 
-/* SETTLED in nodes. */
+/* Returns SETTLED as a number of nodes. */
 static size_t settled_distance(const reduced_model *model) {
     return (size_t)(SETTLED / model->grid.step) + 1;
 }
@@ -410,8 +414,8 @@ static void watch_all(exit_search *self) {
         self->watches[l] = (exit_watch){.change = INFINITY};
 }
 
-/* An exit's move by a node changes the film by about 1e-5: a coarser tolerance does not need the
- * exit of the converged state. */
+/* A move of the exit by a node changes the film by about 1e-5. A coarser tolerance does not need
+ * the exit of the converged state. */
 void exits_watch_stationary(exit_search *self, double tolerance) {
     const double coarse = 1e-5;
 
@@ -427,7 +431,7 @@ void exits_watch_in_time(exit_search *self, double far) {
     watch_all(self);
 }
 
-/* New exit that is HELD_AT_TURN, and has turned round now or not. */
+/* Returns the new exit under HELD_AT_TURN. `turns`: whether the exit has turned round now. */
 static size_t hold_at_turn(const exit_search *self, exit_watch *watch, size_t exit, size_t next,
                            bool turns) {
     if (watch->held) return exit;
@@ -437,10 +441,12 @@ static size_t hold_at_turn(const exit_search *self, exit_watch *watch, size_t ex
     return next > exit && watch->asked <= settled_distance(self->model) ? next : exit;
 }
 
-/* New exit that is HELD_IN_CYCLE; `before`: change of the pressure in the iteration before. */
+/* Returns the new exit under HELD_IN_CYCLE. `before`: change of the pressure in the last
+ * iteration. */
 static size_t hold_in_cycle(const exit_search *self, const exit_watch *watch, double before,
                             size_t exit, size_t next) {
-    const double stalled = 0.6, few = 5e-3; // reduced by less than 40 %, and changes that may be
+    const double stalled = 0.6, few = 5e-3; // ratio of changes above which the iteration stalls,
+                                            // for changes below `few`
     const bool near = index_distance(next, exit) <= settled_distance(self->model);
     const bool stalls = watch->change < few && watch->change > stalled * before;
     const bool cycles = near && (watch->change < self->small || stalls);
@@ -450,7 +456,8 @@ static size_t hold_in_cycle(const exit_search *self, const exit_watch *watch, do
     return next > exit ? exit + 1 : exit - 1;
 }
 
-/* New exit on a line, where `next` is wanted; `change`: of the pressure in this iteration. */
+/* Returns the new exit on a line where `next` is wanted. `change`: of the pressure in this
+ * iteration. */
 static size_t watch_exit(const exit_search *self, exit_watch *watch, double change, size_t exit,
                          size_t next) {
     const int direction = next > exit ? 1 : next < exit ? -1 : 0;

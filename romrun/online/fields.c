@@ -15,7 +15,8 @@ static int compare_sizes(const void *a, const void *b) {
     return p < q ? -1 : p > q;
 }
 
-/* The median of the trained exits on each line: from it a state's own are fewest nodes away. */
+/* Finds the median of the trained exits on each line, since a state's own exits are fewest nodes
+ * away from it. */
 static ehd_status find_cut_exits(size_t *cut_exits, const reduced_model *model, ehd_error *error) {
     const reduced_states *states = &model->states;
     const size_t num = states->num_states, num_lines = model->band.num_lines;
@@ -99,7 +100,7 @@ void field_modes_flat(flat *file, field_modes *self, const reduced_model *model,
 
 // ---- fields
 
-/* Sums of modes at the nodes of all lines. */
+/* Computes sums of modes at the nodes of all lines. */
 static void sum_modes(double *field, const double *modes, size_t column, size_t line,
                       const reduced_model *model, const double *coordinates) {
     const size_t width = grid_width(&model->grid);

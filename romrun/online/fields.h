@@ -1,26 +1,26 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Fields of a reduced state on the whole grid: the only work whose cost grows with the grid. They are
- * sums of modes and of their deflections, which are made once; what a state's own exits change of
- * these is added by the kernel. */
+/* Fields of a reduced state on the whole grid: the only work whose cost grows with the grid. They
+ * are sums of modes and of the deflections of these modes, which are made once. The kernel adds the
+ * change of the deflection by a state's own exits. */
 #ifndef EHD_FIELDS_H
 #define EHD_FIELDS_H
 
 #include "romrun/model/flat.h"
 #include "romrun/online/reduced_solver.h"
 
-/* Read-only once made; several threads may use one. */
+/* Modes on the whole grid. Read-only once made; several threads may use them. */
 typedef struct field_modes {
-    const double *pressure; // [num_nodes, num_pressure], the caller's, not cut
+    const double *pressure; // [num_nodes, num_pressure] the caller's, not cut
     size_t *cut_exits;      // [num_lines], medians of the trained exits
-    // deflections of the modes cut at cut_exits, [num_pressure] of a node, and how far it is from
-    // those to the next column and line
+    // deflections of the modes cut at cut_exits, [num_pressure] per node, with the distances to the
+    // next column and line
     const double *deflection;
     size_t column, line;
-    double *own; // where they are nobody else's
+    double *own; // the deflections, if they have no other owner
 } field_modes;
 
-/* Without deflections, which another table may hold already. `pressure_basis` must outlive it.
- * EHD_MEMORY. */
+/* Initialises without deflections, which another table may hold already. `pressure_basis` must
+ * outlive it. Errors: EHD_MEMORY. */
 ehd_status field_modes_init(
     // output:
     field_modes *self, // free with field_modes_free
@@ -28,26 +28,27 @@ ehd_status field_modes_init(
     const reduced_model *model, const double *pressure_basis, ehd_error *error);
 void field_modes_free(field_modes *self);
 
-/* Makes deflections of its own. EHD_MEMORY. */
+/* Computes deflections that the object owns. Errors: EHD_MEMORY. */
 ehd_status field_modes_deflect(field_modes *self, const reduced_model *model, ehd_error *error);
 
-/* In a flat file (romrun/model/flat.h), instead of both: deflections of its own are the file's when read.
- * `own`: whether there are. Freed by field_modes_free all the same. */
+/* Writes the modes to a flat file (romrun/model/flat.h), or reads them from it in place of both
+ * functions above. `own`: whether the file has deflections, which it owns. Free with
+ * field_modes_free in either case. */
 void field_modes_flat(flat *file, field_modes *self, const reduced_model *model,
                       const double *pressure_basis, bool own);
 
-/* Deflections of the modes cut at cut_exits. EHD_MEMORY. */
+/* Computes the deflections of the modes cut at cut_exits. Errors: EHD_MEMORY. */
 ehd_status field_modes_fill(
     // output:
-    double *table, // the first num_pressure numbers of each node, `column` apart
+    double *table, // sets the first num_pressure numbers of each node; nodes are `column` apart
     size_t column,
     // input:
     const ehd_grid *grid, // the model's, with `margin` nodes before it and `side` lines beside it
     size_t margin, size_t side, const field_modes *self, const reduced_model *model,
     ehd_error *error);
 
-/* P and H at all nodes, [num_nodes]; H follows from P for either basis. Cannot fail, and allocates
- * nothing. */
+/* Computes P and H at all nodes, [num_nodes]; H follows from P for either basis. Cannot fail, and
+ * allocates nothing. */
 void reduced_fields(
     // output:
     double *pressure, double *film,

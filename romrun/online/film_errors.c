@@ -17,7 +17,7 @@ static void fit(film_errors *self) {
     spline_curvatures(self->curvature, factor, self->kept, NUM_ERROR_PLACES, 1, 1, false);
 }
 
-/* Places of the kept ones where the fluid was that is now at place i: first + stretch i. */
+/* Places in `kept` of the fluid that is now at place i: first + stretch i. */
 typedef struct origins {
     double first, stretch;
 } origins;
@@ -29,7 +29,7 @@ static origins origins_in(const contact_frame *then, const contact_frame *now) {
     return (origins){half * (1 - stretch - frame_shift(now, then)), stretch};
 }
 
-/* Those kept, between places. */
+/* Returns a kept error between the places. */
 static double kept_at(const film_errors *self, double among) {
     const spline_point at = spline_at(among, NUM_ERROR_PLACES);
     const double *value = self->kept + at.node, *curvature = self->curvature + at.node;
@@ -94,7 +94,6 @@ void film_errors_add(film_errors *self, double factor, const double *errors, con
     }
 }
 
-/* The place nearest to X. */
 static size_t nearest_place(double x) {
     const double last = NUM_ERROR_PLACES - 1;
 

@@ -44,7 +44,7 @@ static bool is_line(const reduced_model *model) {
     return model->band.num_lines == 1;
 }
 
-/* Layout of modes at a grid's nodes. */
+/* Returns the layout of modes at the nodes of a grid. */
 static spline_layout layout_of_modes(const ehd_grid *grid, size_t width) {
     bool point = grid->inner_lines > 1;
     size_t column = (point ? 4 : 2) * width;
@@ -59,7 +59,7 @@ static spline_layout layout_of_modes(const ehd_grid *grid, size_t width) {
                            .y_curvature = 2 * width};
 }
 
-/* Layout of the kernel by distance. */
+/* Returns the layout of the kernel by distance. */
 static spline_layout layout_of_kernel(const ehd_grid *grid) {
     spline_layout layout = layout_of_modes(grid, 1);
 
@@ -85,8 +85,9 @@ static ehd_status make_kernel_table(film_splines *self, const contact_kind *kind
 
 // ---- the modes
 
-/* Extends the model's grid before the contact and at its sides: nodes of a frame that has grown lie
- * farther out in a previous one. Enough for a load that has become 2.25 times as large. */
+/* Extends the model's grid before the contact and at its sides, since nodes of a frame that has
+ * grown lie farther out in a previous one. It is wide enough for a load that has become 2.25 times
+ * as large. */
 static void widen_grid(film_splines *self, const reduced_model *model) {
     const ehd_grid *grid = &model->grid;
     const contact_kind *kind = model->kind;
@@ -110,7 +111,7 @@ static void extrapolate_linearly(double *node, ptrdiff_t inwards, size_t width) 
         node[j] = 2 * next[j] - second[j];
 }
 
-/* The modes themselves, extrapolated linearly before the model's grid and at its sides. */
+/* Copies the modes, and extrapolates them linearly before the model's grid and at its sides. */
 static void extend_modes(film_splines *self, const reduced_model *model, const double *modes) {
     const spline_layout *layout = &self->layout;
     size_t width = layout->width, column = layout->column, line = layout->line;
@@ -165,7 +166,7 @@ static ehd_status make_pressure_table(film_splines *self, const reduced_model *m
     return status;
 }
 
-/* Grid and layouts, which follow from the model. */
+/* Sets grid and layouts, which follow from the model. */
 static void lay_out(film_splines *self, const reduced_model *model) {
     widen_grid(self, model);
     self->layout = layout_of_modes(&self->grid, is_coupled(model) ? model->num_pressure
@@ -174,7 +175,7 @@ static void lay_out(film_splines *self, const reduced_model *model) {
     self->kernel_layout = layout_of_kernel(&self->grid);
 }
 
-/* Of the coupled basis the film's table holds the deflections that fields need. */
+/* Lets fields use the deflections in the film's table, which it has for a coupled basis. */
 static void share_deflections(film_splines *self) {
     const spline_layout *layout = &self->layout;
     field_modes *fields = &self->fields;
@@ -237,7 +238,7 @@ void film_splines_flat_free(film_splines *self) {
 
 // ---- filtered modes
 
-/* A table whose values are those of another, filtered along the lines of its grid. */
+/* Makes a table from the values of another one, filtered along the lines of its grid. */
 static ehd_status filter_table(double **filtered, const double *table, const spline_layout *layout,
                                const ehd_grid *grid, double smoothing, ehd_error *error) {
     path_filter filter;
@@ -291,7 +292,7 @@ static size_t parts_of(const spline_layout *layout) {
     return layout->num_lines > 1 ? 4 : 2;
 }
 
-/* False: no memory. */
+/* Allocates the sums. Returns false without memory. */
 static bool init_sums(node_sums *self, const spline_layout *layout) {
     const size_t num_nodes = layout->num_lines * layout->num_columns;
 
@@ -335,7 +336,8 @@ void previous_film_free(previous_film *self) {
     memset(self, 0, sizeof *self);
 }
 
-/* A row of the table of modes times coordinates, with the filter's share of its row in the filtered table. */
+/* Returns a row of the modes' table times the coordinates. The filter's share of it comes from the
+ * filtered table. */
 static double sum_row(const node_sums *self, size_t at, size_t width) {
     double sum = 0;
 
@@ -344,8 +346,8 @@ static double sum_row(const node_sums *self, size_t at, size_t width) {
     return sum;
 }
 
-/* Returns the value (or, at an offset, the curvature) of the pressure at a node: along the path the base plus the filtered
- * difference from it. */
+/* Returns the value (or, at an offset, the curvature) of the pressure at a node. Along the path it
+ * is that of the base plus the filtered difference from it. */
 static double sum_modes(const previous_film *self, const path_films *path,
                         const film_splines *splines, size_t offset, size_t node) {
     const size_t width = splines->pressure_layout.width;
@@ -356,8 +358,8 @@ static double sum_modes(const previous_film *self, const path_films *path,
            dot(splines->pressure + at, path->base->state.coordinates, width);
 }
 
-/* The pressure's spline near the exit of a line contact, from which on its values are zero; at the
- * window's first node its curvature is that of the modes. */
+/* Prepares the pressure's spline near the exit of a line contact. Its values are zero from the exit
+ * on. At the window's first node its curvature is that of the modes. */
 static void prepare_window(previous_film *self, const path_films *path, const reduced_model *model,
                            const film_splines *splines) {
     size_t num_nodes = model->grid.num_nodes;
@@ -376,7 +378,7 @@ static void prepare_window(previous_film *self, const path_films *path, const re
     spline_curvatures(self->curvature, factor, self->window, size, 1, 1, false);
 }
 
-/* Finds the nodes by which its exits differ from cut_exits. */
+/* Finds the nodes by which the state's exits differ from cut_exits, and P there. */
 static void prepare_cut(previous_film *self, const reduced_model *model,
                         const film_splines *splines) {
     const size_t num_runs = is_coupled(model)
@@ -396,7 +398,7 @@ static void prepare_cut(previous_film *self, const reduced_model *model,
     }
 }
 
-/* Forgets what was summed. */
+/* Sets what is to be summed, and discards earlier sums. */
 static void prepare_sums(node_sums *self, const double *table, const double *filtered, double share,
                          const double *coordinates) {
     self->table = table;
@@ -438,13 +440,13 @@ double path_filter_change(const previous_film *self, size_t node, const reduced_
 
 // ---- evaluation
 
-/* Snaps a point to a node that it misses by rounding only: most weights are then zero, which saves
+/* Snaps a point to a node that it misses by round-off only. Most weights are then zero, which saves
  * a point contact most of the work while the frame keeps its width. */
 static double round_to_node(double nodes) {
     return fabs(nodes - round(nodes)) < 1e-9 ? round(nodes) : nodes;
 }
 
-/* A spline of one function. */
+/* Evaluates a spline of one function. */
 static double evaluate_one(const double *table, const spline_layout *layout,
                            const spline_point *along, const spline_point *across) {
     const size_t x_curvature = layout->x_curvature, column = layout->column;
@@ -462,7 +464,7 @@ static double evaluate_one(const double *table, const spline_layout *layout,
 }
 
 /* Adds values and curvatures of the deflection by the pressures between cut_exits and the state's
- * own exits at a node of the splines' grid. */
+ * own exits, at a node of the splines' grid. */
 static void add_cut(double *sum, const previous_film *self, size_t line, size_t column,
                     const film_splines *splines) {
     const spline_layout *layout = &splines->kernel_layout;
@@ -489,7 +491,8 @@ static void add_cut(double *sum, const previous_film *self, size_t line, size_t 
     *(vector *)sum += total;
 }
 
-/* Values and curvatures of a state at a node; `cut` is NULL, or the state whose cut is added. */
+/* Returns values and curvatures of a state at a node. `cut`: NULL, or the state whose cut is
+ * added. */
 static const double *sums_at(const node_sums *self, const previous_film *cut, size_t line,
                              size_t column, const film_splines *splines) {
     const spline_layout *layout = self->layout;
@@ -504,8 +507,8 @@ static const double *sums_at(const node_sums *self, const previous_film *cut, si
     return sum;
 }
 
-/* A state's spline at a point, from the nodes around it; those without weight, as on a line of a
- * point contact, are not looked at. */
+/* Evaluates a state's spline at a point from the nodes around it. Nodes without weight, as for a
+ * point on a grid line, are skipped. */
 static double evaluate(const node_sums *self, const previous_film *cut, const spline_point *along,
                        const spline_point *across, const film_splines *splines) {
     const bool line_contact = self->layout->num_lines == 1;
@@ -526,8 +529,8 @@ static double evaluate(const node_sums *self, const previous_film *cut, const sp
     return sum;
 }
 
-/* P by the modes before the exit; along the path, where `path` is not NULL, of the base and of
- * filtered modes what differs from it. */
+/* Returns P by the uncut modes. Along the path, if `path` is not NULL, it is P of the base plus the
+ * filtered modes' difference from it. */
 static double uncut_pressure(const previous_film *self, const spline_point *along,
                              const spline_point *across, const film_splines *splines,
                              const path_films *path) {
@@ -540,10 +543,10 @@ static double uncut_pressure(const previous_film *self, const spline_point *alon
     return base + evaluate(&self->pressure, NULL, along, across, splines);
 }
 
-/* P of a line contact; `path` as above. */
+/* Returns P of a line contact; `path` as in uncut_pressure. */
 static double window_pressure(const previous_film *self, const spline_point *along,
                               const film_splines *splines, const path_films *path) {
-    const size_t margin = 4; // between the window's ends and where it is used
+    const size_t margin = 4; // nodes between the window's ends and where it is used
     const double *u = along->weight;
     size_t node = along->node;
 
@@ -557,14 +560,15 @@ static double window_pressure(const previous_film *self, const spline_point *alo
            u[3] * self->curvature[i + 1];
 }
 
-/* Column of the exit line between two lines; a boundary line takes its neighbour's exit. */
+/* Returns the column of the exit line between two lines. A boundary line takes its neighbour's
+ * exit. */
 static double exit_between(const size_t exits[2], const double *across) {
     size_t own = exits[0] > 1 ? exits[0] : exits[1], next = exits[1] > 1 ? exits[1] : exits[0];
 
     return across[0] * (double)own + across[2] * (double)next;
 }
 
-/* P of a point contact: uncut before the exit line, zero behind it. */
+/* Returns P of a point contact: uncut before the exit line, zero behind it. */
 static double pressure_before_exit(const previous_film *self, const spline_point *along,
                                    const spline_point *across, const film_splines *splines,
                                    const path_films *path) {
@@ -574,7 +578,7 @@ static double pressure_before_exit(const previous_film *self, const spline_point
     return uncut_pressure(self, along, across, splines, path);
 }
 
-/* P at a point, zero beyond the model's grid. */
+/* Returns P at a point, zero beyond the model's grid. */
 static double pressure_at(const previous_film *self, const spline_point *along,
                           const spline_point *across, const film_splines *splines,
                           const path_films *path) {
@@ -589,7 +593,7 @@ static double pressure_at(const previous_film *self, const spline_point *along,
     return v.node < num_lines - 1 ? pressure_before_exit(self, &u, &v, splines, path) : 0;
 }
 
-/* The point X, Y of a state's frame in the splines' grid. */
+/* Locates the point X, Y of a state's frame in the splines' grid. */
 static void locate(spline_point *along, spline_point *across, double x, double y,
                    const film_splines *splines) {
     const ehd_grid *grid = &splines->grid;
@@ -677,7 +681,7 @@ void path_films_set_base(path_films *self, const previous_film *base, const redu
     fill_curvatures(self->base_pressure, &self->base_pressure_layout);
 }
 
-/* The base's film at a point of the splines' grid. */
+/* Returns H of the base at a point of the splines' grid. */
 static double base_film(const path_films *path, const spline_point *along,
                         const spline_point *across, double x, double y,
                         const film_splines *splines) {
@@ -685,7 +689,7 @@ static double base_film(const path_films *path, const spline_point *along,
            contact_gap(&splines->grid.shape, x, y);
 }
 
-/* The origins of a node in the states' frames: by the frame alone, or by the path too. */
+/* Places of a node in the states' frames: by the frames alone, or by the path of the fluid too. */
 typedef struct path_points {
     double x[BDF_PREVIOUS], y[BDF_PREVIOUS];
     spline_point along[BDF_PREVIOUS], across[BDF_PREVIOUS];
@@ -721,7 +725,7 @@ void path_film_masses(double *mass, const previous_film *const *films, size_t nu
                         evaluate_one(path->base_cut, &path->base_layout, along, across);
         double stays =
             base_film(path, &here.along[i], &here.across[i], here.x[i], here.y[i], splines);
-        if (compressible) { // the incompressible base's films before cancel
+        if (compressible) { // otherwise the base's films at the earlier place cancel
             const double film = base_film(path, along, across, before.x[i], before.y[i], splines);
             const double of_base = density_at(base, along, across, splines, path, reference);
             const double own = density_at(self, along, across, splines, path, reference);

@@ -1,20 +1,20 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Derivatives of what a contact's solution comes to in the reference frame by its conditions: the chain
- * rule through the frame, which scales with load, radius and modulus. */
+/* Derivatives of a contact's results in the reference frame by its conditions. They follow by the
+ * chain rule through the frame, which scales with load, radius and modulus. */
 #ifndef EHD_FRAME_TANGENT_H
 #define EHD_FRAME_TANGENT_H
 
 #include "common/time/frame.h"
 #include "romrun/online/reduced_tangent.h"
 
-/* How equations follow from a frame; `side` 0 or 1: whose memory they may use. */
+/* Returns the equations in a frame. `side` (0 or 1) selects the memory that they may use. */
 typedef struct frame_equations {
     void *context;
     reduced_equations (*in_frame)(void *context, const contact_frame *frame, ehd_contact *contact,
                                   int side);
 } frame_equations;
 
-/* Scalars in the reference frame and what else results have. */
+/* Scalars in the reference frame, and the other results. */
 typedef struct frame_quantities {
     contact_scalars scalars;
     double peak_pressure, half_width;
@@ -28,8 +28,8 @@ ehd_status frame_linearise(
     const reduced_state *state, const contact_frame *at, const frame_equations *equations,
     bool exit_at_node, ehd_error *error);
 
-/* Derivatives per unit of a parameter, between frames a distance apart whose mean is linearised.
- * `change` is filled. */
+/* Computes derivatives per unit of a parameter between two frames that are `distance` apart. The
+ * equations are linearised at the mean frame. Also fills `change`. */
 ehd_status frame_tangent(
     // output:
     frame_quantities *derivatives, reduced_change *change,
@@ -39,12 +39,12 @@ ehd_status frame_tangent(
     const contact_frame beside[2], double distance, const ehd_contact *reference,
     const frame_equations *equations, ehd_error *error);
 
-/* Derivatives by s, in 1/T, where the parameter of the last frame_tangent varies with T as exp(sT), s -> 0.
- * Stationary contacts only. */
+/* Computes derivatives by s, in 1/T, for s -> 0, if the parameter of the last frame_tangent varies
+ * with T as exp(sT). For stationary contacts only. */
 ehd_status frame_tangent_slow(
     // output:
     contact_scalars *slow, // rigid_approach and load in the reference frame
-    double *bound,         // of the approach (reduced_tangent_slow)
+    double *bound,         // bound of the approach (reduced_tangent_slow)
     // in and out:
     reduced_tangent *tangent,
     // input:

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Starts from the trained solutions, and what the grid did to them. */
+/* Starts from the trained solutions, and error estimates of the grid interpolated between them. */
 #include "common/algebra/cholesky.h"
 #include "romrun/model/start_shift.h"
 #include "romrun/online/reduced_solver.h"
@@ -11,17 +11,15 @@
 
 enum { NUM_NEIGHBOURS = 24 };
 
-/* Of 482 random scenes inside the lower training, of five laws and two densities (scenes/studies/
- * silent-failures, seed 42), the first start solves 434; of the others the 1st to 11th other one solves
- * 8 9 2 2 3 4 2 0 2 1 5, the twelve after them 5; two come to another film, and three to none. Of 101
- * outside that the first does not solve it is 3 21 3 5 4 0 2 1 2 1 0 and 8; 46 come to none. A start that
- * leads nowhere takes 38 iterations. */
+/* Other starts that are tried after the first one. Of 482 random scenes inside the lower training
+ * (scenes/studies/silent-failures, seed 42) the first start solves 434, the next eleven solve 38,
+ * and the twelve after them 5. A start that leads nowhere takes 38 iterations. */
 enum { MAX_STARTS = 11 };
 
-/* Coordinates of a training solution beside a contact: differences of ln M, of half of ln(1 + alpha
- * p_H), since the film follows powers of M and of the viscosity's rise, what the lubricant was
- * more viscous and denser than the contact's is at the same Hertz pressure, as logarithms, and a
- * part of that of how much the flow is thinned. */
+/* Coordinates of a training solution relative to a contact. They are differences of ln M; of half
+ * of ln(1 + alpha p_H), since the film follows powers of M and of the viscosity's rise; of the
+ * lubricants' viscosity and density at the same Hertz pressure, as logarithms; and, scaled, of the
+ * thinning of the flow. */
 enum {
     ALONG_M,
     ALONG_PRESSURE,
@@ -47,7 +45,8 @@ static double viscosity_coordinate(double rise) {
     return 0.5 * log1p(rise);
 }
 
-/* The least thinning and one that halves films are apart as tenfold loads are. */
+/* Returns the coordinate of the thinning by sliding. With this factor the least thinning and one
+ * that halves films are as far apart as tenfold loads. */
 static double along_thinning(flow_thinning thinning) {
     return 0.25 * thinning_coordinate(thinning.sliding);
 }
@@ -62,8 +61,9 @@ static wanted_place place_wanted(const contact_place *of) {
                           of->lubricant};
 }
 
-/* How much another lubricant a state is of; 0 where that is not known. False: the contact's
- * lubricant has no viscosity at the state's Hertz pressure. */
+/* Finds the differences between a state's lubricant and the contact's. They stay 0 if the state's
+ * lubricant is not known. Returns false if the contact's lubricant has no viscosity at the state's
+ * Hertz pressure. */
 static bool compare_lubricants(double away[NUM_COORDINATES], const lubricant_rises *there,
                                const wanted_place *here, double alpha_p_H) {
     if (!here->lubricant || isnan(there->of[RISE_VISCOSITY])) return true;
@@ -85,7 +85,7 @@ static double distance_of(const neighbour *place) {
     return sqrt(squares);
 }
 
-/* Whatever the lubricants are. */
+/* Returns the place of a state, without regard to the lubricants. */
 static neighbour place_of_state(const reduced_states *states, size_t state,
                                 const wanted_place *here) {
     neighbour place = {.state = state};
@@ -99,16 +99,17 @@ static neighbour place_of_state(const reduced_states *states, size_t state,
     return place;
 }
 
-enum { ANY_EFFECT = -1 }; // also of states of which no effect of the grid is known
+enum { ANY_EFFECT = -1 }; // also states without known effects of the grid
 
-/* Of the contact's own lubricant, or one that is not known. */
+/* Checks whether a state has the contact's own lubricant, or one that is not known. */
 static bool is_own(const neighbour *self) {
     const double same = 1e-9;
 
     return fabs(self->away[ALONG_VISCOSITY]) < same && fabs(self->away[ALONG_DENSITY]) < same;
 }
 
-/* Whether a state may be a start: a stationary one or, of a model that has none of these, any. */
+/* Checks whether a state may be a start: it is stationary, or the model has no stationary states
+ * (`any`). */
 static bool is_start(const reduced_states *states, size_t state, bool any) {
     return any || states->stationary[state];
 }
@@ -119,9 +120,9 @@ static bool has_stationary(const reduced_states *states) {
     return false;
 }
 
-/* Lists the nearest stationary states farther away than `beyond`, of those of which an effect of
- * the grid is known; returns their number. `others` not NULL: those of the contact's own lubricant
- * alone, and whether there are others. */
+/* Lists the nearest stationary states farther away than `beyond`, among those with a known effect
+ * of the grid. Returns their number. `others` not NULL: lists only states of the contact's own
+ * lubricant, and sets whether there are others. */
 static size_t nearest_states(neighbour *nearest, const reduced_states *states,
                              const wanted_place *here, double beyond, int effect, bool *others) {
     const bool any = !has_stationary(states);
@@ -131,7 +132,7 @@ static size_t nearest_states(neighbour *nearest, const reduced_states *states,
         if (!is_start(states, s, any)) continue;
         if (effect != ANY_EFFECT && isnan(states->effects[s].of[effect])) continue;
         neighbour fresh = place_of_state(states, s, here);
-        // too far, whatever its lubricant is, of which asking takes most of the time
+        // too far, whatever its lubricant is; comparing lubricants takes most of the time
         if (count == NUM_NEIGHBOURS && fresh.distance >= nearest[count - 1].distance &&
             (!others || *others))
             continue;
@@ -153,8 +154,9 @@ static size_t nearest_states(neighbour *nearest, const reduced_states *states,
     return count;
 }
 
-/* A fit through neighbours: numbers of them and of the terms 1, x, y, x^2, xy, y^2 in M and
- * pressure, and the largest sum of the weights' magnitudes, above which the fit extrapolates. */
+/* A fit through neighbours: how many neighbours and how many of the terms 1, x, y, x^2, xy, y^2 in
+ * M and pressure it uses, and the largest sum of the weights' magnitudes. With a larger sum it
+ * extrapolates. */
 typedef struct neighbour_fit {
     size_t max_neighbours, num_terms;
     double max_weight;
@@ -162,18 +164,19 @@ typedef struct neighbour_fit {
 
 enum { MAX_TERMS = 6 + NUM_COORDINATES - ALONG_VISCOSITY };
 
-/* The best first. Half the quadratic fit's neighbours would lie in two rows of a regular plan. */
+/* Fits, the best first. Half the quadratic fit's neighbours would lie in two rows of a regular
+ * plan. */
 static const neighbour_fit FITS[] = {{NUM_NEIGHBOURS, 6, 1.5}, {6, 3, 2}};
 
-/* With the coordinates of lubricants and thinning where neighbours differ in these: of 3000 scenes of three
- * lubricants (README.md, Several lubricants) a solution takes 3.49 iterations with the affine fit to 24
- * neighbours, 3.56 with 16, 3.68 with 12, without one 4.80, and 3.76 with the largest sum of 1.5. */
+/* Fits with the coordinates of lubricants and thinning, if neighbours differ in these. In 3000
+ * scenes of three lubricants (README.md, Several lubricants) a solution takes 3.49 iterations with
+ * the affine fit to 24 neighbours, and 4.80 without it. */
 static const neighbour_fit FITS_APART[] = {{NUM_NEIGHBOURS, 6, 2}, {NUM_NEIGHBOURS, 3, 2}};
 
 enum { NUM_FITS = 2 };
 
-/* The terms of a neighbour; those of lubricant and thinning are linear, and only along coordinates in
- * which neighbours differ. Returns their number. */
+/* Fills the terms of a neighbour and returns their number. The terms of lubricant and thinning are
+ * linear, and only for coordinates in which neighbours differ. */
 static size_t fill_terms(double terms[MAX_TERMS], const neighbour *self, size_t num_terms,
                          const bool *differs) {
     const double x = self->away[ALONG_M], y = self->away[ALONG_PRESSURE];
@@ -185,9 +188,10 @@ static size_t fill_terms(double terms[MAX_TERMS], const neighbour *self, size_t 
     return num_terms;
 }
 
-/* Weights of the neighbours in a moving least squares fit, evaluated at the wanted contact. False
- * where they do not determine it, which the sum of the weights shows even where rounding hides it
- * from the factorisation, or where the fit would extrapolate. `differs` [NUM_COORDINATES]. */
+/* Computes weights of the neighbours in a moving least squares fit, evaluated at the wanted
+ * contact. Returns false if the neighbours do not determine the fit, or if it would extrapolate.
+ * The sum of the weights shows the former even if round-off hides it from the factorisation.
+ * `differs` [NUM_COORDINATES]. */
 static bool fit_weights(double *weights, const neighbour *nearest, size_t count,
                         const neighbour_fit *fit, const bool *differs) {
     const double slack = 1e-6;
@@ -215,7 +219,7 @@ static bool fit_weights(double *weights, const neighbour *nearest, size_t count,
     return magnitude < fit->max_weight && fabs(sum - 1) < slack;
 }
 
-/* state = sum of weights[i] times the states given. */
+/* Computes state = sum of weights[i] times the given states. */
 static void combine_states(reduced_state *state, const reduced_model *model,
                            const neighbour *nearest, const double *weights, size_t count) {
     const reduced_states *states = &model->states;
@@ -240,7 +244,7 @@ static void combine_states(reduced_state *state, const reduced_model *model,
     }
 }
 
-/* Whether neighbours differ from each other in a coordinate. */
+/* Checks whether neighbours differ from each other in a coordinate. */
 static bool do_differ(const neighbour *nearest, size_t count, int coordinate) {
     const double same = 1e-9;
 
@@ -249,7 +253,8 @@ static bool do_differ(const neighbour *nearest, size_t count, int coordinate) {
     return false;
 }
 
-/* The coordinates of lubricant and thinning in which they do. */
+/* Finds the coordinates of lubricant and thinning in which neighbours differ. Returns whether there
+ * are any. */
 static bool find_differences(bool differs[NUM_COORDINATES], const neighbour *nearest,
                              size_t count) {
     bool any = false;
@@ -261,7 +266,8 @@ static bool find_differences(bool differs[NUM_COORDINATES], const neighbour *nea
     return any;
 }
 
-/* How many neighbours the first of the fits that serves takes, with their weights; 0: none does. */
+/* Finds the first of the fits that works, and its weights. Returns how many neighbours it uses; 0:
+ * no fit works. */
 static size_t first_fit(double *weights, const neighbour *nearest, size_t count,
                         const neighbour_fit fits[NUM_FITS], const bool *differs) {
     for (int f = 0; f < NUM_FITS; f++) {
@@ -271,9 +277,9 @@ static size_t first_fit(double *weights, const neighbour *nearest, size_t count,
     return 0;
 }
 
-/* Weights of the best fit through `count` neighbours, at least one, first with terms of
- * lubricants and thinning where these differ; returns how many it takes, the nearest one alone where
- * no fit serves. */
+/* Finds the weights of the best fit through `count` neighbours, at least one. If lubricants or
+ * thinning differ, fits with their terms come first. Returns how many neighbours it uses: the
+ * nearest one alone if no fit works. */
 static size_t best_weights(double *weights, const neighbour *nearest, size_t count) {
     const bool none[NUM_COORDINATES] = {false};
     bool differs[NUM_COORDINATES];
@@ -293,7 +299,7 @@ void reduced_guess(reduced_state *state, const reduced_model *model, contact_pla
     double weights[NUM_NEIGHBOURS];
     size_t states[NUM_NEIGHBOURS];
 
-    // of its own lubricant first: how others differ is more than linear
+    // first states of its own lubricant, since differences of lubricants act more than linearly
     bool others = false;
     size_t count = nearest_states(nearest, &model->states, &here, -1, ANY_EFFECT, &others);
     const bool differs[NUM_COORDINATES] = {
@@ -301,7 +307,8 @@ void reduced_guess(reduced_state *state, const reduced_model *model, contact_pla
         [ALONG_GRADIENT] = do_differ(nearest, count, ALONG_GRADIENT)};
     if (!fit_weights(weights, nearest, count, &FITS[0], differs)) {
         if (others) count = nearest_states(nearest, &model->states, &here, -1, ANY_EFFECT, NULL);
-        // the contact's lubricant has no viscosity at any of them: whatever they are of
+        // the contact's lubricant has no viscosity at any of the states: takes states of all
+        // lubricants
         if (count == 0) {
             wanted_place of_any = here;
             of_any.lubricant = NULL;
@@ -315,7 +322,8 @@ void reduced_guess(reduced_state *state, const reduced_model *model, contact_pla
     start_shift_apply(state->coordinates, model, states, weights, count);
 }
 
-/* The trained solution that is nearest but for `skipped` others, alone. False: there are no more. */
+/* Starts from one trained solution: the nearest one after `skipped` others. Returns false if there
+ * are no more. */
 static bool start_from_state(reduced_state *state, const reduced_model *model,
                              const wanted_place *here, size_t skipped) {
     neighbour nearest[NUM_NEIGHBOURS];
@@ -364,14 +372,14 @@ void reduced_neighbour(reduced_state *state, const reduced_model *model, contact
         reduced_guess(state, model, place);
 }
 
-// ---- what the grid does
+// ---- error estimates of the grid
 
-/* Interpolates one effect at a contact between the nearest states of which it is known. Logarithms are
- * interpolated, since effects go with powers of M and of the viscosity's rise. Infinite where the effect
- * of the nearest state is. */
+/* Interpolates one error estimate at a contact between the nearest states with a known one. It
+ * interpolates logarithms, since the errors follow powers of M and of the viscosity's rise.
+ * Infinite if the estimate of the nearest state is. */
 static double effect_at(const reduced_states *states, const neighbour *nearest, size_t count,
                         int effect) {
-    const double rounding = 1e-12; // of a film
+    const double rounding = 1e-12; // relative to a film
     neighbour finite[NUM_NEIGHBOURS] = {0};
     double weights[NUM_NEIGHBOURS], log_size = 0;
     size_t num_finite = 0;

@@ -12,18 +12,19 @@
 
 struct indicator {
     const reduced_model *model;
-    double *pressure, *film; // [num_needed] of the control rows
+    double *pressure, *film; // [num_needed] at the needed nodes of the control rows
     double *fluid_memory;    // [NUM_FLUID_ARRAYS, num_needed]
     far_field outer;         // boundary nodes among the needed ones
-    double *band_pressure;   // [nodes of the band] where the exit differs from its checkpoint's
+    double *band_pressure;   // [nodes of the band] P where the exit differs from its checkpoint's
     cut_run *runs;           // [num_lines]
-    reynolds_row *rows;      // [num_rows] of the control rows
-    double *residual;        // [num_rows] of the control rows, weighted
-    double *influence;       // [rows of the model] on a film
-    size_t *nearest;         // [num_rows] the row of the model whose influence a control row has
-    size_t *nearest_of_all;  // [num_rows] that, but for rows without an influence
-    double *added; // [rows of the model] squares of the control rows' residuals, by nearest
-    arena memory;  // of all arrays
+    reynolds_row *rows;      // [num_rows] the control rows
+    double *residual;        // [num_rows] residuals of the control rows, weighted
+    double *influence;       // [rows of the model] of rows on a film
+    size_t *nearest;         // [num_rows] row of the model whose influence a control row has
+    size_t *nearest_of_all;  // [num_rows] nearest row, also if it has no influence
+    double *added; // [rows of the model] sums of the squares of the control rows' residuals, by
+                   // nearest row
+    arena memory;  // memory of all arrays
 };
 
 indicator *indicator_free(indicator *self) {
@@ -34,7 +35,7 @@ indicator *indicator_free(indicator *self) {
 
 indicator *indicator_create(const reduced_model *model) {
     const row_set *control = &model->control;
-    size_t num_needed = control->num_needed + 1; // no allocation of size zero
+    size_t num_needed = control->num_needed + 1; // avoids allocations of size zero
     indicator *self = calloc(1, sizeof *self);
 
     if (!self) return NULL;
@@ -58,7 +59,7 @@ indicator *indicator_create(const reduced_model *model) {
     return self;
 }
 
-/* H at a needed node without the deflection by the exit's runs. */
+/* Returns H at a needed node without the deflection by the exit's runs. */
 static double film_at_checkpoint(const reduced_model *model, size_t q, const double *z,
                                  size_t checkpoint) {
     const row_set *control = &model->control;
@@ -76,7 +77,7 @@ static bool is_before(const reduced_model *model, size_t node, const size_t *exi
     return reduced_model_column(model, node) < exit[reduced_model_line(model, node)];
 }
 
-/* P and H at the needed nodes. */
+/* Computes P and H at the needed nodes. */
 static void expand(indicator *self, const reduced_state *state) {
     const reduced_model *model = self->model;
     const row_set *control = &model->control;
@@ -129,7 +130,8 @@ const double *indicator_control_residuals(indicator *self, const reduced_state *
     return self->residual;
 }
 
-/* Of the film of which self->influence is, `own_rows` away by what least squares leave. */
+/* Returns the bound of the film whose influence is self->influence. `own_rows`: change of the film
+ * by the residual that least squares leave. */
 static double bound(const indicator *self, double own_rows, double thickness) {
     double sum = own_rows * own_rows;
 
@@ -138,7 +140,7 @@ static double bound(const indicator *self, double own_rows, double thickness) {
         sum += moved * moved;
     }
     const double relative = sqrt(sum) / thickness;
-    // at a control row the pressure may lie beyond the end of the viscosity law
+    // at a control row the pressure may lie beyond the limit of the viscosity law
     return isnan(relative) ? INFINITY : relative;
 }
 
@@ -183,8 +185,8 @@ void indicator_bound_others(double bounds[NUM_INDICATED], indicator *self, reduc
     bounds[INDICATED_LOAD] = errors.load;
     bounds[INDICATED_PRESSURE] = errors.pressure;
     bounds[INDICATED_FILM] = errors.film / scalars->central_film_thickness;
-    bounds[INDICATED_FRICTION] = NAN;            // indicator_bound_friction
-    for (int q = 0; q < INDICATED_FRICTION; q++) // as in `bound`
+    bounds[INDICATED_FRICTION] = NAN;            // see indicator_bound_friction
+    for (int q = 0; q < INDICATED_FRICTION; q++) // infinite as in `bound`
         if (isnan(bounds[q]) &&
             (q != INDICATED_EXIT_POSITION || reduced_exit_divides(state, model)))
             bounds[q] = INFINITY;
@@ -193,7 +195,7 @@ void indicator_bound_others(double bounds[NUM_INDICATED], indicator *self, reduc
 double indicator_bound_peak(indicator *self, reduced_solver *solver) {
     add_control_rows(self);
     const double error = reduced_peak_error(solver, self->added);
-    return isnan(error) ? INFINITY : error; // as in `bound`
+    return isnan(error) ? INFINITY : error; // infinite as in `bound`
 }
 
 double indicator_bound_friction(indicator *self, reduced_solver *solver, const reduced_state *state,
@@ -201,6 +203,6 @@ double indicator_bound_friction(indicator *self, reduced_solver *solver, const r
     add_control_rows(self);
     const double relative =
         reduced_friction_error(solver, state, contact, self->added) / fabs(friction);
-    // as in `bound`
+    // infinite as in `bound`
     return isnan(relative) ? INFINITY : relative + node_cubature_tolerance;
 }

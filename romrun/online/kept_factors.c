@@ -34,10 +34,10 @@ void kept_factors_set(kept_factors *self, const row_system *system, const node_s
 
 static const double MAX_EXIT_DISTANCE = 0.025; // half widths
 
-/* On the lines of point contacts, whose steps are longer than that, at least one: with none, moves
- * of a line's exit by a node cost the factors in six steps of seven. 65 nodes a side, periods 1/2
- * and 3/4: 21 to 25 % fewer instructions, central films 3.4e-5 from the full model in place of
- * 3.6e-5, minimum films 5.2e-4 in place of 5.0e-4. */
+/* Returns at least one node on the lines of point contacts, whose steps are longer than
+ * MAX_EXIT_DISTANCE. Without this node, a move of a line's exit by a node would cost the factors in
+ * six steps of seven. The node saves 21 to 25 % of the instructions (65 nodes a side, periods 1/2
+ * and 3/4). */
 size_t kept_factors_reach(const reduced_model *model) {
     const double nodes = MAX_EXIT_DISTANCE / model->grid.step;
 

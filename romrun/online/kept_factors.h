@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The factorised Jacobian of an earlier step, with which the iterations of later steps go on. */
+/* The factorised Jacobian of an earlier step, which the iterations of later steps use. */
 #ifndef EHD_KEPT_FACTORS_H
 #define EHD_KEPT_FACTORS_H
 
@@ -7,18 +7,18 @@
 
 typedef struct kept_factors {
     bool valid;
-    size_t number; // of the Jacobian (step_problem)
+    size_t number; // number of the Jacobian (step_problem)
     least_squares *factors;
     double *matrix;      // [rows + num_deformation + 1, num_unknowns] the Jacobian
-    size_t *exit;        // [num_lines] at which it was evaluated
-    size_t num_rows;     // Reynolds rows in it, the first of its rows
-    size_t *row;         // [num_rows] which rows of the model these are
-    double weight;       // of its closure
-    double rate;         // of its time derivative
-    reduced_state start; // of the present iteration, to return to where it fails
+    size_t *exit;        // [num_lines] exit line at which it was evaluated
+    size_t num_rows;     // Reynolds rows in the matrix, which come first
+    size_t *row;         // [num_rows] indices of the Reynolds rows in the model
+    double weight;       // weight of the closure
+    double rate;         // rate of the time derivative
+    reduced_state start; // start of the present iteration, to return to on failure
 } kept_factors;
 
-/* Memory from an arena, but for the factors and the state. */
+/* Initialises with memory from an arena; factors and state have memory of their own. */
 void kept_factors_init(kept_factors *self, const reduced_model *model, arena *memory);
 void kept_factors_free(kept_factors *self);
 
@@ -26,11 +26,11 @@ void kept_factors_free(kept_factors *self);
 void kept_factors_set(kept_factors *self, const row_system *system, const node_state *nodes,
                       double closure_weight);
 
-/* Nodes by which the exit of a line may differ from that of the Jacobian. */
+/* Returns by how many nodes the exit of a line may differ from that of the Jacobian. */
 size_t kept_factors_reach(const reduced_model *model);
 
-/* Whether the exit of each line is near that of the Jacobian: farther away the stored
- * factorisation no longer matches the active rows. */
+/* Checks whether the exit of each line is near that of the Jacobian. Farther away the stored
+ * factorisation does not match the active rows. */
 bool kept_factors_are_near(const kept_factors *self, const reduced_model *model,
                            const reduced_state *state);
 

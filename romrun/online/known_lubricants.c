@@ -10,24 +10,25 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Differences of two lubricants at the same alpha p: of ln(viscosity) over alpha p, at the Hertz pressure and at half of
- * it, and of ln(density) at the Hertz pressure. */
+/* Differences of two lubricants at the same alpha p: of ln(viscosity) over alpha p, at the Hertz
+ * pressure and at half of it, and of ln(density) at the Hertz pressure. */
 enum { OF_VISCOSITY, OF_VISCOSITY_HALF, OF_DENSITY, NUM_DIFFERENCES };
 _Static_assert((int)NUM_DIFFERENCES <= (int)HULL_AXES, "the hull has no room for the differences");
 
-/* Lubricants that differ by less are taken for the same. Measured with a model of a point contact with one oil, on 30
- * oils with alpha +-8 % and eta0 +-20 %: where they differ by less than 0.01, the error estimate is at least 1.2 times the
- * error, below 0.03 at least 1.3 times; above it may be 0.64 times the error (README.md, Lubricants). */
+/* Lubricants that differ by less are taken for the same. Measured with a model of a point contact
+ * with one oil, on 30 oils with alpha +-8 % and eta0 +-20 %: where they differ by less than 0.01,
+ * the error estimate is at least 1.2 times the error, below 0.03 at least 1.3 times; above it may
+ * be 0.64 times the error (README.md, Lubricants). */
 static const double TOLERANCE = 0.01;
 
-/* Differences of viscosity are divided by alpha p, but by no less than this: below it the viscosity is nearly that of zero
- * pressure, whatever the law. */
+/* Differences of viscosity are divided by alpha p, but by no less than this: below it the viscosity
+ * is nearly that of zero pressure, whatever the law. */
 static const double LEAST_ALPHA_P = 1;
 
 struct known_lubricants {
     size_t count;
     shown_lubricant *of; // [count]
-    bool *in_both;       // [count] of the training: they count whether in time or not
+    bool *in_both;       // [count] lubricants of the training, which count in time and stationary
 };
 
 known_lubricants *known_lubricants_free(known_lubricants *self) {
@@ -69,7 +70,7 @@ struct lubricant_memory {
     hull_space *hull;
     double *differences; // [NUM_DIFFERENCES, count]
     char reason[128];
-    // the last check, so that the steps of a march, and cases of one lubricant, compare it once:
+    // last check, so that steps of a march, and cases of one lubricant, are compared once:
     bool has_last, in_time;
     ehd_lubricant last;
     const char *answer;
@@ -96,8 +97,8 @@ const char *lubricant_memory_reason(const lubricant_memory *self) {
     return self->reason;
 }
 
-/* Finds what a known lubricant differs by from `lubricant`. False: `lubricant` has no viscosity at the
- * pressure where both have the same alpha p. */
+/* Finds the differences of a known lubricant from `lubricant`. Returns false if `lubricant` has no
+ * viscosity at the pressure where both have the same alpha p. */
 static bool compare(double differences[NUM_DIFFERENCES], const shown_lubricant *known,
                     const ehd_lubricant *lubricant) {
     const lubricant_rises here = lubricant_rises_at(lubricant, known->alpha_p_H / lubricant->alpha);
@@ -119,8 +120,9 @@ static double length_of(const double differences[NUM_DIFFERENCES]) {
     return sqrt(square);
 }
 
-/* Lists the differences from each known lubricant, as columns; columns that are left over repeat the first one. Returns
- * how many lubricants were compared, or `like` where one of them is taken for the same. */
+/* Lists the differences from each known lubricant, as columns. Columns that are left over repeat
+ * the first one. Returns how many lubricants were compared, or `like` if one of them is taken for
+ * the same. */
 static size_t list(double *columns, const known_lubricants *self, const ehd_lubricant *lubricant,
                    bool in_time, size_t like) {
     const size_t stride = self->count;
@@ -141,7 +143,8 @@ static size_t list(double *columns, const known_lubricants *self, const ehd_lubr
     return count;
 }
 
-/* Whether zero lies in the hull of the differences, of `num` kinds of them from `first` on. */
+/* Checks whether zero lies in the hull of the differences, of `num` kinds of them from `first`
+ * on. */
 static bool is_between(const known_lubricants *self, lubricant_memory *memory, int first, int num) {
     const double none[NUM_DIFFERENCES] = {0};
 

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Lubricants for which a model's error estimates are known: those of its training and its calibration. */
+/* Lubricants for which a model's error estimates are known: those of its training and its
+ * calibration. */
 #ifndef EHD_KNOWN_LUBRICANTS_H
 #define EHD_KNOWN_LUBRICANTS_H
 
@@ -7,21 +8,22 @@
 
 typedef struct known_lubricants known_lubricants;
 
-/* NULL: no memory. */
+/* Collects the known lubricants of a model. NULL: no memory. */
 known_lubricants *known_lubricants_create(const reduced_model *model);
 known_lubricants *known_lubricants_free(known_lubricants *self); // accepts and returns NULL
 
-/* Memory of one thread, for checks against these lubricants alone. NULL: no memory. */
+/* Memory of one thread for checks against these lubricants. NULL: no memory. */
 typedef struct lubricant_memory lubricant_memory;
 lubricant_memory *lubricant_memory_create(const known_lubricants *of);
 lubricant_memory *lubricant_memory_free(lubricant_memory *self); // accepts and returns NULL
 
-/* Where a check with this memory writes the texts that name laws. */
+/* Returns the buffer into which a check with this memory writes texts that name laws. */
 const char *lubricant_memory_reason(const lubricant_memory *self);
 
 /* Returns NULL for a lubricant that is like a known one or lies between known ones (README.md,
- * Lubricants), else a text that names the law. The text is valid until the next call with this memory.
- * `in_time`: the trajectories of the calibration count, in place of its stationary scenes. */
+ * Lubricants), else a text that names the law. The text is valid until the next call with this
+ * memory. `in_time`: the trajectories of the calibration count, in place of its stationary
+ * scenes. */
 const char *known_lubricants_check(const known_lubricants *self, lubricant_memory *memory,
                                    const ehd_lubricant *lubricant, bool in_time);
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Normal equations with scaled columns, which cost a fifth of a QR; QR where their Cholesky
- * factorisation is not safe. Newton's limit is given by J^T f = 0, evaluated from J itself, so
- * that the squared condition number affects the convergence only. */
+/* Normal equations with scaled columns, which cost a fifth of a QR. If their Cholesky factorisation
+ * is not safe, QR is used. Newton's limit is given by J^T f = 0, evaluated from J itself, so that
+ * the squared condition number affects the convergence only. */
 #include "romrun/online/least_squares.h"
 
 #include "common/algebra/cholesky.h"
@@ -19,16 +19,16 @@ struct least_squares {
     double *scale;      // [num_columns] 1 / norm of the column
     double *scaled;     // [num_columns + 1, longest] for QR, with the right side
     double *gram;       // [num_columns, num_columns], then its lower factor
-    size_t factor_size; // its order: num_columns without zero columns
-    bool by_qr;         // where the factor comes from
+    size_t factor_size; // order of the factor: num_columns without zero columns
+    bool by_qr;         // the factor comes from QR
     double *right;      // [longest]
-    double *direction;  // [longest] of reflections
-    arena memory;       // of all arrays
+    double *direction;  // [longest] work of qr_solve
+    arena memory;       // memory of all arrays
 };
 
-/* Of the Gram matrix, below which QR is taken. Measured on random columns: the solution's error
- * is 1e-5 at a condition of 1e6 and up to 1e-3 at 1e7, where this lies; at 1e8 no digit is
- * left. */
+/* Reciprocal condition of the Gram matrix below which QR is used. Measured on random columns: the
+ * solution's error is 1e-5 at a condition of 1e6, and up to 1e-3 at 1e7, where this limit lies. At
+ * 1e8 no digit is left. */
 static const double MIN_RCOND = 1e-13;
 
 least_squares *least_squares_free(least_squares *self) {
@@ -51,9 +51,9 @@ least_squares *least_squares_create(size_t max_rows, size_t num_columns) {
     return memory->failed ? least_squares_free(self) : self;
 }
 
-/* Gram matrix of the columns scaled to unit norm, lower part. Zero columns get the scale zero,
- * those that are not finite NaN: taken for zero columns they would leave a solution of the
- * others. */
+/* Computes the Gram matrix of the columns scaled to unit norm, lower part. Zero columns get the
+ * scale zero. Columns that are not finite get NaN: as zero columns they would leave a solution of
+ * the others. */
 static void scaled_gram(least_squares *self, const double *matrix, size_t num_rows) {
     size_t n = self->num_columns;
 
@@ -69,7 +69,7 @@ static void scaled_gram(least_squares *self, const double *matrix, size_t num_ro
     }
 }
 
-/* Cholesky of the Gram matrix; false when it is not safely positive definite. */
+/* Factorises the Gram matrix by Cholesky. Returns false if it is not safely positive definite. */
 static int factorise_gram(least_squares *self, const double *matrix, size_t num_rows) {
     int n = (int)self->num_columns;
     double norm, rcond = 0;
@@ -100,8 +100,8 @@ static void solve_gram(double *solution, const least_squares *self, const double
     cholesky_solve(solution, self->gram, n);
 }
 
-/* Fills `scaled` with the scaled columns that are not zero, and the right side; returns their
- * number. */
+/* Fills `scaled` with the scaled columns that are not zero, and the right side. Returns the number
+ * of these columns. */
 static size_t fill_scaled(least_squares *self, const double *matrix, const double *right,
                           size_t num_rows) {
     const size_t n = self->num_columns;
@@ -119,7 +119,8 @@ static size_t fill_scaled(least_squares *self, const double *matrix, const doubl
     return kept;
 }
 
-/* QR of the scaled matrix without its zero columns. NaN with fewer rows than columns. */
+/* Solves by QR of the scaled matrix without its zero columns. NaN if there are fewer rows than
+ * columns. */
 static void solve_qr(double *solution, least_squares *self, const double *matrix,
                      const double *right, size_t num_rows) {
     const size_t n = self->num_columns, kept = fill_scaled(self, matrix, right, num_rows);
@@ -135,7 +136,7 @@ static void solve_qr(double *solution, least_squares *self, const double *matrix
         solution[j] = !solvable ? NAN : self->scale[j] > 0 ? self->right[from++] : 0;
 }
 
-/* Undoes the scaling of the columns. */
+/* Undoes the scaling of the columns. EHD_NOT_CONVERGED: the solution is not finite. */
 static ehd_status unscale(double *solution, const least_squares *self) {
     for (size_t j = 0; j < self->num_columns; j++) {
         solution[j] *= self->scale[j];

@@ -11,9 +11,9 @@ typedef struct least_squares least_squares;
 least_squares *least_squares_create(size_t max_rows, size_t num_columns); // NULL: no memory
 least_squares *least_squares_free(least_squares *workspace); // accepts and returns NULL
 
-/* solution = argmin |matrix solution + right|; zero for zero columns (modes that lie behind the
- * exit). EHD_NOT_CONVERGED: the matrix is not finite, or the other columns are exactly dependent,
- * such as more than rows. */
+/* Computes solution = argmin |matrix solution + right|. It is zero for zero columns (modes that lie
+ * behind the exit). EHD_NOT_CONVERGED: the matrix is not finite, or the other columns are exactly
+ * dependent, for example if there are more of them than rows. */
 ehd_status least_squares_solve(
     // output:
     double *solution, // [num_columns]
@@ -29,9 +29,10 @@ ehd_status least_squares_factorise(
     // input:
     const double *matrix, size_t num_rows); // [num_rows, num_columns]
 
-/* solution = -(J^T J)^-1 matrix^T right, J of the last least_squares_solve or
- * least_squares_factorise: the least-squares solution where J is `matrix`; where it is near, a step
- * of an iteration whose fixed point depends on `matrix` alone. EHD_NOT_CONVERGED: none of them. */
+/* Computes solution = -(J^T J)^-1 matrix^T right with the J of the last least_squares_solve or
+ * least_squares_factorise. If J is `matrix`, this is the least-squares solution. If J is near it,
+ * this is a step of an iteration whose fixed point depends on `matrix` alone. EHD_NOT_CONVERGED: J
+ * has no safe normal equations, or the solution is not finite. */
 ehd_status least_squares_again(
     // output:
     double *solution, // [num_columns]
@@ -40,15 +41,16 @@ ehd_status least_squares_again(
     const double *right,                                  // [num_rows]
     size_t num_rows);
 
-/* (J^T J)^-1 functional, for the last matrix solved with: J times it is, row by row, how far
- * functional^T solution moves by an error of 1 there. Not finite where the factors are singular. */
+/* Computes dual = (J^T J)^-1 functional for the last factorised J. J times dual is, row by row, the
+ * change of functional^T solution by an error of 1 in that row. Not finite if the factors are
+ * singular. */
 void least_squares_dual(
     // output:
     double *dual, // [num_columns]
     // input:
     least_squares *workspace, const double *functional); // [num_columns]
 
-/* The same of many functionals at once, in their place. */
+/* Replaces each of `num` functionals by its dual. */
 void least_squares_duals(
     // in and out:
     double *functionals, // [num, num_columns]

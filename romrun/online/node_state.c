@@ -12,7 +12,7 @@
 
 static void fields_init(node_fields *fields, const reduced_model *model, arena *memory) {
     fields->values =
-        (reduced_values){.checkpoint = model->checkpoints.num, // none
+        (reduced_values){.checkpoint = model->checkpoints.num, // no checkpoint
                          .pressure = arena_array(memory, model->rows.num_needed, sizeof(double)),
                          .cut = arena_array(memory, model->cut.num_rows, sizeof(double))};
     fields->pressure = arena_array(memory, model->rows.num_needed, sizeof(double));
@@ -61,7 +61,7 @@ static void product(double *y, const double *matrix, const double *x, size_t row
     add_product(y, matrix, columns, rows, columns, x);
 }
 
-/* Values of coordinates z at a checkpoint. */
+/* Computes the values of coordinates z at a checkpoint. */
 static void values_at(reduced_values *values, const reduced_model *model, const double *z,
                       size_t checkpoint) {
     size_t size = model->cut.num_rows * model->num_pressure;
@@ -152,8 +152,8 @@ void nodes_expand_runs(node_state *self, const double *z) {
         nodes_expand_range(self, z, self->runs[r].first, self->runs[r].count);
 }
 
-/* What the films from a node of the band on are made of, [nodes, *width], but for runs of a
- * coupled basis. */
+/* Returns the modes of the films from a node of the band on, [nodes, *width]; for a coupled basis
+ * without the runs. */
 static const double *band_film_modes(size_t *width, const node_state *self, size_t node) {
     const reduced_model *model = self->model;
     const bool coupled = model->deformation == DEFORMATION_COUPLED;
@@ -232,7 +232,7 @@ static double film_at(const void *context, size_t node) {
     return nodes_band_film(self->nodes, self->z, node);
 }
 
-/* NaN outside of the band. */
+/* Returns the film at a node; NaN outside of the band. */
 static double film_in_band(const void *context, size_t node) {
     const film_of_state *self = context;
     const reduced_model *model = self->nodes->model;
@@ -244,16 +244,16 @@ static double film_in_band(const void *context, size_t node) {
     return banded ? film_at(context, node) : NAN;
 }
 
-/* The minimum between the nodes around one of the band; at its first nodes, where neighbours are
- * missing in it, the node's. */
+/* Returns the minimum between the nodes around a node of the band. At the band's first nodes, which
+ * lack neighbours in it, it is the node's film. */
 static double film_around_band(const void *context, size_t node) {
     const film_of_state *self = context;
 
     return minimum_around(&self->nodes->model->grid, node, film_in_band, self);
 }
 
-/* Film around a needed node of a line, where none beside it is lower: the minimum of the parabola
- * through the three. */
+/* Returns the film around a needed node of a line: the minimum of the parabola through the node and
+ * its neighbours, if both of these are higher. */
 static double film_around(const node_state *self, size_t q) {
     const size_t *node = self->model->rows.needed_node;
     const double *film = self->now.film;
@@ -265,7 +265,8 @@ static double film_around(const node_state *self, size_t q) {
     return fall > 0 && rise > 0 ? film[q] - slope * slope / (4 * curvature) : film[q];
 }
 
-/* The same with the films of the nodes in between, as the full model has it. */
+/* Returns the minimum around a needed node with the films of the nodes in between, as the full
+ * model has it. */
 static double film_between(size_t *node, const node_state *self, size_t q, film_function *film,
                            const void *context) {
     const size_t *needed = self->model->rows.needed_node;
@@ -281,8 +282,8 @@ static double film_between(size_t *node, const node_state *self, size_t q, film_
     return minimum_around(&self->model->grid, *node, film, context);
 }
 
-/* The lowest needed node of a line with pressure before the band, inside of the needed ones; 0:
- * none. */
+/* Returns the lowest needed node of a line with pressure before the band, without the last needed
+ * node; 0: none. */
 static size_t lowest_before_band(const node_state *self) {
     const reduced_model *model = self->model;
     size_t best = 0;
@@ -296,7 +297,7 @@ static size_t lowest_before_band(const node_state *self) {
     return best;
 }
 
-enum { MINIMUM_REACH = 2 }; // of minimum_around, nodes
+enum { MINIMUM_REACH = 2 }; // nodes on either side that minimum_around uses
 
 bool nodes_have_dip(const node_state *self) {
     const exit_band *band = &self->model->band;
@@ -310,16 +311,16 @@ bool nodes_have_dip(const node_state *self) {
     return false;
 }
 
-/* Whether a needed node with pressure before the band is as low as those beside it. */
+/* Checks whether a needed node with pressure is as low as its neighbours. */
 static bool is_dip(const node_state *self, size_t q) {
     const double *film = self->now.film;
 
     return q > 0 && self->pressurised[q] && film[q] <= film[q - 1] && film[q] <= film[q + 1];
 }
 
-/* Smallest film of the needed nodes with pressure, and its node, since in time a minimum also
- * passes through the front of the contact. With the accurate rows that of a line is taken between
- * them, in each dip before the band, as in the full model. */
+/* Returns the smallest film of the needed nodes with pressure, and its node, since in time a
+ * minimum also passes through the front of the contact. For a line with the accurate rows it is the
+ * minimum between the nodes, in each dip before the band, as in the full model. */
 static double smallest_needed(size_t *node, const node_state *self, film_function *film,
                               const void *context) {
     const row_set *rows = &self->model->rows;

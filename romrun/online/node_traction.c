@@ -7,7 +7,7 @@
 #include <stdbool.h>
 #include <string.h>
 
-/* Pressures of the band before the exits and of what cuts them, and int P X. */
+/* Computes the pressures of the band before the exits and of the runs. Returns int P X. */
 static double moment_of(node_state *self, const double *z) {
     const reduced_model *model = self->model;
     const ehd_grid *grid = &model->grid;
@@ -27,8 +27,8 @@ static double moment_of(node_state *self, const double *z) {
     return moment;
 }
 
-/* Deflection at a column by the pressures of `count` columns of a line from `first` on; `kernel`: of the
- * distance of both lines, by that of columns. */
+/* Returns the deflection at a column by the pressures of `count` columns of a line from `first` on.
+ * `kernel`: influence by the distance of columns, for the distance of both lines. */
 static double deflection_by(const double *kernel, size_t column, size_t first, size_t count,
                             const double *pressure) {
     size_t before = column > first ? column - first : 0;
@@ -39,8 +39,8 @@ static double deflection_by(const double *kernel, size_t column, size_t first, s
     return dot_reversed(falling, pressure, before) + dot(rising, pressure + before, count - before);
 }
 
-/* H at a node of the cubature; the band's pressures are known. One node by many, of which
- * reduced_model_deflect takes three times as long. */
+/* Returns H at a node of the cubature; the band's pressures are known. It sums one node by many,
+ * for which reduced_model_deflect takes three times as long. */
 static double film_at(const node_state *self, const double *z, size_t q, grid_position at) {
     const reduced_model *model = self->model;
     const row_set *set = &model->cubature.nodes;
@@ -64,7 +64,8 @@ static double film_at(const node_state *self, const double *z, size_t q, grid_po
     return film;
 }
 
-/* Pressure and film at a node of the cubature; false: it lies behind the exit. */
+/* Computes pressure and film at a node of the cubature. Returns false if the node lies behind the
+ * exit. */
 static bool expand_node(double *pressure, double *film, const node_state *self, const double *z,
                         size_t q) {
     const row_set *set = &self->model->cubature.nodes;
@@ -77,10 +78,10 @@ static bool expand_node(double *pressure, double *film, const node_state *self, 
     return true;
 }
 
-/* dP/dX at a node of the cubature, and its derivatives by the pressures at the two neighbours along X.
- * `beside` holds the places of the neighbours in the cubature, or NO_NODE where the pressure is zero.
- * Only thinned flows need it, because the gradient changes their shear stress; their models keep the
- * neighbours. */
+/* dP/dX at a node of the cubature, and its derivatives by the pressures at the two neighbours along
+ * X. `beside` holds the places of the neighbours in the cubature, or NO_NODE where the pressure is
+ * zero. Only thinned flows need it, because the gradient changes their shear stress; their models
+ * keep the neighbours. */
 typedef struct node_gradient {
     double value;
     size_t beside[2];
@@ -102,7 +103,7 @@ static node_gradient gradient_at(const node_state *self, const double *z, size_t
     const bool behind = q + 1 < set->num_needed && set->needed_node[q + 1] == node + 1;
     node_gradient gradient = {.beside = {NO_NODE, NO_NODE}, .by = {-per_pressure, per_pressure}};
 
-    // of a model that has not kept them nothing is known
+    // the gradient is not known in a model that has not kept the neighbours
     if (!(before || at.column == 1) || !(behind || at.column + 1 >= self->exit[at.line]))
         return gradient;
     if (before) gradient.beside[0] = q - 1;
@@ -113,13 +114,14 @@ static node_gradient gradient_at(const node_state *self, const double *z, size_t
     return gradient;
 }
 
-/* Whether a node has a weight of its own: it has none where it is kept for the one beside it. */
+/* Checks whether a node has a weight of its own. A node that is kept for its neighbour has none. */
 static bool has_weight(const node_cubature *cubature, size_t q) {
     return cubature->friction[q] != 0 || cubature->dry[q] != 0;
 }
 
-/* Stress at a node before the exit; the largest is kept. Far out in the inlet truncated modes
- * have pressures below zero, where the full model's are hardly above: the fluid is the same. */
+/* Returns the stress at a node before the exit, and keeps the largest one. Far out in the inlet
+ * truncated modes have pressures below zero where the full model's are hardly above. The fluid is
+ * the same there. */
 static double stress_at(double *largest, const ehd_contact *contact, double pressure, double film,
                         double gradient) {
     const double stress = contact_shear_stress(contact, pressure, film, gradient);
@@ -128,9 +130,9 @@ static double stress_at(double *largest, const ehd_contact *contact, double pres
     return stress;
 }
 
-/* The largest stress is looked for at the needed nodes too, where the pressure is near its largest
- * there: it falls with that more than it rises with a thinner film. Of a flow that the gradient thins these
- * are the nodes of the rows, beside which the pressures are needed. */
+/* Part of the largest pressure from which on the largest stress is searched for at the needed nodes
+ * too. The stress falls with the pressure more than it rises with a thinner film. If the gradient
+ * thins the flow, only nodes of the rows count, since the pressures beside them are needed. */
 static const double NEAR_LARGEST = 0.7;
 
 static void look_at_needed(double *largest, const node_state *self, const ehd_contact *contact) {
@@ -154,16 +156,17 @@ static void look_at_needed(double *largest, const node_state *self, const ehd_co
             stress_at(largest, contact, pressure[q], self->now.film[q], 0);
 }
 
-/* Where a grid line's pressure ends. */
+/* End of the pressure on a grid line. */
 typedef struct line_end {
-    size_t node;     // the last one with pressure
-    double weight;   // of its cell in sums
-    double pressure; // there
-    double gradient; // of the pressure, which is zero at the next node
-    double film[2];  // there and at the next node
+    size_t node;     // last node with pressure
+    double weight;   // weight of its cell in sums
+    double pressure; // pressure at the node
+    double gradient; // gradient of the pressure, which is zero at the next node
+    double film[2];  // at the node and at the next one
 } line_end;
 
-/* False: none of its nodes in the band has pressure. */
+/* Finds the end of the pressure on a line. Returns false if none of its nodes in the band has
+ * pressure. */
 static bool find_line_end(line_end *end, const node_state *self, const double *z, size_t line) {
     const reduced_model *model = self->model;
     const band_line *band = &model->band.lines[line];
@@ -203,7 +206,7 @@ contact_traction nodes_traction(node_state *self, const double *z, const ehd_con
         if (!find_line_end(&end, self, z, l)) continue;
         const double stress =
             stress_at(&sums.largest_stress, contact, end.pressure, end.film[0], end.gradient);
-        // what the cell behind the last node has beside the sum over nodes
+        // adds the difference of the cell behind the last node from the sum over nodes
         sums.friction += end.weight / model->grid.step *
                          contact_traction_behind(contact, &model->grid, end.node, stress, end.film,
                                                  on_line ? scalars->exit_position : NAN);
@@ -218,7 +221,8 @@ contact_traction nodes_traction(node_state *self, const double *z, const ehd_con
 
 // ---- derivatives of the friction
 
-/* influence += factor times the deflection at a node by 1 at each band node before the exits. */
+/* Adds factor times the deflection at a node by a pressure of 1 at each band node before the
+ * exits. */
 static void add_band_influence(double *influence, double factor, const node_state *self,
                                grid_position at) {
     const reduced_model *model = self->model;
@@ -248,7 +252,7 @@ void nodes_add_friction(double *target, double *influence, node_state *self, con
     const bool thinned = traction_thins_flow(contact);
     double pressure, film;
 
-    moment_of(self, z); // for the pressures of the band
+    moment_of(self, z); // fills the pressures of the band
     memset(influence, 0, model->band.num_nodes * sizeof *influence);
     for (size_t q = 0; q < set->num_needed; q++) {
         if (!has_weight(&model->cubature, q) || !expand_node(&pressure, &film, self, z, q))
@@ -281,7 +285,7 @@ double nodes_friction_of_exits(node_state *self, const double *z, const ehd_cont
     double squares = 0;
     line_end end;
 
-    moment_of(self, z); // as above
+    moment_of(self, z); // fills the pressures of the band
     for (size_t l = 0; l < self->model->band.num_lines; l++)
         if (find_line_end(&end, self, z, l))
             squares +=

@@ -14,16 +14,16 @@
 
 struct online_model {
     char *path;
-    part_list list; // of the files that it is made of
-    flat *files;    // [list.num] that hold the tables of models that were read from flat ones
+    part_list list; // files that the model consists of
+    flat *files;    // [list.num] their tables, if they are flat
     size_t num_parts;
-    model_part parts[MAX_PARTS]; // of one kind, discretisation and carriage
+    model_part parts[MAX_PARTS]; // all of one kind, discretisation and carriage
 };
 
 struct online_solver {
     const online_model *model;
     part_solver *parts; // [model->num_parts]
-    part_solver *used;  // that of the last solution
+    part_solver *used;  // part of the last solution
 };
 
 // ---- models
@@ -32,7 +32,7 @@ static bool same_size(size_t wanted, size_t own) {
     return wanted == 0 || wanted == own;
 }
 
-/* The parts of a flat file, one behind the other. */
+/* Opens the parts of a flat file, which follow one another. */
 static ehd_status open_flat(online_model *self, size_t index, const model_sizes *sizes,
                             ehd_error *error) {
     const char *path = self->list.paths[index];
@@ -82,15 +82,15 @@ static ehd_status open_file(online_model *self, size_t index, const model_sizes 
     return part_open(&self->parts[self->num_parts++], path, sizes, error);
 }
 
-/* Whether parts can be of one list: contacts of one kind, discretised alike; of point contacts and ellipses
- * on one grid. */
+/* Checks whether parts can be in one list: contacts of one kind with the same discretisation and
+ * boundary; point contacts and ellipses on one grid. */
 static bool alike(const reduced_model *a, const reduced_model *b) {
     return a->kind == b->kind && a->grid.discretization == b->grid.discretization &&
            a->grid.boundary == b->grid.boundary &&
            (a->kind->dimensions == 1 || grid_same(&a->grid, &b->grid));
 }
 
-/* Also carry parts films alike. */
+/* Checks whether all parts are alike and carry films alike. */
 static ehd_status check_alike(const online_model *self, ehd_error *error) {
     const reduced_model *first = &self->parts[0].reduced;
 
@@ -114,7 +114,7 @@ static ehd_status check_alike(const online_model *self, ehd_error *error) {
     return EHD_OK;
 }
 
-/* The first part whose grid is another one than the first's; 0: there is none. */
+/* Returns the first part whose grid differs from that of part 0; 0: there is none. */
 static size_t part_of_other_grid(const online_model *self) {
     for (size_t p = 1; p < self->num_parts; p++)
         if (!grid_same(&self->parts[p].reduced.grid, &self->parts[0].reduced.grid)) return p;
@@ -190,7 +190,7 @@ ehd_status online_export(online_model *self, const char *path, bool force, ehd_e
     return status;
 }
 
-/* Sizes of the largest part. */
+/* Returns the sizes of the largest part. */
 online_properties online_describe(const online_model *self) {
     const reduced_model *largest = &self->parts[0].reduced;
     const ehd_grid *grid = online_grid(self);
@@ -289,8 +289,8 @@ ehd_status online_prepare_transient(online_model *self, ehd_error *error) {
     return status;
 }
 
-/* The part in whose trained range a contact lies deepest, or that is the nearest; of those on the grid
- * that it asks for, where there are any. */
+/* Returns the part in whose trained range a contact lies deepest, or the nearest one. If any parts
+ * are on the grid that the contact gives, only these count. */
 static size_t part_for(const online_model *self, const part_solver *solvers,
                        const ehd_contact *contact) {
     const contact_place place = contact_place_of(contact);
@@ -442,33 +442,33 @@ void online_exits(double *positions, const online_solver *solver) {
 
 // ---- in time
 
-/* State of the accepted contact besides its march. All members are numbers of one type, so that the struct can be saved
- * as such. */
+/* State of the accepted contact besides its march. All members are doubles, so that the struct can
+ * be saved as such. */
 typedef struct accepted_moment {
     double time;
-    load_forecast forecast; // scales the next frame where the approach is given
-    double path, speed;     // of the fluid
+    load_forecast forecast; // scales the next frame if the approach is given
+    double path, speed;     // path and speed of the fluid
 } accepted_moment;
 
 struct online_transient {
     const online_model *model;
     ehd_contact reference;
     parts_march *march;
-    apart_march contact; // that march, of a contact that may be lost
-    march_solver solver; // of that
+    apart_march contact; // `march` for a contact that may be lost
+    march_solver solver; // solver of `contact`
     bool started;        // there is an accepted state
     bool solved;         // there is a step that can be accepted
-    march_step last;     // solved
+    march_step last;     // the last solved step
     accepted_moment now;
-    // of the last step, which begins behind them, or of the start
+    // conditions of the last step, which begins at `now`, or of the start
     online_conditions conditions;
-    bool at_start;            // no step was taken since
-    size_t of;                // part that the tangent is of
+    bool at_start;            // no step was taken since the start
+    size_t of;                // part of the tangent
     reduced_tangent *tangent; // NULL: not needed yet
-    bool linearised;          // at what it is of
+    bool linearised;          // the tangent is linearised at its solution
 };
 
-/* A march of each part. */
+/* Creates a march for each part. */
 static ehd_status create_marches(online_transient *self, ehd_error *error) {
     const reduced_settings settings = reduced_default_settings();
     const size_t num_parts = self->model->num_parts;
@@ -543,13 +543,14 @@ void online_march_effort(double *rows, double *linear, double *exit, const void 
     *exit = effort.seconds_exit;
 }
 
-/* The march that has solved the step that was not accepted yet, or the last accepted state. */
+/* Returns the march of the solved step that is not accepted yet. Without such a step, returns that
+ * of the last accepted state. */
 static reduced_march *march_of_attempt(const online_transient *self) {
     return parts_march_part(self->march, self->solved ? parts_march_attempted(self->march)
                                                       : parts_march_accepted(self->march));
 }
 
-/* That of the last accepted state. */
+/* Returns the march of the last accepted state. */
 static reduced_march *march_of_accepted(const online_transient *self) {
     return parts_march_part(self->march, parts_march_accepted(self->march));
 }
@@ -730,12 +731,14 @@ ehd_status online_transient_fields(double *pressure, double *film, online_transi
     return solver.fields(pressure, film, solver.self, error);
 }
 
-/* Whether the bodies of the last step, or else of the accepted state, are apart. */
+/* Checks whether the bodies are apart in the last solved step or, without one, in the accepted
+ * state. */
 static bool is_apart(const online_transient *self) {
     return self->solved ? self->last.apart : self->contact.now.apart == 1;
 }
 
-/* Place of the last step among the states of its march: 0 is an attempt; a start is accepted at once, 1. */
+/* Returns the place of the last step among the states of its march: 0 for an attempt, 1 for a
+ * start, which is accepted at once. */
 static size_t steps_before(const online_transient *self) {
     return self->solved && !self->last.begins ? 0 : 1;
 }
@@ -776,27 +779,28 @@ size_t online_transient_part(const online_transient *self) {
 
 // ---- derivatives
 
-/* A solution, and what its conditions are. */
+/* A solution and its conditions. */
 typedef struct solved_frame {
     const ehd_contact *reference;
     reduced_state state;
-    online_conditions at; // load: that scales the frame
-    bool by_approach;     // which was given
+    online_conditions at; // its load scales the frame
+    bool by_approach;     // the approach was given, not the load
     bool exit_at_node;
     void (*set_frame)(contact_frame *frame, const void *context,
                       const online_conditions *conditions);
-    const void *context; // of that
+    const void *context; // argument of set_frame
     frame_equations equations;
     reduced_tangent *tangent;
-    bool *linearised; // it is, at this solution: directions share the factors
+    bool *linearised; // the tangent is at this solution: directions share the factors
 } solved_frame;
 
-/* Between conditions by how much of each, over what it is measured by (distance_of): only the residuals of the
- * rows are differenced, at fixed coordinates. Derivatives of the line of scenes/examples (central and minimum
- * film by load and speed) change by less than 1e-6 from 2e-3 to 2e-5, by 6e-4 with 2e-2 and 6e-5 with 2e-7. */
+/* Distance between the conditions of a central difference, relative to the values in distance_of.
+ * Only the residuals of the rows are differenced, at fixed coordinates. Derivatives of the line of
+ * scenes/examples (central and minimum film by load and speed) change by less than 1e-6 from 2e-3
+ * to 2e-5, by 6e-4 with 2e-2 and by 6e-5 with 2e-7. */
 static const double DISTANCE = 2e-4;
 
-/* How far apart conditions are along a direction; 0: it is none. */
+/* Returns the distance between the conditions along a direction; 0: the direction is zero. */
 static double distance_of(const solved_frame *of, const online_direction *direction) {
     const online_conditions *at = &of->at;
     const double rates[] = {
@@ -812,7 +816,7 @@ static double distance_of(const solved_frame *of, const online_direction *direct
     return fastest > 0 ? DISTANCE / fastest : 0;
 }
 
-/* Conditions a distance along a direction. */
+/* Sets the frame of the conditions at a distance along a direction. */
 static void set_frame_beside(contact_frame *frame, const solved_frame *of,
                              const online_direction *direction, double distance) {
     online_conditions at = of->at;
@@ -856,7 +860,7 @@ static ehd_status linearise(const solved_frame *of, ehd_error *error) {
 /* Frames half a distance before and behind along a direction. */
 typedef struct frames_beside {
     contact_frame side[2];
-    double distance; // 0: none
+    double distance; // 0: the direction is zero
 } frames_beside;
 
 static frames_beside beside(const solved_frame *of, const online_direction *direction) {
@@ -867,7 +871,8 @@ static frames_beside beside(const solved_frame *of, const online_direction *dire
     return found;
 }
 
-/* Along a direction of what the solution was given. */
+/* Computes derivatives along a direction, which has the load or the approach that the solution was
+ * given. */
 static ehd_status along(frame_quantities *found, const solved_frame *of,
                         const online_direction *direction, ehd_error *error) {
     const frames_beside frames = beside(of, direction);
@@ -879,16 +884,17 @@ static ehd_status along(frame_quantities *found, const solved_frame *of,
                          &of->equations, error);
 }
 
-/* By what the solution was given, the other conditions being held. */
+/* Returns the unit direction of the given load or approach. The other conditions are held. */
 static online_direction direction_of_given(const solved_frame *of) {
     return of->by_approach ? (online_direction){.load = NAN, .approach = 1}
                            : (online_direction){.load = 1, .approach = NAN};
 }
 
-/* found += what the outcome of load and approach has to change by yet for that of the direction, with
- * the change of what was given that this takes. Another closure at the solution's own frame would be
- * another problem: a frame that does not follow the load needs pressures that modes do not have (the
- * point contact of scenes/examples has a stiffness 13 % off with it, the line one 0.4 %). */
+/* Corrects `found` for a direction in the quantity that was an outcome, load or approach. Adds a
+ * multiple of the derivatives by the given quantity, so that the outcome changes as in the
+ * direction. Another closure in the solution's own frame would be another problem. A frame that
+ * does not follow the load needs pressures that the modes lack: the stiffness of the point contact
+ * of scenes/examples would be 13 % off, that of the line 0.4 %. */
 static void exchange(frame_quantities *found, const frame_quantities *by_given,
                      const solved_frame *of, const online_direction *direction) {
     const double *add = (const double *)by_given;
@@ -923,8 +929,9 @@ static ehd_status differentiate(online_derivatives *derivatives, const solved_fr
     return EHD_OK;
 }
 
-/* Of load F and approach H0, which vary by 1 + s F1 and A + s H1: dF/dH0 = 1/A - s (H1 - A F1)/A^2. F1, and how far
- * the load at s = 0 is off 1, is what least squares leave of the load balance. */
+/* Computes stiffness and damping. Load F and approach H0 vary by 1 + s F1 and A + s H1, so
+ * dF/dH0 = 1/A - s (H1 - A F1)/A^2. F1, and the difference of the load at s = 0 from 1, come from
+ * the residual that least squares leave in the load balance. */
 static ehd_status respond(online_response *response, const solved_frame *of, ehd_error *error) {
     const online_direction by_load = {.load = 1, .approach = NAN};
     const frames_beside frames = beside(of, &by_load);
@@ -951,7 +958,7 @@ static ehd_status respond(online_response *response, const solved_frame *of, ehd
     return EHD_OK;
 }
 
-/* Of a stationary contact, on its own. */
+/* Sets the frame of a stationary contact. */
 static void set_stationary_frame(contact_frame *frame, const void *context,
                                  const online_conditions *conditions) {
     const ehd_contact *reference = context;
@@ -963,7 +970,8 @@ static void set_stationary_frame(contact_frame *frame, const void *context,
     *frame = frame_at(reference->kind, 0, values, conditions->approach);
 }
 
-/* As the scene of these conditions has them, where the speed is in lambda: rows weigh the same. */
+/* Returns the equations of the scene with these conditions. The speed is in lambda, so that rows
+ * have the same weights. */
 static reduced_equations stationary_equations(void *context, const contact_frame *frame,
                                               ehd_contact *contact, int side) {
     const ehd_contact *reference = context;
@@ -1026,7 +1034,7 @@ static void set_transient_frame(contact_frame *frame, const void *context,
     *frame = frame_of(self, conditions, self->solved ? self->last.step : 0);
 }
 
-/* Of the step that was not accepted yet, or of the start. */
+/* Finds the solution of the step that is not accepted yet, or of the start. */
 static ehd_status find_attempt(solved_frame *solved, online_transient *self, ehd_error *error) {
     const march_step *last = &self->last;
     const size_t part = online_transient_part(self);
@@ -1046,7 +1054,7 @@ static ehd_status find_attempt(solved_frame *solved, online_transient *self, ehd
                              .context = self,
                              .equations = reduced_march_equations(of)};
     solved->at.load = last->frame.load;
-    // the frame of a start follows its load, whichever was given
+    // the frame of a start follows its load, whether load or approach was given
     if (!self->solved) solved->at.approach = NAN;
     if (part != self->of) self->tangent = reduced_tangent_free(self->tangent);
     self->of = part;

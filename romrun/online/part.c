@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Indicator factors of the model's sizes from its calibration, 0 where there is none. */
+/* Reads the calibrated factors of the model's sizes; 0: there are none. */
 static ehd_status read_factors(model_part *self, ehd_error *error) {
     const reduced_model *model = &self->reduced;
     const model_sizes own = {model->num_pressure, model->num_deformation, model->rows.num_rows};
@@ -42,7 +42,7 @@ static ehd_status read_factors(model_part *self, ehd_error *error) {
 
 // ---- flat files
 
-/* What a calibration found. */
+/* Writes or reads the results of a calibration. */
 static void walk_factors(flat *file, model_part *self) {
     self->indicator_factor = flat_real(file, "factor", self->indicator_factor);
     self->indicator_factor_minimum =
@@ -104,7 +104,7 @@ ehd_status part_show(model_part *self, const shown_lubricants *shown, ehd_error 
     if (!copy) return ehd_no_memory(error, self->path);
     for (size_t i = 0; i < shown->count; i++)
         copy[i] = shown->of[i];
-    if (!self->flat || self->shows) free(own->of); // a flat file's own are part of it
+    if (!self->flat || self->shows) free(own->of); // a flat file owns its lubricants
     self->shows = true;
     *own = (shown_lubricants){shown->count, copy};
     trained_range_free(self->range);
@@ -131,8 +131,8 @@ void part_close(model_part *self) {
     field_modes_free(&self->own_fields);
 }
 
-/* The modes on the whole grid, those that are not there yet. `deformation`: of an independent basis
- * too. */
+/* Reads the modes on the whole grid that are not there yet. `deformation`: also those of an
+ * independent basis. */
 static ehd_status read_bases(model_part *self, bool deformation, ehd_error *error) {
     double **const pressure_basis = self->pressure_basis ? NULL : &self->pressure_basis;
     double **const deformation_basis =
@@ -221,7 +221,7 @@ ehd_status part_check_contact(const model_part *model, const ehd_contact *contac
                     model->reduced.kind->name, own->num_inner, own->x_min, own->step, model->path);
 }
 
-/* Estimates the deviation from the residuals of the rows. */
+/* Estimates the errors of the films from the residuals of the rows. */
 static void indicate(online_result *result, part_solver *solver, const ehd_contact *contact,
                      const reduced_info *info) {
     const model_part *model = solver->model;
@@ -236,8 +236,9 @@ static void indicate(online_result *result, part_solver *solver, const ehd_conta
     if (model->indicator_factor > 0) {
         result->indicated =
             trade_indicated(model->indicator_factor, model->shape[OF_CENTRAL_FILM], result->bound);
-        // no less than the central film: of 452 scenes inside, with 78 of 110 modes, its own alone is
-        // below the deviation in 16, 0.68 of it at least; so in 1, 0.96
+        // at least the central film's estimate. Of 452 scenes inside, with 78 of 110 modes, the
+        // estimate of the minimum film alone is below the error in 16, with it in 1 (0.96 of the
+        // error)
         result->indicated_minimum =
             fmax(trade_indicated(model->indicator_factor_minimum, model->shape[OF_MINIMUM_FILM],
                                  result->bound_minimum),
@@ -246,24 +247,26 @@ static void indicate(online_result *result, part_solver *solver, const ehd_conta
     result->seconds += program_seconds() - start;
 }
 
-/* A false solution, with a spike where none is, leaves 0.95 in its rows where the calibration's
- * scenes leave 3e-3 at most; of good results with lubricants that were in no training no more than
- * before are flagged (scenes/studies/silent-failures, seed 22). */
+/* Multiple of the calibration's largest residual above which a result is not trusted. A false
+ * solution, with a spike where none is, has a residual of 0.95; the scenes of the calibration have
+ * 3e-3 at most. The limit does not flag additional good results with untrained lubricants
+ * (scenes/studies/silent-failures, seed 22). */
 static const double MAX_RESIDUAL_OVER_CALIBRATION = 100;
 
-/* Of 1700 random scenes with two trainings of lines, those inside and of the trained density take
- * at most 1.9 times as many as any of 60 scenes of the calibration. Incompressible scenes of these
- * compressible trainings take up to 8 times as many, a twentieth of them, good ones, more than 5.
- * */
+/* Multiple of the calibration's most iterations above which a result is not trusted. Of 1700 random
+ * scenes with two trainings of lines, those inside and with the trained density take at most 1.9
+ * times as many iterations as any of 60 scenes of the calibration. Incompressible scenes of these
+ * compressible trainings take up to 8 times as many. A twentieth of them, good ones, takes more
+ * than 5 times as many. */
 static const double MAX_ITERATIONS_OVER_CALIBRATION = 5;
 
-/* Hertz pressures. Of 1000 solutions of the trained lubricants in 18 sizes of three trainings,
- * from 14 modes on, none goes below -3e-4, and no line of any lubricant that is good to 1 % with
- * all of its model below -4e-4; of those below -1e-3 the fields are off by 0.01 to 4 Hertz
- * pressures (scenes/studies/silent-failures). */
+/* Most negative pressure of a solution, in Hertz pressures. Of 1000 solutions with trained
+ * lubricants, in 18 sizes of three trainings from 14 modes on, none goes below -3e-4. No line with
+ * any lubricant that is good to 1 % with all of its model goes below -4e-4. Where solutions go
+ * below -1e-3, the fields are off by 0.01 to 4 Hertz pressures (scenes/studies/silent-failures). */
 static const double MOST_NEGATIVE = 1e-3;
 
-/* Marks a result whose pressures cannot be a solution's as not converged. */
+/* Marks a result as not converged if its pressures cannot be those of a solution. */
 static void judge_pressure(online_result *result, const ehd_contact *contact,
                            const reduced_pressures *range) {
     if (result->status == EHD_NOT_CONVERGED) return;
@@ -285,8 +288,9 @@ void online_judge_pressure(online_result *result, const ehd_contact *contact,
     judge_pressure(result, contact, &range);
 }
 
-/* Marks a converged result outside of the trained range, or far from solving its rows, as
- * untrusted; of one that has not converged there the range is told first. */
+/* Marks a converged result as untrusted if it lies outside of the trained range or is far from
+ * solving its rows. For a result that has not converged, the reason begins with the range if the
+ * contact lies outside. */
 static void judge(online_result *result, part_solver *solver, const ehd_contact *contact) {
     const model_part *model = solver->model;
     const char *reason =

@@ -11,12 +11,12 @@ struct parts_march {
     size_t num_parts;
     reduced_march **parts; // [num_parts]
     bool *holds;           // [num_parts] whether a part has the accepted states
-    size_t accepted;       // part that has solved the last accepted one
-    size_t attempted;      // of the last attempt
+    size_t accepted;       // part that solved the last accepted state
+    size_t attempted;      // part of the last attempt
     size_t num_handed;
-    // of a handed state, [num_nodes]; NULL where there is one part
+    // handed state, [num_nodes]; NULL if there is one part
     double *pressure, *film;
-    double *taken_pressure, *taken_film; // as the part has it that took it
+    double *taken_pressure, *taken_film; // the handed state in the part that took it
 };
 
 parts_march *parts_march_free(parts_march *self) {
@@ -102,7 +102,7 @@ reduced_march_effort parts_march_effort_of(const parts_march *self) {
 
 // ---- from one part to another
 
-/* The part in whose trained range a frame lies deepest. */
+/* Returns the part in whose trained range a frame lies deepest. */
 static size_t deepest(const parts_march *self, const contact_frame *frame) {
     size_t found = 0;
 
@@ -113,7 +113,7 @@ static size_t deepest(const parts_march *self, const contact_frame *frame) {
     return found;
 }
 
-/* A state on the grid, in self->pressure and self->film. */
+/* Returns a state on the grid, with its fields in self->pressure and self->film. */
 static handed_state hand(parts_march *self, const reduced_march *from, const reduced_state *state,
                          const contact_frame *frame) {
     handed_state handed = {.pressure = self->pressure,
@@ -125,8 +125,8 @@ static handed_state hand(parts_march *self, const reduced_march *from, const red
     return handed;
 }
 
-/* Finds what the film of the last accepted state changes by when another part takes it over, whose modes represent it less
- * exactly. */
+/* Finds the change of the last accepted film when another part takes it over. The modes of that
+ * part represent the film less exactly. */
 static void find_change(double change[NUM_ERROR_PLACES], parts_march *self,
                         const reduced_march *from, const reduced_march *to) {
     const reduced_state taken = reduced_march_state_before(to, 1, NULL);
@@ -139,8 +139,8 @@ static void find_change(double change[NUM_ERROR_PLACES], parts_march *self,
                         given.exit);
 }
 
-/* The accepted states of the part that has solved the last one, for another part, with the errors
- * that they have and what films along the path are told from. */
+/* Hands the accepted states of the part that solved the last one to another part, with their errors
+ * and, along the path, the base. */
 static ehd_status hand_over(parts_march *self, size_t part, ehd_error *error) {
     const reduced_march *from = self->parts[self->accepted];
     reduced_march *to = self->parts[part];
@@ -173,14 +173,15 @@ static bool knows(const parts_march *self, size_t part, const contact_frame *fra
     return !reduced_march_check_range(self->parts[part], frame, frame);
 }
 
-/* A part while a frame lies in its range, or in that of none. */
+/* Returns a part while a frame lies in its range, or in that of none. */
 static size_t stay_or_leave(const parts_march *self, size_t part, const contact_frame *frame) {
     if (self->num_parts == 1 || knows(self, part, frame)) return part;
     const size_t other = deepest(self, frame);
     return knows(self, other, frame) ? other : part;
 }
 
-/* The same once it is solved: where the approach is given the frame's load was a guess. */
+/* Returns the part for a solved step. If the approach is given, the load of the frame was a guess,
+ * so the range is checked again under the load found. */
 static size_t part_of_outcome(const parts_march *self, const march_step *outcome,
                               const contact_frame *frame) {
     const contact_kind *kind = reduced_march_reference(self->parts[0])->kind;
@@ -190,7 +191,7 @@ static size_t part_of_outcome(const parts_march *self, const march_step *outcome
     return stay_or_leave(self, self->attempted, &loaded);
 }
 
-/* It alone has accepted states from now on. */
+/* Makes a part the only one with accepted states. */
 static void hold_alone(parts_march *self, size_t part) {
     self->accepted = self->attempted = part;
     memset(self->holds, 0, self->num_parts * sizeof *self->holds);
@@ -204,7 +205,7 @@ reduced_march *parts_march_choose(parts_march *self, const contact_frame *frame)
 
 // ---- as a solver
 
-/* What solves the part of the last accepted state. */
+/* Returns the solver of the part of the last accepted state. */
 static march_solver last_solver(const parts_march *self) {
     return reduced_march_solver(self->parts[self->accepted]);
 }
@@ -262,7 +263,7 @@ static void restart(void *solver) {
     of.restart(of.self);
 }
 
-/* Asks the part whose training has the smallest M. */
+/* Solves with the part whose training has the smallest M. */
 static ehd_status touching(double *approach, double *load, void *solver, const contact_frame *frame,
                            ehd_error *error) {
     const parts_march *self = solver;
@@ -275,7 +276,8 @@ static ehd_status touching(double *approach, double *load, void *solver, const c
     return of.touching(approach, load, of.self, frame, error);
 }
 
-/* Of several parts which one it is, before its own, and zeros up to the longest. */
+/* Returns the size of a saved state. For several parts it has the index of the part, its own saved
+ * state, and zeros up to the longest one. */
 static size_t saved_size(const void *solver) {
     const parts_march *self = solver;
     size_t longest = 0;

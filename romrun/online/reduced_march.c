@@ -18,26 +18,27 @@
 
 /* rho H of accepted states in the present frame, at the rows' nodes and, on demand, the band's. */
 typedef struct previous_sums {
-    size_t *ascending;             // [num_rows] the rows in order of their nodes
+    size_t *ascending;             // [num_rows] rows in the order of their nodes
     double *mass;                  // [num_rows, BDF_PREVIOUS] rho H of each state
-    double *sum;                   // [num_rows] their sum with the formula's weights
-    size_t attempt, *band_attempt; // number of the attempt; [nodes of the band] that band_sum is of
-    double *band_sum;              // [nodes of the band] the sum there, evaluated on demand
+    double *sum;                   // [num_rows] sum of `mass` with the weights of the formula
+    size_t attempt, *band_attempt; // number of the attempt; [nodes of the band] attempt of band_sum
+    double *band_sum;              // [nodes of the band] `sum` there, evaluated on demand
 } previous_sums;
 
 /* Data for the local error of an attempt. */
 typedef struct error_estimate {
     double *pressure, *mass; // [num_rows] P and rho H at the rows' nodes
-    size_t *end;             // [num_lines] columns before which it is estimated
-    // along the path, the central line's places from the edge of the dry contact to the centre
+    size_t *end;             // [num_lines] columns before which the error is estimated
+    // along the path: places on the central line from the edge of the dry contact to the centre
     size_t num_way;
     size_t *way;     // [num_way] nodes
-    size_t *way_row; // [num_way] the row there, or NO_ROW
+    size_t *way_row; // [num_way] row at the node, or NO_ROW
     double *x;       // [num_way] X there
     double *missed;  // [num_way] error of rho H in the attempt, without the formula's factor
-    // [num_way] change of the last accepted rho H by the filter, and the places X to which the fluid has carried it
+    // [num_way] change of the last accepted rho H by the filter, and the places X to which the
+    // fluid has carried this change
     double *changed, *changed_x;
-    double *way_mass; // [num_way] rho H there; infinite where no error is told
+    double *way_mass; // [num_way] rho H there; infinite where no error is estimated
 } error_estimate;
 
 static const size_t NO_ROW = SIZE_MAX;
@@ -51,7 +52,8 @@ typedef struct march_beside {
     reduced_squeeze squeeze;
 } march_beside;
 
-/* Arguments of the solver's kept factors, from which a restored march makes the same ones. */
+/* Arguments with which the solver's kept factors were made. A restored march makes the same factors
+ * from them. */
 typedef struct factors_origin {
     bool valid;
     contact_frame frame;
@@ -66,38 +68,39 @@ struct reduced_march {
     trained_range *range;
     range_memory *range_memory;
     reduced_solver *solver;
-    double start_tolerance;           // of its iterations
-    double tolerance;                 // of the steps; NaN: none is known
-    bool allows_short;                // states may be passing
+    double start_tolerance;           // tolerance of the start
+    double tolerance;                 // tolerance of the steps; NaN: not set
+    bool allows_short;                // states may be passing (bdf.h)
     previous_film states[BDF_STATES]; // indexed by the ring
     bdf_ring ring;
     bdf_ring accepted;   // the ring before the attempt, if `promoted`
     bool promoted;       // the attempt begins at the passing state
-    bdf_formula formula; // of the attempt
+    bdf_formula formula; // formula of the attempt
     previous_sums previous;
-    // along the path: the start and d/dX of its rho H, as the rows have it
+    // along the path: the start, and d/dX of its rho H as in the rows
     path_films path;
     previous_film base;
     double *entrained, *band_entrained; // [num_rows], [nodes of the band]
-    double entrainment;                 // of the attempt
+    double entrainment;                 // entrainment of the attempt
     error_estimate estimate;
-    film_errors taken_up; // along the path
+    film_errors taken_up; // errors along the path
     time_indicator indicator;
-    film_factors of_films; // of the indicator; NaN: it is not asked
-    film_bounds bounds;    // of the attempt
-    double *influence;     // [num_rows] on a film
-    // path of the fluid up to which a film is in the contact that was not to be trusted when it
-    // formed, of the attempt and of the last accepted state
+    film_factors of_films; // factors of the indicator; NaN: no estimates
+    film_bounds bounds;    // bounds of the attempt
+    double *influence;     // [num_rows] influence of rows on a film
+    // path of the fluid up to which the contact has a film that formed in an untrusted step: for
+    // the attempt, and for the last accepted state
     double doubtful, last_doubtful;
     factors_origin factors;
-    // frames scaled by the load of the solution, of the attempt and of the last accepted state:
-    // where the approach is given they differ from the frames solved in; and of the state from which rates are measured
+    // frames scaled by the load of the solution: of the attempt, of the last accepted state, and of
+    // the state from which rates are measured. If the approach is given, they differ from the
+    // frames in which the states were solved
     contact_frame load_frame, last_load_frame, rate_frame;
-    reduced_info info; // of the attempt
+    reduced_info info; // outcome of the attempt
     march_beside beside[2];
     double *beside_mass; // [num_rows, BDF_PREVIOUS] work
     reduced_march_effort effort;
-    arena memory; // of all arrays
+    arena memory; // memory of all arrays
 };
 
 reduced_march *reduced_march_free(reduced_march *self) {
@@ -122,7 +125,7 @@ static int compare_nodes(const void *a, const void *b, void *context) {
     return p < q ? -1 : p > q;
 }
 
-/* In order of nodes the splines of neighbouring rows use the same memory. */
+/* Sorts the rows by node, so that the splines of neighbouring rows use the same memory. */
 static void sort_rows(reduced_march *self) {
     for (size_t r = 0; r < self->model->rows.num_rows; r++)
         self->previous.ascending[r] = r;
@@ -156,15 +159,16 @@ static bool is_along_path(const reduced_march *self) {
     return self->reference.transport == TRANSPORT_PATH;
 }
 
-/* The minimum film of a point contact lies beside the central line. */
+/* Returns whether errors in time of the minimum film are estimated. The minimum film of a point
+ * contact lies beside the central line. */
 static bool tells_minimum(const reduced_march *self) {
     return is_along_path(self) && self->model->band.num_lines == 1;
 }
 
-/* Finds the places on the way to the centre: those of rows on the central line, and nodes between
- * them where these are farther apart than errors in time are long. */
+/* Finds the places on the way to the centre: nodes of rows on the central line, and nodes between
+ * them if these are farther apart than `widest`. */
 static bool find_way(reduced_march *self) {
-    const double widest = 0.05; // see common/time/README.md, Along the path
+    const double widest = 0.05; // half widths; see common/time/README.md, Along the path
     const reduced_model *model = self->model;
     const ehd_grid *grid = &model->grid;
     const size_t begin = grid_central_line(grid), end = begin + grid_width(grid) - 1;
@@ -187,7 +191,7 @@ static bool find_way(reduced_march *self) {
     for (size_t r = 0; r < model->rows.num_rows; r++)
         if (model->rows.node[r] > begin && model->rows.node[r] < end)
             row_of[model->rows.node[r] - begin] = r;
-    size_t last = begin; // of these places
+    size_t last = begin; // last place found
     for (size_t k = begin + 1; k < end && grid_x(grid, k) <= grid->step; k++) {
         const bool taken = row_of[k - begin] != NO_ROW;
         if (grid_x(grid, k) < -1) continue;
@@ -201,7 +205,7 @@ static bool find_way(reduced_march *self) {
     return true;
 }
 
-/* What films along the path need. */
+/* Prepares the data of films along the path. */
 static ehd_status prepare_path(reduced_march *self, ehd_error *error) {
     const ehd_contact *reference = &self->reference;
     ehd_status status =
@@ -217,9 +221,9 @@ ehd_status reduced_march_create(reduced_march **created, const reduced_model *mo
                                 const reduced_settings *settings, ehd_error *error) {
     reduced_settings in_time = *settings;
 
-    in_time.exit_at_node = true; // of the start too, as in the full model
+    in_time.exit_at_node = true; // also at the start, as in the full model
     *created = NULL;
-    // what the scene does not name is that of the training
+    // values that the scene does not give are those of the training
     const ehd_carriage carriage = {reference->transport, reference->smoothing};
     ehd_status status =
         carriage_check(&carriage, NULL, &model->carriage, "the model's training", error);
@@ -287,9 +291,9 @@ static void add_effort(reduced_march *self, const reduced_info *info) {
 
 // ---- trust
 
-/* Whether an exit lies at the edge of its range, unless that is the grid's end, where the full
- * model of the training had it too: for a moment after a rise of the load by a step the whole
- * outlet is full. */
+/* Checks whether an exit lies at the edge of its range. The grid's end does not count, since the
+ * full model of the training had the exit there too: after a step up of the load the whole outlet
+ * is full for a moment. */
 static bool is_at_edge(const reduced_model *model, const reduced_state *state) {
     const size_t *exit = reduced_state_exits(state), end = grid_width(&model->grid) - 2;
 
@@ -303,8 +307,8 @@ static bool is_at_edge(const reduced_model *model, const reduced_state *state) {
     return false;
 }
 
-/* A film that forms in a step that is not to be trusted is in the contact until it has gone from
- * its edge to the exit, and so long no step is to be trusted. */
+/* Marks steps as untrusted as long as the contact has a film that formed in an untrusted step. Such
+ * a film goes from the edge of the contact to the exit. */
 static void judge_films(march_step *outcome, reduced_march *self, const contact_frame *frame) {
     const double exit = outcome->scalars.exit_position;
 
@@ -317,16 +321,17 @@ static void judge_films(march_step *outcome, reduced_march *self, const contact_
     }
 }
 
-/* Whether the gap closes behind the exit, so that a second zone of pressure there has a part of the load:
- * a reduced model has one zone a line. */
+/* Checks whether the gap closes behind the exit, so that a second zone of pressure there carries a
+ * part of the load. A reduced model has one zone per line. */
 static bool lacks_zone(const reduced_march *self) {
     if (self->ring.num_previous < 2) return false; // a jump is over in one step
     return frame_closing_gap(&self->load_frame, &self->last_load_frame, &self->reference, 1).load >
            frame_most_cut_load;
 }
 
-/* Returns the rates of change in the attempt. A load that is an outcome has noise, so that its change is measured from an earlier
- * state if steps are short, and its share is taken (frame_step_share) until there is one. */
+/* Returns the rates of change in the attempt. A load that is an outcome has noise. In short steps
+ * its change is therefore measured from an earlier state; until there is one, it is multiplied by
+ * frame_step_share. */
 static frame_rates rates_of_step(const reduced_march *self) {
     const contact_frame *now = &self->load_frame, *last = &self->rate_frame;
     frame_rates rates = frame_rates_between(now, &self->last_load_frame);
@@ -339,7 +344,8 @@ static frame_rates rates_of_step(const reduced_march *self) {
     return rates;
 }
 
-/* Measures the next rates from the accepted state, if that is far enough from the one before or the first after a jump. */
+/* Measures the next rates from the accepted state if it is far enough from the previous one, or the
+ * first after a jump. */
 static void move_rate_frame(reduced_march *self) {
     const contact_frame *now = &self->load_frame, *last = &self->rate_frame;
 
@@ -349,15 +355,16 @@ static void move_rate_frame(reduced_march *self) {
 }
 
 /* Marks states beyond the model as untrusted: a contact outside of the trained range, an exit at
- * the edge of its range, and a film that ruptures in the inlet, where the model has no exit. */
+ * the edge of its range, a second zone of pressure, a thinned flow that the equations do not cover,
+ * and a film that ruptures in the inlet, where the model has no exit. */
 static void judge(march_step *outcome, reduced_march *self, const reduced_state *state,
                   const contact_frame *frame) {
-    const double rupture = -1e-3; // of the Hertz pressure; truncation alone causes a tenth of it
+    const double rupture = -1e-3; // in Hertz pressures; truncation alone causes a tenth of it
     const reduced_model *model = self->model;
     ehd_contact contact;
 
     self->load_frame = isnan(frame->approach)
-                           ? *frame // the load is given, though met only in the least-squares sense
+                           ? *frame // the load is given, though least squares meet it only nearly
                            : frame_of_load(self->reference.kind, frame, outcome->scalars.load);
     if (outcome->status == EHD_UNTRUSTED) judge_films(outcome, self, frame);
     if (outcome->status) return;
@@ -402,8 +409,8 @@ static ehd_status solve(reduced_info *info, reduced_march *self, const ehd_conta
     return status;
 }
 
-/* Solves the stationary contact under the load that scales a frame, from what the training has
- * around it. */
+/* Solves the stationary contact under the load that scales a frame, starting from the trained
+ * states around it. */
 static ehd_status solve_under_load(reduced_info *info, reduced_march *self,
                                    const contact_frame *frame, ehd_error *error) {
     ehd_contact contact;
@@ -414,10 +421,11 @@ static ehd_status solve_under_load(reduced_info *info, reduced_march *self,
     return solve(info, self, &contact, NULL, error);
 }
 
-/* Rescales the frame until the load at the given approach is the one that scales it: a fixed-point
- * iteration over stationary solutions. It may end in a cycle, within the tolerance of these solutions or between
- * two exits: at 0.952 of its load the line of scenes/examples/oscillator alternates between loads 64e-9 too high and
- * 64e-9 too low. Any frame of such a cycle will do. */
+/* Rescales the frame until its load is that of the solution at the given approach, by a fixed-point
+ * iteration over stationary solutions. The iteration may end in a cycle, within the tolerance of
+ * these solutions or between two exits. For example, the line of scenes/examples/oscillator at
+ * 0.952 of its load alternates between loads 64e-9 too high and 64e-9 too low. Any frame of such a
+ * cycle will do. */
 static ehd_status find_load(reduced_info *info, reduced_march *self, contact_frame *frame,
                             ehd_error *error) {
     const size_t max_rescalings = 30;
@@ -443,13 +451,14 @@ static ehd_status find_load(reduced_info *info, reduced_march *self, contact_fra
     return EHD_OK;
 }
 
-/* Finds the load at an approach that find_load does not reach. The secant method solves contacts whose load
- * is given, each from a start by the training, until the approach is right to a tenth of the film;
- * then find_load takes over. */
+/* Finds the load at an approach that find_load does not reach. The secant method solves contacts
+ * whose load is given, each from a trained start, until the approach is right to a tenth of the
+ * film. Then find_load takes over. */
 static ehd_status walk_to_approach(reduced_info *info, reduced_march *self, contact_frame *frame,
                                    ehd_error *error) {
     const size_t max_loads = 30;
-    const double near = 0.1, first_stride = 0.05, longest_stride = 0.2; // of the film, of ln(load)
+    // `near` in central films, strides in ln(load)
+    const double near = 0.1, first_stride = 0.05, longest_stride = 0.2;
     double stride = 0, before = 0;
 
     for (size_t i = 0; i < max_loads; i++) {
@@ -497,8 +506,8 @@ static ehd_status touching(double *approach, double *load, void *solver, const c
     return EHD_OK;
 }
 
-/* d/dX of the base's rho H at a node, as its row has it: what a unit of entrainment leaves of the
- * row where no pressure flows. */
+/* Returns d/dX of the base's rho H at a node, as its row has it: the part of the row by a unit of
+ * entrainment without pressure flow. */
 static double entrain(const reduced_march *self, size_t node) {
     const reduced_model *model = self->model;
     reynolds_stencil stencil = reynolds_stencil_at(&model->grid, node);
@@ -519,7 +528,7 @@ static double entrain(const reduced_march *self, size_t node) {
     return -row.residual;
 }
 
-/* The base, once its state is set, is what previous states are told from. */
+/* Prepares the base, once its state is set. Previous states are stored as differences from it. */
 static void use_base(reduced_march *self) {
     const reduced_model *model = self->model;
     const ehd_grid *grid = &model->grid;
@@ -540,9 +549,10 @@ static void use_base(reduced_march *self) {
     }
 }
 
-// ---- what is indicated of the films
+// ---- error estimates of the films
 
-/* What rows do to the films of the attempt that has come from a frame; NULL: the start. */
+/* Adds the errors that rows cause in the films of the attempt. `then`: frame of the last state;
+ * NULL: the attempt is the start. */
 static void add_local(reduced_march *self, const contact_scalars *scalars,
                       const contact_frame *then, const contact_frame *now) {
     double errors[NUM_REDUCED_FILMS];
@@ -554,7 +564,7 @@ static void add_local(reduced_march *self, const contact_scalars *scalars,
     time_indicator_add_local(&self->indicator, errors, scalars, then, now);
 }
 
-/* From the errors that the indicator has of the attempt. */
+/* Sets the estimates from the indicator's errors of the attempt. */
 static void set_indicated(march_step *outcome, reduced_march *self, const ehd_contact *contact) {
     const time_indicator *indicator = &self->indicator;
     const film_factors *factors = &self->of_films;
@@ -574,12 +584,13 @@ static void set_indicated(march_step *outcome, reduced_march *self, const ehd_co
     outcome->indicated = factors->central * self->bounds.central + factors->central_floor;
     outcome->indicated_minimum = factors->central * self->bounds.arriving +
                                  factors->minimum * self->bounds.arising + factors->minimum_floor;
-    // an iterate was beyond the end of the viscosity law
+    // an iterate was beyond the limit of the viscosity law
     if (isnan(outcome->indicated)) outcome->indicated = INFINITY;
     if (isnan(outcome->indicated_minimum)) outcome->indicated_minimum = INFINITY;
 }
 
-/* Of the start, solved for `contact`, or at rest the dry contact. */
+/* Estimates the errors of the start. `contact`: the contact that was solved or, at rest, the dry
+ * contact. */
 static void indicate_start(march_step *outcome, reduced_march *self, const ehd_contact *contact) {
     previous_film *first = state_before(self, 0);
 
@@ -682,7 +693,7 @@ static void predict(reduced_march *self) {
         add_times(values->pressure, factor, previous->values.pressure, model->rows.num_needed);
         add_times(values->cut, factor, previous->values.cut, model->cut.num_rows);
         if (previous->values.checkpoint != values->checkpoint && factor != 0)
-            values->checkpoint = model->checkpoints.num; // none
+            values->checkpoint = model->checkpoints.num; // no checkpoint
     }
 }
 
@@ -691,7 +702,7 @@ static void list_previous(const previous_film *films[BDF_PREVIOUS], const reduce
         films[i] = &self->states[self->ring.place[i + 1]];
 }
 
-/* rho H of states at a node of the frame. */
+/* Computes rho H of states at a node of the frame. */
 static void masses_at(double *mass, const previous_film *const *films, size_t num, size_t node,
                       const contact_frame *frame, const reduced_march *self) {
     if (is_along_path(self))
@@ -702,7 +713,7 @@ static void masses_at(double *mass, const previous_film *const *films, size_t nu
                              &self->reference);
 }
 
-/* Sum over the few steps of a formula, for which dot() is too long. */
+/* Returns the sum over the few states of a formula. dot() is made for longer vectors. */
 static double history_sum(const double *weights, const double *values, size_t count) {
     double sum = 0;
 
@@ -711,7 +722,8 @@ static double history_sum(const double *weights, const double *values, size_t co
     return sum;
 }
 
-/* rho H of the states at the rows' nodes, [num_rows, BDF_PREVIOUS], and what the squeeze has of it. */
+/* Computes rho H of the states at the rows' nodes, [num_rows, BDF_PREVIOUS], and their sum for the
+ * squeeze term, [num_rows]. */
 static void sum_at_rows(double *sum, double *mass, const reduced_march *self,
                         const contact_frame *frame, double entrainment) {
     const reduced_model *model = self->model;
@@ -754,7 +766,7 @@ static void carry_over(reduced_march *self, const contact_frame *frame, double s
     self->effort.seconds_previous += program_seconds() - start;
 }
 
-/* The weighted sum of previous rho H at a node of a frame. */
+/* Returns the weighted sum of previous rho H at a node of a frame. */
 static double sum_in_frame(const reduced_march *self, size_t node, const contact_frame *now) {
     const previous_film *films[BDF_PREVIOUS];
     double mass[BDF_PREVIOUS];
@@ -765,12 +777,13 @@ static double sum_in_frame(const reduced_march *self, size_t node, const contact
     return history_sum(self->formula.weight, mass, num);
 }
 
-/* The same in that of the attempt. */
+/* Returns the weighted sum of previous rho H at a node of the attempt's frame. */
 static double sum_at(const reduced_march *self, size_t node) {
     return sum_in_frame(self, node, &self->states[self->ring.place[0]].frame);
 }
 
-/* The same, evaluated once an attempt. */
+/* Returns the sum of sum_at and the base's entrainment at a node of the band, evaluated once per
+ * attempt. */
 static double previous_at(void *solver, size_t node) {
     reduced_march *self = solver;
     size_t index = reduced_model_band_index(self->model, node);
@@ -783,8 +796,9 @@ static double previous_at(void *solver, size_t node) {
     return self->previous.band_sum[index];
 }
 
-/* Distance before the exit from which on the local error is estimated: at least some nodes, since
- * in truncated modes a node that the exit passes gets a finite pressure at once. */
+/* Returns the distance before the exit at which the estimate of the local error ends. It is at
+ * least some nodes long, since in truncated modes a node that the exit passes gets a finite
+ * pressure at once. */
 static double exit_margin(const ehd_grid *grid) {
     const double min_nodes = 4;
 
@@ -792,7 +806,7 @@ static double exit_margin(const ehd_grid *grid) {
 }
 
 /* Sets the columns of all lines before which, less the margin, the local error is estimated: the
- * first exit of the step's states and of the lines within the margin. */
+ * first exit among the states of the step and the lines within the margin. */
 static void find_error_end(reduced_march *self) {
     const reduced_model *model = self->model;
     size_t margin = (size_t)ceil(exit_margin(&model->grid) / model->grid.step);
@@ -812,7 +826,8 @@ static void find_error_end(reduced_march *self) {
     }
 }
 
-/* What a step misses of rho H at a row's node, but for the formula's factor. */
+/* Returns the error of rho H in a step at a row's node, without the formula's factor: the solution
+ * minus its prediction. */
 static double missed_mass(const reduced_march *self, size_t r) {
     double mass = self->estimate.mass[r];
 
@@ -828,7 +843,7 @@ static bool is_before_exit(const reduced_march *self, size_t node) {
     return grid_x(grid, node) < end - exit_margin(grid);
 }
 
-/* Largest of these. */
+/* Returns the largest missed_mass before the exit. */
 static double largest_error(const reduced_march *self) {
     double largest = 0;
 
@@ -838,7 +853,8 @@ static double largest_error(const reduced_march *self) {
     return largest;
 }
 
-/* The same at any node, of the state of the attempt, prepared, whose rho H there is `mass`. */
+/* Returns missed_mass at any node, for the attempt's state, which is prepared. *mass: rho H
+ * there. */
 static double missed_at(double *mass, const reduced_march *self, size_t node) {
     const previous_film *films[BDF_PREVIOUS];
     const previous_film *next = &self->states[self->ring.place[0]];
@@ -851,13 +867,13 @@ static double missed_at(double *mass, const reduced_march *self, size_t node) {
     return *mass - history_sum(self->formula.predictor, before, self->ring.num_previous);
 }
 
-/* Density below the pressure of the dry contact. */
+/* Returns the density at the pressure of the dry contact. */
 static double hertz_density(const ehd_contact *contact, double x) {
     return lubricant_density(&contact->lubricant,
                              contact->hertz_pressure * sqrt(fmax(1 - x * x, 0)));
 }
 
-/* Finds them at the places on the way to the centre; the attempt's state is prepared. */
+/* Finds missed_mass at the places on the way to the centre. The attempt's state is prepared. */
 static void miss_on_the_way(reduced_march *self) {
     error_estimate *estimate = &self->estimate;
 
@@ -875,9 +891,10 @@ static void miss_on_the_way(reduced_march *self) {
     }
 }
 
-/* What a film takes up of them on its way to the centre, as in the full model: along the central
- * line, linear between the places. In steps shorter than frame_shortest_step the error is divided by the
- * path of that step, since noise does not shrink further. */
+/* Returns the sum of the missed rho H that a film takes up on its way to the centre, as in the full
+ * model: along the central line, linear between the places. In steps shorter than
+ * frame_shortest_step the sum is divided by the path of that step, since noise does not shrink
+ * further. */
 static double error_on_the_way(const reduced_march *self, double step) {
     const error_estimate *estimate = &self->estimate;
     const double *x = estimate->x, *missed = estimate->missed;
@@ -894,8 +911,9 @@ static double error_on_the_way(const reduced_march *self, double step) {
             fmax(self->entrainment, 1));
 }
 
-/* Along the path, whether the film before the centre misses its prediction by more than a step of
- * the march makes: as in the full model, where this is another solution, ruptured in the inlet. */
+/* Checks, along the path, whether the film before the centre differs from its prediction by more
+ * than a step of the march makes. As in the full model, it is then another solution, ruptured in
+ * the inlet. */
 static bool is_another_solution(const reduced_march *self, double central_film) {
     const double most = march_most_missed * central_film;
     const row_set *rows = &self->model->rows;
@@ -907,7 +925,8 @@ static bool is_another_solution(const reduced_march *self, double central_film) 
     return false;
 }
 
-/* Returns the local error of the formula's step, away from the exit, relative to the central film. */
+/* Returns the local error of the formula's step, away from the exit, relative to the central
+ * film. */
 static double local_error(reduced_march *self, double central_film, double step) {
     const bool on_the_way = is_along_path(self) && step * self->entrainment <= march_short_path;
 
@@ -917,7 +936,7 @@ static double local_error(reduced_march *self, double central_film, double step)
            central_film;
 }
 
-/* Largest of the errors of films on their way, relative to the film there. */
+/* Returns the largest error of films on their way, relative to the film there. */
 static double largest_taken_up(const reduced_march *self) {
     const error_estimate *estimate = &self->estimate;
     double largest = 0;
@@ -929,7 +948,8 @@ static double largest_taken_up(const reduced_march *self) {
     return largest;
 }
 
-/* Adds the filter's change of the last accepted film, at the places to which the fluid has carried it. */
+/* Adds the filter's change of the last accepted film, at the places to which the fluid has carried
+ * it. */
 static void add_filter_errors(reduced_march *self, const contact_frame *now) {
     const previous_film *last = state_before(self, 1);
     const double shift = frame_shift(now, &last->frame), stretch = frame_stretch(now, &last->frame);
@@ -947,8 +967,9 @@ static void add_filter_errors(reduced_march *self, const contact_frame *now) {
                     estimate->changed, estimate->changed_x, estimate->num_way);
 }
 
-/* Carries the errors of the films along and adds those of the attempt; sets what ever smaller steps
- * would change of the films, relative, as in the full model. By the rows it is not told. */
+/* Carries the errors of the films along, and adds those of the attempt. Sets the relative changes
+ * of the films by ever smaller steps, as in the full model. These are not known if the rows carry
+ * the films. */
 static void set_effects(march_step *outcome, reduced_march *self, const ehd_contact *contact,
                         double step) {
     const contact_scalars *scalars = &outcome->scalars;
@@ -969,7 +990,8 @@ static void set_effects(march_step *outcome, reduced_march *self, const ehd_cont
         (scalars->minimum_film_thickness * hertz_density(contact, scalars->minimum_position));
 }
 
-/* Of an attempt whose state is prepared, `contact` with the entrainment of its rows. */
+/* Estimates the errors of an attempt whose state is prepared. `contact` has the entrainment of its
+ * rows. */
 static void indicate(march_step *outcome, reduced_march *self, const ehd_contact *contact,
                      double step) {
     time_indicator *indicator = &self->indicator;
@@ -991,8 +1013,8 @@ static void indicate(march_step *outcome, reduced_march *self, const ehd_contact
     set_indicated(outcome, self, contact);
 }
 
-/* Whether a step whose exit did not settle is to be repeated with a shorter one: unless it is
- * already much shorter than the step before. */
+/* Returns whether a step whose exit did not settle is to be repeated with a shorter one. It is not
+ * if it is already much shorter than the step before. */
 static bool shorter_may_settle(const reduced_march *self, double step) {
     const double much_shorter = 0.05;
     const size_t *index = self->ring.place;
@@ -1001,8 +1023,8 @@ static bool shorter_may_settle(const reduced_march *self, double step) {
            step > much_shorter * (self->ring.time[index[1]] - self->ring.time[index[2]]);
 }
 
-/* The contact in a frame with the entrainment that is left for its rows in time: along the path
- * none, the time derivative has it. */
+/* Sets the contact in a frame, with the entrainment of its rows in time. Along the path this is
+ * zero, because the time derivative contains the entrainment. */
 static void entrained_contact(ehd_contact *contact, double *entrainment, const contact_frame *frame,
                               const reduced_march *self) {
     frame_contact(contact, frame, &self->reference);
@@ -1024,11 +1046,11 @@ static double film_of_attempt(const void *context, size_t node) {
                                    self->splines);
 }
 
-/* A tenth of what a step of its length may do to the film, of a passage that may do the tolerance. Of
- * the line in scenes/studies/transient-load (120 modes, 140 rows, error control) periods 1/2, 3/4 and 1
- * take 1897, 1344 and 849 iterations in place of 2118, 1548 and 991, and steps as before. Pressures to
- * three times KEPT_TOLERANCE would leave 1799, 1190 and 755, but then errors of short steps are noise:
- * the march takes other ones, and the minimum film is 1.0 % from the full model's in place of 0.4. */
+/* Returns the tolerance of the iterations: a tenth of the error that a step of its length may cause
+ * in the film. Period 1/2 of the line in scenes/studies/transient-load (120 modes, 140 rows, error
+ * control) then takes 1897 iterations in place of 2118. With pressures to three times
+ * KEPT_TOLERANCE the errors of short steps would be noise: the minimum film would be 1.0 % from the
+ * full model's in place of 0.4 %. */
 static double iteration_tolerance(const reduced_march *self, double step) {
     const double part = 0.1, most = 1.5e-6;
     const double path = step * fmax(self->entrainment, 1);
@@ -1102,8 +1124,9 @@ static void forget_attempt(reduced_march *self) {
     self->promoted = false;
 }
 
-/* If a step from the state before a passing one does not converge, repeats it from the passing one. What the films have taken up
- * until then, along one step of the grid at most, is not counted. */
+/* Attempts a step. If a step from the state before a passing one does not converge, repeats it from
+ * the passing one. The errors that films have taken up until then, along at most one step of the
+ * grid, are not counted. */
 static ehd_status attempt(march_step *outcome, void *solver, const contact_frame *frame,
                           double step, ehd_error *error) {
     reduced_march *self = solver;
@@ -1127,7 +1150,7 @@ static double beside_previous_at(void *context, size_t node) {
            beside->entrainment * self->band_entrained[reduced_model_band_index(self->model, node)];
 }
 
-/* Whether films carried into both frames are the same. */
+/* Checks whether films carried into both frames are the same. */
 static bool carries_alike(const contact_frame *a, const contact_frame *b) {
     return a->half_width == b->half_width && a->film_scale == b->film_scale &&
            a->hertz_pressure == b->hertz_pressure && a->path == b->path && a->speed == b->speed;
@@ -1159,7 +1182,7 @@ frame_equations reduced_march_equations(reduced_march *self) {
 
 // ---- kept factors
 
-/* Makes the kept factors of self->factors. */
+/* Makes the kept factors from self->factors. */
 static void keep_factors(reduced_march *self) {
     ehd_contact contact;
     double entrainment;
@@ -1173,8 +1196,8 @@ static bool same_exits(const reduced_state *a, const reduced_state *b, const red
                   model->band.num_lines * sizeof(size_t)) == 0;
 }
 
-/* Whether the kept factors stay for the next step, by their convergence in this one. Keeping them
- * longer was tried: it does not save time. */
+/* Returns whether the kept factors stay for the next step, by their convergence in this one.
+ * Keeping them longer does not save time. */
 static bool factors_are_current(const reduced_march *self, const reduced_state *solved) {
     const size_t max_iterations = 3;
     const double max_rate_change = 0.25;
@@ -1201,16 +1224,17 @@ static void drop_factors(reduced_march *self) {
     reduced_drop_factors(self->solver);
 }
 
-/* Returns the least time between the states that steps begin at (common/time/README.md, Steps of another integrator). */
+/* Returns the least time between the states that steps begin at (common/time/README.md, Steps of
+ * another integrator). */
 static double least_interval(const reduced_march *self, const contact_frame *frame) {
-    const double least = 0.5; // of the grid's step
+    const double least = 0.5; // steps of the grid
 
     return self->allows_short && is_along_path(self)
                ? least * frame_grid_step(frame, &self->model->grid)
                : 0;
 }
 
-/* The errors of the attempt become those of the accepted film. */
+/* Accepts the errors of the attempt. */
 static void keep_errors(reduced_march *self) {
     if (is_along_path(self)) film_errors_keep(&self->taken_up);
     if (!isnan(self->of_films.central)) time_indicator_keep(&self->indicator);
@@ -1301,7 +1325,8 @@ contact_frame reduced_march_load_frame(const reduced_march *self) {
     return self->last_load_frame;
 }
 
-/* By how much the film of a handed state lies above that of its projection, weighted by the pressure. */
+/* Computes how far the film of a handed state lies above that of its projection, weighted by the
+ * pressure. */
 static ehd_status mean_lift(double *lift, const reduced_march *self, const handed_state *state,
                             const reduced_state *projected, ehd_error *error) {
     const size_t num_nodes = self->model->grid.num_nodes;
@@ -1321,9 +1346,10 @@ static ehd_status mean_lift(double *lift, const reduced_march *self, const hande
     return EHD_OK;
 }
 
-/* The coordinates of its pressure and, independent, of its deflection in the orthonormal modes,
- * the nearest exits that the model has, and the approach with which the film is as thick in the
- * mean: pressures that the modes do not have would lift or lower all of it. EHD_MEMORY. */
+/* Projects a handed state: finds the coordinates of its pressure and, for an independent basis, of
+ * its deflection in the orthonormal modes, and the nearest exits that the model has. The approach
+ * keeps the mean film, since pressures that the modes lack would lift or lower all of it. Errors:
+ * EHD_MEMORY. */
 static ehd_status project(reduced_state *target, const reduced_march *self,
                           const handed_state *state, ehd_error *error) {
     const reduced_model *model = self->model;
@@ -1395,8 +1421,9 @@ void reduced_march_take_errors(reduced_march *self, const double *errors) {
     film_errors_set(&self->taken_up, errors);
 }
 
-/* Errors are told but for a factor of the model's. One of two that is not known indicates nothing,
- * and no result of such a model is trusted. */
+/* The errors do not include the model's factors, so they are converted by the ratio of both
+ * factors. If one factor is not known, nothing is estimated, and no result of such a model is
+ * trusted. */
 void reduced_march_take_indicated(reduced_march *self, const reduced_march *from,
                                   const double *change) {
     const film_factors *own = &self->of_films, *other = from ? &from->of_films : own;
@@ -1424,12 +1451,12 @@ void reduced_march_take_indicated(reduced_march *self, const reduced_march *from
 
 // ---- saving
 
-/* Length of a saved reduced state. */
+/* Returns the length of a saved reduced state. */
 static size_t saved_state_size(const reduced_model *model) {
     return model->band.num_lines + model->num_unknowns;
 }
 
-/* Exits and coordinates. */
+/* Saves exits and coordinates. */
 static void save_state(double *target, const reduced_state *state, const reduced_model *model) {
     const size_t *exit = reduced_state_exits(state);
 
@@ -1483,9 +1510,10 @@ static saved_states saved_states_of(const reduced_march *self) {
                           .restore = restore_previous};
 }
 
-/* Saved after the accepted states: frames under the load of the last one and of the one that rates are measured from, up to
- * where films are doubtful, whether there are kept factors, rate and frame of these, and what rows do to the films; the
- * factors' state follows, and the indicator's errors. */
+/* Data that is saved after the accepted states: frames under the load of the last state and of the
+ * state from which rates are measured, the path up to which films are doubtful, whether there are
+ * kept factors, their rate and frame, and the errors that rows cause in the films. The state of the
+ * factors and the indicator's errors follow. */
 typedef struct saved_rest {
     contact_frame load_frame, rate_frame;
     double doubtful;
@@ -1497,7 +1525,7 @@ typedef struct saved_rest {
 enum { NUM_REST = sizeof(saved_rest) / sizeof(double) };
 _Static_assert(sizeof(saved_rest) == NUM_REST * sizeof(double), "these are doubles alone");
 
-/* Along the path the base and the errors taken up go before all else. */
+/* Returns the size of base and taken-up errors, which are saved first, along the path only. */
 static size_t saved_base_size(const reduced_march *self) {
     return is_along_path(self) ? NUM_FRAME + saved_state_size(self->model) + NUM_ERROR_PLACES : 0;
 }
@@ -1591,7 +1619,7 @@ static contact_traction traction(void *solver, const ehd_contact *contact,
     return reduced_traction(self->solver, &state, contact, scalars);
 }
 
-/* One a line. */
+/* Writes one exit per line; the other entries are NaN. */
 static void exits(double *positions, const void *solver) {
     const reduced_march *self = solver;
     const reduced_state state = reduced_march_state(self, NULL);

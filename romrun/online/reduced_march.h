@@ -11,7 +11,9 @@
 
 typedef struct reduced_march reduced_march;
 
-/* All inputs must outlive it; threads may share model and splines. EHD_MEMORY. */
+/* Creates a march. All inputs must outlive it; threads may share model and splines. EHD_DATA:
+ * transport or smoothing differ from those of the training, or the discretisation does not allow
+ * time. EHD_MEMORY. */
 ehd_status reduced_march_create(
     // output:
     reduced_march **self, // free with reduced_march_free
@@ -20,80 +22,82 @@ ehd_status reduced_march_create(
     const reduced_settings *settings, ehd_error *error);
 reduced_march *reduced_march_free(reduced_march *self); // accepts and returns NULL
 
-/* Factors and floors of the error estimates, relative to the films. The estimate of the central film is
- * central * bounds.central + central_floor, and that of the minimum film is
- * central * bounds.arriving + minimum * bounds.arising + minimum_floor, with film_bounds below. */
+/* Factors and floors of the error estimates, relative to the films. The estimate of the central
+ * film is central * bounds.central + central_floor, and that of the minimum film is central *
+ * bounds.arriving + minimum * bounds.arising + minimum_floor, with film_bounds below. */
 typedef struct film_factors {
     double central, minimum;
     double central_floor, minimum_floor;
 } film_factors;
 
-/* Has each step indicate how far its films are off. NaN, the default: it does not, and how fast
- * the contact changes is held against its training. Before the start. */
+/* Sets the factors with which each step estimates the errors of its films. NaN, the default: no
+ * estimates. Call it before the start. */
 void reduced_march_indicate(reduced_march *self, film_factors factors);
 
-/* What is indicated of the last attempt, but for the factors: relative deviations of the central
- * film, and of the minimum film what has come with the fluid, which has the central film's factor,
- * and what arises at it, which has its own. */
+/* Bounds of the relative film errors of the last attempt, without the factors: of the central film;
+ * and of the minimum film, what arrives with the fluid (it has the central film's factor) and what
+ * arises there (it has a factor of its own). */
 typedef struct film_bounds {
     double central, arriving, arising;
 } film_bounds;
 film_bounds reduced_march_bounds(const reduced_march *self);
 
-/* What the steps may do to the central film along the path (transient.tolerance), of which iterations
- * leave a part; NaN, the default: they have the tolerance of the settings, as the start has. */
+/* Sets the error that the steps may cause in the central film along the path (transient.tolerance).
+ * The iterations leave a part of it. NaN, the default: steps have the tolerance of the settings, as
+ * the start always has. */
 void reduced_march_set_tolerance(reduced_march *self, double tolerance);
 
-/* Lets accepted states of films along the path be passing (bdf.h) where steps are short, as those of another integrator may be.
- * A march of its own histories (march.h) does not need it. */
+/* Lets accepted states along the path be passing (bdf.h) if steps are short, as steps of an
+ * external integrator may be. A march with its own histories (march.h) does not need this. */
 void reduced_march_allow_short_steps(reduced_march *self);
 
-/* The solver of the march, for an observer. */
+/* Returns the solver of the march, for an observer. */
 reduced_solver *reduced_march_inner(reduced_march *self);
 
-/* As a solver for march_run. The start is the stationary solution, or where the speed is zero a
- * fit through the trained states around. */
+/* Returns the march as a solver for march_run. The start is the stationary solution or, at zero
+ * speed, a fit through the trained states around it. */
 march_solver reduced_march_solver(reduced_march *self);
 
-/* M of the lightest contact of the training. */
+/* Returns M of the lightest contact of the training. */
 double reduced_march_least_M(const reduced_march *self);
 
-/* The last accepted state, and its frame. */
+/* Returns the last accepted state and its frame. */
 reduced_state reduced_march_state(const reduced_march *self, contact_frame *frame);
 
-// ---- from and to another solver of the same reference and grid, which goes on where this one
-// stopped
+// ---- handing states from and to another solver of the same reference and grid, which continues
+// the march
 
-/* The contact at all factors 1, with what it has from the model. */
+/* Returns the contact at all factors 1, with the smoothing that it has from the model. */
 const ehd_contact *reduced_march_reference(const reduced_march *self);
 
-/* How many accepted states a step looks at. */
+/* Returns how many accepted states a step uses. */
 size_t reduced_march_num_states(const reduced_march *self);
 
-/* The accepted state so many steps before the next one, 1 being the last; 0: the last attempt. */
+/* Returns the accepted state `steps` before the next one: 1 is the last one, 0 the last attempt. */
 reduced_state reduced_march_state_before(const reduced_march *self, size_t steps,
                                          contact_frame *frame);
 
-/* Along the path: the state that others are told from (common/time/README.md). */
+/* Returns the base. Along the path other states are stored as differences from it
+ * (common/time/README.md). */
 reduced_state reduced_march_base(const reduced_march *self, contact_frame *frame);
 
-/* P and H of a state at all nodes, [num_nodes], and its H0. */
+/* Computes P and H of a state at all nodes, [num_nodes], and its H0. */
 void reduced_march_fields_of(double *pressure, double *film, double *rigid_approach,
                              const reduced_march *self, const reduced_state *state);
 
-/* Why a contact that has come from one frame to another, both scaled by the load of their
- * solutions, lies outside of the trained range, or NULL. */
+/* Returns why a contact that has changed from frame `before` to frame `now` lies outside of the
+ * trained range, or NULL. Both frames are scaled by the load of their solutions. */
 const char *reduced_march_check_range(const reduced_march *self, const contact_frame *now,
                                       const contact_frame *before);
 
-/* trained_range_outside of a frame. */
+/* Returns trained_range_outside of a frame. */
 double reduced_march_outside(const reduced_march *self, const contact_frame *frame);
 
-/* The frame of the last accepted state, scaled by the load of its solution. */
+/* Returns the frame of the last accepted state, scaled by the load of its solution. */
 contact_frame reduced_march_load_frame(const reduced_march *self);
 
-/* A state on the grid that this solver takes over: the nearest pressure that its modes have, with a
- * film as thick in the mean. */
+/* A state on the grid for another solver. That solver takes the nearest pressure of its modes, and
+ * the approach that keeps the mean film. */
 typedef struct handed_state {
     const double *pressure, *film; // [num_nodes]
     double rigid_approach;
@@ -101,35 +105,34 @@ typedef struct handed_state {
     contact_frame frame;
 } handed_state;
 
-/* Takes an accepted state, at `steps` from 1 to BDF_PREVIOUS in ascending order; those taken so
- * far count. Along the path the base has to be taken before. `load_frame`: the last one's, scaled
- * by the load of its solution. EHD_MEMORY. */
+/* Takes an accepted state, `steps` (1 to BDF_PREVIOUS) before the next one, in ascending order of
+ * `steps`. Only the states taken so far count. Along the path the base has to be taken before.
+ * `load_frame`: frame of the last state, scaled by the load of its solution. Errors: EHD_MEMORY. */
 ehd_status reduced_march_take(reduced_march *self, size_t steps, const handed_state *state,
                               const contact_frame *load_frame, ehd_error *error);
 
-/* Along the path: the state that others are told from. EHD_MEMORY. */
+/* Takes the base, along the path. Errors: EHD_MEMORY. */
 ehd_status reduced_march_take_base(reduced_march *self, const handed_state *state,
                                    ehd_error *error);
 
-/* Errors of rho H that the film of the last accepted state has taken up along the path,
- * [NUM_ERROR_PLACES] (film_errors.h). */
+/* Return and set the errors of rho H that the film of the last accepted state has taken up along
+ * the path, [NUM_ERROR_PLACES] (film_errors.h). */
 const double *reduced_march_errors(const reduced_march *self);
 void reduced_march_take_errors(reduced_march *self, const double *errors);
 
-/* From the march whose states were taken, NULL: from the full model, of which nothing is indicated: what is
- * indicated of their films, by this model's factors, and in addition `change`, [NUM_ERROR_PLACES], the
- * error of H that taking has made of the last one. */
+/* Takes over the error estimates of the films whose states were taken, converted to this model's
+ * factors. `from`: the march of these states; NULL: the full model, whose films have no estimates.
+ * `change`, [NUM_ERROR_PLACES]: error of H made by taking the last state, which is added. */
 void reduced_march_take_indicated(reduced_march *self, const reduced_march *from,
                                   const double *change);
 
-/* The equations that conditions beside those of the last attempt would have had, or of the start where
- * that came last; the state is that of reduced_march_state_before at 0, of the start at 1. */
+/* Returns the equations of conditions beside those of the last attempt, or of the start if that
+ * came last. The state is reduced_march_state_before at 0; after a start, at 1. */
 frame_equations reduced_march_equations(reduced_march *self);
 
-/* Effort so far. */
 typedef struct reduced_march_effort {
     double seconds, seconds_rows, seconds_linear, seconds_exit;
-    double seconds_previous; // carrying previous states over
+    double seconds_previous; // to carry previous states over
     size_t iterations;
 } reduced_march_effort;
 reduced_march_effort reduced_march_effort_of(const reduced_march *self);

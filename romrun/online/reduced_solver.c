@@ -60,7 +60,7 @@ ehd_status reduced_values_init(reduced_values *values, const reduced_model *mode
                                ehd_error *error) {
     values->pressure = malloc(model->rows.num_needed * sizeof(double));
     values->cut = malloc(model->cut.num_rows * sizeof(double));
-    values->checkpoint = model->checkpoints.num; // none
+    values->checkpoint = model->checkpoints.num; // no checkpoint
     if (values->pressure && values->cut) return EHD_OK;
     reduced_values_free(values);
     return ehd_no_memory(error, "online solver");
@@ -77,21 +77,21 @@ void reduced_values_free(reduced_values *values) {
 struct reduced_solver {
     const reduced_model *model;
     reduced_settings settings;
-    node_state nodes;         // the state at nodes
+    node_state nodes;
     row_system system;        // the least-squares problem
     exit_search exits;        // where the exit line should be
     kept_factors kept;        // an earlier Jacobian, in time
-    kept_factors near;        // one near the present solution
-    const kept_factors *used; // by the last solution; NULL: its own Jacobian
-    size_t num_factors;       // of Jacobians that were factorised to be kept
+    kept_factors near;        // a Jacobian near the present solution
+    const kept_factors *used; // factors of the last solution; NULL: its own Jacobian
+    size_t num_factors;       // number of Jacobians that were factorised to be kept
     reduced_observer *observer;
     reduced_observer_end *observer_end;
     void *observer_context;
     double *observed;       // [2, rows of the model]
-    double *joining;        // [nodes of a line's band, num_unknowns] of join_nodes
-    double *band_influence; // [nodes of the band] of reduced_friction_error
-    double *exit_risk;      // [num_lines] of that
-    arena memory;           // of all arrays
+    double *joining;        // [nodes of a line's band, num_unknowns] work of join_nodes
+    double *band_influence; // [nodes of the band] work of reduced_friction_error
+    double *exit_risk;      // [num_lines] work of reduced_friction_error
+    arena memory;           // memory of all arrays
 };
 
 reduced_settings reduced_default_settings(void) {
@@ -164,7 +164,7 @@ static double add_seconds(double *seconds, double start) {
     return now;
 }
 
-/* Not converged is an outcome, not an error. */
+/* Sets the outcome to not converged, which is not an error. */
 static ehd_status fail(reduced_info *info, const char *reason) {
     info->status = EHD_NOT_CONVERGED;
     info->reason = reason;
@@ -173,11 +173,11 @@ static ehd_status fail(reduced_info *info, const char *reason) {
 
 // ---- Gauss-Newton
 
-/* The pressures at which rows are evaluated: the state's; while a step in time is far from its
- * solution, those that system_about starts with, and then those that it goes on with. */
+/* Pressures at which rows are evaluated: those of the state or, while a step in time is far from
+ * its solution, those of system_about, which first uses the last state. */
 typedef enum { AT_STATE, ABOUT_FIRST, ABOUT_NEXT } row_pressures;
 
-/* Rows and their derivatives at the state, at its exit line. */
+/* Evaluates rows and their derivatives at the state and its exit line. */
 static void evaluate(reduced_solver *self, const reduced_state *state, const reduced_values *known,
                      const ehd_contact *contact, const reduced_squeeze *squeeze, row_pressures at) {
     const double approach = state->coordinates[self->model->num_unknowns - 1];
@@ -191,8 +191,8 @@ static void evaluate(reduced_solver *self, const reduced_state *state, const red
     system_evaluate(&self->system, &self->nodes, approach, contact, squeeze, about);
 }
 
-/* The least-squares problem of the rows before the exit, and of the exit's cell where it has one;
- * returns the number of its rows. */
+/* Builds the least-squares problem of the rows before the exit, and of the exit's cell if it has
+ * one. Returns the number of rows. */
 static size_t build_system(reduced_solver *self, const reduced_state *state,
                            const reduced_squeeze *squeeze, bool with_cell) {
     row_system *system = &self->system;
@@ -207,7 +207,7 @@ static size_t build_system(reduced_solver *self, const reduced_state *state,
     return num_rows + 1;
 }
 
-/* The undamped step. */
+/* Solves for the undamped step. */
 static ehd_status solve_step(reduced_solver *self, size_t num_rows) {
     const reduced_settings *settings = &self->settings;
     row_system *system = &self->system;
@@ -219,7 +219,7 @@ static ehd_status solve_step(reduced_solver *self, size_t num_rows) {
                                num_rows);
 }
 
-/* Hands D f and D J dz of this iteration to the observer, rows behind the exit as zeros. */
+/* Hands D f and D J dz of this iteration to the observer, with zeros for rows behind the exit. */
 static ehd_status observe(reduced_solver *self, ehd_error *error) {
     const row_system *system = &self->system;
     size_t n = self->model->num_unknowns;
@@ -235,13 +235,14 @@ static ehd_status observe(reduced_solver *self, ehd_error *error) {
     return self->observer(self->observer_context, residual, step, error);
 }
 
-/* Damping as in the full solver. Measured between any two of twelve trained solutions
- * (any_trained_solution_leads_to_any_other): 863 iterations and 4 lost with a pressure change of
- * 0.1, 850 and none with 0.3, 893 and 2 lost with 1; the same with film parts up to 0.5. */
+/* Limits of the damping, as in the full solver. Between any two of twelve trained solutions
+ * (any_trained_solution_leads_to_any_other) a pressure change of 0.3 takes 850 iterations and loses
+ * none, 0.1 takes 863 and loses 4, 1 takes 893 and loses 2. Film parts up to 0.5 change nothing. */
 static const double MAX_PRESSURE_CHANGE = 0.3;
 static const double MIN_FILM_LEFT = 0.2;
 
-/* Damping factor by the step at the needed nodes; *change: largest undamped change of P. */
+/* Returns the damping factor for the step at the needed nodes. *change: largest undamped change of
+ * P. */
 static double damping(double *change, node_state *nodes, const double *step) {
     size_t num_needed = nodes->model->rows.num_needed;
     const double *film = nodes->now.film;
@@ -264,8 +265,8 @@ static double damping(double *change, node_state *nodes, const double *step) {
 typedef struct iterate {
     double film;   // H at X = 0 after the step
     double change; // largest change of P at the needed nodes, undamped
-    double factor; // damping
-    double rate;   // change over that of the iteration before
+    double factor; // damping factor
+    double rate;   // change over that of the last iteration
     double moved;  // undamped change of an exit within a node, steps
 } iterate;
 
@@ -288,17 +289,18 @@ static iterate take_step(reduced_state *state, reduced_solver *self, const itera
     return now;
 }
 
-// of the change of P that another iteration would make: at most, and over the film's tolerance
+// limits for the change of P by another iteration: absolute, and over the film's tolerance
 static const double PRESSURE_TOLERANCE = 1e-4, PRESSURE_OVER_FILM = 1e4;
-// of the place of an exit within a node, steps: a node's move changes the film by 1e-5
+// limit for the place of an exit within a node, in steps over the film's tolerance: a move by a
+// node changes the film by 1e-5
 static const double EXIT_OVER_FILM = 1e5;
-// change of P in an iteration in time, above which it is far from the solution. The line under a
-// load of period 1/2 takes 485 steps and 1753 to 1761 iterations with 5e-3, 1e-2, 2e-2 and 5e-2, at a
-// tolerance of 5e-3 248 or 249 and 1413 to 1445, where exits that never stay take 2210.
+// change of P in an iteration in time, above which it is far from the solution. With 5e-3 to 5e-2
+// the line under a load of period 1/2 takes 1413 to 1445 iterations (tolerance 5e-3). If the exits
+// never stay, it takes 2210.
 static const double NEAR_CHANGE = 5e-3;
 
-/* What another iteration would change, over what this one did. Convergence is taken as quadratic,
- * with the square of the observed rate as the next one; the linear part that Gauss-Newton leaves
+/* Returns the change by another iteration over the change by this one. Convergence is taken as
+ * quadratic, so this is the square of the observed rate. The linear part that Gauss-Newton leaves
  * is slower only where the rate is small. */
 static double next_rate(const iterate *now) {
     const double rate = fmin(now->rate, 1);
@@ -306,8 +308,8 @@ static double next_rate(const iterate *now) {
     return rate * rate;
 }
 
-/* Whether another iteration would change film and pressure by less than the tolerances. Damped
- * steps are far from that and show no rate. */
+/* Checks whether another iteration would change film and pressure by less than the tolerances.
+ * Damped steps are far from that and show no rate. */
 static bool converged(const iterate *before, const iterate *now, double tolerance) {
     const double next = next_rate(now);
 
@@ -324,15 +326,16 @@ static void watch_exits(reduced_solver *self, bool in_time) {
         exits_watch_stationary(&self->exits, self->settings.tolerance);
 }
 
-/* The exit line of the first iteration. A stationary start's was fitted to other contacts; on a
- * point contact, with exits on all lines, adapting it to the start itself saves iterations. */
+/* Sets the exit line of the first iteration. A stationary start has an exit line that was fitted to
+ * other contacts. On a point contact, with exits on all lines, adapting it to the start itself
+ * saves iterations. */
 static void start_exits(reduced_solver *self, reduced_state *state, const ehd_contact *contact,
                         const reduced_squeeze *squeeze) {
     watch_exits(self, squeeze != NULL);
     if (squeeze || self->model->band.num_lines == 1) return;
     nodes_move_exit(&self->nodes, reduced_state_exits(state));
     exits_adapt(&self->exits, &self->nodes, state, contact, NULL, INFINITY);
-    watch_exits(self, false); // that first move is no turn
+    watch_exits(self, false); // the first move does not count as a turn
 }
 
 static bool end_with_one(reduced_info *info, reduced_state *state, reduced_solver *self,
@@ -342,10 +345,11 @@ static const double *band_modes(const reduced_model *model, size_t node) {
     return model->band.pressure + reduced_model_band_index(model, node) * model->num_pressure;
 }
 
-/* An exit that was at `exit` has moved, and nodes of a line have joined the pressurised zone: sets P to 0 there. Behind an
- * exit no row determines the modes, so that rounding leaves pressures of up to 1e6 p_H, which shorter steps do not remove.
- * Among all states with P = 0 at these nodes this is the one that changes the rows of the last system
- * least: each direction (J^T J)^-1 phi_k, made orthogonal to the nodes before it. */
+/* Sets P to 0 at the nodes of a line that have joined the pressurised zone, because the exit moved
+ * on from `exit`. Behind an exit no row determines the modes: round-off leaves pressures of up to
+ * 1e6 p_H there, which shorter steps do not remove. Of all states with P = 0 at these nodes, the
+ * new one changes the rows of the last system least. Each direction (J^T J)^-1 phi_k is made
+ * orthogonal to the nodes before it. */
 static void join_nodes(reduced_state *state, reduced_solver *self, size_t exit) {
     const reduced_model *model = self->model;
     const size_t n = model->num_unknowns, p = model->num_pressure;
@@ -364,27 +368,27 @@ static void join_nodes(reduced_state *state, reduced_solver *self, size_t exit) 
         }
         const double slope = dot(modes, direction, p);
         const double factor = slope != 0 ? -dot(modes, state->coordinates, p) / slope : NAN;
-        if (!isfinite(factor)) return; // nodes of which no mode says anything
+        if (!isfinite(factor)) return; // no mode determines P at this node
         axpy(state->coordinates, factor, direction, n);
     }
 }
 
-/* The algorithm (Maier et al. (2015), section 3): Gauss-Newton on the weighted least squares of
- * the selected rows, the exit line following in each iteration. In time, once an iteration changes
- * the pressure by less than NEAR_CHANGE, the Jacobian there serves the others too. Returns an error only
- * where the observer or memory fails; the outcome is info->status. */
+/* Runs the algorithm of Maier et al. (2015), section 3: Gauss-Newton on the weighted least squares
+ * of the selected rows. The exit line follows in each iteration. In time, once an iteration changes
+ * the pressure by less than NEAR_CHANGE, the later ones use the Jacobian made there. Returns an
+ * error only if the observer or memory fails; the outcome is info->status. */
 static ehd_status gauss_newton(reduced_info *info, reduced_state *state, reduced_solver *self,
                                const ehd_contact *contact, const reduced_squeeze *squeeze,
                                ehd_error *error) {
     const bool within_node =
         !squeeze && !self->settings.exit_at_node && exit_is_within_node(&self->model->grid);
     const bool in_time = squeeze && !self->observer && !self->settings.solve_linear;
-    bool tried = !in_time; // the Jacobian near the solution
+    bool tried = !in_time; // whether the Jacobian near the solution was tried
     row_pressures at = in_time && squeeze->last ? ABOUT_FIRST : AT_STATE;
     const reduced_values *known = NULL;
     iterate before = {NAN, NAN, 0, NAN, 0}, now;
     double start = program_seconds();
-    bool joined = false; // nodes behind the exit, so that values are not known
+    bool joined = false; // nodes behind the exit have joined, so values are not known
 
     if (!within_node) state->exit_offset = NAN;
     info->own_jacobian = true;
@@ -438,7 +442,7 @@ static ehd_status gauss_newton(reduced_info *info, reduced_state *state, reduced
         if (joined) join_nodes(state, self, exit);
         start = add_seconds(&info->seconds_exit, start);
         if (held) now.moved = 0;
-        if (within_node && !with_cell) continue; // at best converged at a node
+        if (within_node && !with_cell) continue; // converged at best with the exit at a node
         if (moved || at != AT_STATE || !converged(&before, &now, self->settings.tolerance))
             continue;
         self->system.remaining = next_rate(&now);
@@ -452,15 +456,15 @@ static ehd_status gauss_newton(reduced_info *info, reduced_state *state, reduced
 // ---- in time, with the factors of an earlier Jacobian
 
 static const size_t MAX_KEPT_ITERATIONS = 8;
-static const double MAX_KEPT_RATE = 0.5; // of convergence
-// changes of P in the L2 norm, which follows from the coordinates and does not depend on the grid
-// in one iteration, beyond which it would need damping. The line under a load of period 1/2 takes
-// 685 iterations with own Jacobians and 1143 with kept ones with 2e-3, 383 and 1724 with 1e-2,
-// 370 and 1768 with 2e-2; 18 % fewer instructions
+static const double MAX_KEPT_RATE = 0.5; // rate of convergence
+// Limit for the change of P in one iteration, above which it would need damping, and its tolerance.
+// The L2 norm follows from the coordinates and does not depend on the grid. With 2e-2 the line
+// under a load of period 1/2 takes 370 iterations with own Jacobians and 1768 with kept ones, with
+// 2e-3 685 and 1143; 18 % fewer instructions.
 static const double MAX_KEPT_CHANGE = 2e-2;
 static const double KEPT_TOLERANCE = 7e-6;
 
-/* Makes factors at the state, where the rows have been evaluated. */
+/* Makes factors at the state at which the rows have been evaluated. */
 static void make_factors(kept_factors *factors, reduced_solver *self,
                          const reduced_squeeze *squeeze) {
     const double weight = system_closure_weight(squeeze);
@@ -491,25 +495,26 @@ const reduced_state *reduced_take_factors(reduced_solver *self) {
 
     self->near = self->kept;
     self->kept = taken;
-    self->used = NULL; // they have changed places
+    self->used = NULL; // near and kept factors have changed places
     return &self->kept.start;
 }
 
 /* State of the iteration with kept factors. */
 typedef struct kept_iterate {
-    double change; // of P, L2 norm; NaN before the first
+    double change; // change of P, L2 norm; NaN before the first step
     bool converged;
-    bool slow; // the last step was small, and is not taken because it was not small enough
+    bool slow; // the last step was small, but not taken because its rate was too slow
 } kept_iterate;
 
-/* KEPT_SLOW: not converged, but near the solution; KEPT_FAILED: not converged, the state is useless. */
+/* KEPT_SLOW: not converged, but near the solution. KEPT_FAILED: not converged, and the state is
+ * useless. */
 typedef enum { KEPT_CONVERGED, KEPT_SLOW, KEPT_FAILED } kept_outcome;
 
-/* One step; false where it converges too slowly or needs damping. */
+/* Takes one step. Returns false if it converges too slowly or needs damping. */
 static bool take_kept_step(kept_iterate *at, reduced_info *info, reduced_state *state,
                            reduced_solver *self, const kept_factors *kept) {
     const reduced_model *model = self->model;
-    const double first_rate = 0.3; // of convergence, before it was observed
+    const double first_rate = 0.3; // assumed rate of convergence before the second step
     double before = at->change, *step = self->system.step, *right = self->system.right;
     size_t num_rows = system_fill_right(&self->system, &self->nodes, state->coordinates, kept->row,
                                         kept->num_rows, kept->weight);
@@ -532,11 +537,12 @@ static bool take_kept_step(kept_iterate *at, reduced_info *info, reduced_state *
     return true;
 }
 
-/* Iterates with the kept factors, or with those near the solution, which it makes at the start. */
+/* Iterates with `factors`: the kept ones, or those near the solution, which it makes at the
+ * start. */
 static kept_outcome iterate_with(kept_factors *factors, reduced_info *info, reduced_state *state,
                                  reduced_solver *self, const ehd_contact *contact,
                                  const reduced_squeeze *squeeze) {
-    const bool made = factors == &self->near; // evaluated as in reduced_keep_factors
+    const bool made = factors == &self->near; // then rows are evaluated as in reduced_keep_factors
     const reduced_values *known = made ? NULL : squeeze->start;
     kept_iterate at = {.change = NAN};
     double start = program_seconds();
@@ -558,12 +564,13 @@ static kept_outcome iterate_with(kept_factors *factors, reduced_info *info, redu
             info->reason = "";
             return exits_settled(&self->exits, &self->nodes) ? KEPT_CONVERGED : KEPT_FAILED;
         }
-        if (moved) at.change = NAN; // the rate starts anew with other active rows
+        if (moved) at.change = NAN; // with other active rows the rate starts anew
     }
     return KEPT_FAILED;
 }
 
-/* The same; where it fails, the state is that of the start. */
+/* Iterates like iterate_with, but restores the initial state on failure. Returns whether it
+ * converged. */
 static bool newton_with(kept_factors *factors, reduced_info *info, reduced_state *state,
                         reduced_solver *self, const ehd_contact *contact,
                         const reduced_squeeze *squeeze) {
@@ -577,9 +584,9 @@ static bool newton_with(kept_factors *factors, reduced_info *info, reduced_state
     return false;
 }
 
-/* Iterates with the Jacobian at the state, which is near the solution; where exits move, with
- * another one at theirs, whose rows are other ones. False: not converged, and the state is one on
- * the way. */
+/* Iterates with the Jacobian at the state, which is near the solution. If exits move, it goes on
+ * with a Jacobian at the new exits, where other rows are active. Returns false if it does not
+ * converge; the state is then one on the way. */
 static bool end_with_one(reduced_info *info, reduced_state *state, reduced_solver *self,
                          const ehd_contact *contact, const reduced_squeeze *squeeze) {
     const size_t bytes = self->model->band.num_lines * sizeof(size_t), most = 3;
@@ -592,8 +599,9 @@ static bool end_with_one(reduced_info *info, reduced_state *state, reduced_solve
     return info->near_factors;
 }
 
-/* Iterates with the kept factors; where these converge too slowly, with those of the Jacobian where
- * they lead. False: not converged, and the state is that of the start. */
+/* Iterates with the kept factors. If these converge too slowly, it goes on with factors of the
+ * Jacobian at the state that they reached. Returns false if it does not converge; the state is then
+ * that of the start. */
 static bool end_with_kept(reduced_info *info, reduced_state *state, reduced_solver *self,
                           const ehd_contact *contact, const reduced_squeeze *squeeze) {
     reduced_state *start = &self->kept.start;
@@ -613,9 +621,10 @@ static bool end_with_kept(reduced_info *info, reduced_state *state, reduced_solv
     return false;
 }
 
-/* Tells whether to try the kept factors. With factors of a much shorter time step each iteration changes the solution too
- * little, by the ratio of the rates: such a small change would be taken for convergence. At a ratio of 3 the iterations
- * converge at a rate of 2/3, which is slower than MAX_KEPT_RATE allows. */
+/* Returns whether to try the kept factors. With factors of a much shorter time step each iteration
+ * changes the solution too little, by the ratio of the rates. Such a small change would be taken
+ * for convergence. At a ratio of 3 the iterations converge at a rate of 2/3, which is slower than
+ * MAX_KEPT_RATE allows. */
 static bool kept_are_of_use(const reduced_solver *self, const reduced_squeeze *squeeze) {
     const double most_shorter = 3;
 
@@ -623,7 +632,8 @@ static bool kept_are_of_use(const reduced_solver *self, const reduced_squeeze *s
            self->kept.rate <= most_shorter * squeeze->rate;
 }
 
-/* Iterates with the kept factors, if any; where that fails, from the start with own Jacobians. */
+/* Iterates with the kept factors, if there are any. If that fails, it iterates from the start with
+ * own Jacobians. */
 static ehd_status solve(reduced_info *info, reduced_state *state, reduced_solver *self,
                         const ehd_contact *contact, const reduced_squeeze *squeeze,
                         ehd_error *error) {
@@ -648,13 +658,13 @@ double reduced_exit_position(const reduced_state *state, const reduced_model *mo
     return grid_x(grid, state->exit - 1) + state->exit_offset * grid->step;
 }
 
-/* Expands a state whose values are known, or NULL. */
+/* Expands a state. `known`: its values, or NULL. */
 static void expand(reduced_solver *self, const reduced_state *state, const reduced_values *known) {
     nodes_move_exit(&self->nodes, reduced_state_exits(state));
     nodes_expand_state(&self->nodes, known, state->coordinates);
 }
 
-/* Scalars of the state that has been expanded. */
+/* Returns the scalars of the state that has been expanded. */
 static contact_scalars scalars_of(reduced_solver *self, const reduced_state *state,
                                   const ehd_contact *contact) {
     return nodes_scalars(&self->nodes, state->coordinates,
@@ -668,7 +678,7 @@ ehd_status reduced_solve(reduced_info *info, reduced_state *state, reduced_solve
 
     *info = (reduced_info){.status = EHD_NOT_CONVERGED, .reason = ""};
     ehd_status status = solve(info, state, solver, contact, squeeze, error);
-    // in time the values are those that reduced_values_of has, to the last bit
+    // in time the values are those of reduced_values_of, to the last bit
     const bool in_time = squeeze || solver->settings.exit_at_node;
     if (!status) {
         expand(solver, state, in_time ? NULL : &solver->nodes.now.values);
@@ -720,7 +730,7 @@ reduced_pressures reduced_pressure_range(reduced_solver *self, const reduced_sta
     return nodes_pressure_range(&self->nodes, state->coordinates);
 }
 
-/* Adds the deflection at X = 0. */
+/* Adds the derivatives of the deflection at X = 0. */
 static void add_central_film(double *gradient, const reduced_solver *self) {
     const centre_nodes *centre = &self->model->centre;
 
@@ -735,7 +745,7 @@ static bool has_pressure(const reduced_solver *self) {
     return false;
 }
 
-/* The lowest needed node with pressure. */
+/* Returns the lowest needed node with pressure. */
 static size_t lowest_node(const reduced_solver *self) {
     const node_state *nodes = &self->nodes;
     size_t lowest = 0;
@@ -766,7 +776,7 @@ double reduced_film_error(double *influence, reduced_solver *self, reduced_film 
     return system_film_error(influence, system, &problem, film);
 }
 
-/* dP/dz at X = 0. */
+/* Adds dP/dz at X = 0. */
 static void fill_central_pressure(double *gradient, const reduced_solver *self) {
     const centre_nodes *centre = &self->model->centre;
     const size_t num_pressure = self->model->num_pressure;
@@ -778,19 +788,19 @@ static void fill_central_pressure(double *gradient, const reduced_solver *self) 
                           num_pressure);
 }
 
-/* Derivatives of the load over the reference. */
+/* Sets the derivatives of the load over the reference. */
 static void fill_load(double *gradient, const reduced_solver *self, const reduced_state *state,
                       const ehd_contact *contact) {
     const reduced_model *model = self->model;
     const double unit = 1 / model->kind->load;
     const double approach = state->coordinates[model->num_unknowns - 1];
 
-    nodes_add_cut_row(gradient, unit, &self->nodes, model->cut.num_rows - 1); // the load's
+    nodes_add_cut_row(gradient, unit, &self->nodes, model->cut.num_rows - 1); // row of the load
     gradient[model->num_unknowns - 1] = unit * far_field_load(contact, approach).by_approach;
 }
 
-/* The most that P or H moves at the node of a row before the exit: all needed nodes are near one.
- * */
+/* Returns the largest change of P or H at the node of a row before the exit. All needed nodes are
+ * near such a node. */
 static double largest_field_error(reduced_solver *self, bool of_film, const double *added) {
     const reduced_model *model = self->model;
     const size_t n = model->num_unknowns, num_pressure = model->num_pressure;
@@ -874,8 +884,9 @@ contact_traction reduced_traction(reduced_solver *self, const reduced_state *sta
     return nodes_traction(&self->nodes, state->coordinates, contact, scalars);
 }
 
-/* self->exit_risk: of a point contact by what the pressure at each line's last node may be off, over by
- * how little the exit is where it is, at most 1. The exit of a line is found by its flux: 1. */
+/* Finds self->exit_risk. For a line of a point contact it is the error of the pressure at the last
+ * node over the margin of the exit (exits_margins), at most 1. For a line contact, whose exit is
+ * found by its flux, it is 1. */
 static void find_exit_risks(reduced_solver *self, const reduced_state *state,
                             const ehd_contact *contact, const double *added) {
     const reduced_model *model = self->model;
@@ -901,7 +912,7 @@ static void find_exit_risks(reduced_solver *self, const reduced_state *state,
         if (count == 0 || (count < ERROR_BLOCK && l + 1 < num_lines)) continue;
         system_errors(errors, &self->system, count, added);
         for (size_t k = 0; k < count; k++)
-            // NaN where residuals are, which then are in the bound too
+            // an error is NaN if residuals are NaN, and then the bound is too
             risk[line[k]] = errors[k] < risk[line[k]] ? errors[k] / risk[line[k]] : 1;
         count = 0;
     }

@@ -15,11 +15,11 @@ struct reduced_tangent {
     node_state nodes;
     row_system system;
     exit_search exits;
-    reduced_state state; // at which it is linearised
-    bool with_cell;      // whose exit lies within a node
-    bool at_place;       // is at a node, and where within it follows from the flux
+    reduced_state state; // state at which it is linearised
+    bool with_cell;      // the exit lies within a node and has a row
+    bool at_place;       // the exit is at a node; its place within follows from the flux
     size_t num_rows;
-    double *rights;       // [2, system_max_rows] of the equations beside
+    double *rights;       // [2, system_max_rows] right sides of the equations beside
     double *along, *slow; // [num_unknowns] changes
     double *coordinates;  // [num_unknowns] work
     arena memory;
@@ -64,7 +64,8 @@ static ehd_status singular(ehd_error *error) {
 
 // ---- the equations
 
-/* Rows at the linearised state, at its exit line, and the cell of an exit within a node. */
+/* Evaluates the rows at the linearised state and its exit line, and the cell of an exit within a
+ * node. Returns whether there is such a cell. */
 static bool evaluate(reduced_tangent *self, const reduced_equations *of, bool with_cell) {
     reduced_state *state = &self->state;
     const double approach = state->coordinates[self->model->num_unknowns - 1];
@@ -79,7 +80,8 @@ static bool evaluate(reduced_tangent *self, const reduced_equations *of, bool wi
     return has_cell;
 }
 
-/* The state `distance` along a change, at the nodes; its coordinates into self->coordinates. */
+/* Expands the state `distance` along a change at the nodes. Its coordinates go into
+ * self->coordinates. */
 static void move_along(reduced_tangent *self, const reduced_change *change, double distance) {
     const size_t n = self->model->num_unknowns;
 
@@ -88,8 +90,9 @@ static void move_along(reduced_tangent *self, const reduced_change *change, doub
     nodes_expand_state(&self->nodes, NULL, self->coordinates);
 }
 
-/* Right side of the least squares; where the exit lies within a node its place is taken as fixed, and
- * what it has to move by is eliminated from the right side as it is from the matrix (exit.h). */
+/* Fills the right side of the least squares and returns its number of rows. The place of an exit
+ * within a node is held. Its necessary change is eliminated from the right side as from the matrix
+ * (exit.h). */
 static size_t fill_right(reduced_tangent *self, const reduced_equations *of) {
     const size_t num_rows =
         system_fill_right(&self->system, &self->nodes, self->state.coordinates, self->system.active,
@@ -119,7 +122,7 @@ ehd_status reduced_tangent_at(reduced_tangent *self, const reduced_state *state,
     return EHD_OK;
 }
 
-/* argmin |J z + right| in z [num_unknowns], J of the linearised equations. */
+/* Computes z = argmin |J z + right|, [num_unknowns], with J of the linearised equations. */
 static ehd_status solve(reduced_change *change, double *z, reduced_tangent *self,
                         const double *right, ehd_error *error) {
     row_system *system = &self->system;
@@ -152,7 +155,8 @@ ehd_status reduced_tangent_along(reduced_change *change, reduced_tangent *self,
     return status;
 }
 
-/* self->system.right += factor * D rho H at the active rows' nodes, `distance` along a change. */
+/* Computes self->system.right += factor * D rho H at the active rows' nodes, `distance` along a
+ * change. */
 static void add_mass(reduced_tangent *self, const reduced_change *change, double distance,
                      const ehd_contact *contact, double factor) {
     const row_set *set = &self->model->rows;
@@ -167,7 +171,8 @@ static void add_mass(reduced_tangent *self, const reduced_change *change, double
     }
 }
 
-/* += factor * D X d(rho H)/dX: what the entrainment takes off the rows. */
+/* Adds factor * D X d(rho H)/dX to the right side. The entrainment term of the rows gives
+ * d(rho H)/dX. */
 static void add_slope(reduced_tangent *self, const ehd_contact *contact, double factor) {
     const row_set *set = &self->model->rows;
     row_system *system = &self->system;
@@ -185,7 +190,8 @@ static void add_slope(reduced_tangent *self, const ehd_contact *contact, double 
     }
 }
 
-/* As of reduced_film_error, for the approach of a change that solves self->system.right. */
+/* Returns how far the residual that least squares leave moves the approach of a change, as
+ * reduced_film_error does for a film. The change solves self->system.right. */
 static double bound_of_approach(reduced_tangent *self, const reduced_change *change) {
     row_system *system = &self->system;
     const size_t n = self->model->num_unknowns, num_rows = self->num_rows;

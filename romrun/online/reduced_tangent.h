@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Derivatives of a reduced solution, from the Jacobian of its least squares (romrun/library/README.md). */
+/* Derivatives of a reduced solution, from the Jacobian of its least squares
+ * (romrun/library/README.md). */
 #ifndef EHD_REDUCED_TANGENT_H
 #define EHD_REDUCED_TANGENT_H
 
@@ -7,8 +8,8 @@
 
 typedef struct reduced_tangent reduced_tangent;
 
-/* Memory of its own, so that a solver's last solution stays as it is; the model must outlive it.
- * EHD_MEMORY. */
+/* Creates a tangent. It has its own memory, so that a solver's last solution stays as it is. The
+ * model must outlive it. Errors: EHD_MEMORY. */
 ehd_status reduced_tangent_create(
     // output:
     reduced_tangent **self, // free with reduced_tangent_free
@@ -16,10 +17,10 @@ ehd_status reduced_tangent_create(
     const reduced_model *model, ehd_error *error);
 reduced_tangent *reduced_tangent_free(reduced_tangent *self); // accepts and returns NULL
 
-/* What a solution is of. */
+/* The equations of a solution. */
 typedef struct reduced_equations {
     const ehd_contact *contact;
-    const reduced_squeeze *squeeze; // NULL when stationary; its `start` and `last` do not count
+    const reduced_squeeze *squeeze; // NULL when stationary; `start` and `last` are not used
 } reduced_equations;
 
 /* Linearises the equations at their solution. `exit_at_node` as in reduced_settings.
@@ -33,14 +34,15 @@ ehd_status reduced_tangent_at(
 
 /* A change of the solution. */
 typedef struct reduced_change {
-    const double *coordinates; // [num_unknowns], the tangent's; one of each kind
-    double exit_offset;        // of an exit within a node, steps; 0 where exits are nodes
+    const double *coordinates; // [num_unknowns] memory of the tangent; one per function below
+    double exit_offset;        // change of an exit within a node, steps; 0 where exits are nodes
 } reduced_change;
 
-/* The change of the solution per unit of a parameter, from the equations half a distance before and
- * behind: (J^T J) dz = -J^T dr. Gauss-Newton's part suffices: the second derivatives that it lacks are
- * multiplied by what rows leave, and change derivatives by a tenth to a hundredth of what the truncated
- * modes do to them (romrun/library/README.md). EHD_NOT_CONVERGED as above. */
+/* Computes the change of the solution per unit of a parameter, from the equations half a distance
+ * before and behind: (J^T J) dz = -J^T dr. The Gauss-Newton part suffices: the second derivatives
+ * that it lacks are multiplied by the residual of the rows. They change derivatives by a tenth to a
+ * hundredth of the effect of the truncated modes (romrun/library/README.md). EHD_NOT_CONVERGED as
+ * above. */
 ehd_status reduced_tangent_along(
     // output:
     reduced_change *change,
@@ -49,22 +51,23 @@ ehd_status reduced_tangent_along(
     // input:
     const reduced_equations beside[2], double distance, ehd_error *error);
 
-/* How a frame moves that the equations stand in: contacts half a distance before and behind, and their
- * scales over those between them. */
+/* Motion of the frame of the equations: contacts half a distance before and behind, and their
+ * scales over those in the middle. */
 typedef struct reduced_motion {
     const ehd_contact *contacts; // [2]
     double film_scale[2], half_width[2];
     double distance;
 } reduced_motion;
 
-/* Where the parameter varies with T as exp(sT), the solution does by `change`, that of reduced_tangent_along,
- * at s = 0: the derivative of that by s. In the moving frame what the squeeze term takes is
- * d(rho H)/dT + rho H d(ln film scale)/dT - X d(rho H)/dX d(ln a)/dT. Stationary solutions only. */
+/* Computes the derivative by s, at s = 0, of the change of the solution for a parameter that varies
+ * with T as exp(sT). `change`: the change at s = 0, from reduced_tangent_along. In the moving frame
+ * the squeeze term takes d(rho H)/dT + rho H d(ln film scale)/dT - X d(rho H)/dX d(ln a)/dT. For
+ * stationary solutions only. */
 ehd_status reduced_tangent_slow(
     // output:
     reduced_change *slow,
-    double *bound, // by how much what least squares leave of it moves its approach, as if rows had
-                   // nothing to do with each other
+    double *bound, // change of the approach of `slow` by the residual that least squares leave,
+                   // with the rows taken as independent
     // in and out:
     reduced_tangent *self,
     // input:
@@ -73,11 +76,12 @@ ehd_status reduced_tangent_slow(
 
 /* Scalars of a solution and its largest pressure, in the contact's frame. */
 typedef struct reduced_quantities {
-    contact_scalars scalars; // exit NaN where it is known as a node only
-    double peak_pressure;    // at the nodes that a solution looks at
+    contact_scalars scalars; // the exit is NaN if only its node is known
+    double peak_pressure;    // largest P at the needed nodes, in the band and at X = 0
 } reduced_quantities;
 
-/* Those of the equations beside, whose solution is `distance` along a change. */
+/* Returns the quantities for the equations `beside`, whose solution lies `distance` along a
+ * change. */
 reduced_quantities reduced_tangent_quantities(reduced_tangent *self, const reduced_change *change,
                                               double distance, const reduced_equations *beside);
 

@@ -12,7 +12,7 @@ size_t system_max_rows(const reduced_model *model) {
     return model->rows.num_rows + model->num_deformation + 1 + num_cells;
 }
 
-/* The selected row nearest to X = 0. */
+/* Returns the selected row nearest to X = 0. */
 static size_t row_at_centre(const reduced_model *model) {
     const row_set *rows = &model->rows;
     size_t best = 0;
@@ -82,14 +82,14 @@ void system_list_active(row_system *self, const node_state *nodes, size_t cell_n
             self->active[self->num_active++] = r;
 }
 
-/* The first active row from `r` on, or the first passive one. */
+/* Returns the first row from `r` on that is active or, if `active` is false, passive. */
 static size_t next_row(const row_system *self, const node_state *nodes, size_t r, bool active) {
     while (r < self->model->rows.num_rows && is_active(self, nodes, r) != active)
         r++;
     return r;
 }
 
-/* self->pressure of the state. */
+/* Fills self->pressure from the state and the far field. */
 static void expand_pressure(row_system *self, const node_state *nodes, double rigid_approach,
                             const ehd_contact *contact) {
     memcpy(self->pressure, nodes->now.pressure,
@@ -97,7 +97,8 @@ static void expand_pressure(row_system *self, const node_state *nodes, double ri
     far_field_add(self->pressure, &self->outer, contact, rigid_approach);
 }
 
-/* Takes rows first … end - 1 from the pressures `about` to the state's along their derivatives. */
+/* Extrapolates rows first … end - 1 from the pressures `about` to the state's along their
+ * derivatives. */
 static void shift_rows(row_system *self, const double *about, size_t first, size_t end) {
     const row_set *set = &self->model->rows;
     const int size = reynolds_stencil_size(&self->model->grid);
@@ -189,7 +190,7 @@ size_t system_fill_right(row_system *self, const node_state *nodes, const double
 
 // ---- matrix
 
-/* target += sum of factors[a] * sources[a] over `num` of them, in one pass. */
+/* Computes target += sum of factors[a] * sources[a] over `num` sources, in one pass. */
 static inline void add_some_rows(double *restrict target, const double *factors,
                                  const double *const *sources, int num, size_t count) {
     for (size_t j = 0; j < count; j++) {
@@ -200,18 +201,19 @@ static inline void add_some_rows(double *restrict target, const double *factors,
     }
 }
 
-/* Of a line's stencil. With one loop over six nodes, and not one over as many as there are, a
- * solution with the published rows takes 4.5 % more instructions. */
+/* Adds the rows of a line's stencil, with as many nodes as it has. One loop over six nodes would
+ * take 4.5 % more instructions for a solution with the published rows. */
 static inline void add_rows(double *restrict target, const double factors[NUM_LINE_STENCIL],
                             const double *const sources[NUM_LINE_STENCIL], bool wide,
                             size_t count) {
     if (wide)
         add_some_rows(target, factors, sources, NUM_LINE_STENCIL, count);
-    else // without the first and the last
+    else // without the first and the last node
         add_some_rows(target, factors + 1, sources + 1, NUM_LINE_STENCIL - 2, count);
 }
 
-/* Of a point's stencil, those with a factor: five of ten for the pressures along the path. */
+/* Adds the rows of a point's stencil that have a factor: five of ten for the pressures along the
+ * path. */
 static inline void add_listed_rows(double *restrict target, const double factors[NUM_STENCIL],
                                    const double *const sources[NUM_STENCIL], int size,
                                    size_t count) {
@@ -231,8 +233,8 @@ static inline void add_listed_rows(double *restrict target, const double factors
         add_some_rows(target, listed + a, rows + a, AT_ONCE, count);
 }
 
-/* Row of the weighted reduced Jacobian: stencil coefficients times rows of the bases, those of the
- * coupled film at the exit's checkpoint. */
+/* Fills a row of the weighted reduced Jacobian: stencil coefficients times rows of the bases. Rows
+ * of the coupled film are taken at the exit's checkpoint. */
 static void fill_reynolds_row(double *target, const row_system *self, const node_state *nodes,
                               size_t r) {
     const reduced_model *model = self->model;
@@ -270,8 +272,8 @@ static void fill_reynolds_row(double *target, const row_system *self, const node
     target[model->num_unknowns - 1] = weight * approach;
 }
 
-/* Derivatives of an active row by the pressures of the nodes of a block. Products are rounded as in
- * fill_reynolds_row: nodes taken away cancel. */
+/* Computes derivatives of an active row by the pressures of the nodes of a block. Products are
+ * rounded as in fill_reynolds_row, so that nodes that are taken away cancel. */
 static void fill_left_side(double *left, const row_system *self, size_t r, const size_t *index,
                            const double *sign, size_t rank) {
     const reduced_model *model = self->model;
@@ -296,11 +298,11 @@ static void fill_left_side(double *left, const row_system *self, size_t r, const
 
 /* Nodes by which the exit differs from its checkpoint. */
 typedef struct cut_block {
-    size_t rank, index[CUT_BLOCK]; // in the band
+    size_t rank, index[CUT_BLOCK]; // indices in the band
     double sign[CUT_BLOCK];
 } cut_block;
 
-/* matrix += left right of the nodes in the block. */
+/* Computes matrix += left right for the nodes in the block. */
 static void add_block(row_system *self, const cut_block *block, double load_weight) {
     const reduced_model *model = self->model;
     const size_t num_pressure = model->num_pressure;
@@ -339,9 +341,9 @@ static void add_runs(row_system *self, const node_state *nodes, double load_weig
     if (block.rank > 0) add_block(self, &block, load_weight);
 }
 
-/* Updates the cut table of an independent basis to the exit, always from the exit's checkpoint: its
- * bits then depend on the exit alone, and rounding errors do not add up over the steps in time. Of
- * a coupled basis the fewer rows of the Jacobian are updated instead (add_runs). */
+/* Updates the cut table of an independent basis to the exit, always from the exit's checkpoint. Its
+ * bits then depend on the exit alone, and round-off does not add up over the steps in time. For a
+ * coupled basis add_runs updates the rows of the Jacobian instead, which are fewer. */
 static void make_cut_table(row_system *self, const node_state *nodes) {
     const reduced_model *model = self->model;
     size_t size = model->cut.num_rows * model->num_pressure;
@@ -354,7 +356,8 @@ static void make_cut_table(row_system *self, const node_state *nodes) {
     memcpy(self->cut_exit, nodes->exit, bytes);
 }
 
-/* The projected elasticity of an independent basis, from row `count` on; returns the row behind. */
+/* Fills the projected elasticity of an independent basis, from row `count` on. Returns the next
+ * row. */
 static size_t fill_elasticity(row_system *self, size_t count) {
     const reduced_model *model = self->model;
     size_t n = model->num_unknowns, num_pressure = model->num_pressure;
@@ -389,7 +392,7 @@ void system_fill_matrix(row_system *self, const node_state *nodes, double closur
 
 // ---- the exit's cell
 
-/* D and factor of the selected row nearest to a node. */
+/* Returns D times the factor of the selected row nearest to a node. */
 static double nearest_weight(const row_set *rows, size_t node) {
     size_t best = 0;
 
@@ -398,7 +401,7 @@ static double nearest_weight(const row_set *rows, size_t node) {
     return rows->weight[best];
 }
 
-/* target = weight times the derivatives of a row at a node of a line's band. */
+/* Computes target = weight times the derivatives of a row at a node of a line's band. */
 static void fill_band_row(double *target, double weight, const reynolds_row *row,
                           const row_system *self, const node_state *nodes, size_t node) {
     const reduced_model *model = self->model;
@@ -411,7 +414,7 @@ static void fill_band_row(double *target, double weight, const reynolds_row *row
     for (size_t a = 0; a < NUM_LINE_STENCIL; a++) {
         by_film[a] = weight * row->by_film[a];
         approach += by_film[a];
-        if (first + a <= node) // that has pressure
+        if (first + a <= node) // only these nodes have pressure
             nodes_add_row(target, weight * row->by_pressure[a], modes + a * model->num_pressure,
                           model->num_pressure);
     }
@@ -430,7 +433,7 @@ double system_flux(row_system *self, const ehd_contact *contact, const node_stat
     return self->flux.residual;
 }
 
-/* By which a step changes the flux. */
+/* Fills the gradient of the flux. */
 static void fill_flux_step(row_system *self, const node_state *nodes) {
     const reduced_model *model = self->model;
     const reynolds_stencil *stencil = &model->rows.stencils[self->flux_row];
@@ -474,7 +477,7 @@ void system_add_cell(row_system *self, const node_state *nodes, const exit_cell 
     system_add_cell_right(self, nodes, cell);
 }
 
-/* self->left of a problem with so many rows, once a solution. */
+/* Finds self->left of a problem with `num_rows` rows, once per solution. */
 static void find_left(row_system *self, const double *matrix, size_t num_rows) {
     if (self->left_is_known) return;
     memcpy(self->left, self->right, num_rows * sizeof *self->left);
@@ -483,7 +486,8 @@ static void find_left(row_system *self, const double *matrix, size_t num_rows) {
     self->left_is_known = true;
 }
 
-/* Those of the film of self->gradient. */
+/* Returns the changes of the film of self->gradient by an error of 1 in each row. Computes them
+ * only if the gradient or the factors have changed. */
 static const double *find_moves(row_system *self, const step_problem *problem, size_t num_rows,
                                 reduced_film film) {
     const size_t n = self->model->num_unknowns, bytes = n * sizeof *self->gradient;

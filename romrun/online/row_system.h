@@ -9,12 +9,13 @@
 #include "romrun/online/least_squares.h"
 #include "romrun/online/node_state.h"
 
-enum { ERROR_BLOCK = 32 }; // functionals of system_errors at a time
+enum { ERROR_BLOCK = 32 }; // most functionals in a call of system_errors
 
-/* J (J^T J)^-1 g for the gradient g of a film: what an error of 1 in each row does to it. As long as the
- * gradient and the least squares are the same, as over many steps with kept factors, so are these. */
+/* J (J^T J)^-1 g for the gradient g of a film: the change of the film by an error of 1 in each row.
+ * It stays the same as long as the gradient and the least squares do, as over many steps with kept
+ * factors. */
 typedef struct film_moves {
-    size_t number;    // of the least squares (step_problem); 0: of others
+    size_t number;    // number of the least squares (step_problem); 0: none
     double *gradient; // [num_unknowns]
     double *moves;    // [system_max_rows]
 } film_moves;
@@ -24,97 +25,102 @@ typedef struct row_system {
     reynolds_row *rows;      // [rows of the model] at the state
     double *fluid_memory;    // [NUM_FLUID_ARRAYS, num_needed]
     far_field outer;         // boundary nodes among the needed ones
-    double *pressure;        // [num_needed] of the state, with that of the far field
-    double *about;           // [num_needed] those of system_about
-    contact_closure closure; // at the state, with the load beyond the grid
+    double *pressure;        // [num_needed] P of the state, including the far field
+    double *about;           // [num_needed] pressures of system_about
+    contact_closure closure; // at the state, including the load beyond the grid
     size_t num_active;       // rows before the exit
-    size_t num_cells;        // 1 where the exit lies within a node: its cell's row is the last one
-    size_t *active;          // [rows of the model] these
+    size_t num_cells;        // 1 if the exit lies within a node (the cell's row is the last one),
+                             // else 0
+    size_t *active;          // [rows of the model] indices of the rows before the exit
     double *matrix;          // [system_max_rows, num_unknowns]
     double *right;           // [system_max_rows]
     double *step;            // [num_unknowns]
-    double *gradient;        // [num_unknowns] of a film
+    double *gradient;        // [num_unknowns] gradient of a film
     double *dual;            // [num_unknowns] (J^T J)^-1 gradient
-    double remaining;   // what another step would change, over what the last one did, estimated
-    double *left;       // [system_max_rows] what the step leaves
-    bool left_is_known; // of the last solution
+    double remaining;        // change by another step over the change by the last one, estimated
+    double *left;            // [system_max_rows] residual that the step leaves
+    bool left_is_known;      // `left` is that of the last solution
     film_moves moves[NUM_REDUCED_FILMS];
-    double *offset;    // [num_unknowns] by which a step moves the exit within its node
-    double *flux_step; // [num_unknowns] by which it changes the flux
-    reynolds_row flux; // of system_flux
-    size_t flux_row;   // of the model
+    double *offset;    // [num_unknowns] gradient of the exit's offset within its node
+    double *flux_step; // [num_unknowns] gradient of the flux
+    reynolds_row flux; // flux and its derivatives, from system_flux
+    size_t flux_row;   // row of the model where it is taken
     least_squares *factors;
     double *block;       // coupled: [rows + 1, CUT_BLOCK] left sides of the active rows;
                          // independent: [CUT_BLOCK, cut rows + num_pressure] work of the cut table
-    double *block_right; // [CUT_BLOCK, num_pressure] right sides of those of rows
-    double *functionals; // [ERROR_BLOCK, num_unknowns] of system_errors
-    double *all_moves;   // [ERROR_BLOCK, system_max_rows]
+    double *block_right; // [CUT_BLOCK, num_pressure] coupled: right sides
+    double *functionals; // [ERROR_BLOCK, num_unknowns] input of system_errors
+    double *all_moves;   // [ERROR_BLOCK, system_max_rows] work of system_errors
     double *cut;         // independent: [cut rows, num_pressure] the cut table for cut_exit
     size_t *cut_exit;    // [num_lines]; 0: none yet
 } row_system;
 
-/* Memory from an arena, but for the factors; the model must outlive it. */
+/* Initialises with memory from an arena; the factors have memory of their own. The model must
+ * outlive it. */
 void system_init(row_system *self, const reduced_model *model, arena *memory);
 void system_free(row_system *self);
 
-/* Largest number of rows of a least-squares problem of the model. */
+/* Returns the largest number of rows of a least-squares problem of the model. */
 size_t system_max_rows(const reduced_model *model);
 
-/* Rows before the exit and their derivatives at the state that `nodes` holds, into self->rows, and
- * the closure. `about`: NULL, or the pressures [num_needed] at which they are evaluated, and from
- * which they are linear in the pressures. */
+/* Evaluates the rows before the exit and their derivatives at the state that `nodes` holds, into
+ * self->rows, and the closure. `about`: NULL, or pressures [num_needed] at which the rows are
+ * evaluated; from there the rows are extrapolated linearly to the state's pressures. */
 void system_evaluate(row_system *self, const node_state *nodes, double rigid_approach,
                      const ehd_contact *contact, const reduced_squeeze *squeeze,
                      const double *about);
 
-/* As reynolds_flow_doubt, at the rows before the exit of the state that `nodes` holds. */
+/* Returns reynolds_flow_doubt at the selected rows, for the state that `nodes` holds. */
 double system_flow_doubt(row_system *self, const node_state *nodes, double rigid_approach,
                          const ehd_contact *contact);
 
-/* Pressures about which a step in time is linearised while it is far from its solution (README.md, In
- * time). With those of the last state, uncut: the higher ones of it and of the state that `nodes` holds.
- * With NULL, after system_evaluate: those of the state where they have risen, and where they have fallen
- * those at which the mobility is what the linear rows had. */
+/* Returns the pressures about which a step in time is linearised while it is far from its solution
+ * (README.md, In time). `last`, the uncut pressures of the last state: at each node the higher one
+ * of `last` and the state that `nodes` holds. `last` NULL, after system_evaluate: where the
+ * pressure has risen, the state's; where it has fallen, the pressure whose mobility is that of the
+ * linear rows. */
 const double *system_about(row_system *self, const node_state *nodes, double rigid_approach,
                            const ehd_contact *contact, const double *last);
 
-/* Lists the rows before the exit; but for that at the node whose cell has one of its own, or
- * NO_NODE. */
+/* Lists the rows before the exit, except the row at `cell_node`, whose cell has a row of its own.
+ * NO_NODE: no exception. */
 void system_list_active(row_system *self, const node_state *nodes, size_t cell_node);
 
-/* The flux at the state through the half node before the selected row nearest to X = 0. It is the
- * same before the exit, but there pressures that a truncated basis leaves would move it most. */
+/* Returns the flux at the state through the half node before the selected row nearest to X = 0. The
+ * flux is the same everywhere before the exit. Near the exit, pressures left by a truncated basis
+ * would change it most. */
 double system_flux(row_system *self, const ehd_contact *contact, const node_state *nodes);
 
-/* Appends the row of the cell in which the exit lies, and makes self->offset. */
+/* Appends the row of the cell in which the exit lies, and fills self->offset. */
 void system_add_cell(row_system *self, const node_state *nodes, const exit_cell *cell);
 
-/* Its right side alone, behind those of system_fill_right. */
+/* Appends only the right side of the cell's row, behind those of system_fill_right. */
 void system_add_cell_right(row_system *self, const node_state *nodes, const exit_cell *cell);
 
-/* Right side (Maier et al. (2015), eq. 37): the Reynolds rows of a list (zero behind the exit),
- * projected elasticity, closure. Returns the number of rows. */
+/* Fills the right side (Maier et al. (2015), eq. 37): the Reynolds rows of a list (zero behind the
+ * exit), projected elasticity, closure. Returns the number of rows. */
 size_t system_fill_right(row_system *self, const node_state *nodes, const double *z,
                          const size_t *list, size_t num_list, double closure_weight);
 
-/* Matrix (eq. 38) for the active rows, at the present exit. */
+/* Fills the matrix (eq. 38) for the active rows, at the present exit. */
 void system_fill_matrix(row_system *self, const node_state *nodes, double closure_weight);
 
-/* Weight of the closure, 1 + rate: rows grow as 1 / time step. */
+/* Returns the weight of the closure, 1 + rate, because rows grow as 1 / time step. */
 double system_closure_weight(const reduced_squeeze *squeeze);
 
 /* The least-squares problem of a step: the system's own, or one kept of an earlier step. */
 typedef struct step_problem {
     const double *matrix; // [num_rows + num_deformation + 1 + self->num_cells, num_unknowns]
     least_squares *factors;
-    const size_t *row; // [num_rows] of the model
+    const size_t *row; // [num_rows] indices in the model
     size_t num_rows;   // Reynolds rows
-    size_t number;     // of the matrix: another one for each; 0: none
+    size_t number;     // number of the matrix, a different one for each; 0: none
 } step_problem;
 
-/* How far what the last step leaves in the rows, D f + D J step and as much of D J step as it was
- * too long or too short, moves the film of self->gradient, by the root of the sum of the squares
- * of what each row does. */
+/* Returns how far the remaining residual moves the film of self->gradient. It is D f + D J step
+ * of the last step and, for the iterations that were not made, self->remaining times D J step.
+ * The rows are taken as independent: the result is the root of the sum of the squares of their
+ * effects. */
 double system_film_error(
     // output:
     double *influence, // [rows of the model] change of the film by an error of 1 in D f; 0 if not
@@ -124,16 +130,16 @@ double system_film_error(
     // input:
     const step_problem *problem, reduced_film film);
 
-/* The same of the first `num` of self->functionals, with the residuals of other rows. */
+/* Computes the result of system_film_error for the first `num` of self->functionals, including the
+ * residuals of other rows. */
 void system_errors(
     // output:
     double *errors, // [num]
     // in and out:
-    row_system *self, // its functionals are lost
+    row_system *self, // its functionals are overwritten
     // input:
     size_t num, // at most ERROR_BLOCK
     const double
-        *added); // [rows of the model] sum of the squares of residuals that are to count as
-                 // one in the row
+        *added); // [rows of the model] sum of the squares of other residuals, counted in this row
 
 #endif

@@ -9,13 +9,15 @@
 
 enum { NUM_INLET = 12, NUM_INSIDE = 12, MOST_NODES = NUM_INLET + NUM_INSIDE };
 
-// X between which films are formed and then carried unchanged, and behind which the constriction
-// settles them anew; denser towards the entry, where a residual enters with a larger share
+// Films form between X = FAR_INLET and ENTRY and are then carried unchanged up to CONSTRICTION,
+// behind which they settle anew. DENSER: exponent that makes nodes denser towards the entry, where
+// a residual enters with a larger share.
 static const double FAR_INLET = -2.6, ENTRY = -0.85, CONSTRICTION = 0.6, DENSER = 1.7;
-// Of a film's errors the largest that far away. Short waves behind a front go slower than the
-// fluid: of 20 histories (scenes/studies/silent-in-time, calibration seed 1000007) the largest
-// deviation of the central film over its bound is 5.7 with 0.1 behind the centre, 2.4 with 0.2,
-// 1.4 from 0.3 on; of 75 others 1.9 up to 0.3, 1.4 from 0.4 on.
+// distances within which the largest error of films counts, half widths: before and behind the
+// centre, and before the minimum. Short waves behind a front go slower than the fluid. In 20
+// histories (scenes/studies/silent-in-time, calibration seed 1000007) the largest error of the
+// central film over its bound is 5.7 with 0.1 behind the centre and 1.4 from 0.3 on; in 75 others
+// it is 1.4 from 0.4 on.
 static const double CENTRE = 0.1, BEHIND_CENTRE = 0.4, ARRIVING = 0.3;
 
 void time_indicator_free(time_indicator *self) {
@@ -24,7 +26,7 @@ void time_indicator_free(time_indicator *self) {
 
 // ---- control nodes
 
-/* Adds the node of the central line nearest to X, unless it is the last one. */
+/* Adds the node of the central line nearest to X, if it lies behind the last one. */
 static void add_node(time_indicator *self, double x) {
     const ehd_grid *grid = &self->model->grid;
     const size_t margin = 4; // columns that the stencils reach
@@ -45,7 +47,7 @@ static void choose_nodes(time_indicator *self) {
         add_node(self, ENTRY + (CONSTRICTION - ENTRY) * (double)i / NUM_INSIDE);
 }
 
-/* The model's row at a control node, or NO_NODE. */
+/* Returns the model's row at a control node, or NO_NODE. */
 static size_t find_row(const time_indicator *self, size_t i) {
     const row_set *rows = &self->model->rows;
 
@@ -60,21 +62,21 @@ static int compare_indices(const void *a, const void *b) {
     return p < q ? -1 : p > q;
 }
 
-/* Index of a node in an ascending list, or NO_NODE. */
+/* Returns the index of a node in an ascending list, or NO_NODE. */
 static size_t index_of(size_t node, const size_t *nodes, size_t num) {
     const size_t *found = bsearch(&node, nodes, num, sizeof *nodes, compare_indices);
 
     return found ? (size_t)(found - nodes) : NO_NODE;
 }
 
-/* That of a needed node among the model's. */
+/* Returns the index of a needed node among the model's, or NO_NODE. */
 static size_t find_among(const time_indicator *self, size_t q) {
     const row_set *rows = &self->model->rows;
 
     return index_of(self->needed_node[q], rows->needed_node, rows->num_needed);
 }
 
-/* Stencils of indices in needed_node, which are these of all stencils. */
+/* Lists the nodes of all stencils in needed_node, and fills the stencils with indices in it. */
 static void list_needed(time_indicator *self) {
     size_t num = 0, *needed = self->needed_node;
 
@@ -99,12 +101,14 @@ static void list_needed(time_indicator *self) {
 
 // ---- around the exit
 
-/* Nodes on either side of it: as many as it may have gone since the Jacobian was made, and one. */
+/* Returns the number of nodes on either side of the exit: as many as it may have moved since the
+ * Jacobian was made, and one. */
 static size_t reach_at_exit(const reduced_model *model) {
     return kept_factors_reach(model) + 1;
 }
 
-/* Index of a node among those needed around the exit, which it joins. */
+/* Returns the index of a node among those needed around the exit. Adds the node if it is
+ * missing. */
 static size_t need(time_indicator *self, size_t node) {
     for (size_t q = self->num_fixed; q < self->num_needed; q++)
         if (self->needed_node[q] == node) return q;
@@ -175,7 +179,7 @@ ehd_status time_indicator_init(time_indicator *self, const reduced_model *model,
 
 // ---- residuals
 
-/* P and H at the needed nodes: the solver has them at those of its rows. */
+/* Computes P and H at the needed nodes; the solver has those of its rows. */
 static void expand(time_indicator *self, const previous_film *state, const reduced_solver *solver,
                    const film_splines *splines) {
     const reduced_model *model = self->model;
@@ -196,8 +200,9 @@ static void expand(time_indicator *self, const previous_film *state, const reduc
     }
 }
 
-/* A source of fluid in the inlet raises the pressure on both sides of it: what flows on into the
- * contact is the part before it of the integral of 1/H^3, which makes the pressure there. */
+/* Finds the share of a source of fluid that flows on into the contact, at each node of the inlet. A
+ * source raises the pressure on both sides of it. The pressure is an integral of 1/H^3, and the
+ * share is the part of this integral before the source. */
 static void find_shares(time_indicator *self) {
     double before = 0;
 
@@ -234,24 +239,25 @@ void time_indicator_evaluate(time_indicator *self, const previous_film *state,
         const bool before =
             reduced_model_column(model, node) < exit[reduced_model_line(model, node)];
         const bool at_exit = i >= self->num_nodes;
-        // with no pressure, behind the exit or where all modes end before it, the multiplier is
-        // -residual, and only fluid that is left over is wrong
+        // without pressure, behind the exit or where all modes end before it, the multiplier is
+        // -residual, and only fluid that is left over is an error
         const bool full = at_exit ? self->pressure[self->stencils[i].node[NODE_HERE]] > 0 : before;
         self->residual[i] = full ? fabs(residual) : at_exit ? fmax(residual, 0) : 0;
     }
     find_shares(self);
 }
 
-// ---- what they do to the films
+// ---- effect of the residuals on the films
 
-/* An error of the film at a control node, at most all of it, also where it is not a number. */
+/* Returns an error of the film at a control node. It is at most the film, also if it is not a
+ * number. */
 static double at_most_all(const time_indicator *self, size_t i, double error) {
     const double film = self->film[self->stencils[i].node[NODE_HERE]];
 
     return error < film ? error : film;
 }
 
-/* The error of rho H with which films enter: the fluid that the inlet's residuals add. */
+/* Returns the error of rho H with which films enter: the fluid that the inlet's residuals add. */
 static double entering(const time_indicator *self, double entrainment) {
     const size_t last = self->num_inlet - 1;
     double added = 0;
@@ -291,9 +297,9 @@ void time_indicator_start(time_indicator *self, double entrainment) {
     film_errors_add(&self->errors, 1, inside + first, self->x + first, self->num_nodes - first);
 }
 
-// ---- what rows leave
+// ---- residuals of rows
 
-/* Whether the row of a control node was part of the least squares. */
+/* Checks whether the row of a control node was part of the least squares. */
 static bool is_solved(const time_indicator *self, const double *influence, size_t i) {
     return self->row[i] != NO_NODE && influence[self->row[i]] != 0;
 }
@@ -310,7 +316,7 @@ double time_indicator_at_exit(const time_indicator *self, const double *influenc
     return sqrt(sum);
 }
 
-/* The octave of a distance: the last ends at two half widths. */
+/* Returns the octave of a distance. The last one ends at two half widths. */
 static size_t octave(double length) {
     int exponent;
 
@@ -334,7 +340,7 @@ void time_indicator_add_local(time_indicator *self, const double errors[NUM_REDU
     *local = then ? self->kept_local : (local_errors){0};
     local->length[here] = length;
     for (size_t l = 0; l < NUM_LENGTHS; l++) {
-        if (!(local->length[l] > 0)) continue; // none yet
+        if (!(local->length[l] > 0)) continue; // no errors yet
         const double left = then ? frame_film_ratio(now, then) * exp(-path / local->length[l]) : 0;
         for (int q = 0; q < NUM_REDUCED_FILMS; q++)
             local->of_film[q][l] *= left;
@@ -342,7 +348,7 @@ void time_indicator_add_local(time_indicator *self, const double errors[NUM_REDU
     for (int q = 0; q < NUM_REDUCED_FILMS; q++) {
         const double error = local->of_film[q][here] + errors[q];
         local->of_film[q][here] =
-            error < films[q] ? error : films[q]; // at most all, also where not a number
+            error < films[q] ? error : films[q]; // at most the film, also if not a number
     }
 }
 
@@ -364,7 +370,7 @@ void time_indicator_clear(time_indicator *self) {
     self->local = self->kept_local = (local_errors){0};
 }
 
-// ---- of the attempt
+// ---- errors of the attempt
 
 double time_indicator_central(const time_indicator *self) {
     return film_errors_largest(&self->errors, -CENTRE, BEHIND_CENTRE);

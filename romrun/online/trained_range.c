@@ -13,7 +13,7 @@
 _Static_assert((int)RANGE_AXES <= (int)HULL_AXES, "axes of a hull");
 
 void trained_place(double place[RANGE_AXES], contact_place of) {
-    const double least = 1e-3; // below, the viscosity rises by less than a thousandth
+    const double least = 1e-3; // below it the viscosity rises by less than a thousandth
 
     place[0] = log(of.moes_M);
     place[1] = log(fmax(of.alpha_p_H, least));
@@ -36,7 +36,8 @@ static double turn(point a, point b, point c) {
     return (b.M - a.M) * (c.pressure - a.pressure) - (b.pressure - a.pressure) * (c.M - a.M);
 }
 
-/* Convex hull by the monotone chain, counter-clockwise; `hull` has room for num + 1 points. */
+/* Finds the convex hull by the monotone chain, counter-clockwise. `hull` has room for num + 1
+ * points. Returns the number of its corners. */
 static size_t convex_hull(point *hull, point *points, size_t num) {
     size_t count = 0;
 
@@ -55,13 +56,13 @@ static size_t convex_hull(point *hull, point *points, size_t num) {
     return count > 1 ? count - 1 : count;
 }
 
-/* From a corner of the hull to the next one. */
+/* An edge from a corner of the hull to the next one. */
 typedef struct hull_edge {
-    point start, direction; // of length 1
+    point start, direction; // `direction` has length 1
     double length;
 } hull_edge;
 
-/* Axes by which flow is thinned. */
+/* Axes of the thinning of the flow. */
 enum { FIRST_THINNED = 2, NUM_THINNED = RANGE_AXES - FIRST_THINNED };
 
 typedef struct thinning_range {
@@ -71,16 +72,17 @@ typedef struct thinning_range {
 struct trained_range {
     hull_edge *edges; // [count], counter-clockwise, in units of `extent`
     size_t count;
-    point low, high; // of all points, in units of `extent`: rounding makes slivers of lines, which
-                     // have no end
+    // limits of all points, in units of `extent`: round-off turns lines into slivers, which have no
+    // end
+    point low, high;
     point extent;
-    double slack;     // how far outside of the hull still counts as inside, in units of the extent
+    double slack;     // how far outside of the hull still counts as inside, in units of `extent`
     frame_rates most; // fastest change
-    // of thinned flows, where any of the training is one
+    // for thinned flows, if the training has any
     thinning_range by[NUM_THINNED];
     size_t num_points, num_outer;
     double *points; // [RANGE_AXES, num_points] in parts of the extents; NULL: all are Newtonian
-    double *outer;  // [RANGE_AXES, num_outer] those that lie farthest out in some direction
+    double *outer;  // [RANGE_AXES, num_outer] points that lie farthest out in some direction
     known_lubricants *lubricants;
 };
 
@@ -139,12 +141,12 @@ static void find_extent(trained_range *self, const reduced_states *states) {
     self->extent.pressure = high.pressure > low.pressure ? high.pressure - low.pressure : 1;
     self->low = in_units(low, self);
     self->high = in_units(high, self);
-    // training points count as inside, and so does what lies between the few states that are kept
-    // of a trajectory, which is a curve
+    // training points count as inside. So do points between the few states that are kept of a
+    // trajectory, which is a curve
     self->slack = stationary ? 1e-9 : 2e-3;
 }
 
-/* A place in parts of the extents, as a column. */
+/* Writes a place, in parts of the extents, as a column. */
 static void put_column(double *column, size_t stride, const double place[RANGE_AXES],
                        const trained_range *self) {
     const point here = in_units(point_of(place), self);
@@ -158,7 +160,7 @@ static void put_column(double *column, size_t stride, const double place[RANGE_A
     }
 }
 
-/* The point that lies farthest out in a direction. */
+/* Returns the point that lies farthest out in a direction. */
 static size_t farthest(const trained_range *self, const int direction[RANGE_AXES]) {
     double most = -INFINITY;
     size_t found = 0;
@@ -174,15 +176,16 @@ static size_t farthest(const trained_range *self, const int direction[RANGE_AXES
     return found;
 }
 
-/* self->outer: along the axes and the diagonals, points that lie farthest in several of them more than
- * once. Most of what is inside is inside of these few already: a model of 188 states takes 293 thousand
- * instructions for all of them. False: no memory. */
+/* Fills self->outer with the points farthest out along the axes and the diagonals. A point may
+ * occur several times. Most places inside of the range are already inside of the hull of these few:
+ * for a model of 188 states a check of all takes 293 thousand instructions. Returns false without
+ * memory. */
 static bool list_outer(trained_range *self) {
     size_t num = 1, count = 0;
 
     for (size_t axis = 0; axis < RANGE_AXES; axis++)
         num *= 3;
-    self->num_outer = num - 1; // but for no direction at all
+    self->num_outer = num - 1; // without the zero direction
     self->outer = malloc(RANGE_AXES * self->num_outer * sizeof *self->outer);
     for (size_t code = 0; code < num && self->outer; code++) {
         int direction[RANGE_AXES], length = 0;
@@ -200,7 +203,7 @@ static bool list_outer(trained_range *self) {
     return self->outer != NULL;
 }
 
-/* self->points where flow is thinned. False: no memory. */
+/* Fills self->points if flows of the training are thinned. Returns false without memory. */
 static bool list_thinned(trained_range *self, const reduced_states *states) {
     const size_t num = states->num_states;
     double place[RANGE_AXES];
@@ -255,7 +258,8 @@ trained_range *trained_range_create(const reduced_model *model) {
     return self;
 }
 
-/* Distance of a point to the right of an edge or, of a hull of two points, beyond its ends. */
+/* Returns the distance of a point to the right of an edge or, for a hull of two points, beyond its
+ * ends. */
 static double outside_edge(const hull_edge *edge, point wanted, bool line) {
     point from = {wanted.M - edge->start.M, wanted.pressure - edge->start.pressure};
     double across = from.M * edge->direction.pressure - from.pressure * edge->direction.M;
@@ -264,7 +268,7 @@ static double outside_edge(const hull_edge *edge, point wanted, bool line) {
     return line ? fmax(across, along - edge->length) : across;
 }
 
-/* How far outside of the hull of M and alpha p_H. */
+/* Returns how far outside of the hull of M and alpha p_H a place lies, in units of the extent. */
 static double outside_plane(const trained_range *self, const double place[RANGE_AXES]) {
     const point wanted = in_units(point_of(place), self), low = self->low, high = self->high;
     bool line = self->count <= 2;
@@ -323,7 +327,7 @@ static const char *check(const trained_range *self, range_memory *memory, contac
         return "outside of the trained range of M and alpha p_H";
     if (self->points) {
         put_column(here, 1, place, self);
-        // what adaptive training leaves outside of its corners counts as inside
+        // places that adaptive training leaves outside of its corners count as inside
         const double slack = fmax(self->slack, 1e-8);
         if (!(hull_distance_in(memory->hull, self->outer, self->num_outer, RANGE_AXES, here) <=
               slack) &&
@@ -355,7 +359,8 @@ const char *trained_range_check(const trained_range *self, range_memory *memory,
     return reason;
 }
 
-/* How far outside of the box around the training, in the coordinates themselves. */
+/* Returns how far outside of the box around the training a place lies, in the coordinates
+ * themselves. */
 static double outside_box(const trained_range *self, const double place[RANGE_AXES]) {
     const double low[] = {self->low.M * self->extent.M, self->low.pressure * self->extent.pressure,
                           self->by[0].least, self->by[1].least};
@@ -375,7 +380,7 @@ double trained_range_outside(const trained_range *self, range_memory *memory, co
     trained_place(place, of);
     const double of_plane = outside_plane(self, place);
     if (!trained_range_check(self, memory, of, NULL)) return fmin(of_plane, 0);
-    // beside the hull but in its box: in parts of the extents, of which the smaller one counts
+    // outside of the hull but in its box: in parts of the extents, of which the smaller one counts
     const double beside = fmin(self->extent.M, self->extent.pressure) * of_plane;
     return fmax(fmax(outside_box(self, place), beside), DBL_MIN);
 }

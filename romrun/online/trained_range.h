@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Which contacts a model was trained for. */
+/* The range of contacts that a model was trained for. */
 #ifndef EHD_TRAINED_RANGE_H
 #define EHD_TRAINED_RANGE_H
 
@@ -7,31 +7,35 @@
 #include "common/time/frame.h"
 #include "romrun/model/reduced_model.h"
 
-/* Coordinates of a contact in the trained range: ln M, ln(alpha p_H), and of a flow that is thinned
- * the logarithm of by how much (contact_place.h). Regions of load, speed, sliding and Eyring's stress,
- * or of M and L, are polytopes in them, and what varies in one of these alone is a straight line. */
+/* Computes the coordinates of a contact in the trained range: ln M, ln(alpha p_H), and the
+ * logarithms of the thinning of the flow by sliding and by the gradient (contact_place.h). Regions
+ * of load, speed, sliding and Eyring's stress, or of M and L, are polytopes in these coordinates.
+ * Contacts that differ in one of these alone lie on a straight line. */
 enum { RANGE_AXES = 4 };
 void trained_place(double place[RANGE_AXES], contact_place of);
 
-/* The trained range: convex hull of the training points in these coordinates, and fastest change. */
+/* The trained range: convex hull of the training points in these coordinates, and fastest
+ * change. */
 typedef struct trained_range trained_range;
 trained_range *trained_range_create(const reduced_model *model); // NULL: no memory
 trained_range *trained_range_free(trained_range *range);         // accepts and returns NULL
 
-/* Memory of one thread for checks of a range, and for the texts of their reasons; NULL: there is none. */
+/* Memory of one thread for checks of a range and for the texts of their reasons.
+ * range_memory_create returns NULL without memory. */
 typedef struct range_memory range_memory;
 range_memory *range_memory_create(const trained_range *range);
 range_memory *range_memory_free(range_memory *memory); // accepts and returns NULL
 
-/* Why a contact lies outside, or NULL; valid until the next check with this memory. `memory` NULL: the check
- * takes memory of its own, and does not name a lubricant. `rates`: at which the contact changes; NULL: it is
- * stationary. Without a lubricant in `place` any is inside. */
+/* Returns why a contact lies outside of the range, or NULL. The text is valid until the next check
+ * with this memory. `memory` NULL: the check takes memory of its own and does not name a lubricant.
+ * `rates`: rates of change of the contact; NULL: it is stationary. If `place` has no lubricant, any
+ * lubricant counts as inside. */
 const char *trained_range_check(const trained_range *range, range_memory *memory,
                                 contact_place place, const frame_rates *rates);
 
-/* How far outside a contact lies, to choose among the ranges of models of parts: of one that lies inside not
- * above 0, the less the deeper, in parts of the range's extent; else above 0, a distance in the coordinates
- * themselves, which are those of all ranges. */
+/* Returns how far outside of the range a contact lies, to choose among the parts of a model. Inside
+ * it is at most 0, and the less the deeper, in parts of the range's extent. Outside it is above 0:
+ * a distance in the coordinates themselves, which all ranges share. */
 double trained_range_outside(const trained_range *range, range_memory *memory, contact_place place);
 
 #endif
