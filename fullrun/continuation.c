@@ -8,19 +8,19 @@
 #include <math.h>
 #include <string.h>
 
-/* Of the start, over that of a film formula: Newton corrects a film that is too thick in a few
- * steps, while one that is too thin at the contact's edges is driven to zero there. Of 24 cold
- * starts at the corners of M and L (extremes_converge) 15 fail at half of the formula's film and 8
- * at the film itself; at 1.5, 2, 4 and 10 times all converge, in 760, 731, 765 and 820 steps. */
+/* Central film of the start over that of the film formula. Newton corrects too thick a film in a
+ * few steps, but drives a film that is too thin at the contact's edges to zero there. Of 24 cold
+ * starts at the corners of M and L (extremes_converge) 8 fail at 1. At 1.5, 2, 4 and 10 all
+ * converge, in 760, 731, 765 and 820 steps. */
 static const double START_FILM = 2;
 
-/* Continuation strides, as parts of the way, below which it is given up. Of 89 cold starts that go
- * this way (M 0.5 to 1000, L 0 to 50, lines and points of three laws) 28 converge with strides
- * down to 1/2, 40 to 1/4 and 43 to 1/8 and below; the others drive the film to zero on their grid,
- * for which 1/16, 1/256 and 1/4096 take 15800, 18700 and 21400 Newton iterations in all. */
+/* Smallest stride of a continuation, as a part of the way. Of 89 cold starts by continuation
+ * (M 0.5 to 1000, L 0 to 50, lines and points of three laws) 43 converge, all with strides down
+ * to 1/8. The others drive the film to zero on their grid. */
 static const double MIN_STRIDE = 1. / 256;
 
-/* Ends the pressurised zone of the dry contact at a node; of a point contact it loses that node. */
+/* Ends the pressurised zone of the dry contact at a node. On a point contact only this
+ * node leaves the zone. */
 static void end_zone(full_state *state, const ehd_grid *grid, size_t node) {
     if (grid->inner_lines > 1)
         state->ruptured[node] = true;
@@ -69,8 +69,8 @@ static void add_effort(full_info *total, const full_info *part) {
     total->seconds_linear = linear;
 }
 
-/* Returns a contact between start (s = 0) and goal (s = 1). Interpolates L and p_H linearly, and the logarithms of M and of
- * Eyring's stress of a thinned flow. */
+/* Returns a contact between start (s = 0) and goal (s = 1). Interpolates L and p_H linearly, and
+ * the logarithms of M and of Eyring's stress of a thinned flow. */
 static ehd_contact contact_between(const ehd_contact *start, const ehd_contact *goal, double s) {
     ehd_contact between = *goal;
 
@@ -88,8 +88,9 @@ static ehd_contact contact_between(const ehd_contact *start, const ehd_contact *
     return between;
 }
 
-/* Solves contacts between a solved contact and the goal. The stride in s halves on failure and doubles on success. `state` is
- * the solution at the start, and becomes the last solution reached. */
+/* Solves contacts between a solved contact and the goal. The stride in s halves on
+ * failure and doubles on success. `state` is the solution at the start, and becomes the
+ * last solution reached. */
 static ehd_status continue_to(full_info *info, full_state *state, full_solver *solver,
                               const ehd_contact *start, const ehd_contact *goal, ehd_error *error) {
     double done = 0, stride = 1;
@@ -116,7 +117,7 @@ static ehd_status continue_to(full_info *info, full_state *state, full_solver *s
     return status;
 }
 
-/* A contact that converges from a cold start, with the lubricant and grid of the goal. */
+/* Returns a contact that converges from a cold start, with the lubricant and grid of the goal. */
 static ehd_contact easy_contact(const ehd_contact *goal) {
     ehd_contact easy = *goal;
     double moes_L = fmin(goal->moes_L, 2);
@@ -128,8 +129,8 @@ static ehd_contact easy_contact(const ehd_contact *goal) {
     return easy;
 }
 
-/* Newton from the dry contact, and where that fails, continuation in M at small L, then in L; the
- * exit at a node. */
+/* Solves a contact by Newton from the dry contact, with the exit at a node. If this fails,
+ * continuation goes in M at small L, then in L. */
 static ehd_status solve_from_dry(full_info *info, full_state *state, full_solver *solver,
                                  const ehd_contact *contact, ehd_error *error) {
     full_info part;
@@ -152,8 +153,9 @@ static ehd_status solve_from_dry(full_info *info, full_state *state, full_solver
     return status;
 }
 
-/* From the flow of a fluid that is hardly thinned to that of the contact: from a dry contact gradients
- * are so large that the thinned flow, which grows as their exponential, leads nowhere. */
+/* Solves a contact by continuation from a fluid that is hardly thinned. A dry contact
+ * has so large gradients that the thinned flow, which grows exponentially with them,
+ * leads Newton nowhere. */
 static ehd_status solve_by_thinning(full_info *info, full_state *state, full_solver *solver,
                                     const ehd_contact *contact, ehd_error *error) {
     ehd_contact hardly = *contact;
@@ -172,7 +174,7 @@ ehd_grid full_coarser_grid(const ehd_grid *grid) {
                      grid->half ? grid->inner_lines / 2 + 1 : 2 * ((sides + 1) / 2) + 1);
 }
 
-/* Bilinear interpolation at an inner node of the finer grid. */
+/* Returns the bilinear interpolation at an inner node of the finer grid. */
 static double interpolated(const double *values, const ehd_grid *coarse, const ehd_grid *grid,
                            size_t node) {
     size_t width = grid_width(coarse), low = (node % grid_width(grid) + 1) / 2;
@@ -186,7 +188,8 @@ static double interpolated(const double *values, const ehd_grid *coarse, const e
            4;
 }
 
-/* Pressure and its zone from a coarser grid, whose node k is node 2k - 1 of this one. */
+/* Interpolates pressure and its zone from a coarser grid, whose column k is column 2k - 1 of this
+ * one. */
 static void refine(full_state *state, const ehd_grid *grid, const full_state *from,
                    const ehd_grid *coarse) {
     size_t exit = 2 * from->exit - 1, last = grid->num_nodes - 1;
@@ -197,14 +200,15 @@ static void refine(full_state *state, const ehd_grid *grid, const full_state *fr
         size_t k = grid_node_of_row(grid, r);
         state->pressure[k] = interpolated(from->pressure, coarse, grid, k);
     }
-    if (isless(offset, 1)) exit--; // of a point contact it is NaN
+    if (isless(offset, 1)) exit--; // it is NaN on a point contact
     full_state_set_zone(state, grid, exit < last ? exit : last);
     if (exit < last) state->exit_offset = isgreaterequal(offset, 1) ? offset - 1 : offset;
     state->rigid_approach = from->rigid_approach;
 }
 
-/* Solves on a grid of twice the step and interpolates pressure and exit: the number of Newton
- * iterations on the finest grid then does not grow with its nodes. *started: that converged. */
+/* Solves on a grid of twice the step and interpolates pressure and exit. Then the number
+ * of Newton iterations on the finest grid does not grow with its nodes. *started: the
+ * coarse grid has converged. */
 static ehd_status start_coarse(bool *started, full_state *state, full_solver *solver,
                                const ehd_contact *contact, ehd_error *error) {
     full_settings settings = *full_solver_settings(solver);
@@ -215,7 +219,7 @@ static ehd_status start_coarse(bool *started, full_state *state, full_solver *so
 
     *started = false;
     coarse.grid = full_coarser_grid(&contact->grid);
-    // no better than the discretisation error, which a tighter tolerance would not reduce
+    // the discretisation error is larger, and a tighter tolerance would not reduce it
     settings.tolerance = contact->kind->dimensions > 1 ? 1e-3 : 1e-6;
     settings.as_large |= full_is_large(&contact->grid);
     ehd_status status =
@@ -233,9 +237,9 @@ static ehd_status start_coarse(bool *started, full_state *state, full_solver *so
 
 ehd_status full_solve_cold(full_info *info, full_state *state, full_solver *solver,
                            const ehd_contact *contact, ehd_error *error) {
-    // inner nodes along, below which a coarser grid would not resolve the film. Starts from still
-    // coarser ones save no iterations on 1201 nodes, of 128 cells on a point contact neither, and
-    // lines take twice the time with 150; from the dry contact Newton needs 2 to 3 times more
+    // inner nodes along, up to which no coarser grid is solved, since it would not resolve the
+    // film. Starts from still coarser grids save no iterations on 1201 nodes of a line or 128
+    // cells of a point contact
     const size_t coarsest = contact->kind->dimensions > 1 ? 60 : 500;
     double before = program_seconds();
     ehd_status status = EHD_OK;
@@ -268,8 +272,8 @@ ehd_status full_solve_from(full_info *info, full_state *state, full_solver *solv
     double before = program_seconds();
     full_info part;
 
-    // half the way and less first takes more iterations than a cold start: 2424 and more instead
-    // of 1389 for a plan of 40 lines far apart, 4081 for 2566 of 54, 685 for 662 of 20 points
+    // continuation from the start would take more iterations than a cold start: 2424 instead of
+    // 1389 for a plan of 40 lines far apart
     ehd_status status = full_solve(info, state, solver, contact, NULL, error);
     if (!status && info->status != EHD_OK) {
         status = full_solve_cold(&part, state, solver, contact, error);

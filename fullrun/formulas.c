@@ -13,7 +13,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-/* Seconds of one evaluation. */
 static double seconds_of(const film_formula *formula, const film_numbers *numbers) {
     enum { TIMES = 2000 };
     const double before = program_seconds();
@@ -29,7 +28,8 @@ static void print_head(const film_formula *formula) {
     printf("formula %-20s %-8s", formula->name, formula->of_minimum ? "minimum" : "central");
 }
 
-/* For which shapes it was made, where that is known, and whether this is one of them. */
+/* Prints the range of b/a that a formula was made for, where that is known, and whether this
+ * contact is outside. */
 static void print_range(const film_formula *formula, double ellipticity) {
     const double min = formula->min_ellipticity, max = formula->max_ellipticity;
 
@@ -58,7 +58,7 @@ void formulas_print(const contact_scalars *solution, const ehd_contact *contact)
     }
 }
 
-/* Coefficients at the formula's film for other slide-roll ratios than the contact's. */
+/* Prints friction coefficients at the formula's film for a series of slide-roll ratios. */
 static void print_curve(const ehd_contact *contact) {
     static const double curve[] = {0.001, 0.003, 0.01, 0.03, 0.1, 0.3, 1};
     const double film = film_central(contact);
@@ -93,7 +93,7 @@ void formulas_print_traction(const contact_traction *solution, const ehd_contact
 
 // ---- in time
 
-/* A deviation, and the time for which it stands. */
+/* A deviation, and the time for which it holds. */
 typedef struct weighted {
     double deviation, weight;
 } weighted;
@@ -104,7 +104,8 @@ static int compare_deviations(const void *left, const void *right) {
     return (a > b) - (a < b);
 }
 
-/* The deviation that is not exceeded for the part `quantile` of the time; `values` ascend. */
+/* Returns the deviation that is not exceeded for the part `quantile` of the time. `values`
+ * ascend. */
 static double quantile_in_time(const weighted *values, size_t count, double quantile) {
     double total = 0, sum = 0;
     size_t i = 0;
@@ -116,7 +117,8 @@ static double quantile_in_time(const weighted *values, size_t count, double quan
     return values[i].deviation;
 }
 
-/* For how long a time stands. */
+/* Returns the duration that a stored time stands for: half of the intervals
+ * before and after it. */
 static double duration_of(const time_series *series, size_t i) {
     const size_t last = series->num_times - 1;
 
@@ -130,8 +132,8 @@ static void print_deviations(weighted *deviations, size_t count) {
            100 * quantile_in_time(deviations, count, 0.5));
 }
 
-/* The contact at one of the times, taken as stationary, and the film scale of its frame. The load
- * is the result's, which is an outcome where the approach is given. */
+/* Returns the contact at a stored time, taken as stationary, and the film scale of its frame. The
+ * load is that of the result, since it is an outcome where the approach is given. */
 static ehd_contact contact_at(double *film_scale, const time_series *series, size_t i,
                               const ehd_histories *histories, const ehd_contact *reference) {
     double values[NUM_VARY];
@@ -145,7 +147,8 @@ static ehd_contact contact_at(double *film_scale, const time_series *series, siz
     return contact;
 }
 
-/* The first time at which bodies are not apart; num_times: there is none. */
+/* Returns the number of the first time at which the bodies are not apart; num_times: there is
+ * none. */
 static size_t first_contact(const time_series *series) {
     size_t first = 0;
 
@@ -177,7 +180,8 @@ static void print_formula_in_time(weighted *deviations, const film_formula *form
     print_tail(formula, &at_start);
 }
 
-/* As the films: of the contact at each time as if it were stationary, at the film of its formula. */
+/* Prints the deviation of the friction coefficient in time. The contact of each time is taken as
+ * stationary, at the film of its formula. */
 static void print_traction_in_time(weighted *deviations, const time_series *series,
                                    const ehd_histories *histories, const ehd_contact *reference) {
     double scale, least = INFINITY, most = 0, outside = 0, total = 0;
@@ -198,7 +202,7 @@ static void print_traction_in_time(weighted *deviations, const time_series *seri
         most = fmax(most, own.excess);
         total += duration;
         if (!(own.excess >= TRACTION_MIN_EXCESS)) outside += duration;
-        // in pure rolling, and where the entrainment rests, both are 0
+        // in pure rolling, and at zero entrainment, both are 0
         if (series->friction_coefficient[i] != 0)
             deviations[count++] =
                 (weighted){fabs(own.coefficient / series->friction_coefficient[i] - 1), duration};

@@ -8,16 +8,19 @@
 #include "common/program/status.h"
 #include "common/settings/scene.h"
 
-/* Film, its deviation from the solution's, time of one evaluation and source. */
+/* Prints a line for each formula: its film, the deviation from the film of the solution, the time
+ * of one evaluation and the source. */
 void formulas_print(const contact_scalars *solution, const ehd_contact *contact);
 
-/* The traction curve of a contact with Eyring's law of shear at the film of its formula, and the
- * deviation from the solution's coefficient; nothing of others. */
+/* Prints the traction curve of a contact with Eyring's law of shear at the film of the
+ * film formula, and the deviation from the friction coefficient of the solution. Prints
+ * nothing for other laws. */
 void formulas_print_traction(const contact_traction *solution, const ehd_contact *contact);
 
-/* Films, and of Eyring's law the friction coefficient, for a finished transient result, the contact of
- * each time taken as stationary: worst deviation, 95 % and median over time; the traction curve of the
- * first time. EHD_MEMORY; errors of reading result and histories. */
+/* Prints how far the film formulas are off a finished transient result: the worst deviation, 95 %
+ * and median over time. The contact of each time is taken as stationary. With Eyring's law the
+ * friction coefficient is compared too, and the traction curve of the first time is printed.
+ * Errors: EHD_MEMORY, those of reading the result and the histories. */
 ehd_status formulas_print_in_time(const char *path, const scene *given,
                                   const ehd_contact *reference, ehd_error *error);
 

@@ -13,9 +13,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Largest pressure gradient at the grid's end, Hertz pressures over a half width. With it the
- * central film is 0.15 % off: measured under loads that vary by half, on grids to X = 1.15 … 2
- * against one to 4. After a load step by half the gradient briefly reaches half of it. */
+/* Largest pressure gradient at the end of the grid in a trusted result, in Hertz pressures per
+ * half width. With this gradient the central film is 0.15 % off: measured under loads that vary
+ * by half, on grids to X = 1.15 … 2 against one to 4. After a load step by half the gradient
+ * briefly reaches half of it. */
 static const double MAX_END_GRADIENT = 0.3;
 
 struct full_march {
@@ -26,16 +27,16 @@ struct full_march {
     bdf_ring ring;
     previous_carrier carrier;
     previous_state base;        // along the path: the start (previous.h)
-    double *entrained;          // [num_inner] and d/dX of its rho H, as the rows have it
-    bool *noisy;                // [num_nodes] left out of the local error
+    double *entrained;          // [num_inner] d/dX of the base's rho H, discretised as in the rows
+    bool *noisy;                // [num_nodes] nodes left out of the local error
     double *mass[BDF_PREVIOUS]; // [num_nodes] rho H of previous states at the inner nodes
-    double *previous;           // [num_nodes] their sum with the formula's weights
-    double *taken_up;           // [num_nodes] errors in rho H of the last attempt's film
-    double *kept;               // [num_nodes] errors in rho H of the last accepted film
-    double *film;               // [num_nodes] that film without them; scratch
-    double *surface;            // [num_nodes] heights in the last attempt's frame; NULL: smooth
-    bool mirrored;              // X of the surface: of find_mirrored_start
-    double *exits;              // [lines of the whole grid, GRID_EXITS] of the last attempt
+    double *previous;           // [num_nodes] sum of `mass` with the formula's weights
+    double *taken_up; // [num_nodes] errors of rho H that the last attempt's film has accumulated
+    double *kept;     // [num_nodes] errors of rho H that the last accepted film has accumulated
+    double *film;     // [num_nodes] scratch: carried errors, a film without its errors
+    double *surface;  // [num_nodes] heights in the last attempt's frame; NULL: smooth
+    bool mirrored;    // X of the surface is mirrored (find_mirrored_start)
+    double *exits;    // [lines of the whole grid, GRID_EXITS] X of the last attempt's exits
     full_march_effort effort;
     char reason[JUDGE_REASON];
     arena memory; // of the arrays of nodes
@@ -60,7 +61,8 @@ double full_march_bytes(const ehd_contact *reference) {
            own * (double)reference->grid.num_nodes;
 }
 
-/* Central film at a hundredth of the speed and the same alpha p_H. */
+/* Returns the central film of the film formula at a hundredth of the speed and the same alpha
+ * p_H. */
 static double dry_start_film(const ehd_contact *reference) {
     const contact_kind *kind = reference->kind;
     const contact_shape *shape = &reference->grid.shape;
@@ -80,7 +82,7 @@ ehd_status full_march_create(full_march **created, const ehd_contact *reference,
     ehd_status status = discretization_check_in_time(reference->grid.discretization, error);
     if (status) return status;
     full_march *self = calloc(1, sizeof *self);
-    in_time.exit_at_node = true; // of the start too: another exit would set off a wave
+    in_time.exit_at_node = true; // at the start too: an exit elsewhere would set off a wave
     if (!self) return ehd_no_memory(error, "full model");
     arena *memory = &self->memory;
     self->reference = *reference;
@@ -125,7 +127,7 @@ static void add_effort(full_march *self, const full_info *info) {
 
 // ---- the start
 
-/* Stationary solution for a given load, or the dry contact. */
+/* Finds the stationary solution for a given load, or the dry contact at zero speed. */
 static ehd_status start_with_load(full_info *info, full_march *self, const contact_frame *frame,
                                   ehd_error *error) {
     full_state *state = &state_before(self, 0)->state;
@@ -144,7 +146,6 @@ static ehd_status start_with_load(full_info *info, full_march *self, const conta
     return EHD_OK;
 }
 
-/* Rigid approach of a state in the reference frame. */
 static double reference_approach(const full_march *self, const full_state *state,
                                  const contact_frame *frame) {
     contact_scalars scalars = full_evaluate_scalars(state, &self->reference);
@@ -152,12 +153,13 @@ static double reference_approach(const full_march *self, const full_state *state
     return frame_to_reference(&scalars, frame, &self->reference).rigid_approach;
 }
 
-/* Continuation from the solution of a given load to that of a given approach; the frame follows. */
+/* Continues from the solution of a given load to that of a given approach. The frame follows the
+ * load. */
 static ehd_status continue_to_approach(full_info *info, full_march *self, contact_frame *frame,
                                        ehd_error *error) {
-    // of 120 approaches (lines and points, M 5 to 100, L 0 to 10, H0 from -6 to 2) 73 are reached:
-    // 52 without halving, 65 with strides down to 1/8, 71 to 1/32, all to 1/128; to give the others
-    // up, which mostly lift off, takes about 30 solutions
+    // of 120 approaches (lines and points, M 5 to 100, L 0 to 10, H0 from -6 to 2) 73 are
+    // reached, all with strides down to 1/128. The others mostly lift off; giving one up takes
+    // about 30 solutions
     const double min_stride = 1. / 1024, settled = 1e-8;
     const double wanted = frame->approach;
     full_state *state = &state_before(self, 0)->state, *last = &state_before(self, 1)->state;
@@ -193,8 +195,8 @@ static ehd_status continue_to_approach(full_info *info, full_march *self, contac
     return status;
 }
 
-/* A stationary start has to meet the criteria of a stationary result (judge.h): one that is not to be
- * trusted is reported, whatever the steps after it are. */
+/* Judges a stationary start by the criteria of a stationary result (judge.h). An untrusted start
+ * is reported whatever the steps after it are. */
 static void judge_start(full_info *info, full_march *self, const previous_state *first) {
     ehd_contact contact;
 
@@ -208,8 +210,9 @@ static bool is_along_path(const full_march *self) {
     return self->reference.transport == TRANSPORT_PATH;
 }
 
-/* d/dX of rho H at the inner nodes, as the rows have it: what a unit of entrainment leaves of them
- * where no pressure flows. Of a state that is entrained towards smaller X from that side. */
+/* Computes d/dX of rho H at the inner nodes, discretised as in the rows: their residual at unit
+ * entrainment without pressure flow. For a state that is entrained towards smaller X, the
+ * stencils are reversed. EHD_MEMORY. */
 static ehd_status entrain(double *entrained, const previous_state *state,
                           const ehd_contact *reference, ehd_error *error) {
     const ehd_grid *grid = &reference->grid;
@@ -236,15 +239,16 @@ static ehd_status entrain(double *entrained, const previous_state *state,
     return EHD_OK;
 }
 
-/* The base, once it is set, is what previous states are told from, up to a time. */
+/* Makes the base, which must be set, the state from which previous states carry their difference,
+ * up to the time `until`. EHD_MEMORY. */
 static ehd_status use_base(full_march *self, double until, ehd_error *error) {
     previous_set_base(&self->carrier, &self->base, until);
     previous_prepare(&self->base, &self->carrier);
     return entrain(self->entrained, &self->base, &self->reference, error);
 }
 
-/* Puts a part of the heights of a surface that rests under the start; a surface that moves has not come
- * in yet (surface_check_start). */
+/* Adds a part of the heights of a surface at rest to the gap of the start. A moving surface has
+ * not come in yet (surface_check_start). */
 static void place_start_surface(full_march *self, const contact_frame *frame, double part) {
     const ehd_surface *surface = self->reference.surface;
     const ehd_grid *grid = &self->reference.grid;
@@ -258,8 +262,8 @@ static void place_start_surface(full_march *self, const contact_frame *frame, do
     full_solver_set_surface(self->solver, rests ? self->surface : NULL);
 }
 
-/* From the start with smooth surfaces to that with one that rests, by parts of its heights; where the
- * approach is given, the frame follows the load. */
+/* Continues from the start with smooth surfaces to the start with a surface at rest, by parts of
+ * its heights. If the approach is given, the frame follows the load. */
 static ehd_status add_surface(full_info *info, full_march *self, contact_frame *frame,
                               ehd_error *error) {
     const double min_stride = 1. / 128, settled = 1e-8;
@@ -298,7 +302,7 @@ static ehd_status add_surface(full_info *info, full_march *self, contact_frame *
     return EHD_OK;
 }
 
-/* The state to start from, in state_before(self, 0), of a speed that is not negative. */
+/* Finds the start at a speed that is not negative, in state_before(self, 0). */
 static ehd_status find_start(full_info *info, full_march *self, const contact_frame *frame,
                              ehd_error *error) {
     previous_state *first = state_before(self, 0);
@@ -330,8 +334,8 @@ static void mirror_state(full_state *target, const full_state *source, const ehd
     if (grid->inner_lines > 1) target->exit = grid->num_nodes - 1;
 }
 
-/* The same of a negative one: the mirror image of what the opposite speed leads to on the mirrored
- * grid. *exit: X where its pressure ends. */
+/* Finds the start at a negative speed: the mirror image of the start at the opposite speed on the
+ * mirrored grid. *exit is X where its pressure ends. */
 static ehd_status find_mirrored_start(full_info *info, double *exit, full_march *self,
                                       const contact_frame *frame, ehd_error *error) {
     const ehd_grid *grid = &self->reference.grid;
@@ -340,7 +344,7 @@ static ehd_status find_mirrored_start(full_info *info, double *exit, full_march 
     contact_frame forward = *frame;
     full_march *mirror;
 
-    reference.transport = TRANSPORT_UPWIND; // there it takes no step
+    reference.transport = TRANSPORT_UPWIND; // the mirrored march takes no step
     if (!surface_rests(reference.surface)) reference.surface = NULL;
     reference.grid.x_min = -grid_x(grid, grid->inner_x);
     forward.speed = -frame->speed;
@@ -404,7 +408,8 @@ static ehd_status start(march_step *outcome, void *solver, const contact_frame *
 
 // ---- a step
 
-/* Extrapolates pressure and approach in time, each in its own frame; the pressurised zone stays. */
+/* Extrapolates pressure and approach in time, each state in its own frame. The pressurised zone
+ * stays that of the last state. */
 static void predict(full_march *self, const bdf_formula *formula) {
     full_state *state = &state_before(self, 0)->state;
 
@@ -446,7 +451,8 @@ static void carry_over(full_march *self, const bdf_formula *formula, const conta
     }
 }
 
-/* Marks on a line of nodes those within `margin` of one that is marked. */
+/* Extends the marks on a line of nodes that are `stride` apart: to `margin` nodes before a marked
+ * one and margin - 1 nodes behind it. */
 static void dilate(bool *noisy, size_t count, size_t stride, size_t margin) {
     size_t since = margin, left = 0;
 
@@ -465,7 +471,7 @@ static void dilate(bool *noisy, size_t count, size_t stride, size_t margin) {
     }
 }
 
-/* Marks the nodes where, or near which, one of the step's states has no pressure: there the film is
+/* Marks the nodes at or near which one of the step's states has no pressure. There the film is
  * not smooth in time on the scale of the grid. */
 static void mark_noisy(full_march *self, const full_state *state) {
     const ehd_grid *grid = &self->reference.grid;
@@ -484,13 +490,14 @@ static void mark_noisy(full_march *self, const full_state *state) {
         dilate(self->noisy + first + i, grid->inner_lines, width, margin);
 }
 
-/* rho H of a state at a node. */
+/* Returns rho H of a state at a node. */
 static double mass_at(const full_state *state, const ehd_contact *contact, size_t k) {
     return state->film[k] *
            lubricant_density(&contact->lubricant, state->pressure[k] * contact->hertz_pressure);
 }
 
-/* What a step misses of rho H at a node, but for the formula's factor. */
+/* Returns rho H minus its prediction at the node of row r: the local error but for
+ * the formula's factor. */
 static double missed_anywhere(const full_march *self, const bdf_formula *formula,
                               const full_state *state, const ehd_contact *contact, size_t r) {
     double mass = mass_at(state, contact, grid_node_of_row(&contact->grid, r));
@@ -500,7 +507,7 @@ static double missed_anywhere(const full_march *self, const bdf_formula *formula
     return mass;
 }
 
-/* None near ruptured film. */
+/* Returns missed_anywhere, but 0 near ruptured film. */
 static double missed_mass(const full_march *self, const bdf_formula *formula,
                           const full_state *state, const ehd_contact *contact, size_t r) {
     return self->noisy[grid_node_of_row(&contact->grid, r)]
@@ -508,12 +515,13 @@ static double missed_mass(const full_march *self, const bdf_formula *formula,
                : missed_anywhere(self, formula, state, contact, r);
 }
 
-/* Along the path, where the inlet's errors do not count: whether the film before the centre misses
- * its prediction by more than a step of the march makes. Newton has then come to another solution,
- * ruptured in the inlet where a narrow peak of pressure travels: after a load step by a half it
- * misses 0.2 of the central film and more. In the paper's transient case no step misses more than
- * 0.014. With a load of +-50 % one in a hundred misses 0.1; it is repeated with a quarter of its
- * length, which costs steps alone. At rest there is no inlet. */
+/* Checks, along the path, whether Newton has found another solution: the film before the centre
+ * misses its prediction by more than march_most_missed. Local errors of the inlet do not count
+ * along the path, so they do not reveal it. Such a solution is ruptured in the inlet, where a
+ * narrow peak of pressure travels. After a load step by a half it misses 0.2 of the central film
+ * and more. In the paper's transient case no step misses more than 0.014. With a load of +-50 %
+ * one step in a hundred misses 0.1 and is repeated with a quarter of its length, which only costs
+ * steps. At rest there is no inlet. */
 static bool is_another_solution(const full_march *self, const bdf_formula *formula,
                                 const full_state *state, const ehd_contact *contact,
                                 double entrainment, double central_film) {
@@ -526,7 +534,7 @@ static bool is_another_solution(const full_march *self, const bdf_formula *formu
     return false;
 }
 
-/* Largest of these. */
+/* Returns the largest missed_mass of all nodes. */
 static double largest_error(const full_march *self, const bdf_formula *formula,
                             const full_state *state, const ehd_contact *contact) {
     double largest = 0;
@@ -536,12 +544,17 @@ static double largest_error(const full_march *self, const bdf_formula *formula,
     return largest;
 }
 
-/* What a film takes up of them on its way through the dry contact, from anywhere to the centre: their
- * sum along the grid's lines, where errors of both signs cancel and what passes a
- * node without being left in the film does not count. Before the dry contact the film is what the
- * pressure lets in: there errors fifty times as large do no harm. It is on its way for the time that
- * this takes, a unit of T at most. It comes from where the entrainment comes from. In steps shorter than
- * frame_shortest_step the error is divided by the path of that step, since noise does not shrink further. */
+/* Returns the largest sum of local errors that a film accumulates in the dry contact, from
+ * anywhere to the centre, but for the formula's factor. It is the error of rho H that steps like
+ * this one leave in the film at the centre.
+ * - Errors are added along the lines of the grid, from the side of the inlet. Errors of both
+ *   signs cancel, and so does what passes a node without staying in the film.
+ * - Before the dry contact the pressure determines the film. There errors fifty times
+ *   as large do no harm.
+ * - The film is on its way for the time that its path takes, at most a unit of T for a half
+ *   width.
+ * - In steps shorter than frame_shortest_step the sum is divided by the length of that step,
+ *   since noise does not shrink further. */
 static double error_on_the_way(const full_march *self, const bdf_formula *formula,
                                const full_state *state, const ehd_contact *contact,
                                double entrainment, double step) {
@@ -568,7 +581,7 @@ static double error_on_the_way(const full_march *self, const bdf_formula *formul
     return largest / fmax(step, frame_shortest_step(frame, grid)) / fmax(fabs(entrainment), 1);
 }
 
-/* Local error, relative to the central film, as the march takes it (march.h). */
+/* Returns the local error relative to the central film, as step control uses it (march.h). */
 static double local_error(full_march *self, const bdf_formula *formula, const full_state *state,
                           const ehd_contact *contact, double entrainment, double step,
                           double central_film) {
@@ -582,9 +595,10 @@ static double local_error(full_march *self, const bdf_formula *formula, const fu
     return formula->error * error / central_film;
 }
 
-// ---- what the steps do to the films
+// ---- effects of the steps on the films
 
-/* Errors of the last accepted film, with what the step's share of the filter changes of it. */
+/* Sets `errors` to those of the last accepted film, plus the change of this film by the step's
+ * share of the filter. */
 static void add_filter_errors(double *errors, full_march *self) {
     const previous_state *last = state_before(self, 1);
     const size_t num_nodes = self->reference.grid.num_nodes;
@@ -598,11 +612,12 @@ static void add_filter_errors(double *errors, full_march *self) {
                          mass_at(&last->state, &contact, k);
 }
 
-/* A film keeps the errors that it takes up in the dry contact on its way to the centre. Before, and
- * around the spike and the constriction, pressure settles it anew: with errors from there too, the
- * effect on the minimum film of M = 20, L = 5 was estimated 18 % where it is 1.9 %, and nothing else
- * changed. As the states, errors come from where the fluid was; those that each step adds BDF2 makes
- * 3/2 times as large, the step's rate. */
+/* Accumulates the errors of the last attempt's film: those of the last film, carried along with
+ * the fluid, and the local errors of this step. A film keeps the errors that arise in the dry
+ * contact before the centre. Before the dry contact, and around spike and constriction, pressure
+ * determines the film anew. With errors from there the effect on the minimum film of M = 20,
+ * L = 5 would be estimated at 18 % instead of 1.9 %. Errors that each step adds are enlarged by
+ * BDF2 to 3/2 times their size, by its rate. */
 static void take_up_errors(full_march *self, const bdf_formula *formula, const full_state *state,
                            const ehd_contact *contact, const contact_frame *frame, double step) {
     const ehd_grid *grid = &contact->grid;
@@ -621,7 +636,7 @@ static void take_up_errors(full_march *self, const bdf_formula *formula, const f
     }
 }
 
-/* Largest of them on the way to the centre, relative to the film there. */
+/* Returns the largest accumulated error before the centre, relative to rho H there. */
 static double largest_taken_up(const full_march *self, const full_state *state,
                                const ehd_contact *contact, double entrainment) {
     double largest = 0;
@@ -632,7 +647,8 @@ static double largest_taken_up(const full_march *self, const full_state *state,
     return largest;
 }
 
-/* What ever smaller steps would change of the film, relative. */
+/* Sets the relative changes of the films in the limit of small steps: those of the film without
+ * its accumulated errors. */
 static void set_effects(march_step *outcome, const full_march *self, const full_state *state,
                         const ehd_contact *contact) {
     const size_t num_nodes = contact->grid.num_nodes;
@@ -647,15 +663,15 @@ static void set_effects(march_step *outcome, const full_march *self, const full_
         scalars.minimum_film_thickness / outcome->scalars.minimum_film_thickness - 1;
 }
 
-/* Whether the grid's end downstream cuts a pressure of consequence off. The pressure of a squeezed
- * film may reach the end, but is small there. */
+/* Checks whether the downstream end of the grid cuts off a pressure of consequence. The pressure
+ * of a squeezed film may reach the end, but is small there. */
 static bool is_cut(const full_state *state, const ehd_grid *grid, bool backwards) {
     for (size_t r = backwards ? 0 : grid->inner_x - 1; r < grid->num_inner; r += grid->inner_x)
         if (state->pressure[grid_node_of_row(grid, r)] > MAX_END_GRADIENT * grid->step) return true;
     return false;
 }
 
-/* Part of the load that a second zone of pressure lacks because the domain ends. */
+/* Returns the part of the load that a second zone of pressure lacks because the domain ends. */
 static double cut_load(const full_march *self, bool backwards) {
     const ehd_grid *grid = &self->reference.grid;
     const double end = backwards ? -grid->x_min : grid_x(grid, grid->inner_x);
@@ -666,7 +682,8 @@ static double cut_load(const full_march *self, bool backwards) {
         .beyond;
 }
 
-/* The exits of the state just solved; the farthest downstream at Y = 0 is that of the scalars. */
+/* Lists the exits of the state just solved. Along the path the exit farthest downstream at Y = 0
+ * becomes the exit position of the scalars. */
 static void list_exits(march_step *outcome, full_march *self, const ehd_contact *contact,
                        const reynolds_squeeze *squeeze, bool backwards) {
     const full_state *state = &state_before(self, 0)->state;
@@ -680,8 +697,8 @@ static void list_exits(march_step *outcome, full_march *self, const ehd_contact 
     if (is_along_path(self) && !isnan(farthest)) outcome->scalars.exit_position = farthest;
 }
 
-/* What is left of the rows in time: the weighted sum of the previous states and, along the path, no
- * entrainment but that of the base. */
+/* Prepares the rows of a step: the weighted sum of the previous states and, along the path, no
+ * entrainment except that of the base. */
 static void prepare_rows(full_march *self, const bdf_formula *formula, ehd_contact *contact,
                          const contact_frame *frame, double step) {
     carry_over(self, formula, frame, step);
@@ -689,7 +706,7 @@ static void prepare_rows(full_march *self, const bdf_formula *formula, ehd_conta
     if (previous_base(&self->carrier, frame))
         cblas_daxpy((int)contact->grid.num_inner, contact->entrainment, self->entrained, 1,
                     self->previous, 1);
-    contact->entrainment = 0; // the rest is in the time derivative
+    contact->entrainment = 0; // the time derivative contains the rest
 }
 
 static void place_surface(full_march *self, const contact_frame *frame) {
@@ -698,7 +715,7 @@ static void place_surface(full_march *self, const contact_frame *frame) {
     full_solver_set_surface(self->solver, self->surface);
 }
 
-/* Why a solution is to be repeated with a shorter step; NULL: it is not. */
+/* Returns why a solution is to be repeated with a shorter step, or NULL if it is not. */
 static const char *why_to_repeat(const full_march *self, const bdf_formula *formula,
                                  const full_state *state, const ehd_contact *contact,
                                  double entrainment, double central_film) {
@@ -709,7 +726,7 @@ static const char *why_to_repeat(const full_march *self, const bdf_formula *form
     return NULL;
 }
 
-/* Why a solution is not to be trusted; NULL: it is. */
+/* Returns why a solution is not to be trusted, or NULL if it is. */
 static const char *why_not_to_trust(const full_march *self, const full_state *state,
                                     const ehd_contact *contact, bool backwards) {
     const ehd_grid *grid = &contact->grid;
@@ -789,14 +806,14 @@ static void accept(void *solver) {
     bdf_ring_accept(&self->ring, solved->frame.time, 0);
 }
 
-/* Halves the load as long as the stationary solution is one to be trusted; takes the last such load, or else the first load
- * if that has a solution at all. */
+/* Halves the load as long as the stationary solution is trusted. Takes the last such load or, if
+ * the first one is not trusted, the first load if it has a solution at all. */
 static ehd_status touching(double *approach, double *load, void *solver, const contact_frame *frame,
                            ehd_error *error) {
     full_march *self = solver;
     previous_state *scratch = state_before(self, 0);
     contact_frame light = *frame;
-    char reason[JUDGE_REASON]; // an outcome may have the march's own
+    char reason[JUDGE_REASON]; // apart from self->reason, which an outcome may use
     full_info info;
 
     *approach = *load = NAN;
@@ -831,7 +848,7 @@ const full_state *full_march_state(const full_march *self, const contact_frame *
     return &last->state;
 }
 
-// ---- from and to another solver
+// ---- hand-over between solvers
 
 size_t full_march_num_states(const full_march *self) {
     return self->ring.num_previous;
@@ -885,13 +902,13 @@ full_march_effort full_march_effort_of(const full_march *self) {
 
 enum { NUM_STATE_SCALARS = 2 };
 
-static const double RUPTURED = -1; // stands for a pressure, which never is that low
+static const double RUPTURED = -1; // stands for a node without pressure; no pressure is that low
 
 static size_t state_size(const full_march *self) {
     return NUM_STATE_SCALARS + 2 * self->reference.grid.num_nodes;
 }
 
-/* Rigid approach, exit, pressure and film. */
+/* Saves rigid approach, exit, pressure and film, in this order. */
 static void save_previous(double *target, const previous_state *previous, const ehd_grid *grid) {
     size_t num_nodes = grid->num_nodes;
 
@@ -947,15 +964,15 @@ static saved_states saved_states_of(const full_march *self) {
                           .restore = restore_state};
 }
 
-/* Along the path the base goes first, and at its end the time that it is of use to, NEVER while that
- * is not known. */
+/* Returns the size of the saved base, which comes first along the path. It ends with the time up
+ * to which the base is used, NEVER while that is not known. */
 static size_t saved_base_size(const full_march *self) {
     return is_along_path(self) ? NUM_FRAME + state_size(self) + 1 : 0;
 }
 
 static const double NEVER = -1;
 
-/* Then the errors taken up, then the states. */
+/* Returns the size of the saved march: the base, then the accumulated errors, then the states. */
 static size_t saved_size(const void *solver) {
     const full_march *self = solver;
     const saved_states states = saved_states_of(self);

@@ -25,38 +25,39 @@ struct full_solver {
     full_settings settings;
     bool large;            // full_as_large
     size_t part;           // full_part
-    team *threads;         // NULL: none, or not large
+    team *threads;         // NULL: none, or the grid is not large
     const double *surface; // [num_nodes] heights that add to the gap; NULL: smooth surfaces
     ehd_deflection *deflection;
     gmres_workspace *workspace;
     reynolds_stencil *stencils; // [num_inner]
     reynolds_row *rows;         // [num_inner]
     double *row_scale;          // [num_inner]
-    double *of_part;            // [parts of num_nodes] what each of them tells
+    double *of_part;            // [parts of num_nodes] sum or maximum of each part
     double *step;               // [num_nodes] change of P in a Newton step
-    double step_approach;       // and of H0
-    double *step_film;          // [num_nodes] and of the deflection, of an exit within a node
-    double step_offset;         // by how many nodes that moves
+    double step_approach;       // change of H0 in it
+    double *step_film;  // [num_nodes] change of the deflection, if the exit is within a node
+    double step_offset; // move of this exit, in steps of the grid
     step_base base;
     contact_closure closure; // at the state, with the load beyond the grid
-    far_field outer;         // boundary nodes
-    double *pressure;        // [num_nodes] of the state, with that of the far field
-    bool keeps_factors;      // of the linear system before
-    double largest_merit;    // before a step of this solution
-    double largest_row;      // scaled residual, without the closure's
+    far_field outer;         // far field at the boundary nodes
+    double *pressure;        // [num_nodes] P of state, far field and inlet tail together
+    bool keeps_factors;      // of the linear system before may be used
+    double largest_merit;    // largest merit before a step of this solution
+    double largest_row;      // largest scaled residual, without the closure
     double *fluid_memory;    // [NUM_FLUID_ARRAYS, num_nodes]
-    double seconds_rows;     // that evaluating rows has taken
+    double seconds_rows;     // time for the evaluation of rows
     size_t num_unknowns;     // as in full_system
     size_t *unknown, *index; // [num_nodes]
     reynolds_fluid fluid;    // views of fluid_memory
-    exit_cell cell;          // in which the exit lies, where it lies within a node
+    exit_cell cell;          // cell of an exit within a node
     arena memory;            // of all arrays
 };
 
-/* Near field and linear tolerance, measured on six lines of 1201 nodes: 30, 26, 22, 18, 14, 10 and
- * 8 GMRES iterations a Newton iteration with 1, 2, 4, 8, 16, 32 and 64 nodes, in 0.14 to 0.19 s up
- * to 8 of them and 0.66 s at 64. With a tolerance of 1e-2, 1e-4, 1e-6, 1e-8 and 1e-10 they are 7,
- * 11, 14, 18 and 20 in 34, 28, 28, 28 and 28 Newton iterations: a strict one costs little. */
+/* Returns the default settings. Measured on six lines of 1201 nodes:
+ * - With a near field of 8 nodes GMRES takes 18 iterations a Newton iteration, at most 0.19 s in
+ *   all. With 64 nodes it takes 8 iterations, but 0.66 s.
+ * - With a linear tolerance of 1e-8 it takes 18 iterations. With 1e-2 it takes 7, but Newton
+ *   takes 34 iterations instead of 28. */
 full_settings full_default_settings(void) {
     full_settings settings = {.tolerance = 1e-10,
                               .max_iterations = 60,
@@ -75,9 +76,9 @@ full_solver *full_solver_free(full_solver *self) {
     return NULL;
 }
 
-/* Inner nodes of a large grid. The cycle takes half of the factors' time from 33 nodes a side on
- * already, but solutions on the grids of trainings and studies, up to 129 by 65 nodes, then had
- * other rounding errors. */
+/* Number of inner nodes above which a grid is large. The cycle takes half of the factors' time
+ * from 33 nodes a side on already. With a lower limit, solutions on the grids of trainings and
+ * studies, up to 129 by 65 nodes, would have another round-off. */
 static const size_t LARGE = 10000;
 
 bool full_is_large(const ehd_grid *grid) {
@@ -96,14 +97,14 @@ size_t full_part(const ehd_grid *grid, bool large) {
 
 double full_solver_bytes(const ehd_grid *grid) {
     const double of_solver = sizeof(reynolds_row) + sizeof(reynolds_stencil) + 27 * sizeof(double);
-    // kernel, transfer of twice the nodes, of a half grid as many in between, else fields of four times
-    // the nodes
+    // numbers a node: kernel 1, its transform 2; signal of a half grid 2, signal and spectrum of
+    // a whole grid 4 each
     const double of_deflection = (grid->half ? 5 : 11) * sizeof(double);
-    const double of_factors = 100; // fill by node and log2 of their number, measured with UMFPACK
+    const double of_factors = 100; // bytes per node and log2 of the nodes, measured with UMFPACK
     const double coarser = 4. / 3; // the grid and all coarser ones of a cold start
     double nodes = (double)grid->num_inner;
 
-    if (full_is_large(grid)) // nothing of the coarser grids is left when it is solved
+    if (full_is_large(grid)) // the coarser grids are freed before it is solved
         return nodes * (gmres_workspace_bytes(grid) + of_solver + of_deflection);
     return coarser * nodes * (gmres_workspace_bytes(grid) + of_solver + of_deflection) +
            of_factors * nodes * log2(nodes);
@@ -224,7 +225,7 @@ bool full_is_cut(const full_state *state, const ehd_grid *grid, bool backwards) 
     return false;
 }
 
-/* What is evaluated at all nodes, or of all rows, part by part. */
+/* Context of an evaluation at all nodes, or of all rows, that threads share. */
 typedef struct evaluation {
     full_solver *solver;
     const ehd_contact *contact;
@@ -257,9 +258,9 @@ void full_solver_set_surface(full_solver *self, const double *heights) {
 
 // ---- rows
 
-/* Sum of the pressures of a large grid, with the rounding error of each addition made good by the
- * next one (W. Kahan, Comm. ACM 8, 1965): of 1025 by 513 nodes it would else be 1e-10, where Newton's
- * iteration is to end. */
+/* Returns the sum of the pressures of a large grid. The round-off of each addition is corrected
+ * in the next one (W. Kahan, Comm. ACM 8, 1965). Otherwise the sum would be 1e-10 off on 1025 by
+ * 513 nodes, which is Newton's tolerance. */
 static double compensated_sum(const full_state *state, const ehd_grid *grid) {
     double sum = 0, lost = 0;
 
@@ -271,7 +272,8 @@ static double compensated_sum(const full_state *state, const ehd_grid *grid) {
     return sum;
 }
 
-/* Residual of the closure, scaled such that the load row has ones (twos off a mirror line). */
+/* Returns the residual of the closure, scaled such that the load row has ones (twos off a mirror
+ * line). */
 static double closure_residual(const full_solver *self, const full_state *state) {
     const contact_closure *closure = &self->closure;
     const ehd_grid *grid = &self->grid;
@@ -319,7 +321,8 @@ static void evaluate_some_rows(void *context, const team_part *part) {
                   &self->fluid, self->pressure, task->state->film);
 }
 
-/* Film, fluid and all Reynolds rows at the state; of an exit within a node, its cell and row. */
+/* Evaluates film, fluid and all Reynolds rows at the state. If the exit is within a node, its
+ * cell is evaluated too and replaces the row of its node. */
 static void evaluate_rows(full_solver *self, const ehd_contact *contact,
                           const reynolds_squeeze *squeeze, full_state *state) {
     const size_t num_nodes = self->grid.num_nodes, part = self->part;
@@ -340,13 +343,14 @@ static void evaluate_rows(full_solver *self, const ehd_contact *contact,
         evaluate_cell(self, contact->entrainment, state);
         if (self->cell.curvature > 0)
             self->rows[row_of_exit(state, &self->grid)] = self->cell.row;
-        else // far from the solution: no place there where the film rises to what flows
+        else // far from the solution: the film does not rise to carry the flux
             state->exit_offset = NAN;
     }
     self->seconds_rows += program_seconds() - before;
 }
 
-/* Largest entry of a row of the Jacobian, the film's derivative times the kernel included. */
+/* Returns the largest entry of a row of the Jacobian, with the film's derivative times the
+ * kernel. */
 static double row_magnitude(const full_solver *self, size_t r) {
     const reynolds_row *row = &self->rows[r];
     const int size = reynolds_stencil_size(&self->grid);
@@ -360,7 +364,7 @@ static double row_magnitude(const full_solver *self, size_t r) {
     return fmax(fmax(largest, film), fabs(approach));
 }
 
-/* The larger magnitude, or the one that is not a number. */
+/* Returns the larger magnitude, or NaN if one of the two is NaN. */
 static double larger(double magnitude, double other) {
     return isnan(other) || fabs(other) > magnitude ? fabs(other) : magnitude;
 }
@@ -397,8 +401,8 @@ static double scale_rows(full_solver *self, full_state *state) {
 
 // ---- exit boundary
 
-// of the exit downstream in one iteration, half widths: by single nodes it took most iterations
-// where it lies far out, at M below 5
+// Largest move of the exit downstream in one iteration, half widths. At M below 5 the exit lies
+// far out, and moves by single nodes would take most of the iterations.
 static const double MAX_STRIDE = 0.1;
 
 /* The state whose exit is determined. */
@@ -424,7 +428,7 @@ static double flux_at(void *context, size_t node) {
         .residual;
 }
 
-/* The multiplier at a node without pressure, scaled as its row. */
+/* Returns the multiplier at a node without pressure, scaled like its row. */
 static double scaled_multiplier(const full_solver *self, size_t node) {
     size_t r = grid_row_of_node(&self->grid, node);
 
@@ -439,16 +443,16 @@ static double multiplier_at(void *context, size_t node) {
 
 // ---- exit within a node
 
-/* Whether the exit may lie within a node, after which the film is known at two. */
+/* Checks whether the exit may lie within a node. The film must be known at two nodes behind it. */
 static bool can_divide_node(const full_state *state, const ehd_grid *grid) {
     return state->exit + 1 < grid->num_nodes;
 }
 
-// scaled residual below which an exit is looked for within its node
+// Scaled residual below which the exit is placed within its node.
 static const double NEAR_SOLUTION = 0.01;
 
-/* Near the solution, where within its node the exit lies at a state whose rows have been evaluated,
- * by the pressure there. Returns whether the state has changed. */
+/* Near the solution, places the exit within its node from the pressure there. The state's rows
+ * must be evaluated. Returns whether the state has changed. */
 static bool divide_node(full_solver *self, double entrainment, full_state *state, double residual) {
     if (!isnan(state->exit_offset) || !(residual < NEAR_SOLUTION) ||
         !can_divide_node(state, &self->grid))
@@ -460,7 +464,7 @@ static bool divide_node(full_solver *self, double entrainment, full_state *state
     return true;
 }
 
-/* By how much a step moves the exit, in steps of the grid. */
+/* Returns the move of the exit in a Newton step, in steps of the grid. */
 static double change_of_offset(const full_solver *self, const full_state *state) {
     const reynolds_row *offset = &self->cell.offset;
     const reynolds_stencil *stencil = &self->stencils[row_of_exit(state, &self->grid)];
@@ -475,7 +479,7 @@ static double change_of_offset(const full_solver *self, const full_state *state)
     return change;
 }
 
-/* Moves the exit of a state to which a step has been added. */
+/* Moves the exit of a state, to which a step has been added, by `change` steps of the grid. */
 static void move_exit(full_state *state, const ehd_grid *grid, double change) {
     const double stride = MAX_STRIDE / grid->step + 1;
     const double offset = state->exit_offset + fmin(fmax(change, -stride), stride);
@@ -488,7 +492,8 @@ static void move_exit(full_state *state, const ehd_grid *grid, double change) {
 
 // ---- exit at a node
 
-/* Next exit of a stationary line contact by its flux, behind the contact's centre. */
+/* Returns the next exit node of a stationary line contact from its flux. Negative pressures count
+ * behind the contact's centre only. */
 static size_t adapt_exit(const full_solver *self, const full_state *state, double entrainment) {
     const ehd_grid *grid = &self->grid;
     const double noise = 0.1 * self->settings.tolerance;
@@ -510,8 +515,8 @@ static size_t adapt_exit(const full_solver *self, const full_state *state, doubl
     return exit_by_flux(&line, state->exit);
 }
 
-/* The exit's last moves, to detect a limit cycle between two neighbouring nodes: the exit lies
- * between them, and the one without negative pressure is kept. */
+/* Last moves of the exit, to detect a limit cycle between two neighbouring nodes. The exit then
+ * lies between them, and the node without negative pressure is kept. */
 typedef struct exit_watch {
     size_t before, current;
     int reversals;
@@ -529,13 +534,14 @@ static bool exit_cycles(exit_watch *watch, size_t next) {
 
 // ---- Newton
 
-/* Measured on two point contacts of 128 cells: 86 GMRES iterations in 10 of Newton; 109 in 10 at
- * 1e-4, 84 in 11 at 0.1. With the forcing's factor below at 0.001 123 in 10, at 10 82 in 12. */
+/* Largest relative tolerance of a linear system. Two point contacts of 128 cells take 86 GMRES
+ * iterations in 10 Newton iterations; 109 in 10 with 1e-4, 84 in 11 with 0.1. */
 static const double MAX_FORCING = 0.01;
 
-/* Relative tolerance of the linear system of an inexact Newton step (Eisenstat and Walker, SIAM J.
- * Sci. Comput. 17, 1996): loose far from the solution, and at the end as Newton's tolerance needs.
- * On a line, where a system costs little, always linear_tolerance. */
+/* Returns the relative tolerance of the linear system in an inexact Newton step (Eisenstat and
+ * Walker, SIAM J. Sci. Comput. 17, 1996). It is loose far from the solution, and at the end as
+ * tight as Newton's tolerance needs. On a line, where a system costs little, it is always
+ * linear_tolerance. */
 static double linear_tolerance(const full_solver *self, double residual) {
     const full_settings *settings = &self->settings;
 
@@ -544,7 +550,7 @@ static double linear_tolerance(const full_solver *self, double residual) {
     return fmin(fmax(forcing, settings->linear_tolerance), MAX_FORCING);
 }
 
-/* The Newton step. EHD_NOT_CONVERGED, with info->reason: there is none. */
+/* Finds the Newton step. EHD_NOT_CONVERGED, with info->reason: there is none. */
 static ehd_status find_step(full_info *info, const full_state *state, full_solver *self,
                             ehd_error *error) {
     size_t iterations = 0;
@@ -580,7 +586,8 @@ static ehd_status find_step(full_info *info, const full_state *state, full_solve
     return EHD_OK;
 }
 
-/* The state at a part of the step from `base`, with its rows, which keep the scales of the base. */
+/* Sets the state to `base` plus a part of the step and evaluates its rows. They keep
+ * the scales of the base. */
 static void move(full_solver *self, const ehd_contact *contact, const reynolds_squeeze *squeeze,
                  full_state *state, double part) {
     const step_base *base = &self->base;
@@ -594,7 +601,7 @@ static void move(full_solver *self, const ehd_contact *contact, const reynolds_s
     evaluate_rows(self, contact, squeeze, state);
 }
 
-/* The closure's is in the first part. */
+/* Sums the squares of the scaled residuals of a part. The first part includes the closure. */
 static void square_some_rows(void *context, const team_part *part) {
     const evaluation *task = context;
     const full_solver *self = task->solver;
@@ -609,8 +616,8 @@ static void square_some_rows(void *context, const team_part *part) {
     self->of_part[part->number] = sum;
 }
 
-/* Square sum of the scaled residuals of passive rows and closure, which a short enough part of a
- * Newton step makes smaller. */
+/* Returns the square sum of the scaled residuals of passive rows and closure. A short enough part
+ * of a Newton step reduces it. */
 static double merit(full_solver *self, full_state *state) {
     const size_t num_rows = self->grid.num_inner, part = self->part;
     evaluation task = {.solver = self, .state = state};
@@ -633,21 +640,21 @@ static bool film_is_positive(const full_solver *self, const full_state *state) {
     return true;
 }
 
-/* Of a Newton step. With 0, 1, 3, 5, 10 and 20 halvings 196 cold starts of lines (M 1 to 2000, L 0
- * to 25, Barus and Roelands, accurate rows) take 88, 40, 5.5, 5.5, 5.6 and 5.6 iterations in
- * the mean. */
+/* Largest number of halvings of a Newton step. 196 cold starts of lines (M 1 to 2000, L 0 to 25,
+ * Barus and Roelands, accurate rows) take 5.6 iterations in the mean, and 88 without halvings. */
 static const int MAX_HALVINGS = 10;
 
-/* Square sum of the scaled residuals below which a step need not make them smaller: from a
- * neighbour's solution the first steps lead through larger ones. With 0, 1e-2, 3e-2 and 1 the lower
- * loaded region at a step of 0.01 takes 1884, 837, 785 and 745 iterations from neighbours, and 196
- * cold starts of lines as below 6.0, 6.2, 7.0 and 13.9 in the mean. */
+/* Square sum of the scaled residuals below which a step need not reduce them. From a neighbour's
+ * solution the first steps may increase them. The lower loaded region
+ * (scenes/studies/stationary-line) at a step of 0.01 takes 837 iterations from neighbours, and
+ * 1884 if each step must reduce them. */
 static const double SMALL_RESIDUALS = 1e-2;
 
-/* A Newton step, halved until the film is positive and the residuals are smaller than the largest
- * so far: from too thick a film the first steps make them larger (search that is not monotone, L.
- * Grippo, F. Lampariello, S. Lucidi, SIAM J. Numer. Anal. 23, 1986). The last half is taken as it
- * is. EHD_NOT_CONVERGED, with info->reason: there is no step. */
+/* Takes a Newton step, halved until the film is positive and the residuals are smaller than the
+ * largest so far. A search that is not monotone is needed, since the first steps from too thick a
+ * film increase the residuals (L. Grippo, F. Lampariello, S. Lucidi, SIAM J. Numer. Anal. 23,
+ * 1986). The last half is taken whatever its residuals if its film is positive.
+ * EHD_NOT_CONVERGED, with info->reason: there is no step. */
 static ehd_status take_step(full_info *info, full_state *state, full_solver *self,
                             const ehd_contact *contact, const reynolds_squeeze *squeeze,
                             ehd_error *error) {
@@ -671,7 +678,7 @@ static ehd_status take_step(full_info *info, full_state *state, full_solver *sel
     return EHD_NOT_CONVERGED;
 }
 
-/* Largest violation of P >= 0 and of the scaled Lambda >= 0. */
+/* Returns the largest violation of P >= 0 and of the scaled Lambda >= 0. */
 static double complementarity(const full_solver *self, const full_state *state) {
     double worst = 0;
 
@@ -683,24 +690,22 @@ static double complementarity(const full_solver *self, const full_state *state) 
     return worst;
 }
 
-// in time, pressures (of p_H) and scaled multipliers below which a sign is not significant: amid a
-// rupture it is the rounding's. The paper's transient case with a load of 30 % and period 1/4, to T = 1,
-// takes 8664, 6439, 4316 and 3324 iterations with 0, 1e-7, 1e-6 and 1e-5, with 1e-10 and 1e-9 steps
-// collapse at T = 0.18; at 10 % it makes no difference. Stationary points need none: of 520 cold
-// starts (M 1 to 1000, L 0 to 20, 33 and 65 nodes a side, both discretisations) the same converge with
-// 0 as with 1e-9, in the same iterations
+// In time, pressures (of p_H) and scaled multipliers below this have no significant sign: within
+// a ruptured zone the sign is round-off. The paper's transient case with a load of 30 % and
+// period 1/4, to T = 1, takes 6439 iterations, and 8664 with 0. With 1e-10 and 1e-9 steps
+// collapse. Stationary points need no such limit.
 static const double IN_TIME_NOISE = 1e-7;
 
-// in index[]: a node gets pressure by its own sign, or by that of nodes beside it
+// values of index[]: a node gets pressure by its own sign, or by the sign of nodes beside it
 enum { WANTED = 1, JOINED };
 
 /* Marks the runs of nodes of a line that have negative multipliers, even small ones. A gap that
- * closes far behind the exit has such a run. A run of n nodes with a mean multiplier m builds up a
- * pressure of about m n^2 / 4. Returns whether there is one. With single nodes in place of runs, a line at M = 3, L = 3 whose
- * radius grows has the second zone of pressure, 3e-4 of the load, from T = 0, 10 and 20 on with a step of
- * 0.02, 0.01 and 0.005. */
+ * closes far behind the exit has such a run. A run of n nodes with a mean multiplier m builds up
+ * a pressure of about m n^2 / 4. Returns whether there is one. If single nodes were marked
+ * instead, the second zone of pressure would begin at a time that depends on the grid: T = 0, 10
+ * and 20 with a step of 0.02, 0.01 and 0.005 (line, M = 3, L = 3, growing radius). */
 static bool mark_runs(full_solver *self, const full_state *state) {
-    const double least = 1e-5; // of n^2 m: 1e-4 changes less than one step in a hundred
+    const double least = 1e-5; // n^2 m; 1e-4 changes less than one step in a hundred
     const size_t end = self->grid.num_nodes - 1;
     bool found = false;
 
@@ -717,14 +722,15 @@ static bool mark_runs(full_solver *self, const full_state *state) {
     return found;
 }
 
-/* Extends the intervals of pressure of a line from the marked nodes, in both directions, until the
- * multipliers add up to zero: there the film without pressure carries on what flows through the end. Where they grow by one
- * node an iteration, the march of scenes/examples/reciprocating takes 4313 iterations in place of
- * 2850, a load that swings by half (M = 120, L = 10) 2425 in place of 1319, and a second zone of
- * pressure, which grows by hundreds of nodes, more than there may be. Points take 4 % more. */
+/* Extends the intervals of pressure of a line from the marked nodes, in both directions, until
+ * the multipliers add up to zero. There the film without pressure carries on the flow through
+ * the end. If intervals grew by one node an iteration, the march of
+ * scenes/examples/reciprocating would take 4313 iterations instead of 2850. A second zone of
+ * pressure grows by hundreds of nodes and would exceed the limit of iterations. On point
+ * contacts it would take 4 % more iterations. */
 static void grow_intervals(full_solver *self, const full_state *state) {
     const size_t num_rows = self->grid.num_inner;
-    double sum[2] = {0, 0}; // of the multipliers from the marked nodes on, forwards and backwards
+    double sum[2] = {0, 0}; // multipliers from the marked nodes on, forwards and backwards
 
     for (size_t i = 0; i < num_rows; i++)
         for (int way = 0; way < 2; way++) {
@@ -737,11 +743,11 @@ static void grow_intervals(full_solver *self, const full_state *state) {
         }
 }
 
-/* Primal-dual active set: each node goes by the sign of its pressure or multiplier. For films that
- * vary in time or flow around the contact, whose flux is not one number and whose pressurised zone
- * may have any shape. Nodes that change to and fro need no limit: with one of four changes a node all
- * marches measured and 149 of 150 cold starts of points take the same iterations; M = 464, L = 0 on 65
- * nodes a side, too coarse, takes 56 in place of 101. */
+/* Sets the pressurised zone by a primal-dual active set: each node follows the sign of its
+ * pressure or multiplier. Returns whether the zone has changed. Films that vary in time or flow
+ * around the contact need this, because their flux is not one number and their zone may have any
+ * shape. No limit on the changes of a node is needed. A limit of four would change no march that
+ * was measured, and one of 150 cold starts of points. */
 static bool adapt_nodes(full_solver *self, full_state *state, double noise) {
     const ehd_grid *grid = &self->grid;
     size_t last = 0;
@@ -754,7 +760,7 @@ static bool adapt_nodes(full_solver *self, full_state *state, double noise) {
         const bool wanted =
             open ? state->pressure[k] >= -noise : scaled_multiplier(self, k) < -noise;
         changed |= wanted != open;
-        self->index[k] = wanted ? WANTED : 0; // kept apart: the next nodes still need the old zone
+        self->index[k] = wanted ? WANTED : 0; // apart: the next nodes need the old zone
     }
     if (line) changed |= mark_runs(self, state);
     if (!changed) return false;
@@ -770,7 +776,7 @@ static bool adapt_nodes(full_solver *self, full_state *state, double noise) {
     return true;
 }
 
-/* Moves the boundaries of the pressurised zone; true where they moved. */
+/* Moves the boundaries of the pressurised zone. Returns whether they have moved. */
 static bool adapt_zone(exit_watch *watch, bool *settled, full_solver *self, full_state *state,
                        const ehd_contact *contact, bool in_time) {
     const bool line = self->kind->dimensions == 1;
@@ -794,27 +800,29 @@ static void list_unknowns(full_solver *self, const full_state *state) {
     }
 }
 
-// scaled residual that rounding may leave: above 1e-12 on 513 by 513 nodes of a point contact, up
-// to 9e-12 on a line of step 0.000625 at M = 2000
+// Scaled residual that round-off may leave: above 1e-12 on 513 by 513 nodes of a point contact,
+// up to 9e-12 on a line of step 0.000625 at M = 2000.
 static const double MAX_ROUNDING = 1e-10;
 
-/* Where that of the closure, whose row has ones, is more: from 1400 nodes a side on some units in the
- * last place of the sum of pressures, which grows with their number. */
+/* Returns the scaled residual that round-off may leave in the closure, whose row has ones. From
+ * 1400 nodes a side on it is more than MAX_ROUNDING: some units in the last place of the sum of
+ * pressures, which grows with the number of nodes. */
 static double rounding_left(const full_solver *self) {
     const double sum = fabs(self->closure.value) / grid_cell(&self->grid);
 
     return fmax(MAX_ROUNDING, 4 * DBL_EPSILON * sum);
 }
 
-/* Whether the residual is below the tolerance or, on a grid too fine for that, has stalled. */
+/* Checks whether the residual is below the tolerance or, on a grid too fine for that, has
+ * stalled. */
 static bool is_solved(const full_solver *self, double residual, double last_residual) {
     if (residual < self->settings.tolerance) return true;
     return self->largest_row < MAX_ROUNDING && residual < rounding_left(self) &&
            residual > 0.5 * last_residual;
 }
 
-/* By how many steps behind its last node with pressure, downstream, an interval of a solution with
- * exits at nodes ends; NaN: at the next node. */
+/* Returns how many steps of the grid an interval ends downstream of its node `last`, the last one
+ * with pressure, in a solution with exits at nodes. NaN: at the next node. */
 static double place_of_exit(const full_solver *self, double entrainment,
                             const reynolds_squeeze *squeeze, const full_state *state, size_t last,
                             bool backwards) {
@@ -826,7 +834,7 @@ static double place_of_exit(const full_solver *self, double entrainment,
     const reynolds_stencil reversed = reynolds_stencil_reversed(grid, last);
     const reynolds_stencil *stencil = backwards ? &reversed : &self->stencils[r];
     const double speed = backwards ? -entrainment : entrainment;
-    double previous[3]; // behind, at and ahead of the node
+    double previous[3]; // upstream of, at and downstream of the node
     const reynolds_squeeze around = {squeeze ? squeeze->rate : 0, previous};
 
     for (size_t i = 0; i < 3 && squeeze; i++)
@@ -872,7 +880,8 @@ static ehd_status newton(full_info *info, full_state *state, full_solver *self,
             info->reason = "residual not finite";
             return EHD_OK;
         }
-        // the zone follows the pressure of a step, so not before the first one
+        // the zone follows from the pressure of a step, so it is not adapted before the first
+        // step
         if (iteration > 0 && adapt_zone(&watch, &settled, self, state, contact, squeeze != NULL)) {
             evaluate_rows(self, contact, squeeze, state);
             info->residual = scale_rows(self, state);

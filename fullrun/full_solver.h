@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Full-order solver: Newton on pressure and rigid approach, active set for the exit boundary, GMRES
- * with FFT deflection and a factorised near field (fullrun/README.md). */
+/* Full-order solver: Newton on pressure and rigid approach, active set for the exit boundary,
+ * GMRES with FFT deflection and a factorised near field (fullrun/README.md). */
 #ifndef EHD_FULL_SOLVER_H
 #define EHD_FULL_SOLVER_H
 
@@ -19,28 +19,29 @@ typedef struct full_state {
     double *pressure; // [num_nodes], zero at the boundary nodes, where ruptured and from `exit` on
     double *film;     // [num_nodes]
     double rigid_approach;
-    size_t exit; // node where the film ruptures: behind it none has pressure, at most num_nodes - 1
-    // where the exit lies within a node (common/physics/README.md): its distance from the last node
-    // with pressure, exit - 1, in steps, 0 to 1, in time as exit_place has it; NaN: at a node, or
-    // not known yet
+    size_t exit; // node where the film ruptures, at most num_nodes - 1; no pressure from it on
+    // place of an exit within a node (common/physics/README.md, The exit within a node): its
+    // distance from the last node with pressure, exit - 1, in steps, 0 to 1; in time the value of
+    // exit_place. NaN: the exit is at a node, or its place is not known yet
     double exit_offset;
-    // [num_nodes] nodes before `exit` without pressure: of a line contact only in time, where it
-    // shrinks faster than it entrains; of a point contact all, boundary nodes included
+    // [num_nodes] whether a node before `exit` has no pressure. On a line contact such nodes
+    // exist only in time, where it shrinks faster than it entrains. On a point contact they are
+    // all nodes without pressure, boundary nodes included
     bool *ruptured;
 } full_state;
 
-/* Whether a node carries pressure. */
+/* Checks whether a node carries pressure. */
 bool full_has_pressure(const full_state *state, size_t node);
 
-/* X at which the pressure of a line contact ends. */
+/* Returns X at which the pressure of a line contact ends. */
 double full_exit_position(const full_state *state, const ehd_grid *grid);
 
-/* Whether the film between the nodes around the smallest one comes to zero: the grid does not carry
- * it, and the smallest film of its scalars is that of a node. */
+/* Checks whether the film, interpolated between the nodes around the lowest one, falls to zero.
+ * Then the grid does not resolve it, and the minimum film of its scalars is that of a node. */
 bool full_film_closes(const full_state *state, const ehd_grid *grid);
 
-/* Whether an interval of pressure reaches the grid's end downstream, of an entrainment to larger X
- * or `backwards`. */
+/* Checks whether pressure reaches the downstream end of the grid. This is the end at larger X, or
+ * at smaller X with an entrainment `backwards`. */
 bool full_is_cut(const full_state *state, const ehd_grid *grid, bool backwards);
 
 typedef struct full_info {
@@ -50,56 +51,57 @@ typedef struct full_info {
     double residual;        // largest scaled residual of passive rows and closure
     double complementarity; // violation of the exit conditions: max(-P), scaled max(-Lambda)
     double seconds;
-    double seconds_rows, seconds_linear; // parts: rows and deflection; linear systems
+    double seconds_rows, seconds_linear; // of these: rows and deflection; linear systems
     const char *reason;                  // why it did not converge, or ""
 } full_info;
 
 typedef struct full_system full_system;
 
-/* Solves J dz = -residual to a relative tolerance and writes dz to system->step and step_approach.
- * Entry of full_settings, so that tests can use a dense factorisation. */
+/* Solves J dz = -residual to a relative tolerance and writes dz to system->step and
+ * step_approach. It is a member of full_settings, so that tests can use a dense factorisation. */
 typedef ehd_status full_linear_solver(full_system *system, double tolerance, size_t *iterations,
                                       ehd_error *error);
 
-/* Called before each Newton iteration, on coarser grids too. */
+/* Function that is called before each Newton iteration, on coarser grids too. */
 typedef void full_watcher(void *context, const ehd_grid *grid, size_t iteration, double residual);
 
 typedef struct full_settings {
-    double tolerance;                 // on the scaled residual; 1e-10
-    size_t max_iterations;            // Newton, of one solve; 60
-    size_t near_field;                // m, nodes kept of the kernel in the preconditioner; 8, of a
-                                      // point contact at most 1
-    double linear_tolerance;          // GMRES, relative; 1e-8
-    full_linear_solver *solve_linear; // full_solve_gmres
-    bool exit_at_node;                // always, as in time; false: where exit_is_within_node is not
-    bool as_large;                    // grids of point contacts of any size are solved as large
-                                      // ones: on the way to one; false
-    team *threads;                    // that share the work on large grids, one solution at a time;
-                                      // they change no bit; NULL: none
+    double tolerance;                 // of the scaled residual; default 1e-10
+    size_t max_iterations;            // of Newton in one solution; default 60
+    size_t near_field;                // m, the preconditioner keeps the kernel within m nodes;
+                                      // default 8, on a point contact at most 1
+    double linear_tolerance;          // of GMRES, relative; default 1e-8
+    full_linear_solver *solve_linear; // default full_solve_gmres
+    bool exit_at_node;                // in all solutions, as in time; default false: only if
+                                      // exit_is_within_node is false
+    bool as_large;                    // solves point contacts of any size like large ones, such as
+                                      // the coarser grids of a large one; default false
+    team *threads;                    // share the work on large grids, for one solution at a time;
+                                      // results do not depend on them, to the bit; NULL: none
     full_watcher *watcher;            // NULL: none
     void *watcher_context;
 } full_settings;
 
 full_settings full_default_settings(void);
 
-/* The linearised problem of one Newton step: unknowns are P at the nodes with pressure, then H0. */
+/* The linearised problem of a Newton step: unknowns are P at the nodes with pressure, then H0. */
 struct full_system {
     const ehd_grid *grid;
     ehd_deflection *deflection;
     size_t num_unknowns;              // nodes with pressure
     const size_t *unknown;            // [num_unknowns] the nodes, ascending
-    const size_t *index;              // [num_nodes] of a node in `unknown`, NO_NODE for all others
-    const reynolds_stencil *stencils; // [num_inner], of grid_node_of_row
+    const size_t *index;              // [num_nodes] place of a node in `unknown`, else NO_NODE
+    const reynolds_stencil *stencils; // [num_inner], in the order of grid_node_of_row
     const reynolds_row *rows;         // [num_inner], used at the unknowns' nodes
     const double *row_scale;          // [num_inner], 1 / largest entry of the row
-    const far_field *outer; // boundary nodes, of which dP/dH0 is used; NULL: of zero pressure
+    const far_field *outer;           // dP/dH0 at the boundary nodes; NULL: zero pressure there
     // scaled closure: closure_approach H0 + closure_load sum weight P + closure_residual = 0
     double closure_approach, closure_load, closure_residual;
     size_t near_field;
-    bool keeps_factors;   // those of an earlier system may precondition this one
-    double *step;         // [num_nodes], out: change of P, zero where it is not unknown
+    bool keeps_factors;   // factors of an earlier system may precondition this one
+    double *step;         // [num_nodes], out: change of P, zero at nodes that are no unknowns
     double step_approach; // out: change of H0
-    team *threads;        // that share the work; NULL: none
+    team *threads;        // share the work; NULL: none
     void *workspace;      // of the linear solver
 };
 
@@ -107,22 +109,24 @@ full_linear_solver full_solve_gmres;
 
 typedef struct full_solver full_solver;
 
-/* Whether a grid is of a point contact and so large that its linear systems are preconditioned by
- * multigrid, which takes less time and memory than factors. */
+/* Checks whether a grid belongs to a point contact and is so large that multigrid preconditions
+ * its linear systems. Multigrid then takes less time and memory than factors. */
 bool full_is_large(const ehd_grid *grid);
 
-/* Whether with these settings a grid is solved as a large one. */
+/* Checks whether a grid is solved like a large one with these settings. */
 bool full_as_large(const ehd_grid *grid, const full_settings *settings);
 
-/* Nodes of one part of what threads share (team_share): all of a grid that is not solved as a large one,
- * whose sums are not cut into parts. */
+/* Returns the number of nodes in one part of the work that threads share (team_share). A grid
+ * that is not solved like a large one is a single part, so that its sums are not split. */
 size_t full_part(const ehd_grid *grid, bool large);
 
-/* Peak memory of a point contact's solution in bytes, about: counted, but for the factors of a grid
- * that is not large, whose fill was measured to grow as N log N. */
+/* Returns the approximate peak memory of a point contact's solution in bytes.
+ * Everything is counted except for the factors of a grid that is not large. Their fill
+ * was measured to grow as N log N. */
 double full_solver_bytes(const ehd_grid *grid);
 
-/* Grid-sized memory and FFT plans; one object a thread. EHD_MEMORY. */
+/* Creates a solver with grid-sized memory and FFT plans. Each thread needs an object of its own.
+ * Errors: EHD_MEMORY. */
 ehd_status full_solver_create(
     // output:
     full_solver **solver, // free with full_solver_free
@@ -132,23 +136,25 @@ ehd_status full_solver_create(
 full_solver *full_solver_free(full_solver *solver); // accepts and returns NULL
 const full_settings *full_solver_settings(const full_solver *solver);
 
-/* Heights by which the gap grows from now on, [num_nodes], which the caller keeps; NULL, as at first:
- * smooth surfaces. */
+/* Sets the heights that are added to the gap from now on, [num_nodes]. The caller keeps the
+ * array. NULL, the initial value: smooth surfaces. */
 void full_solver_set_surface(full_solver *solver, const double *heights);
 
-/* A state without pressure whose zone is filled. EHD_MEMORY. */
+/* Allocates a state without pressure whose inner nodes are all in the pressurised zone.
+ * EHD_MEMORY. */
 ehd_status full_state_init(full_state *state, const ehd_grid *grid, ehd_error *error);
 void full_state_free(full_state *state);
-/* Pressurises all inner nodes: the zone from which Newton starts where nothing is known. */
+/* Puts all inner nodes into the pressurised zone, from which Newton starts if nothing is known. */
 void full_state_fill(full_state *state, const ehd_grid *grid);
-/* Sets the zone from the pressure: of a line the nodes before `exit`, of a point contact those
- * whose pressure is not zero. Where within a node a line's exit lies follows in full_solve from the
- * pressure at the last one. */
+/* Sets the pressurised zone from the pressure: the nodes before `exit` of a line, the nodes with
+ * a pressure other than zero of a point contact. full_solve finds the place of a line's exit
+ * within a node from the pressure at the last node. */
 void full_state_set_zone(full_state *state, const ehd_grid *grid, size_t exit);
 void full_state_copy(full_state *target, const full_state *source, const ehd_grid *grid);
 
-/* Newton from the state given. Not converged is an outcome: the call returns EHD_OK and
- * info->status is EHD_NOT_CONVERGED. Errors: EHD_MEMORY, EHD_INTERNAL, EHD_INTERRUPTED. */
+/* Solves a contact by Newton from the given state. A solution that does not converge is an
+ * outcome: the call returns EHD_OK and info->status is EHD_NOT_CONVERGED. Errors: EHD_MEMORY,
+ * EHD_INTERNAL, EHD_INTERRUPTED. */
 ehd_status full_solve(
     // output:
     full_info *info,
@@ -156,29 +162,31 @@ ehd_status full_solve(
     full_state *state,
     // input:
     full_solver *solver, const ehd_contact *contact,
-    const reynolds_squeeze *squeeze, // NULL when stationary; rows are those of the inner nodes
+    const reynolds_squeeze *squeeze, // NULL when stationary; its rows are the inner nodes
     ehd_error *error);
 
-/* Whether full_solve places the exit of a stationary contact within a node. */
+/* Checks whether full_solve places the exit of a stationary contact within a node. */
 bool full_exit_is_within_node(const full_solver *solver);
 
-/* The same of a stationary contact with the exit at a node: a way to a start where Newton fails. */
+/* Solves a stationary contact like full_solve, but with the exit at a node. The solution is a
+ * start where Newton fails with the exit within a node. */
 ehd_status full_solve_nodal(full_info *info, full_state *state, full_solver *solver,
                             const ehd_contact *contact, ehd_error *error);
 
-/* Cold start: on coarser grids first, there from the dry (Hertz) contact with an estimated film;
- * where that fails, continuation in M at small L, then in L. */
+/* Solves a contact by a cold start. Coarser grids are solved first, the coarsest from
+ * the dry (Hertz) contact with an estimated film. If this fails, continuation goes in M
+ * at small L, then in L. */
 ehd_status full_solve_cold(full_info *info, full_state *state, full_solver *solver,
                            const ehd_contact *contact, ehd_error *error);
 
-/* Newton from `state`, the solution of another contact on the same grid; where that fails, from a
- * cold start. */
+/* Solves a contact by Newton from `state`, the solution of another contact on the same grid. If
+ * this fails, it makes a cold start. */
 ehd_status full_solve_from(full_info *info, full_state *state, full_solver *solver,
                            const ehd_contact *contact, ehd_error *error);
 
-/* X of the exits on each line: one after each interval of nodes with pressure, on the side that the
- * entrainment leads to, the farthest downstream first; of more than GRID_EXITS the others are left
- * out. At nodes. */
+/* Lists X of the exits on each line, at nodes. Each interval with a positive pressure has
+ * one, at its downstream end. The exit farthest downstream comes first; exits beyond
+ * GRID_EXITS are left out. */
 void full_list_exits(
     // output:
     double *positions, // [inner lines of grid_whole, GRID_EXITS], NaN where there is none
@@ -186,12 +194,12 @@ void full_list_exits(
     const full_state *state, const ehd_grid *grid,
     bool backwards); // entrainment towards smaller x
 
-/* The same of a line contact whose state full_solve has just found with the exit at a node, within
- * nodes where exit_place finds them there. */
+/* Lists the exits of a line contact like full_list_exits, but within nodes where exit_place finds
+ * them there. full_solve must have just found the state, with the exit at a node. */
 void full_place_exits(double *positions, const full_state *state, const full_solver *solver,
                       const ehd_contact *contact, const reynolds_squeeze *squeeze, bool backwards);
 
-/* Film and deflection of the pressure in `state`, from scratch. */
+/* Computes the film of `state` from its pressure and rigid approach. */
 void full_film(full_state *state, full_solver *solver);
 
 contact_scalars full_evaluate_scalars(const full_state *state, const ehd_contact *contact);

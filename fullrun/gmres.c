@@ -1,14 +1,15 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Linear systems of Newton by GMRES: products with the exact Jacobian by rows and FFT,
- * preconditioned by UMFPACK's factors of a sparse Jacobian, in which the kernel is its shifted near
- * field (fullrun/README.md, Linear systems). In a step in time, where Newton starts near the
- * solution, the factors of its first system serve the others. On large grids a cycle of multigrid
- * stands for the factors (Large point contacts).
+/* Solves the linear systems of Newton by GMRES. Rows and FFT give products with the exact
+ * Jacobian. The preconditioner consists of UMFPACK's factors of a sparse Jacobian, in which the
+ * shifted near field replaces the kernel (fullrun/README.md, Linear systems). In a step in
+ * time, where Newton starts near the solution, the factors of its first system precondition the
+ * others too. On large grids a cycle of multigrid replaces the factors (fullrun/README.md,
+ * Large point contacts).
  *
  * The sparse Jacobian is a band B, bordered by the column c of H0 and the closure's row. Only the
- * band is factorised, since with a full row UMFPACK's analysis takes O(n^2); the border follows
+ * band is factorised, since with a full row UMFPACK's analysis takes O(n^2). The border follows
  * from w = B^-1 c. The shifted near field is positive definite (even, convex, falling to zero),
- * which keeps the band from being singular. */
+ * so that the band is not singular. */
 #include "fullrun/gmres.h"
 
 #include "common/program/arena.h"
@@ -23,28 +24,28 @@
 #include <string.h>
 #include <umfpack.h>
 
-/* Vectors kept, most of the solver's memory; a system that needs more is left less accurate. Most
- * needed of 21 stationary lines and points (M 1 to 1000, L 0 to 25) and of 3 in time: 20; of lines
- * of 4801, 19201, 76801 nodes: 31, 46, 77. With 5, 10, 20, 40, 80 vectors Newton takes 36, 10, 4,
- * 4, 4 steps on the finest grid of 19201 (M = 200, L = 5), with 160 as with 80. */
+/* Largest number of iterations. Their vectors take most of the solver's memory. A system that
+ * needs more is solved less accurately. 21 stationary lines and points (M 1 to 1000, L 0 to 25)
+ * and three in time need at most 20, a line of 76801 nodes 77. */
 enum { MAX_ITERATIONS = 80 };
 
-/* Columns that a cycle's rows are wider at either end, before what is there is added to the entries at
- * their ends: without these a difference along the line that leaves out some of its nodes makes the
- * line's solutions grow or fade downstream. M = 200, L = 20, 256 cells a side: 197 GMRES iterations
- * without, 109 with; M = 1000, L = 5: 121 and 82. */
+/* Columns by which the rows of a cycle are wider at either end at first. Their entries are then
+ * added to the last ones of the row. Without them, differences along the line lack some of their
+ * nodes, and solutions of the line grow or fade downstream. With M = 200, L = 20 and 256 cells a
+ * side GMRES takes 109 iterations, without them 197. */
 enum { CYCLE_WIDER = 2 };
 
-/* Factors of the band of one system, which serve the next ones of a Newton iteration. */
+/* Factors of the band of one system. They also precondition the next systems of a Newton
+ * iteration. */
 typedef struct near_factors {
     void *numeric; // NULL: none, as with a cycle
     double control[UMFPACK_CONTROL];
     size_t num_unknowns;
     size_t *unknown; // [num_unknowns] nodes
-    size_t *index;   // [num_nodes] of a node in `unknown`, or NO_NODE
+    size_t *index;   // [num_nodes] place of a node in `unknown`, or NO_NODE
     double *border;  // [num_unknowns] w = B^-1 c
     double border_pivot;
-    size_t own_iterations, last_iterations; // of the system they were made of, and of the last one
+    size_t own_iterations, last_iterations; // of the factors' own system, and the last
 } near_factors;
 
 struct gmres_workspace {
@@ -53,18 +54,18 @@ struct gmres_workspace {
     double *krylov;   // [MAX_ITERATIONS + 1, size]
     double *vector;   // [size]
     double *spread;   // [num_nodes] a vector on all grid nodes
-    double *response; // [num_nodes] its deflection
+    double *response; // [num_nodes] deflection of `spread`
     double *approach; // [size] c, the column of H0
     near_factors factors;
-    multigrid *cycle;         // in place of the factors of the band; NULL: not
-    size_t part;              // nodes of one part of what threads share
-    double *of_part;          // [parts of num_nodes] a sum of each
-    double *right, *solution; // [size] of a system with the factors
-    // B by rows, to UMFPACK the columns of the transpose
+    multigrid *cycle;         // in place of the factors of the band; NULL: none
+    size_t part;              // nodes of one part of the work that threads share
+    double *of_part;          // [parts of num_nodes] sum of each part
+    double *right, *solution; // [size] right side and solution of the factors
+    // B by rows, which UMFPACK reads as the columns of the transpose
     int *row_start; // [size + 1]
     int *column;    // [capacity]
     double *value;  // [capacity]
-    double *window; // [entries of a row] by node around it
+    double *window; // [entries of a row] a row by the nodes around its own
     size_t capacity;
     double *solve_work; // [5 size]
     int *solve_index;   // [size]
@@ -81,7 +82,7 @@ gmres_workspace *gmres_workspace_free(gmres_workspace *self) {
     return NULL;
 }
 
-/* Most entries of a row, as reach_of limits them. */
+/* Returns the largest number of entries of a row, by the limits of reach_of. */
 static size_t entries_of_row(const ehd_grid *grid, size_t near_field) {
     return grid->inner_lines > 1 ? 4 * 3 : 2 * near_field + 4;
 }
@@ -129,9 +130,9 @@ gmres_workspace *gmres_workspace_create(const ehd_grid *grid, const full_setting
     return memory->failed ? gmres_workspace_free(self) : self;
 }
 
-// ---- what threads share: the unknowns, or the nodes, part by part
+// ---- work that threads share, by parts of the unknowns or of the nodes
 
-/* Vectors [size], to and from. */
+/* Context of shared work: a vector [size] to write and one to read. */
 typedef struct vectors {
     full_system *system;
     double *to;
@@ -153,7 +154,7 @@ static void share_nodes(full_system *system, team_task *task, vectors *context) 
     team_share(system->threads, system->grid->num_nodes, work->part, task, context);
 }
 
-/* Of the parts of the unknowns, in their order. */
+/* Returns the sum over the parts of the unknowns, in their order. */
 static double sum_of_parts(const full_system *system) {
     const gmres_workspace *work = system->workspace;
     const size_t num_parts = team_num_parts(system->num_unknowns, work->part);
@@ -164,7 +165,7 @@ static double sum_of_parts(const full_system *system) {
     return sum;
 }
 
-/* Unknowns' values at all nodes. */
+/* Writes the values of the unknowns to all nodes, and zero to the others. */
 static void spread_nodes(void *context, const team_part *part) {
     const vectors *task = context;
     const size_t *index = task->system->index;
@@ -173,7 +174,7 @@ static void spread_nodes(void *context, const team_part *part) {
         task->to[k] = index[k] == NO_NODE ? 0 : task->from[index[k]];
 }
 
-/* y = J x at the unknowns, and the sum of the load balance of each part. */
+/* Computes y = J x at the unknowns, and the sum of the load balance of each part. */
 static void apply_rows(void *context, const team_part *part) {
     const vectors *task = context;
     const full_system *system = task->system;
@@ -199,14 +200,14 @@ static void apply_rows(void *context, const team_part *part) {
     work->of_part[part->number] = sum;
 }
 
-/* y = J x on the passive unknowns, exact: rows and one FFT convolution. */
+/* Computes the exact y = J x on the passive unknowns, by rows and one FFT convolution. */
 static void apply_jacobian(double *y, const double *x, full_system *system) {
     gmres_workspace *work = system->workspace;
     size_t num_passive = system->num_unknowns;
 
     share_nodes(system, spread_nodes, &(vectors){.to = work->spread, .from = x});
     deflection_apply(work->response, system->deflection, work->spread);
-    for (size_t i = 0; system->outer && i < system->outer->num; i++) { // without deflection
+    for (size_t i = 0; system->outer && i < system->outer->num; i++) { // no deflection by it
         const size_t node = system->outer->index[i];
         work->spread[node] = system->outer->by_approach[node] * x[num_passive];
     }
@@ -215,9 +216,9 @@ static void apply_jacobian(double *y, const double *x, full_system *system) {
         system->closure_approach * x[num_passive] + system->closure_load * sum_of_parts(system);
 }
 
-/* Columns and lines around a row's node that have entries in the band: those of its stencil, of a
- * line contact widened by the near field. Of a point contact wider rows cost more in the factors
- * than they save in iterations; for a cycle they are `wider` at first. */
+/* Columns and lines around a row's node that have entries in the band: those of its stencil, on a
+ * line contact widened by the near field. On a point contact wider rows cost more in the factors
+ * than they save in iterations. For a cycle they are first `wider` by some columns. */
 typedef struct reach {
     ptrdiff_t first_column, last_column, first_line, last_line;
 } reach;
@@ -237,10 +238,10 @@ static reach reach_of(const ehd_grid *grid, size_t node, ptrdiff_t near_field, p
                    wanted.last_line > last_line ? last_line : wanted.last_line};
 }
 
-/* Adds by_film times the shifted near field of a line's cells at a node `apart` lines away. The next
- * line of a wide ellipse is farther than what is beyond the band along, and left out: with its
- * negative entries a cold start of b/a = 9.4 (81 by 49 nodes, M = 1429, L = 16) takes 960 iterations,
- * without 95. A near field as many nodes wide as b/a takes 37, but its factors cost more than that. */
+/* Adds by_film times the shifted near field of a line's cells at a node `apart` lines away. On a
+ * wide ellipse the next line is farther away than the end of the near field along the line, and
+ * is left out: its entries would be negative. With them a cold start of b/a = 9.4 (81 by 49
+ * nodes, M = 1429, L = 16) takes 960 iterations, without them 95. */
 static void add_near_line(double *window, const reach *at, double by_film, ptrdiff_t column,
                           ptrdiff_t apart, const full_system *system) {
     const ptrdiff_t m = (ptrdiff_t)system->near_field;
@@ -255,7 +256,8 @@ static void add_near_line(double *window, const reach *at, double by_film, ptrdi
         window[c - at->first_column] += by_film * (of_line[labs(c - column)] - far);
 }
 
-/* The band's row of a node, by line and column in `window`, and its entry of the column of H0. */
+/* Computes the band's row of a node, by line and column in `window`, and its entry
+ * in the column of H0. */
 static reach near_row(double *window, double *approach, const full_system *system, size_t row_node,
                       ptrdiff_t wider) {
     const ehd_grid *grid = system->grid;
@@ -292,7 +294,7 @@ static reach near_row(double *window, double *approach, const full_system *syste
     return at;
 }
 
-/* The entries of unknowns in the band's row of a node. Returns their number. */
+/* Lists the entries of unknowns in the band's row of a node. Returns their number. */
 static int fill_near_row(int *column, double *value, double *approach, const full_system *system,
                          size_t row_node) {
     double *window = ((gmres_workspace *)system->workspace)->window;
@@ -323,7 +325,6 @@ static void assemble_near_field(full_system *system) {
     work->row_start[num_passive] = count;
 }
 
-/* One row of a cycle's matrix. */
 static void fill_cycle_row(double *values, double *approach, const full_system *system,
                            size_t node) {
     const ehd_grid *grid = system->grid;
@@ -356,8 +357,8 @@ static void fill_cycle_rows(void *context, const team_part *part) {
     }
 }
 
-/* The band as a cycle's matrix, whose rows are not scaled, since their residuals are added up. False
- * when it is singular. */
+/* Prepares a cycle with the band as its matrix. Its rows are not scaled, since coarser grids add
+ * up their residuals. Returns false if the matrix is singular. */
 static bool prepare_cycle(full_system *system) {
     gmres_workspace *work = system->workspace;
 
@@ -365,7 +366,7 @@ static bool prepare_cycle(full_system *system) {
     return multigrid_prepare(work->cycle);
 }
 
-/* Factors of the band; false when it is singular or there is no memory. */
+/* Factorises the band. Returns false if it is singular or there is no memory. */
 static bool factorise(const full_system *system) {
     gmres_workspace *work = system->workspace;
     near_factors *factors = &work->factors;
@@ -375,8 +376,8 @@ static bool factorise(const full_system *system) {
 
     umfpack_di_free_numeric(&factors->numeric);
     umfpack_di_defaults(control);
-    // a line's band has the least fill in its natural order, which weak pivoting, enough for a
-    // preconditioner, keeps
+    // a line's band has the least fill in its natural order. Weak pivoting keeps this order, and
+    // is enough for a preconditioner
     control[UMFPACK_STRATEGY] = UMFPACK_STRATEGY_SYMMETRIC;
     if (system->grid->inner_lines == 1) control[UMFPACK_ORDERING] = UMFPACK_ORDERING_NONE;
     control[UMFPACK_PIVOT_TOLERANCE] = 1e-3;
@@ -412,7 +413,7 @@ static void take_cycle_solution(void *context, const team_part *part) {
         task->to[i] = solution[grid_row_of_node(task->system->grid, work->factors.unknown[i])];
 }
 
-/* y = B^-1 x, about, by a cycle. */
+/* Computes y = B^-1 x approximately by a cycle. */
 static void apply_cycle(double *y, const double *x, full_system *system) {
     const gmres_workspace *work = system->workspace;
     vectors task = {.system = system, .to = y, .from = x};
@@ -422,7 +423,7 @@ static void apply_cycle(double *y, const double *x, full_system *system) {
     team_share(system->threads, work->factors.num_unknowns, work->part, take_cycle_solution, &task);
 }
 
-/* y = B^-1 x on the unknowns of the factors; false when UMFPACK cannot. */
+/* Computes y = B^-1 x on the unknowns of the factors. Returns false if UMFPACK fails. */
 static bool solve_band(double *y, const double *x, full_system *system) {
     gmres_workspace *work = system->workspace;
 
@@ -446,7 +447,7 @@ static void sum_weighted(void *context, const team_part *part) {
     work->of_part[part->number] = sum;
 }
 
-/* Sum of pressures at the factors' unknowns with the weights of the load balance. */
+/* Returns the sum of a vector at the factors' unknowns with the weights of the load balance. */
 static double weighted_sum(const double *vector, full_system *system) {
     const gmres_workspace *work = system->workspace;
     const size_t count = work->factors.num_unknowns;
@@ -459,7 +460,7 @@ static double weighted_sum(const double *vector, full_system *system) {
     return sum;
 }
 
-/* w = B^-1 c and the closure's pivot; false when singular. */
+/* Computes w = B^-1 c and the closure's pivot. Returns false if the system is singular. */
 static bool solve_border(full_system *system) {
     gmres_workspace *work = system->workspace;
     near_factors *factors = &work->factors;
@@ -470,7 +471,8 @@ static bool solve_border(full_system *system) {
     return isfinite(factors->border_pivot) && factors->border_pivot != 0;
 }
 
-/* Factors of the system's own band, or a cycle for it; false when it is singular. */
+/* Factorises the system's own band, or prepares a cycle for it. Returns
+ * false if it is singular. */
 static bool renew_factors(full_system *system) {
     gmres_workspace *work = system->workspace;
     near_factors *factors = &work->factors;
@@ -488,17 +490,18 @@ static bool renew_factors(full_system *system) {
     return solve_border(system);
 }
 
-/* Iterations that new factors take the time of: at 65 by 65 nodes in time 3.8 ms, 0.35 ms each, on a
- * line of 1201 nodes 1.1 and 0.1 ms. */
+/* Number of iterations that take as long as new factors. On 65 by 65 nodes in time factors take
+ * 3.8 ms and an iteration 0.35 ms, on a line of 1201 nodes 1.1 and 0.1 ms. */
 static const size_t COST_OF_FACTORS = 10;
 
-/* Whether the factors of an earlier system spare more than they cost in iterations. */
+/* Checks whether the factors of an earlier system save more time than their
+ * additional iterations take. */
 static bool factors_serve(const near_factors *factors) {
     return factors->numeric &&
            factors->last_iterations <= factors->own_iterations + COST_OF_FACTORS;
 }
 
-/* The largest part of a row's entry at its own node. */
+/* Returns the largest part of a row's entry at its own node. */
 static double own_entry(const full_system *system, size_t node) {
     const size_t r = grid_row_of_node(system->grid, node);
     const reynolds_row *row = &system->rows[r];
@@ -507,7 +510,8 @@ static double own_entry(const full_system *system, size_t node) {
     return (row->by_pressure[NODE_HERE] + row->by_film[NODE_HERE] * kernel) * system->row_scale[r];
 }
 
-/* Of x what the factors have as unknowns. */
+/* Copies x at the unknowns of the factors, with zero at nodes that are no unknowns of this
+ * system. */
 static void take_known(void *context, const team_part *part) {
     const vectors *task = context;
     const full_system *system = task->system;
@@ -519,7 +523,8 @@ static void take_known(void *context, const team_part *part) {
     }
 }
 
-/* Adds `factor`, the approach, to the factors' solution. */
+/* Adds the part of the approach, `factor`, to the factors' solution. Unknowns that the factors
+ * lack are divided by own_entry. */
 static void add_border(void *context, const team_part *part) {
     const vectors *task = context;
     const full_system *system = task->system;
@@ -534,9 +539,10 @@ static void add_border(void *context, const team_part *part) {
     }
 }
 
-/* y = [B c; closure]^-1 x, with the factors of an earlier system: unknowns that it had alone are
- * zero, and new ones have their own entry alone. That the rows were scaled otherwise does not
- * matter: with a load of +-10 and +-50 % the iterations are the same when that is undone. */
+/* Computes y = [B c; closure]^-1 x with the factors, which may be those of an earlier system.
+ * Unknowns that only the earlier system had are zero, and new ones have their own entry only. The
+ * earlier system may have scaled its rows otherwise. Undoing this would save no iterations, with
+ * loads of +-10 and +-50 %. */
 static void precondition(double *y, const double *x, full_system *system) {
     gmres_workspace *work = system->workspace;
     const near_factors *factors = &work->factors;
@@ -574,13 +580,13 @@ static void hessenberg_rotate(hessenberg *h, size_t k) {
     h->right[k] *= h->cosine[k];
 }
 
-/* A step of Gram-Schmidt on vectors [size], part by part. */
+/* Context of a step of Gram-Schmidt on vectors [size]. */
 typedef struct projection {
     gmres_workspace *work;
     double *fresh;
-    const double *before; // of which `factor` is taken away first; NULL: nothing
+    const double *before; // `factor` times it is subtracted first; NULL: nothing
     double factor;
-    const double *with; // whose product with what is then left is found; NULL: the norm
+    const double *with; // its product with `fresh` is computed then; NULL: the norm
 } projection;
 
 static void project_part(void *context, const team_part *part) {
@@ -594,7 +600,7 @@ static void project_part(void *context, const team_part *part) {
                    : cblas_dnrm2(count, fresh, 1);
 }
 
-/* What project_part finds, of all parts. */
+/* Does project_part for all parts. Returns the product, or the norm. */
 static double project(const projection *task, size_t size, team *threads) {
     const gmres_workspace *work = task->work;
     const size_t num_parts = team_num_parts(size, work->part);
@@ -614,7 +620,7 @@ static void scale_part(void *context, const team_part *part) {
     cblas_dscal((int)(part->end - part->first), task->factor, task->fresh + part->first, 1);
 }
 
-/* Makes a vector one of the basis; returns its length. */
+/* Scales a new vector of the basis to length 1. Returns its length before. */
 static double normalise(projection *task, size_t size, team *threads) {
     task->with = NULL;
     const double length = project(task, size, threads);
@@ -624,7 +630,7 @@ static double normalise(projection *task, size_t size, team *threads) {
     return length;
 }
 
-/* Orthogonalises against the basis built so far (modified Gram-Schmidt) and appends. */
+/* Orthogonalises a new vector against the basis (modified Gram-Schmidt) and appends it. */
 static void extend_krylov(gmres_workspace *work, hessenberg *h, size_t k, size_t size,
                           team *threads) {
     projection task = {.work = work, .fresh = work->krylov + (k + 1) * work->size};
@@ -637,7 +643,7 @@ static void extend_krylov(gmres_workspace *work, hessenberg *h, size_t k, size_t
     h->column[k][k + 1] = normalise(&task, size, threads);
 }
 
-/* What GMRES ends with, part by part: the sum of the basis. */
+/* Context of the last step of GMRES: the weighted sum of the basis. */
 typedef struct krylov_sum {
     const gmres_workspace *work;
     const hessenberg *h;
@@ -655,7 +661,7 @@ static void sum_krylov(void *context, const team_part *part) {
                     work->krylov + i * work->size + part->first, 1, task->sum + part->first, 1);
 }
 
-/* The scaled residual, with its sign. */
+/* Copies the scaled residual of the unknowns with a negative sign, as the right side. */
 static void take_residual(void *context, const team_part *part) {
     const vectors *task = context;
     const full_system *system = task->system;
@@ -674,7 +680,8 @@ ehd_status full_solve_gmres(full_system *system, double tolerance, size_t *itera
 
     const bool kept = system->keeps_factors && factors_serve(&work->factors);
     if (!kept) {
-        // where memory is refused UMFPACK may do with less, in another order, of other rounding errors
+        // if memory is refused, UMFPACK may choose another order that needs less,
+        // with other round-off
         errno = 0;
         const bool renewed = renew_factors(system), refused = errno == ENOMEM;
         if (!renewed || refused) umfpack_di_free_numeric(&work->factors.numeric);
@@ -698,7 +705,7 @@ ehd_status full_solve_gmres(full_system *system, double tolerance, size_t *itera
     *iterations = k;
     if (!kept) work->factors.own_iterations = k;
     work->factors.last_iterations = k;
-    if (program_interrupted()) // its step would not be reproducible
+    if (program_interrupted()) // the step would not be reproducible
         return ehd_fail(error, EHD_INTERRUPTED, "full model: interrupted");
 
     // back substitution, then dz = M^-1 (V y)

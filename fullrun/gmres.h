@@ -7,9 +7,9 @@
 
 typedef struct gmres_workspace gmres_workspace;
 
-/* Memory for any exit on the grid; NULL: no memory. */
+/* Allocates memory that suffices for any exit on the grid. Returns NULL if there is no memory. */
 gmres_workspace *gmres_workspace_create(const ehd_grid *grid, const full_settings *settings);
-/* Bytes of the workspace for a node of a point contact, without factors. */
+/* Returns the bytes of the workspace per node of a point contact, without factors. */
 double gmres_workspace_bytes(const ehd_grid *grid);
 gmres_workspace *gmres_workspace_free(gmres_workspace *workspace); // accepts and returns NULL
 

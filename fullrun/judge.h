@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Whether a solution of the full model may be used. */
+/* Checks whether a solution of the full model may be used. */
 #ifndef EHD_JUDGE_H
 #define EHD_JUDGE_H
 
@@ -7,19 +7,21 @@
 
 enum { JUDGE_REASON = 256 }; // bytes, with the closing zero
 
-/* EHD_OK; EHD_NOT_CONVERGED with the reason: the solver's own, an exit boundary that is not inside
- * the domain, or a pressure beyond the viscosity law's limit; or EHD_UNTRUSTED: a thinned flow for which
- * the equations do not hold (reynolds_flow_doubt). */
+/* Returns whether a solution may be used, and the reason if not, else "":
+ * - EHD_NOT_CONVERGED: the solver has not converged, the exit boundary is not inside the
+ *   domain, or a pressure exceeds the limit of the viscosity law.
+ * - EHD_UNTRUSTED: the equations do not hold for the thinned flow (reynolds_flow_doubt).
+ * - EHD_OK: it may be used. */
 ehd_status full_judge(
     // output:
     char reason[JUDGE_REASON],
     // input:
     const full_info *info, const full_state *state, const ehd_contact *contact);
 
-/* As reynolds_flow_doubt, of the whole grid. */
+/* Returns the largest reynolds_flow_doubt on the grid, 0 if no flow is thinned. */
 double full_flow_doubt(const full_state *state, const ehd_contact *contact);
 
-/* Whether a pressure lies beyond the viscosity law's limit. */
+/* Checks whether a pressure exceeds the limit of the viscosity law. */
 bool full_beyond_law(const full_state *state, const ehd_contact *contact);
 
 #endif

@@ -29,14 +29,14 @@
 enum { WORK_PARTS = 1000 };
 
 typedef struct fullrun_options {
-    const char *start;   // NULL: cold
-    const char *grid_of; // NULL: the scene's or as needed
+    const char *start;   // NULL: cold start
+    const char *grid_of; // NULL: the scene's grid, or the default grid
     double tolerance;    // of Newton's iteration
     bool formulas, allow_untrusted;
-    size_t repeats; // of the solution; its median time is reported
+    size_t repeats; // number of solutions, whose median time is reported
     bool resume;
     size_t num_jobs;
-    team *threads; // so many, for the work on a large grid; NULL: none
+    team *threads; // num_jobs of them, for the work on a large grid; NULL: none
 } fullrun_options;
 
 // clang-format off
@@ -69,7 +69,8 @@ static void print_settings(void) {
 
 // ---- the start
 
-/* State of a stored result. */
+/* Sets the state to that of a stored result. EHD_DATA: it has no fields or another grid, or it
+ * did not converge. */
 static ehd_status set_start(full_state *state, const ehd_grid *grid, const stored_result *stored,
                             const char *path, ehd_error *error) {
     size_t centre = (size_t)ceil(-grid->x_min / grid->step) + 1, exit = grid->num_nodes - 1;
@@ -95,7 +96,7 @@ static ehd_status set_start(full_state *state, const ehd_grid *grid, const store
     return EHD_OK;
 }
 
-/* *film: central film of the stored result. */
+/* Reads the result from which --start starts. *film is its central film. */
 static ehd_status load_start(full_state *state, double *film, const ehd_contact *contact,
                              const char *path, ehd_error *error) {
     stored_result stored;
@@ -146,7 +147,8 @@ static int compare_seconds(const void *left, const void *right) {
     return (a > b) - (a < b);
 }
 
-/* Solves --repeat times, from `first` with --start, else cold; *info is the run of median time. */
+/* Solves --repeat times, from `first` with --start, else by a cold start. *info is
+ * the run of median time. */
 static ehd_status solve_again(full_info *info, full_state *state, full_solver *solver,
                               const full_state *first, const ehd_contact *contact,
                               const fullrun_options *options, ehd_error *error) {
@@ -167,22 +169,23 @@ static ehd_status solve_again(full_info *info, full_state *state, full_solver *s
     return status;
 }
 
-/* Progress of a solution of a point contact, which may take long, on stderr. */
+/* Progress of a solution of a point contact, which may take long. It is shown on stderr. */
 typedef struct long_work {
     progress shown;
     const ehd_grid *grid;      // of the contact
     size_t num_inner;          // of the grid that is solved now
-    size_t before, iterations; // on it: up to the last start from elsewhere, and all
+    size_t before, iterations; // on it: before the last new start of Newton, and all
 } long_work;
 
-/* Part of the whole work that is done when a grid and all coarser ones are solved. */
+/* Returns the part of the whole work that is done when a grid and all coarser ones are solved. */
 static double work_up_to(const ehd_grid *grid, const ehd_grid *finest) {
-    const double growth = 1.4; // measured: time over number of nodes
+    const double growth = 1.4; // exponent of the time over the number of nodes, measured
     return pow((double)grid->num_inner / (double)finest->num_inner, growth);
 }
 
-/* Newton iterations that a grid may still take: three where they converge quadratically, from a scaled
- * residual of 0.01 on; before that as many as it has had, and at first eight. */
+/* Returns the Newton iterations that a grid may still take. Below a scaled residual of 0.01,
+ * where Newton converges quadratically, these are three. Above it they are as many as so far, and
+ * at least as many as are missing to eight. */
 static double iterations_left(double iterations, double residual) {
     return residual < 0.01 ? 3 : fmax(8 - iterations, iterations);
 }
@@ -192,7 +195,7 @@ static void show_work(void *context, const ehd_grid *grid, size_t iteration, dou
     long_work *self = context;
 
     if (grid->num_inner != self->num_inner) self->before = self->iterations = 0;
-    if (iteration == 0) self->before = self->iterations; // a start from elsewhere
+    if (iteration == 0) self->before = self->iterations; // a new start of Newton
     self->num_inner = grid->num_inner;
     self->iterations = self->before + iteration;
     const double before = work_up_to(&coarser, self->grid), after = work_up_to(grid, self->grid);
@@ -215,7 +218,7 @@ static ehd_status solve(full_info *info, full_state *state, const program *calle
     full_state first = {0};
 
     progress_start(&work.shown, caller, WORK_PARTS);
-    work.shown.last_shown = work.shown.started; // nothing is shown of a short solution
+    work.shown.last_shown = work.shown.started; // a short solution shows no progress
     settings.watcher = contact->kind->dimensions > 1 ? show_work : NULL;
     settings.watcher_context = &work;
     ehd_status status =
@@ -249,7 +252,7 @@ static ehd_status put_resolution(artefact *file, const full_resolution *resoluti
     return status;
 }
 
-// effects from which a note is printed; the minimum film converges less regularly
+// error estimates above which a note is printed; the minimum film converges less regularly
 static const double NOTED_EFFECT = 0.01, NOTED_EFFECT_MINIMUM = 0.03, NOTED_EFFECT_ROLLING = 0.03;
 
 static void note_resolution(const program *self, const full_resolution *resolution,
@@ -259,7 +262,7 @@ static void note_resolution(const program *self, const full_resolution *resoluti
     const char *path = self->arguments[0];
     const double *effects = resolution->effects.of;
 
-    if (film_effects_are_infinite(&resolution->effects)) return; // which is an outcome
+    if (film_effects_are_infinite(&resolution->effects)) return; // reported as an outcome
     if (effects[EFFECT_INLET] > NOTED_EFFECT)
         program_note(self,
                      "%s: grid.x_min: found %g, expected a longer inlet: the error estimate of the "
@@ -283,7 +286,7 @@ static void note_resolution(const program *self, const full_resolution *resoluti
             path, 100 * film_effects_of_rolling(&resolution->effects));
 }
 
-/* What is known of the grid's effects on a solution: into the file, unless NULL, and a note if they are
+/* Writes the resolution to the file, unless NULL, and prints a note if an error estimate is
  * large. */
 static ehd_status report_resolution(artefact *file, const program *self,
                                     const full_resolution *resolution, const ehd_contact *contact,
@@ -300,7 +303,7 @@ static void print_start(const char *path, double film, const run_result *result)
            film / result->central_film_thickness - 1);
 }
 
-/* X of the exit on each line, to be freed; NULL for a line contact. EHD_MEMORY. */
+/* Lists X of the exit on each line, to be freed. NULL for a line contact. EHD_MEMORY. */
 static ehd_status make_exits(double **exits, const full_state *state, const ehd_contact *contact,
                              ehd_error *error) {
     const ehd_grid *grid = &contact->grid;
@@ -318,7 +321,7 @@ static ehd_status make_exits(double **exits, const full_state *state, const ehd_
     return status;
 }
 
-/* A stationary scene on its way from the command line to the result. */
+/* A stationary scene on one grid, from its settings to its solution. */
 typedef struct stationary_run {
     const program *caller;
     const fullrun_options *options;
@@ -327,9 +330,9 @@ typedef struct stationary_run {
     double start_film; // central film of the state that --start gives
     full_state state;
     full_info info;
-    double *exits; // of a point contact
+    double *exits; // X of the exits of a point contact
     bool solved, estimated;
-    full_resolution resolution; // where it is estimated
+    full_resolution resolution; // only if `estimated`
 } stationary_run;
 
 static ehd_status estimate_resolution(stationary_run *self, ehd_error *error) {
@@ -364,13 +367,14 @@ static ehd_status solve_stationary(stationary_run *self, ehd_error *error) {
     return status;
 }
 
-/* Largest number of times that the program halves its default step. Contacts with b/a from 0.05 to 20 and lines were tried, with
- * M from 0.1 to 2000 and L from 0 to 25. Those whose default step was too coarse needed one halving. Each halving takes four
- * times as many nodes of a point contact. */
+/* Largest number of times that the program halves its default step. Contacts with b/a from
+ * 0.05 to 20 and lines were tried, with M from 0.1 to 2000 and L from 0 to 25. Those whose
+ * default step was too coarse needed one halving. Each halving takes four times as many
+ * nodes of a point contact. */
 enum { MAX_HALVINGS = 2 };
 
-/* Halves the default step if it does not resolve the contact. Returns whether it did: it needs enough memory, and at most as
- * many nodes as a grid may have. */
+/* Halves the default step if it does not resolve the contact. Returns whether it did: it needs
+ * enough memory, and at most as many nodes as a grid may have. */
 static bool halve_step(ehd_contact *finer, const stationary_run *self) {
     const fullrun_options *options = self->options;
     const film_effects *effects = &self->resolution.effects;
@@ -395,7 +399,7 @@ static bool halve_step(ehd_contact *finer, const stationary_run *self) {
     return true;
 }
 
-/* Into the file, unless NULL, and onto stdout. */
+/* Writes the result to the file, unless NULL, and prints it. */
 static ehd_status report_stationary(artefact **file, const stationary_run *self, ehd_error *error) {
     const char *path = self->caller->arguments[0];
     const ehd_contact *contact = self->contact;
@@ -438,7 +442,7 @@ static ehd_status report_stationary(artefact **file, const stationary_run *self,
     return status;
 }
 
-/* The file of a result on the run's grid, in the place of another one. */
+/* Creates the file of a result on the run's grid, and closes the file of another grid. */
 static ehd_status start_file(artefact **file, const stationary_run *self, const char *text,
                              ehd_error *error) {
     const program *caller = self->caller;
@@ -464,7 +468,7 @@ static ehd_status run_on_grid(stationary_run *self, ehd_error *error) {
     return status ? status : solve_stationary(self, error);
 }
 
-/* The last of the runs, 0 to `last`, that has a solution; without one the last. */
+/* Returns the last of the runs 0 … `last` that has a solution, or `last` if none has one. */
 static size_t last_solved(const stationary_run *runs, size_t last) {
     size_t place = last;
 
@@ -558,7 +562,7 @@ static ehd_status run_transient(const program *self, const fullrun_options *opti
     return status;
 }
 
-/* What belongs to scenes of one regime only, or to a result that is written. */
+/* Checks options that need a stationary scene, a transient scene or an output. EHD_USAGE. */
 static ehd_status check_usage(const program *self, const fullrun_options *options, bool transient,
                               ehd_error *error) {
     if (options->start && transient)
@@ -581,7 +585,7 @@ static ehd_status check_usage(const program *self, const fullrun_options *option
     return EHD_OK;
 }
 
-/* The grid of --grid-of. */
+/* Gives the contact the grid of --grid-of. */
 static ehd_status take_grid(ehd_contact *contact, const scene *given, const char *path,
                             ehd_error *error) {
     const contact_kind *kind;
@@ -598,8 +602,8 @@ static ehd_status take_grid(ehd_contact *contact, const scene *given, const char
     return status ? status : scene_check_approach(given, contact, error);
 }
 
-/* An entrainment that reverses needs an inlet on either side, as far as the scene does not say where
- * the grid ends. */
+/* Widens the grid if the entrainment reverses, so that there is an inlet on either side, unless
+ * the scene gives grid.x_max. */
 static ehd_status widen_for_reversal(ehd_contact *contact, const scene *given, ehd_error *error) {
     ehd_histories *histories;
     grid_extent needed;
@@ -617,7 +621,7 @@ static ehd_status widen_for_reversal(ehd_contact *contact, const scene *given, e
     return status ? status : scene_check_approach(given, contact, error);
 }
 
-/* Everything between the command line and the exit code. */
+/* Runs a scene, from the parsed command line to the status of the exit code. */
 static ehd_status run(const program *self, fullrun_options *options, ehd_error *error) {
     ehd_contact contact = {0};
     scene given;
@@ -629,7 +633,7 @@ static ehd_status run(const program *self, fullrun_options *options, ehd_error *
     if (transient) status = widen_for_reversal(&contact, &given, error);
     if (!status) status = take_grid(&contact, &given, options->grid_of, error);
     if (!status) status = check_usage(self, options, transient, error);
-    // a step that is not given may become finer
+    // a step that is not given may be halved
     const bool may_be_large =
         contact.kind && contact.kind->dimensions > 1 && isnan(contact.grid_given.step);
     if (!status && (may_be_large || full_is_large(&contact.grid)))

@@ -1,15 +1,19 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A cycle solves every other line, which do not touch one another, and then those between them;
- * carries the residual to a grid of every other node and line, whose matrix is the Galerkin product,
- * and the correction back; and solves the lines again in the same order (A. Brandt, Math. Comp. 31,
- * 1977; W. Hackbusch, Multi-Grid Methods and Applications, Springer 1985). Where fluid is carried along
- * the lines by the entrainment these alone are nearly a solution, and where the pressure flow is large
- * both ways the coarser grids are needed. The stencil is as large on all of them. Where the flow across
- * the lines is much larger than along them, as in a narrow ellipse, the coarser grid keeps all nodes of a
- * line: what varies from node to node along the lines and hardly across is left by the lines alone.
+/* A cycle of multigrid (A. Brandt, Math. Comp. 31, 1977; W. Hackbusch, Multi-Grid Methods and
+ * Applications, Springer 1985):
+ * 1. Solves the odd lines, which do not touch one another, then the even ones.
+ * 2. Carries the residual to a coarser grid of every other node and line, whose matrix is the
+ *    Galerkin product, and solves there in the same way.
+ * 3. Carries the correction back, and solves the odd lines again, then the even ones.
  *
- * Those that the coarser grid has, the even ones, come last: then the residual is zero on them, and the
- * odd ones need no correction, since they are solved first. */
+ * Where the entrainment carries fluid along the lines, their solutions are nearly the whole
+ * solution. Where the pressure flow is large both ways, the coarser grids are needed. The stencil
+ * is equally large on all grids. If the flow across the lines is much larger than along them, as
+ * in a narrow ellipse, the coarser grid keeps all nodes of a line. Otherwise an error would
+ * remain that varies from node to node along the lines and hardly across.
+ *
+ * The even lines, which the coarser grid has, come last. Then their residual is zero. The odd
+ * lines need no correction, since they are solved first. */
 #include "fullrun/multigrid.h"
 
 #include "common/program/arena.h"
@@ -20,30 +24,31 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Lines or columns of the coarsest grid, which is solved by a band matrix, at most. */
+/* The coarsest grid, which a band matrix solves, has at most COARSEST lines or at
+ * most COARSEST columns. */
 enum { COARSEST = 40, MAX_LEVELS = 20 };
 
-/* A line's matrix as L U: what it takes from two and one node back, the reciprocal of the diagonal,
- * and the entry ahead. */
+/* Factors L U of a line's matrix at a node: entries of L for two nodes and one node back, the
+ * reciprocal of the diagonal of U, and its entry ahead. */
 enum { BY_BACK2, BY_BACK, BY_HERE, BY_AHEAD, NUM_LINE_FACTORS };
 
-/* Nodes in the lines that are one part of what threads share, about. */
+/* Approximate number of nodes in one part of the work that threads share. */
 enum { PART = 2048 };
 
 typedef struct level {
     size_t columns, lines, num;
-    size_t stride;      // columns of the finer level to one of this one, 1 or 2
-    double flow_across; // between two nodes, over that along
+    size_t stride;      // columns of the finer level per column of this one, 1 or 2
+    double flow_across; // flow between two nodes across the lines, over that along
     size_t lines_of_part;
-    bool mirrored;    // at the first line
+    bool mirrored;    // the first line is a mirror line
     bool *unknown;    // [num]
     double *row;      // [num, CYCLE_ENTRIES]
     double *factors;  // [num, NUM_LINE_FACTORS]
-    double *right;    // [num], then what is left of it
+    double *right;    // [num]
     double *solution; // [num]
 } level;
 
-/* A band matrix as LAPACK has it: diagonals below and above, and rows in memory. */
+/* Shape of a band matrix in LAPACK: diagonals below and above, and rows in memory. */
 typedef struct band_shape {
     int below, above, rows;
 } band_shape;
@@ -51,10 +56,10 @@ typedef struct band_shape {
 struct multigrid {
     level levels[MAX_LEVELS]; // the finest first
     size_t num;
-    double *rest;         // [num of the finest]
+    double *rest;         // [num of the finest] residual of the lines
     team *threads;        // NULL: none
-    atomic_bool singular; // a line's matrix
-    // the coarsest level's band, LU by LAPACK, of nodes in the order of band_place
+    atomic_bool singular; // whether a line's matrix is singular
+    // LU factors by LAPACK of the coarsest level's band, with nodes in the order of band_place
     band_shape shape;
     double *band;     // [num, shape.rows]
     int *pivots;      // [num]
@@ -66,7 +71,8 @@ static bool is_coarsest(const level *self) {
     return self->columns <= COARSEST || self->lines <= COARSEST;
 }
 
-/* Ratio of the flow across the lines to that along them, from which on a coarser grid keeps all nodes of a line. */
+/* Ratio of the flow across the lines to that along them, above which a coarser grid keeps
+ * all nodes of a line. */
 static const double MUCH_ACROSS = 4;
 
 static level coarser(const level *fine) {
@@ -89,8 +95,8 @@ static level finest(const ehd_grid *grid) {
                    .mirrored = grid->half};
 }
 
-/* Place of a node of the coarsest grid in the band, along the shorter side first, so that the band is
- * narrow however long the other one is. */
+/* Returns the place of a node of the coarsest grid in the band. The shorter side comes first, so
+ * that the band is narrow however long the other side is. */
 static size_t band_place(const level *self, size_t column, size_t line) {
     return self->lines <= self->columns ? column * self->lines + line
                                         : line * self->columns + column;
@@ -179,11 +185,11 @@ const double *multigrid_solution(const multigrid *self) {
 
 // ---- matrices
 
-/* What is done on all lines of a level, or on some. */
+/* Context of work on all lines of a level, or on every other one. */
 typedef struct lines_task {
     multigrid *of;
-    level *here, *coarse; // the next one
-    size_t first_line;    // 0 or 1: of every other line
+    level *here, *coarse; // the level, and the next one
+    size_t first_line;    // of every other line: 0 or 1
 } lines_task;
 
 static void share_lines(multigrid *self, size_t lines, const level *size_of, team_task *task,
@@ -192,7 +198,8 @@ static void share_lines(multigrid *self, size_t lines, const level *size_of, tea
     team_share(self->threads, lines, size_of->lines_of_part, task, context);
 }
 
-/* Leaves in the rows what is between unknowns; all others are those of the identity. */
+/* Leaves in the rows only the entries between unknowns. Rows of other nodes become
+ * those of the identity. */
 static void clear_others(void *context, const team_part *part) {
     const level *self = ((lines_task *)context)->here;
 
@@ -201,7 +208,7 @@ static void clear_others(void *context, const team_part *part) {
             const size_t node = l * self->columns + c;
             double *row = self->row + node * CYCLE_ENTRIES;
             for (size_t a = 0; a < CYCLE_ENTRIES; a++) {
-                const size_t line = l + a / CYCLE_COLUMNS - 1; // wraps below the first one
+                const size_t line = l + a / CYCLE_COLUMNS - 1; // below line 0 it wraps around
                 const size_t column = c + a % CYCLE_COLUMNS - CYCLE_BACK;
                 const bool there = line < self->lines && column < self->columns;
                 if (!there || !self->unknown[node] || !self->unknown[line * self->columns + column])
@@ -211,8 +218,8 @@ static void clear_others(void *context, const team_part *part) {
         }
 }
 
-/* Adds an entry at a fine node, times a weight, to the entries of the coarse nodes around it that it
- * is interpolated from; `row` of the coarse node (l, c). */
+/* Adds an entry at a fine node to `row`, the row of coarse node (l, c): to the entries of the
+ * coarse nodes that the fine node is interpolated from, with the weights of the interpolation. */
 static void add_interpolated(double *row, double entry, size_t fine_line, size_t fine_column,
                              size_t l, size_t c, const level *coarse) {
     const size_t stride = coarse->stride;
@@ -226,13 +233,15 @@ static void add_interpolated(double *row, double entry, size_t fine_line, size_t
         }
 }
 
-/* Weight of a fine line's residual in that of coarse line l: lines below a mirror are those above. */
+/* Returns the weight of a fine line's residual in that of coarse line l. At a mirror line the
+ * line above counts for the line below too. */
 static double weight_of_line(const level *fine, size_t l, size_t fine_line) {
     if (fine_line == 2 * l) return 1;
     return fine->mirrored && l == 0 ? 1 : 0.5;
 }
 
-/* The range of fine lines or columns around a coarse one, of which there are `stride` to one. */
+/* Returns the first fine line or column around a coarse one, with `stride` fine ones per coarse
+ * one. end_around returns the end of these. */
 static size_t first_around(size_t coarse, size_t stride) {
     return coarse > 0 ? stride * coarse - (stride - 1) : 0;
 }
@@ -243,7 +252,7 @@ static size_t end_around(size_t coarse, size_t stride, size_t fine_count) {
     return end < fine_count ? end : fine_count;
 }
 
-/* Galerkin's product for one coarse node. */
+/* Computes the row of a coarse node in the Galerkin product. */
 static void fill_coarse_row(level *coarse, const level *fine, size_t l, size_t c) {
     const size_t stride = coarse->stride, end = end_around(c, stride, fine->columns);
     double *row = coarse->row + (l * coarse->columns + c) * CYCLE_ENTRIES;
@@ -275,7 +284,7 @@ static void fill_coarse(void *context, const team_part *part) {
         }
 }
 
-/* L U of a line's own matrix, without pivoting; false: singular. */
+/* Factorises a line's own matrix as L U without pivoting. Returns false if it is singular. */
 static bool factorise_line(level *self, size_t line) {
     const double *row = self->row + line * self->columns * CYCLE_ENTRIES + CYCLE_COLUMNS;
     double *here = self->factors + line * self->columns * NUM_LINE_FACTORS;
@@ -345,7 +354,8 @@ bool multigrid_prepare(multigrid *self) {
 
 // ---- a cycle
 
-/* Subtracts from a line's `value` what the line `above` or below it adds to its rows. */
+/* Subtracts from a line's `value` its rows' products with the solution on the line above
+ * (`above`) or below. */
 static void subtract_line(double *value, const level *self, size_t line, bool above) {
     const size_t width = self->columns;
     const double *other = self->solution + (above ? line + 1 : line - 1) * width;
@@ -360,7 +370,7 @@ static void subtract_line(double *value, const level *self, size_t line, bool ab
     }
 }
 
-/* Solves a line's own matrix for `value`, into the solution. */
+/* Solves a line's own matrix for the right side `value`, and stores the line's solution. */
 static void solve_line(level *self, const double *value, size_t line) {
     const size_t width = self->columns;
     const double *factors = self->factors + line * width * NUM_LINE_FACTORS;
@@ -381,7 +391,8 @@ static void solve_line(level *self, const double *value, size_t line) {
     }
 }
 
-/* Every other line from a start of zero, in which its neighbours have nothing. */
+/* Solves every other line from a start of zero, at which the lines beside
+ * it contribute nothing. */
 static void begin_lines(void *context, const team_part *part) {
     const lines_task *task = context;
     level *self = task->here;
@@ -397,7 +408,7 @@ static void subtract_neighbours(double *value, const level *self, size_t line) {
     if (line + 1 < self->lines) subtract_line(value, self, line, true);
 }
 
-/* Every other line with what stands on its neighbours. */
+/* Solves every other line with the present solution on the lines beside it. */
 static void solve_lines(void *context, const team_part *part) {
     const lines_task *task = context;
     level *self = task->here;
@@ -412,7 +423,8 @@ static void solve_lines(void *context, const team_part *part) {
     }
 }
 
-/* The residual of the odd lines, which is what their neighbours add. */
+/* Computes the residual of the odd lines: the contribution of the lines beside them, which were
+ * solved later. */
 static void find_rest(void *context, const team_part *part) {
     const lines_task *task = context;
     const level *self = task->here;
@@ -425,7 +437,8 @@ static void find_rest(void *context, const team_part *part) {
     }
 }
 
-/* The residual on the coarser grid: that of the odd lines, since it is zero on the others. */
+/* Carries the residual to the coarser grid. Only that of the odd lines counts, since it
+ * is zero on the others. */
 static void restrict_rest(void *context, const team_part *part) {
     const lines_task *task = context;
     const level *fine = task->here, *coarse = task->coarse;
@@ -447,14 +460,15 @@ static void restrict_rest(void *context, const team_part *part) {
         }
 }
 
-/* Value at a fine column of a coarse line. */
+/* Returns the value of a coarse line at a fine column. */
 static double along(const double *of_line, size_t column, const level *coarse) {
     if (column % coarse->stride == 0) return of_line[column / coarse->stride];
     return 0.5 *
            (of_line[column / 2] + (column / 2 + 1 < coarse->columns ? of_line[column / 2 + 1] : 0));
 }
 
-/* To the lines that the coarser grid has; those between them are solved next. */
+/* Adds the correction to the lines that the coarser grid has. The lines between them are solved
+ * next. */
 static void add_correction(void *context, const team_part *part) {
     const lines_task *task = context;
     const level *fine = task->here, *coarse = task->coarse;
@@ -467,7 +481,7 @@ static void add_correction(void *context, const team_part *part) {
     }
 }
 
-/* Lines 1, 3, 5 … or 0, 2, 4 … */
+/* Shares the work on lines 1, 3, 5 … or 0, 2, 4 … among the threads. */
 static void share_every_other(multigrid *self, level *here, size_t first_line, team_task *work) {
     lines_task task = {.here = here, .first_line = first_line};
 

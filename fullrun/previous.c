@@ -18,7 +18,7 @@ static spline **free_splines(spline **splines, size_t count) {
     return NULL;
 }
 
-/* NULL: no memory. */
+/* Creates splines of num_nodes nodes. Returns NULL if there is no memory. */
 static spline **make_splines(size_t count, size_t num_nodes) {
     spline **splines = calloc(count, sizeof(spline *));
 
@@ -29,12 +29,12 @@ static spline **make_splines(size_t count, size_t num_nodes) {
     return splines;
 }
 
-enum { POINTS = 6 }; // of the interpolation beyond the grid
+enum { POINTS = 6 }; // nodes of the interpolation beyond the grid
 
-/* The grid with as much around it as a contact grows under 2.25 times its load, or as fluid moves
- * within a few steps. */
+/* Returns the grid with a margin around it: as much as a contact grows under 2.25 times its load,
+ * or as fluid moves within a few steps. */
 static ehd_grid wide_grid(const ehd_grid *grid, size_t *margin, size_t *side) {
-    const double growth = 0.5; // of a line; of a point 0.31
+    const double growth = 0.5; // of a line's half width; of a point's 0.31
     const double x = fmax(fabs(grid_x(grid, 0)), fabs(grid_x(grid, grid->inner_x + 1)));
     const double y = grid->inner_lines > 1 ? grid_y(grid, grid->num_nodes - 1) : 0;
 
@@ -86,7 +86,7 @@ double previous_bytes(const ehd_contact *reference, size_t num_states) {
            (double)wide.num_nodes * ((double)num_states * of_wide_state + of_deflection);
 }
 
-/* Y of all lines of the whole grid, to which the values of a half grid are mirrored. */
+/* Sets Y of all lines of the whole grid, to which the values of a half grid are mirrored. */
 static void set_line_positions(previous_carrier *self) {
     const ehd_grid whole = grid_whole(&self->reference.grid);
 
@@ -159,7 +159,8 @@ void previous_set_base(previous_carrier *self, const previous_state *base, doubl
             surface_height(self->reference.surface, &base->frame, grid_x(grid, k), grid_y(grid, k));
 }
 
-/* Against the start's direction; one at rest is taken for forwards. */
+/* Checks whether a frame has the opposite direction of the start. A start at rest counts as
+ * forwards. */
 static bool is_reversed(const previous_carrier *self, const contact_frame *frame) {
     return self->base && (self->base->frame.speed < 0 ? frame->speed > 0 : frame->speed < 0);
 }
@@ -172,8 +173,8 @@ void previous_watch_base(previous_carrier *self, const contact_frame *frame) {
     if (is_reversed(self, frame)) self->base_until = fmin(self->base_until, frame->time);
 }
 
-/* Copies a field to carrier->values. Along the path a share of the filter is applied to its difference from the base, or to
- * all of it where that is NULL. */
+/* Copies a field to carrier->values. Along the path a share of the filter is applied to its
+ * difference from the base, or to all of it if `base` is NULL. */
 static void set_values(previous_carrier *self, const double *field, const double *base,
                        double share) {
     const size_t width = grid_width(&self->reference.grid);
@@ -201,7 +202,7 @@ void previous_filter(previous_state *self, double share, previous_carrier *carri
     const ehd_surface *surface = carrier->reference.surface;
 
     self->share = share;
-    // of a surface that is not smooth only the rest of the film is interpolated and filtered
+    // only the film without the heights of a surface is interpolated and filtered
     memcpy(self->filtered, self->state.film, grid->num_nodes * sizeof(double));
     for (size_t k = 0; surface && k < grid->num_nodes; k++)
         self->filtered[k] -=
@@ -209,7 +210,7 @@ void previous_filter(previous_state *self, double share, previous_carrier *carri
     set_values(carrier, self->filtered, base ? carrier->base_film : NULL, share);
     for (size_t k = 0; k < grid->num_nodes; k++) {
         self->filtered[k] = carrier->values[k] - self->filtered[k];
-        // natural splines of the film without gap, whose curvature at the grid's ends is small
+        // natural splines fit the film without gap, which bends little at the grid's ends
         carrier->values[k] -= grid_gap(grid, k);
     }
     fit_lines(self->deflection, carrier->values, carrier);
@@ -226,18 +227,19 @@ static bool is_on_grid(const previous_carrier *self, double x, double y) {
     return !self->across || (y >= lines[0] && y <= lines[self->num_across - 1]);
 }
 
-/* Where in a state's frame the fluid was that is now at X: stretch X - shift. */
+/* Place in a state's frame at which the fluid was that is now at X: stretch X - shift. */
 typedef struct origin {
     double stretch, shift;
 } origin;
 
-/* `near`: the interval of the last place. */
+/* Returns the value of a spline at x. `near` is the interval of the last place, and becomes that
+ * of x. */
 static double value_near(const spline *self, double x, size_t *near) {
     *near = spline_interval(self, x, *near);
     return spline_value(self, x, *near);
 }
 
-/* Interpolates every line at the origin of X. */
+/* Interpolates every line at the origins of the inner nodes' X. */
 static void resample_along(double *along, spline *const *splines, origin from,
                            const previous_carrier *self) {
     const ehd_grid *grid = &self->reference.grid;
@@ -253,7 +255,8 @@ static void resample_along(double *along, spline *const *splines, origin from,
     }
 }
 
-/* Values of column `i` on the lines of the whole grid; those of a half grid are mirrored. */
+/* Collects the values of column `i` on the lines of the whole grid. Those of a half grid are
+ * mirrored. */
 static void gather_column(previous_carrier *self, size_t i) {
     const ehd_grid *grid = &self->reference.grid;
     size_t num_lines = grid_lines(grid), mirror = grid->half ? num_lines - 1 : 0;
@@ -265,7 +268,8 @@ static void gather_column(previous_carrier *self, size_t i) {
     }
 }
 
-/* A field at the current frame's inner nodes, as far as these lie on the state's grid. */
+/* Interpolates a field at the inner nodes of the current frame, as far as their origins lie on
+ * the state's grid. */
 static void resample(double *inner, spline *const *splines, origin from, previous_carrier *self) {
     const ehd_grid *grid = &self->reference.grid;
 
@@ -283,7 +287,7 @@ static void resample(double *inner, spline *const *splines, origin from, previou
     }
 }
 
-/* H0 and deflection at any point, by its sum over the nodes. */
+/* Returns H0 and deflection at any point by the sum over the nodes. */
 static double deflection_at(const previous_state *self, const ehd_contact *reference, double x,
                             double y) {
     const ehd_grid *grid = &reference->grid;
@@ -301,7 +305,7 @@ static double deflection_at(const previous_state *self, const ehd_contact *refer
     return sum;
 }
 
-/* Sets a state's deflection on the wide grid. */
+/* Computes a state's deflection on the wide grid. */
 static void look_beyond(const previous_state *self, const previous_carrier *carrier) {
     const ehd_grid *grid = &carrier->reference.grid;
     const size_t width = grid_width(grid), wide = grid_width(&carrier->wide);
@@ -314,7 +318,8 @@ static void look_beyond(const previous_state *self, const previous_carrier *carr
     deflection_apply(self->beyond, carrier->deflection, self->beyond);
 }
 
-/* The first of POINTS nodes around a place in numbers of nodes, and Lagrange's weights of them. */
+/* Returns the first of POINTS nodes around a place, which is given in numbers of nodes, and sets
+ * their Lagrange weights. */
 static ptrdiff_t lagrange(double weight[POINTS], double place) {
     const double below = floor(place);
 
@@ -327,9 +332,9 @@ static ptrdiff_t lagrange(double weight[POINTS], double place) {
     return (ptrdiff_t)below - (POINTS / 2 - 1);
 }
 
-/* H0 and deflection at a point beyond the grid, from which pressures are so far that six points of
- * the wide grid give the film there to 1e-8 on steps of 0.19 (test_previous.c), on 65 by 65 nodes in
- * time the central film to 6e-13. Farther away by the sum, which takes a hundred times as long. */
+/* Returns H0 and deflection at a point beyond the grid. Pressures are so far away that six points
+ * of the wide grid give the film there to 1e-8 on steps of 0.19 (test_previous.c). Beyond the
+ * wide grid the sum over the nodes is taken, which takes a hundred times as long. */
 static double deflection_beyond(const previous_state *self, const previous_carrier *carrier,
                                 double x, double y) {
     const ehd_grid *wide = &carrier->wide;
@@ -353,8 +358,8 @@ static double deflection_beyond(const previous_state *self, const previous_carri
     return sum;
 }
 
-/* Adds `weight` times rho H of a state, with a surface unless NULL, at the origins of the inner
- * nodes. */
+/* Adds `weight` times rho H of a state at the origins of the inner nodes.
+ * `surface` NULL: smooth. */
 static void add_mass(double *mass, double weight, const previous_state *self,
                      const ehd_surface *surface, origin from, previous_carrier *carrier) {
     const ehd_contact *reference = &carrier->reference;
@@ -393,7 +398,7 @@ void previous_mass(double *mass, const previous_state *self, const contact_frame
     const previous_state *base = previous_base(carrier, now);
     add_mass(mass, ratio, self, surface, before, carrier);
     if (!base) return;
-    // the start is smooth under a surface that moves
+    // under a moving surface the start is smooth
     const ehd_surface *of_base = surface_rests(surface) ? surface : NULL;
     add_mass(mass, -ratio, base, of_base, before, carrier);
     add_mass(mass, ratio, base, of_base, here, carrier);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Previous states of the full model, carried over into the current frame (Maier et al. (2015),
- * eq. 15; common/time/README.md) by cubic splines along the grid's lines and, of a point contact,
- * from line to line; at fixed places, or along the path of the fluid. */
+/* Carries previous states of the full model over into the current frame (Maier et al. (2015),
+ * eq. 15; common/time/README.md), at fixed places or along the path of the fluid. Cubic splines
+ * interpolate along the lines of the grid and, on a point contact, from line to line. */
 #ifndef EHD_PREVIOUS_H
 #define EHD_PREVIOUS_H
 
@@ -17,10 +17,10 @@ typedef struct previous_state {
     size_t num_lines;
     spline **deflection; // [num_lines] film without gap, along each line
     spline **pressure;   // NULL when incompressible: rho H is then the film
-    double share;        // of the filter that the splines have had (frame_step_share)
-    double *filtered;    // [num_nodes] what that changed of the film
+    double share;        // of the filter that the splines contain (frame_step_share)
+    double *filtered;    // [num_nodes] change of the film by the filter
     double *beyond; // [num_nodes of the carrier's wide grid] deflection without H0; the first one
-                    // is NaN while it is not known
+                    // is NaN until all are computed
 } previous_state;
 
 /* Memory for carrying states over. */
@@ -28,63 +28,69 @@ typedef struct previous_carrier {
     ehd_contact reference;
     double *nodes;           // [width of the grid] X along a line
     double *values;          // [num_nodes] scratch
-    double *film, *pressure; // [num_inner] of a state, in the current frame
-    double *along;           // [lines, inner_x] with X in the current frame and Y in the state's
-    size_t num_across;       // lines of the whole grid with its boundary
-    double *lines, *across_values; // [num_across] their Y, and scratch
-    spline *across;                // NULL on a line contact
-    spline **errors;               // [lines] of previous_errors
-    ehd_grid wide;                 // the grid, with `margin` columns and `side` lines around it
-    size_t margin, side;           // (of a half grid lines on the one side)
-    ehd_deflection *deflection;    // on the wide grid
-    arena memory;                  // of all arrays
+    double *film, *pressure; // [num_inner] fields of a state, in the current frame
+    double *along;     // [lines, inner_x] at X of the current frame and Y of the state's frame
+    size_t num_across; // lines of the whole grid with its boundary
+    double *lines, *across_values; // [num_across] Y of these lines, and scratch
+    spline *across;                // across the lines; NULL on a line contact
+    spline **errors;               // [lines] scratch of previous_errors
+    ehd_grid wide;       // the grid with `margin` more columns and `side` more lines at each end
+    size_t margin, side; // (half grid: lines at one end only)
+    ehd_deflection *deflection; // on the wide grid
+    arena memory;               // of all arrays
     // along the path:
-    path_filter filter;         // of what differs from the start
+    path_filter filter;         // of the difference from the start
     const previous_state *base; // the start, which is carried at fixed places; NULL: none yet
-    double *base_film;          // [num_nodes] its film without a surface that rests
-    double base_until;          // T from which on none is: where the entrainment first reversed
+    double *base_film;          // [num_nodes] film of the base without a surface at rest
+    double base_until;          // T of the first reversal of the entrainment, which ends its use
 } previous_carrier;
 
-/* EHD_MEMORY. */
+/* Allocates the memory for states on the reference's grid. Free with previous_carrier_free.
+ * Errors: EHD_MEMORY; EHD_DATA: a filter of too many steps. */
 ehd_status previous_carrier_init(previous_carrier *self, const ehd_contact *reference,
                                  ehd_error *error);
 void previous_carrier_free(previous_carrier *self);
 
-/* Memory and splines for a state on the reference's grid. EHD_MEMORY. */
+/* Allocates memory and splines for a state on the reference's grid. Free with
+ * previous_free. EHD_MEMORY. */
 ehd_status previous_init(previous_state *self, const ehd_contact *reference, ehd_error *error);
 void previous_free(previous_state *self);
 
-/* Bytes of a carrier and of num_states states. */
+/* Returns the bytes of a carrier and of num_states states. */
 double previous_bytes(const ehd_contact *reference, size_t num_states);
 
-/* States are carried along the path of the fluid, but for what they have in common with `base`, which
- * the caller keeps and has prepared: that the rows carry (common/time/README.md). `until`: the time
- * up to which they do, INFINITY where that is not known. */
+/* Sets the base. Only the difference of a state from the base is carried along the path
+ * of the fluid; the rows carry the base (common/time/README.md, Along the path). The
+ * caller keeps and prepares the base. `until` is the time T up to which it is used,
+ * INFINITY if that is not known. */
 void previous_set_base(previous_carrier *self, const previous_state *base, double until);
 
-/* The base of a state in a frame: NULL from the first reversal of the entrainment on. */
+/* Returns the base for a state in a frame, or NULL from the first reversal
+ * of the entrainment on. */
 const previous_state *previous_base(const previous_carrier *self, const contact_frame *frame);
 
-/* A state in this frame is accepted: with one of the other direction the base is done with. */
+/* Ends the use of the base if a state that is accepted in this frame has the
+ * opposite entrainment. */
 void previous_watch_base(previous_carrier *self, const contact_frame *frame);
 
-/* Makes the splines of a state that is set. Along the path its film and pressure are filtered. */
+/* Computes the splines of a state. Along the path its film and pressure are filtered before. */
 void previous_prepare(previous_state *self, previous_carrier *carrier);
 
-/* Makes the splines of a prepared state again with another share of the filter. */
+/* Computes the splines of a prepared state again, with another share of the filter (0 … 1). */
 void previous_filter(previous_state *self, double share, previous_carrier *carrier);
 
-/* rho H of a previous state at the inner nodes of frame `now`, or where the fluid was that is there
- * now. Beyond the state's grid, where a contact that has grown has nodes and where fluid comes from,
- * P is zero and gap and deflection are evaluated. */
+/* Interpolates rho H of a previous state at the inner nodes of frame `now` or, along the path,
+ * at the places where the fluid of these nodes was. A contact that has grown, and fluid that
+ * comes from outside, need places beyond the state's grid. There P is zero, and gap and
+ * deflection are evaluated. */
 void previous_mass(
     // output:
     double *mass, // [num_inner]
     // input:
     const previous_state *self, const contact_frame *now, previous_carrier *carrier);
 
-/* Carries errors of rho H along with the fluid: from the nodes of frame `then` to the inner nodes of frame `now`; zero where the
- * fluid comes from beyond the grid. */
+/* Carries errors of rho H along with the fluid, from the nodes of frame `then` to the inner nodes
+ * of frame `now`. They are zero where the fluid comes from beyond the grid. */
 void previous_errors(
     // output:
     double *carried, // [num_inner]

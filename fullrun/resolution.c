@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A solution at Y = 0; of a line contact the whole. */
+/* A solution at Y = 0. On a line contact it is the whole solution. */
 typedef struct central_line {
     const double *pressure, *film; // [num_nodes], boundary nodes included
     size_t num_nodes;
@@ -30,22 +30,23 @@ static central_line central_line_of(const full_state *state, const ehd_grid *gri
     return line;
 }
 
-/* Of an estimate over what it estimates, so that it is a bound: that of P. J. Roache (J. Fluids
+/* Factor by which an estimate is enlarged to make it a bound: that of P. J. Roache (J. Fluids
  * Eng. 116, 1994) for three grids. */
 static const double SAFETY = 1.25;
 
-/* Changes by twice the step above which steps are taken for too coarse where no order is seen; the
- * minimum film converges less regularly. */
+/* If no order of convergence is observed, a step is too coarse where twice the step changes a
+ * film by more than this. The minimum film converges less regularly. */
 static const double LIMIT = 0.01, LIMIT_MINIMUM = 0.03;
 
-/* Films, and the rolling moment, with which the rolling resistance goes. */
+/* Films, and the rolling moment, to which the rolling resistance is proportional. */
 typedef struct film_pair {
     double central, minimum, rolling;
 } film_pair;
 
 static const film_pair no_films = {NAN, NAN, NAN};
 
-/* How far off the film around a point contact ends, which counts by its logarithm, where no size is given. */
+/* Sets a size if none is given. It determines how far off the film around a point contact ends,
+ * which counts by its logarithm only. */
 static void give_size(ehd_contact *contact) {
     if (!isnan(contact->half_width)) return;
     contact->half_width = 0.01;
@@ -61,8 +62,8 @@ static film_pair films_of(const full_state *state, const ehd_contact *contact) {
 
 // ---- the inlet
 
-/* Viscous pressure, the integral of dP / viscosity ratio from the inlet on. Between two nodes, over
- * which the viscosity may grow by decades, its logarithm is taken as linear in P. */
+/* Computes the viscous pressure, the integral of dP / viscosity ratio from the inlet on. Between
+ * two nodes the viscosity may grow by decades, so its logarithm is taken as linear in P. */
 static void viscous_pressure(double *viscous, const double *log_viscosity, const double *pressure,
                              size_t num_nodes) {
     viscous[0] = 0;
@@ -74,9 +75,9 @@ static void viscous_pressure(double *viscous, const double *log_viscosity, const
     }
 }
 
-/* Returns the pressure at `start` of an inlet from minus infinity, and the load before it, where a grid
- * that begins there has none: dP/dX = viscosity lambda (H - H_exit)/H^3, with the gap of the dry contact
- * and a constant as film. X = start / s, midpoint rule in s. */
+/* Returns the pressure at `start` of an inlet from minus infinity, and the load before it, which
+ * a grid that begins there lacks. They follow from dP/dX = viscosity lambda (H - H_exit)/H^3,
+ * where H is the gap of the dry contact plus a constant. X = start / s, midpoint rule in s. */
 static inlet_tail tail_before(const central_line *line, const ehd_contact *contact, double start) {
     const int num_intervals = 200;
     const double stride = 1. / num_intervals, flux = line->film[line->exit];
@@ -150,8 +151,8 @@ static size_t count_outlet(const central_line *line) {
 
 // ---- the step
 
-/* Node of a grid where an inner node of one with `stride` times its step lies; NO_NODE where the
- * coarse grid reaches farther to the side. */
+/* Returns the node of a grid at the place of an inner node of a coarse grid with `stride` times
+ * the step, or NO_NODE if the coarse grid reaches farther to the side there. */
 static size_t node_of_coarse(const ehd_grid *grid, const ehd_grid *coarse, size_t node,
                              size_t stride) {
     size_t column = node % grid_width(coarse), line = 0;
@@ -161,7 +162,7 @@ static size_t node_of_coarse(const ehd_grid *grid, const ehd_grid *coarse, size_
     return line < grid_lines(grid) ? line * grid_width(grid) + stride * (column - 1) + 1 : NO_NODE;
 }
 
-/* The solution at every `stride`-th of its inner nodes. */
+/* Sets a state on the coarse grid to the solution at every `stride`-th of its inner nodes. */
 static void restrict_state(full_state *coarse, const ehd_grid *grid, const full_state *solution,
                            const ehd_grid *fine, size_t stride) {
     for (size_t r = 0; r < grid->num_inner; r++) {
@@ -172,7 +173,7 @@ static void restrict_state(full_state *coarse, const ehd_grid *grid, const full_
     coarse->rigid_approach = solution->rigid_approach;
 }
 
-/* A grid with a multiple of the step. */
+/* A contact on a grid with a multiple of the step, and its solution. */
 typedef struct coarse_grid {
     ehd_contact contact;
     bool as_large;
@@ -181,7 +182,7 @@ typedef struct coarse_grid {
     full_state state;
 } coarse_grid;
 
-/* Solves from the state as it is; NaN: not converged. */
+/* Solves the contact from its present state. The films are NaN if it does not converge. */
 static ehd_status solve_on(film_pair *films, coarse_grid *self, ehd_error *error) {
     full_info info;
     ehd_status status = full_solve(&info, &self->state, self->solver, &self->contact, NULL, error);
@@ -191,8 +192,8 @@ static ehd_status solve_on(film_pair *films, coarse_grid *self, ehd_error *error
     return status;
 }
 
-/* Mean size of the relative changes of a point contact's film at the lowest node and those beside it,
- * with the sign of their mean. */
+/* Returns the mean size of the relative changes of the film at the lowest node and those beside
+ * it, with the sign of their mean. */
 static double change_of_minimum(const double *film, const double *before, const ehd_grid *grid) {
     const size_t width = grid_width(grid);
     size_t lowest = grid_node_of_row(grid, 0);
@@ -200,7 +201,7 @@ static double change_of_minimum(const double *film, const double *before, const 
 
     for (size_t r = 1; r < grid->num_inner; r++)
         if (before[grid_node_of_row(grid, r)] < before[lowest]) lowest = grid_node_of_row(grid, r);
-    const size_t below = lowest >= width ? lowest - width : lowest + width; // of a mirror line
+    const size_t below = lowest >= width ? lowest - width : lowest + width; // at a mirror line
     const size_t nodes[] = {lowest, lowest - 1, lowest + 1, lowest + width, below};
     const int count = grid->inner_lines > 1 ? 5 : 3;
     for (int i = 0; i < count; i++) {
@@ -217,7 +218,7 @@ static ehd_status create_coarse(coarse_grid *self, ehd_error *error) {
     settings.threads = self->threads;
     settings.as_large = self->as_large;
     settings.tolerance = 1e-8;
-    settings.max_iterations = 20; // more are needed only where the grid is too coarse
+    settings.max_iterations = 20; // only too coarse a grid needs more
     ehd_status status = full_solver_create(&self->solver, self->contact.kind, &self->contact.grid,
                                            &settings, error);
     return status ? status : full_state_init(&self->state, &self->contact.grid, error);
@@ -228,11 +229,11 @@ static void free_coarse(coarse_grid *self) {
     full_solver_free(self->solver);
 }
 
-/* What an endless domain changes of both films, relative; with a boundary node at `start`. NaN: not
- * known, infinite: it has no solution. */
+/* Relative changes of the films in an endless domain, against one with its boundary node at
+ * `start`. NaN: not known, infinite: no solution. */
 typedef struct inlet_change {
     double central, minimum, start;
-    double rolling; // with other surroundings of the same grid
+    double rolling; // if only the surroundings of the grid differ
 } inlet_change;
 
 /* Sets a change from the films on the same nodes before and after. */
@@ -243,7 +244,7 @@ static void set_change(inlet_change *change, const film_pair *after, const film_
     change->central = solved ? after->central / before->central - 1 : INFINITY;
     if (!solved)
         change->minimum = INFINITY;
-    else if (exit_is_within_node(grid)) // which leaves the lowest film smooth
+    else if (exit_is_within_node(grid)) // the lowest film then varies smoothly
         change->minimum = after->minimum / before->minimum - 1;
     else
         change->minimum = copysign(
@@ -253,7 +254,8 @@ static void set_change(inlet_change *change, const film_pair *after, const film_
     change->rolling = solved ? after->rolling / before->rolling - 1 : INFINITY;
 }
 
-/* Solves the same contact on the same grid with other surroundings. */
+/* Solves a contact again on the same grid with other surroundings, and sets the
+ * change of its films. */
 static ehd_status solve_surrounded(inlet_change *change, coarse_grid *self, const film_pair *films,
                                    ehd_error *error) {
     const ehd_grid *grid = &self->contact.grid;
@@ -268,8 +270,8 @@ static ehd_status solve_surrounded(inlet_change *change, coarse_grid *self, cons
     return status;
 }
 
-/* What an endless inlet does to the films of a solved line contact: with the pressure and the load of
- * the tail before its grid. */
+/* Finds the change of a solved line contact's films by an endless inlet: it adds the pressure and
+ * the load of the tail before the grid. */
 static ehd_status solve_with_tail(inlet_change *change, coarse_grid *self, const film_pair *films,
                                   ehd_error *error) {
     const ehd_grid *grid = &self->contact.grid;
@@ -277,21 +279,21 @@ static ehd_status solve_with_tail(inlet_change *change, coarse_grid *self, const
     inlet_tail *tail = &self->contact.tail;
 
     *tail = tail_before(&line, &self->contact, grid_x(grid, 0));
-    tail->load += tail->pressure * grid->step / 2; // to the cell of the first inner node
+    tail->load += tail->pressure * grid->step / 2; // up to the cell of the first inner node
     return solve_surrounded(change, self, films, error);
 }
 
-/* What the far field around the grid of a solved point contact does to its films. */
+/* Finds the change of a solved point contact's films by the far field around its grid. */
 static ehd_status solve_unbounded(inlet_change *change, coarse_grid *self, const film_pair *films,
                                   ehd_error *error) {
     self->contact.grid.boundary = BOUNDARY_OPEN;
     return solve_surrounded(change, self, films, error);
 }
 
-/* A grid of twice the size, and how many nodes it has more on each side. */
+/* A grid of twice the size, and the number of nodes that are added at its sides. */
 typedef struct twice_as_large {
     ehd_grid grid;
-    size_t before, beside; // columns, lines
+    size_t before, beside; // columns before the grid, lines beside it
 } twice_as_large;
 
 static twice_as_large twice_the_size(const ehd_grid *of) {
@@ -306,14 +308,15 @@ static twice_as_large twice_the_size(const ehd_grid *of) {
                             before, of->half ? 0 : beside};
 }
 
-/* The node of the larger grid where one of the smaller lies. */
+/* Returns the node of the larger grid at the place of a node of the smaller one. */
 static size_t node_in_larger(const twice_as_large *larger, const ehd_grid *of, size_t node) {
     const size_t line = node / grid_width(of) + larger->beside;
 
     return line * grid_width(&larger->grid) + node % grid_width(of) + larger->before;
 }
 
-/* A start on the larger grid: the solution, and the far field around it. */
+/* Sets a start on the larger grid: the solution of the smaller grid, and the
+ * far field around it. */
 static void enlarge_state(full_state *target, const twice_as_large *larger,
                           const coarse_grid *smaller) {
     const ehd_grid *grid = &larger->grid, *of = &smaller->contact.grid;
@@ -336,9 +339,10 @@ static void enlarge_state(full_state *target, const twice_as_large *larger,
     target->rigid_approach = source->rigid_approach;
 }
 
-/* What an endless domain does to the films of a solved point contact with the far field around: by
- * what one of twice the size does. The effect falls with the second to fourth power of the size, of
- * which the second leaves most, a third of this change. */
+/* Finds the change of a solved point contact's films by an endless domain, with the far
+ * field around: 4/3 of the change by a domain of twice the size. The effect falls with the
+ * second to fourth power of the size. With the second power, the worst case, a third of
+ * this change is left. */
 static ehd_status solve_larger(inlet_change *change, coarse_grid *smaller, const film_pair *films,
                                ehd_error *error) {
     const ehd_grid *of = &smaller->contact.grid;
@@ -367,8 +371,9 @@ static ehd_status solve_larger(inlet_change *change, coarse_grid *smaller, const
     return status;
 }
 
-/* Films of the contact on a grid with `stride` times the solution's step; NaN: not converged. Of the
- * first that converges, what an endless domain changes. */
+/* Solves the contact on a grid with `stride` times the step of the solution. The films
+ * are NaN if it does not converge. The first such grid that converges also gives the
+ * change by an endless domain. */
 static ehd_status solve_coarse(film_pair *films, inlet_change *change, const ehd_contact *contact,
                                const full_state *solution, const ehd_grid *fine, size_t stride,
                                team *threads, ehd_error *error) {
@@ -407,8 +412,10 @@ double full_step_effect(const double films[3], double order, double limit) {
     return larger / (exp2(fmax(1, fmin(observed, order))) - 1);
 }
 
-/* How the effect of the domain falls with its length: of a line by what its tail carries of the load, of
- * a point contact with the third power, with zero pressure around with the first. */
+/* Returns a measure of the effect of a domain that begins at `start`, for ratios between starts.
+ * For a line it is the load that the tail carries, with its pressure at `start` up to the
+ * centre. For a point contact it falls with the third power of the length, with zero pressure
+ * around with the first. */
 static double lacking_before(const central_line *line, const ehd_contact *contact, double start) {
     if (contact->kind->dimensions > 1)
         return pow(-start, far_field_is_there(&contact->grid) ? -3 : -1);
@@ -417,13 +424,13 @@ static double lacking_before(const central_line *line, const ehd_contact *contac
     return tail.load - tail.pressure * start;
 }
 
-/* The effect of the step on one film, which has two parts: by where the boundary before the inlet lies,
- * which is known, and that of the rows. They are not trusted to cancel.
- * beginnings: effects of domains that begin at x_min, and one, two and four steps before it, as those
- * of the three grids do. */
+/* Returns the error estimate of one film for the step. It has two parts, which are not trusted to
+ * cancel: the effect of the place where the domain begins, which is known, and that of the
+ * discretisation. beginnings: effects of domains that begin at x_min, and one, two and four steps
+ * before it, as the three grids do. */
 static double step_effect(const double films[3], const double beginnings[4], double order,
                           double limit) {
-    double same[3] = {films[0], films[1], films[2]}; // with the beginning of the first
+    double same[3] = {films[0], films[1], films[2]}; // with the beginning of the first grid
 
     if (!isfinite(beginnings[0])) return full_step_effect(films, order, limit);
     for (int g = 1; g < 3; g++)
@@ -456,9 +463,9 @@ static void set_effects(full_resolution *self, const film_pair films[3], const i
         self->effects.of[EFFECT_STEP], SAFETY * step_effect(minimum, of_minimum, 2, LIMIT_MINIMUM));
 }
 
-/* Sets the error estimates of the rolling resistance. Of a line contact the resistance includes the part in front of the
- * grid, and the error estimate of the film is an upper bound. Of a point contact it includes the far field, whose own error
- * is added. */
+/* Sets the error estimates of the rolling resistance. Of a line contact the resistance includes
+ * the part in front of the grid, and the error estimate of the film is an upper bound. Of a point
+ * contact it includes the far field, whose own error is added. */
 static void set_rolling_effects(full_resolution *self, const film_pair films[3],
                                 const inlet_change *change, const full_state *state,
                                 const ehd_contact *contact) {
@@ -481,7 +488,7 @@ ehd_status full_resolution_estimate(full_resolution *self, const full_state *sta
     film_pair films[3] = {no_films, no_films, no_films};
     inlet_change change = {NAN, NAN, grid->x_min, NAN};
     const central_line line = central_line_of(state, grid);
-    // by a larger domain, on as coarse a grid as it can be
+    // the domain's effect is found by a larger domain, on the coarsest grid that has a solution
     const bool coarsest_first = far_field_is_there(grid);
 
     give_size(&on[0]);

@@ -6,8 +6,8 @@
 
 #include <math.h>
 
-/* Value at X = 0 of a line: a node's where one lies there, else that of the cubic through the four
- * nodes around. */
+/* Returns the value of a line at X = 0: that of the node there or, if there is none, that of the
+ * cubic through the four nodes around. */
 static double central_value(const double *values, const ehd_grid *grid) {
     double column = -grid->x_min / grid->step + 1;
     double nearest = round(column);
@@ -24,8 +24,9 @@ static double film_at(const void *film, size_t node) {
     return ((const double *)film)[node];
 }
 
-/* Smallest film and its node: interpolated around the smallest node. Of a line around all nodes that
- * are lower than those beside them: the smallest one need not be in the deepest valley. */
+/* Returns the smallest film, interpolated around the lowest node, and sets that node. On a line
+ * it interpolates around all nodes that are lower than those beside them, since the lowest one
+ * need not be in the deepest valley. */
 static double smallest_film(size_t *node, const double *film, const ehd_grid *grid) {
     size_t lowest = grid_node_of_row(grid, 0);
 
@@ -43,7 +44,8 @@ static double smallest_film(size_t *node, const double *film, const ehd_grid *gr
     return smallest;
 }
 
-/* What lies between nodes of a film that nearly closes is not resolved, and may be below zero. */
+/* Checks the interpolated film. Between the nodes of a film that nearly closes it is not
+ * resolved, and may be below zero. */
 bool full_film_closes(const full_state *state, const ehd_grid *grid) {
     size_t node;
 
@@ -55,8 +57,9 @@ double full_exit_position(const full_state *state, const ehd_grid *grid) {
     return grid_x(grid, state->exit - 1) + state->exit_offset * grid->step;
 }
 
-/* Takes `exit`, which has no pressure, to the node behind the last positive pressure before it: what
- * lies in between is noise of the active set. False: the interval before it has none. */
+/* Moves `exit`, a node without pressure, to the node behind the last positive pressure before it.
+ * Values in between are noise of the active set. Returns false if the interval before it has no
+ * positive pressure. */
 static bool find_end_of_pressure(size_t *exit, const full_state *state, bool backwards) {
     size_t before = backwards ? *exit + 1 : *exit - 1;
 

@@ -25,13 +25,13 @@ void training_free(training *self) {
     self->points = NULL;
 }
 
-/* `pressure` is [num_nodes] or NULL. */
+/* Keeps a finished point. `pressure` is [num_nodes], or NULL if it has not converged. */
 static ehd_status keep_point(training *self, size_t point, const double *pressure,
                              double rigid_approach, size_t exit, ehd_error *error) {
     size_t num_nodes = self->set->grid.num_nodes;
     trained_point *kept = &self->points[point];
 
-    if (kept->done) { // told twice, by a file of somebody else's
+    if (kept->done) { // a file of another origin may contain it twice
         self->num_done--;
         self->num_failed -= kept->pressure == NULL;
         free(kept->pressure);
@@ -87,7 +87,8 @@ static ehd_status begin_worker(void **result, void *shared, ehd_error *error) {
     *result = self;
     if (!self) return ehd_no_memory(error, "solver");
 
-    // the last modes have singular values of 1e-10 of the first: solutions must be better than that
+    // the last modes have singular values of 1e-10 of the first, so solutions must be more
+    // accurate
     settings.tolerance = 1e-12;
     ehd_status status =
         full_solver_create(&self->solver, first->kind, &first->grid, &settings, error);

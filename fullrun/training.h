@@ -13,17 +13,17 @@
 
 /* One solved point. */
 typedef struct snapshot {
-    ehd_status status;         // EHD_OK or EHD_NOT_CONVERGED
+    ehd_status status;         // EHD_OK, EHD_NOT_CONVERGED or EHD_UNTRUSTED (full_judge)
     char reason[JUDGE_REASON]; // why it is not EHD_OK, or ""
     full_state state;          // meaningful only with EHD_OK
     contact_scalars scalars;   // meaningful only with EHD_OK
     size_t newton_iterations;
     double residual;
     double complementarity; // as in full_info
-    film_effects effects;   // of the grid, where wanted and with EHD_OK
+    film_effects effects;   // error estimates of the grid, if wanted and with EHD_OK
 } snapshot;
 
-/* What is kept of a point for the points that start from it. */
+/* The part of a solution that is kept for the points that start from it. */
 typedef struct trained_point {
     bool done;
     ehd_status status;
@@ -36,8 +36,8 @@ typedef struct training {
     const program *program; // for messages and progress
     const training_set *set;
     trained_point *points; // [num_points of the set]
-    const bool *wanted;    // [num_points] to solve; NULL: all
-    bool with_effects;     // of the grid too, at the points of which the set wants them
+    const bool *wanted;    // [num_points] whether to solve a point; NULL: all
+    bool with_effects;     // estimates errors of the grid too, at the points marked in the set
     size_t num_failed;     // done, but not EHD_OK
     size_t num_done;
     /* Stores a finished point. Called by one thread at a time. */
@@ -46,16 +46,16 @@ typedef struct training {
     void *sink;
     progress progress;
     size_t num_before; // points done by an earlier run
-    double rest;       // for the progress: what comes behind the points
-    bool more;
+    double rest;       // s, for the progress: work that follows in this stage
+    bool more;         // for the progress: further work may follow after that
 } training;
 
-/* Reports the memory that a plan needs with num_jobs points or trajectories at a time: solvers, and
- * pressures kept as starts. EHD_MEMORY: more than there is, for point contacts. */
+/* Reports the memory that a plan needs for num_jobs points or trajectories at a time: solvers,
+ * and pressures kept as starts. EHD_MEMORY: point contacts need more than is free. */
 ehd_status training_check_memory(const training_set *set, const program *caller,
                                  const char *plan_path, size_t num_jobs, ehd_error *error);
 
-/* A training of which no point is done; the set must outlive it. EHD_MEMORY. */
+/* Starts a training of which no point is done. The set must outlive it. EHD_MEMORY. */
 ehd_status training_init(training *self, const program *caller, const training_set *set,
                          ehd_error *error); // free with training_free
 void training_free(training *self);
@@ -64,9 +64,10 @@ void training_free(training *self);
 ehd_status training_restore(training *self, size_t point, const double *pressure,
                             double rigid_approach, size_t exit, ehd_error *error);
 
-/* Solves all wanted points that are not done. One that does not converge is counted, with a
+/* Solves all wanted points that are not done. A point that does not converge is counted, with a
  * warning, and its children start cold. A point's solution depends on the set alone, neither on
- * num_workers nor on earlier runs. EHD_INTERRUPTED, EHD_MEMORY, EHD_INTERNAL, errors of `store`. */
+ * num_workers nor on earlier runs.
+ * Errors: EHD_INTERRUPTED, EHD_MEMORY, EHD_INTERNAL, those of `store`. */
 ehd_status training_run(training *self, size_t num_workers, ehd_error *error);
 
 #endif
