@@ -19,12 +19,13 @@
 
 enum { MIN_BATCH = 4 };
 
-/* A region may be cut in two once its model has this many times the points of the first round (README.md). */
+/* A region may be cut in two once its model has this many times the points of the first round
+ * (README.md, Parts of a region). */
 static const double WIDE = 5;
 
-/* A region whose highest M is at most this many times the lowest is never cut, so that an accuracy that no model reaches
- * does not lead to ever more parts. The parts of scenes/studies/parts, trained for 1e-4, span 1.4 to 2 and end with about
- * 100 points. */
+/* A region whose highest M is at most this many times the lowest is never cut. Otherwise an
+ * accuracy that no model reaches would lead to ever more parts. The parts of
+ * scenes/studies/parts, trained for 1e-4, span 1.4 to 2 and end with about 100 points. */
 static const double NARROW = 2;
 
 typedef struct adaptive {
@@ -33,23 +34,23 @@ typedef struct adaptive {
     const char *plan_path;
     const adaptive_settings *settings;
     size_t num_workers;
-    double started; // program_seconds
-    double solving; // s, of full solutions, so many:
-    size_t num_solved;
-    double judging; // s, of the last round
+    double started;    // program_seconds
+    double solving;    // s, time of full solutions
+    size_t num_solved; // number of these solutions
+    double judging;    // s, time for the model of the last round and its estimates
 
     artefact *file; // what is written: the training, or a piece of a round
     training points;
     tree_point *places;         // [num_points]
-    double (*films)[NUM_FILMS]; // [num_points] by the full model, of those solved
+    double (*films)[NUM_FILMS]; // [num_points] of the full model, if solved
     bool *trained;              // [num_points]
-    size_t *state_of_point;     // [num_points] of the trained points, in the file
-    trial_verdict *verdicts;    // [num_points] of the others, by the present model
-    double *indicated;          // [num_points] of the others; infinite before the first model
+    size_t *state_of_point;     // [num_points] number in the file, of trained points
+    trial_verdict *verdicts;    // [num_points] of the present model, for the other points
+    double *indicated; // [num_points] error estimate of these; infinite before the first model
 
     size_t num_states;
     adaptive_state *states; // [num_states]
-    size_t num_rounds;      // judged
+    size_t num_rounds;      // rounds with a model
     adaptive_round *rounds; // [num_rounds]
     bool ended, divided;
 } adaptive;
@@ -72,7 +73,8 @@ static void adaptive_free(adaptive *self) {
     free(self->rounds);
 }
 
-/* Candidates of one group and of the same laws are neighbours, also where the laws' constants vary. */
+/* Sets the places of the candidates, by which neighbours are found. Candidates of one group and
+ * of the same laws are one family, also where the laws' constants vary. */
 static void find_places(tree_point *places, const training_set *set) {
     training_set_places(places, set);
     for (size_t i = 0; i < set->num_points; i++) {
@@ -110,24 +112,25 @@ static size_t smaller(size_t a, size_t b) {
     return a < b ? a : b;
 }
 
-// ---- what is known of the rounds
+// ---- results of the rounds
 
 static bool is_solved(const adaptive *self, size_t point) {
     return self->points.points[point].pressure != NULL;
 }
 
-/* Whether the model that judged a state and the full one both have a solution. */
+/* Checks whether the full model and the model that estimated a state's error both have a
+ * solution. */
 static bool is_compared(const adaptive *self, const adaptive_state *state) {
     return isfinite(state->verdict.bound[FILM_CENTRAL]) && is_solved(self, state->point);
 }
 
-/* Relative deviation of a film by the model that judged a state. */
+/* Returns the relative error of a film by the model that estimated the state's error. */
 static double true_deviation(const adaptive *self, const adaptive_state *state, int film) {
     return fabs(state->verdict.film[film] / self->films[state->point][film] - 1);
 }
 
-/* Factor of a film's indicator from the points that came in a round; 0: none. `work` is [2,
- * num_states]. */
+/* Fits the factor of a film's error estimate to the points that came in a round. Returns 0 if
+ * there are none. `work` is [2, num_states]. */
 static double factor_of(const adaptive *self, size_t round, int film, double *work) {
     double *deviations = work, *bounds = work + self->num_states;
     size_t count = 0;
@@ -146,7 +149,8 @@ typedef struct film_factors {
     bool known;
 } film_factors;
 
-/* From the points of a round or, where the model before it solved none of them, of an earlier one. */
+/* Fits the factors of both films to the points of a round, or to those of an earlier one if the
+ * model before the round solved none of them. */
 static film_factors factors_of(const adaptive *self, size_t round, double *work) {
     film_factors factors = {.known = false};
 
@@ -160,7 +164,8 @@ static film_factors factors_of(const adaptive *self, size_t round, double *work)
     return factors;
 }
 
-/* The larger of both films' deviations; without factors in units of the bounds. */
+/* Returns the larger error estimate of both films. Without known factors it
+ * is the larger bound. */
 static double indicated_by(const trial_verdict *verdict, const film_factors *factors) {
     double indicated = 0;
 
@@ -169,7 +174,8 @@ static double indicated_by(const trial_verdict *verdict, const film_factors *fac
     return indicated;
 }
 
-/* Worst of what a film of a round's points was found to deviate; NaN: none was solved before. */
+/* Returns the largest error of a film at the points of a round, by the model before it. NaN if
+ * that model solved none of them. */
 static double worst_of_film(const adaptive *self, size_t round, int film) {
     double worst = NAN;
 
@@ -179,12 +185,13 @@ static double worst_of_film(const adaptive *self, size_t round, int film) {
     return worst;
 }
 
-/* The same of both films. */
+/* Returns the larger worst_of_film of both films. */
 static double worst_deviation(const adaptive *self, size_t round) {
     return fmax(worst_of_film(self, round, FILM_CENTRAL), worst_of_film(self, round, FILM_MINIMUM));
 }
 
-/* Whether the model before a round had a solution at each of its points that the full model has. */
+/* Checks whether the model before a round had a solution at each of its points that the full
+ * model has solved. */
 static bool is_round_compared(const adaptive *self, size_t round) {
     bool all = true;
 
@@ -194,7 +201,7 @@ static bool is_round_compared(const adaptive *self, size_t round) {
     return all;
 }
 
-/* Converged points up to a round. */
+/* Counts the converged points up to a round. */
 static size_t count_solved(const adaptive *self, size_t round) {
     size_t count = 0;
 
@@ -203,8 +210,8 @@ static size_t count_solved(const adaptive *self, size_t round) {
     return count;
 }
 
-/* Rounds that an earlier run has judged: the worst candidate of each is the first of the next one.
- */
+/* Restores the outcomes of rounds that an earlier run has finished. The largest estimate of a
+ * round is that of the first point of the next one. */
 static ehd_status recall_rounds(adaptive *self, ehd_error *error) {
     double *work = malloc((2 * self->num_states + 1) * sizeof *work);
     if (!work) return ehd_no_memory(error, self->plan_path);
@@ -232,8 +239,8 @@ static void add_point(adaptive *self, size_t point, const trial_verdict *verdict
     self->trained[point] = true;
 }
 
-/* Adds the candidates with the largest indicated deviation, `indicated`, of those above the
- * accuracy. */
+/* Adds the candidates with the largest error estimates, `indicated`, of those above the accuracy.
+ * `judged`: the present model has estimated their errors. */
 static ehd_status add_worst(adaptive *self, const double *indicated, size_t max_count,
                             double accuracy, bool judged, ehd_error *error) {
     const candidates from = {self->places, self->set->num_points, self->trained, indicated,
@@ -249,7 +256,7 @@ static ehd_status add_worst(adaptive *self, const double *indicated, size_t max_
     return status;
 }
 
-/* Places in the trained range, in units of their extent. */
+/* Sets the places of the points in the trained range, in units of their extent. */
 static void normalise(double (*places)[RANGE_AXES], const training_set *set) {
     double low[RANGE_AXES], high[RANGE_AXES];
 
@@ -270,12 +277,12 @@ static void normalise(double (*places)[RANGE_AXES], const training_set *set) {
 }
 
 /* Adds the corners of the candidates of one family (group and lubricant). `here`, `numbers` and
- * `corners` are memory for num_points. */
+ * `corners` are scratch memory for num_points. */
 static ehd_status add_corners_of(adaptive *self, size_t family, const double (*places)[RANGE_AXES],
                                  double (*here)[RANGE_AXES], size_t *numbers, size_t *corners,
                                  ehd_error *error) {
     const trial_verdict unknown = {{NAN, NAN}, {NAN, NAN}};
-    const double rounding = 1e-9; // the slack of trained_range_check, of which none is outside
+    const double rounding = 1e-9; // tolerance of trained_range_check: none is outside
     size_t count = 0;
 
     for (size_t i = 0; i < self->set->num_points; i++) {
@@ -314,7 +321,7 @@ static ehd_status add_corners(adaptive *self, ehd_error *error) {
     return status;
 }
 
-/* The first round, nothing being known yet: corners, and what lies furthest from these and each
+/* Adds the first round: corners, and candidates as far as possible from these and from each
  * other. */
 static ehd_status add_first_round(adaptive *self, ehd_error *error) {
     size_t wanted = smaller(self->settings->start, self->settings->max_points);
@@ -327,13 +334,14 @@ static ehd_status add_first_round(adaptive *self, ehd_error *error) {
                : adaptive_file_add(self->file, self->set, self->states, 0, self->num_states, error);
 }
 
-/* Whether the model of a round indicates all candidates to be good: the next one is a check. */
+/* Checks whether no error estimate of a round exceeds the accuracy. The next round is then a
+ * check. */
 static bool is_good(const adaptive *self, size_t round) {
     return self->rounds[round].indicated <= self->settings->accuracy;
 }
 
-/* Points that show whether what is indicated holds: half of them the worst that are indicated, the
- * worst first, the others as far from all that is trained as there are. */
+/* Adds the points of a check of the error estimates. Half of them have the largest estimates, the
+ * largest first. The others are as far as possible from all points that are trained on. */
 static ehd_status add_check(adaptive *self, size_t count, ehd_error *error) {
     double *equal = calloc(self->set->num_points, sizeof *equal);
     ehd_status status = equal ? add_worst(self, self->indicated, (count + 1) / 2, -1, true, error)
@@ -361,7 +369,8 @@ static ehd_status add_next_round(adaptive *self, ehd_error *error) {
 
 // ---- solving
 
-/* The nearest state of earlier rounds that a new one could start from; NO_PARENT: none. */
+/* Returns the nearest point of earlier rounds, from which a new point can
+ * start. NO_PARENT: none. */
 static size_t nearest_before(const adaptive *self, const tree_point *from,
                              const double scale[TREE_AXES]) {
     double nearest = INFINITY;
@@ -376,11 +385,11 @@ static size_t nearest_before(const adaptive *self, const tree_point *from,
     return found;
 }
 
-/* Each point starts from the nearest one of the rounds before, those of the first round cold, so
- * that the points of a round need none of each other, whoever solves them. Newton iterations a point,
- * and with a tree that goes on through the points of a round, which are far apart: 10.4 and 13.7 in
- * the plan of examples/line, 6.0 and 5.8 in that of examples/point (newton_iterations of
- * `snapgen plan.yml --jobs 1`). */
+/* Sets the starts and the order of the new points. Each starts from the nearest point of the
+ * rounds before, those of the first round cold. So the points of a round do not need each other,
+ * whichever process solves them. Starts from points of the same round, which are far apart, would
+ * save nothing. In the plan of examples/line Newton takes 10.4 iterations a point and would take
+ * 13.7, in that of examples/point 6.0 and 5.8. */
 static ehd_status order_points(adaptive *self, ehd_error *error) {
     double scale[TREE_AXES];
 
@@ -394,7 +403,7 @@ static ehd_status order_points(adaptive *self, ehd_error *error) {
     return tree_order(self->set->order, self->set->parent, self->set->num_points, error);
 }
 
-/* Entry `store` of the training. */
+/* Stores a solved point as the member `store` of the training. */
 static ehd_status store(void *sink, const training_set *set, size_t point, const snapshot *solution,
                         ehd_error *error) {
     adaptive *self = sink;
@@ -427,7 +436,7 @@ static ehd_status solve_round(adaptive *self, ehd_error *error) {
 
 // ---- judging
 
-/* Model of all points that are solved. */
+/* Makes a model of all points that are solved. */
 static ehd_status build_model(reduced_model *model, trial_costs *costs, const adaptive *self,
                               ehd_error *error) {
     size_t count = 0;
@@ -472,20 +481,21 @@ static ehd_status build_model(reduced_model *model, trial_costs *costs, const ad
     return status;
 }
 
-/* What the stages behind the training take at least: as long as with the present points, and the check
- * its full solutions (solve_round). How many rounds are to come nobody knows: to extrapolate the worst
- * that is indicated was tried (scenes/studies/adaptive-training). */
+/* Reports how long the stages after the training are expected to take at least: as long as with
+ * the present points. The check takes full solutions; solve_round reports it. The number of
+ * rounds to come is not known, and extrapolation of the estimates does not give it
+ * (scenes/studies/adaptive-training). */
 static void tell_costs(const adaptive *self, const trial_costs *costs) {
     const stage *here = &self->caller->stage;
 
     stage_expect(here, "basis", costs->basis);
     stage_expect(here, "residuals", costs->residuals);
     stage_expect(here, "rows", costs->rows);
-    // of other parts of the region
+    // trainings of other parts of the region
     stage_expect(here, "training", program_seconds() - self->started);
 }
 
-/* Lets the present model judge what is left. */
+/* Makes the present model, and estimates its errors at all other candidates. */
 static ehd_status judge_candidates(adaptive *self, ehd_error *error) {
     size_t num_points = self->set->num_points;
     bool *left = malloc(num_points * sizeof *left);
@@ -554,7 +564,7 @@ static ehd_status judge_round(adaptive *self, ehd_error *error) {
 
 // ---- pieces
 
-/* What others have solved of the last round. */
+/* Takes over solutions of the last round from pieces, which other processes have solved. */
 static ehd_status take_pieces(adaptive *self, const adaptive_task *task, ehd_error *error) {
     ehd_status status = EHD_OK;
 
@@ -566,7 +576,7 @@ static ehd_status take_pieces(adaptive *self, const adaptive_task *task, ehd_err
 
 // ---- parts of the region
 
-/* States that came in a round. */
+/* Counts the states that came in a round. */
 static size_t count_round(const adaptive *self, size_t round) {
     size_t count = 0;
 
@@ -575,9 +585,10 @@ static size_t count_round(const adaptive *self, size_t round) {
     return count;
 }
 
-/* Estimates how many points one model needs for the wanted accuracy: a line is fitted to the logarithms of the worst
- * error that each of the last four rounds indicated, over the points, and continued to the accuracy. Infinite where the
- * line does not fall, or where candidates have no solution. */
+/* Estimates how many points one model needs for the wanted accuracy. A straight line is fitted to
+ * the logarithm of the largest error estimate over the number of points in the last four rounds,
+ * and continued to the accuracy. Returns infinity if the line does not fall, or if candidates
+ * have no solution. */
 static double expected_points(const adaptive *self) {
     const size_t count = smaller(self->num_rounds, 4), first = self->num_rounds - count;
     double mean_points = 0, mean_worst = 0, slope = 0, spread = 0;
@@ -597,7 +608,8 @@ static double expected_points(const adaptive *self) {
                 mean_points + (log(self->settings->accuracy) - mean_worst) / slope);
 }
 
-/* Whether one model would take more points than one for each of two parts. */
+/* Checks whether one model is expected to take more points than two models of two parts
+ * (README.md, Parts of a region). */
 static bool is_too_wide(const adaptive *self) {
     const double of_part = WIDE * (double)count_round(self, 0);
 
@@ -605,7 +617,8 @@ static bool is_too_wide(const adaptive *self) {
            !is_good(self, self->num_rounds - 1) && !(expected_points(self) <= 2 * of_part);
 }
 
-/* Two parts with half of the points each: these are where the training is hard. */
+/* Writes plans for two parts with half of the points each, since there are most points where the
+ * training is hard. */
 static ehd_status divide(adaptive *self, const adaptive_task *task, ehd_error *error) {
     size_t *points = malloc((self->num_states + 1) * sizeof *points);
     const parts_request request = {.plan_path = self->plan_path,
@@ -626,8 +639,8 @@ static ehd_status divide(adaptive *self, const adaptive_task *task, ehd_error *e
 
 // ---- rounds
 
-/* Whether the last round was a check, and a good one: its points were within the accuracy before
- * they were trained on, and all others are indicated to be. */
+/* Checks whether the last round was a successful check: the model before it was within the
+ * accuracy at its points, and the estimates of all others are. */
 static bool is_checked(const adaptive *self) {
     const size_t last = self->num_rounds - 1;
 
@@ -640,7 +653,7 @@ static bool is_finished(const adaptive *self) {
            self->num_states >= smaller(self->set->num_points, self->settings->max_points);
 }
 
-/* Chosen, but not solved yet. */
+/* Counts the points that are chosen, but not solved yet. */
 static size_t count_open(const adaptive *self) {
     return self->num_states - self->points.num_done;
 }
@@ -675,7 +688,7 @@ static ehd_status run_rounds(adaptive *self, const adaptive_task *task, ehd_erro
     return status;
 }
 
-/* What follows from the states. */
+/* Sets `trained` and `state_of_point` from the states. */
 static void mark_states(adaptive *self) {
     for (size_t s = 0; s < self->num_states; s++) {
         self->trained[self->states[s].point] = true;
@@ -698,7 +711,8 @@ static ehd_status open_file(adaptive *self, bool resume, ehd_error *error) {
     return adaptive_file_create(&self->file, self->caller, self->set, self->plan_path, error);
 }
 
-/* Points are used up before a check was good: where it was hard, and what helps. */
+/* Warns that the points are used up without a successful check, where the largest
+ * estimate is, and what helps. */
 static void warn_of_end(const adaptive *self) {
     const bool limited = self->num_states < self->set->num_points;
     char name[POINT_NAME] = "";
@@ -716,7 +730,7 @@ static void warn_of_end(const adaptive *self) {
                  limited ? "more of them (--max-points) may" : "a plan with more candidates may");
 }
 
-/* The short result, and whether too much was lost. */
+/* Prints the result in short. EHD_NOT_CONVERGED: more points failed than allowed. */
 static ehd_status report(const adaptive *self, size_t allowed_failures, ehd_error *error) {
     const adaptive_round *last = &self->rounds[self->num_rounds - 1];
     size_t num_failed = self->points.num_failed;
@@ -742,7 +756,7 @@ static ehd_status report(const adaptive *self, size_t allowed_failures, ehd_erro
                     self->plan_path, num_failed, self->num_states, allowed_failures);
 }
 
-/* By what --resume tells one adaptive training from another. */
+/* Adds the line of settings by which --resume distinguishes adaptive trainings. */
 static ehd_status add_text(training_set *set, const char *plan_path,
                            const adaptive_settings *settings, ehd_error *error) {
     char line[256];
@@ -754,7 +768,7 @@ static ehd_status add_text(training_set *set, const char *plan_path,
     return training_set_add_text(set, line, plan_path, error);
 }
 
-/* Memory for a training that is known by its settings. */
+/* Allocates a training and adds its settings to the set's text. EHD_DATA: transient scenes. */
 static ehd_status begin(adaptive *self, const program *caller, const adaptive_task *task,
                         ehd_error *error) {
     ehd_status status = EHD_OK;
@@ -798,7 +812,7 @@ ehd_status adaptive_train(const program *caller, const adaptive_task *task, ehd_
 
 // ---- a piece of a round
 
-/* Leaves only the points of the piece to be solved: every N-th of those that are not. */
+/* Leaves only the points of the piece to be solved: every N-th of those that are not done. */
 static ehd_status choose_piece(adaptive_state *chosen, size_t *count, adaptive *self,
                                const adaptive_task *task, ehd_error *error) {
     const size_t num_open = count_open(self), total = task->piece.total;
@@ -820,7 +834,7 @@ static ehd_status choose_piece(adaptive_state *chosen, size_t *count, adaptive *
     return EHD_OK;
 }
 
-/* Goes on with the file of a piece, which has to be of the same points. */
+/* Continues the file of a piece. EHD_DATA: its points are others. */
 static ehd_status resume_piece(adaptive *self, const adaptive_state *chosen, size_t count,
                                ehd_error *error) {
     adaptive_state *found = malloc(self->set->num_points * sizeof *found);

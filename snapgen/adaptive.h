@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Training on as many points of a plan as a wanted accuracy needs, where they are needed. */
+/* Adaptive training: solves as many points of a plan as a wanted accuracy needs,
+ * where they are needed. */
 #ifndef EHD_ADAPTIVE_H
 #define EHD_ADAPTIVE_H
 
@@ -7,52 +8,57 @@
 #include "common/training/training_set.h"
 
 typedef struct adaptive_settings {
-    double accuracy;         // wanted relative deviation of central and minimum film
-    size_t start;            // points of the first round, at least the corners of the region
+    double accuracy;         // wanted relative error of central and minimum film
+    size_t start;            // points of the first round; the region's corners at least
     size_t batch;            // points of each further round; 0: a fifth of those before
-    size_t max_points;       // points in all
+    size_t max_points;       // largest number of points in all
     double discarded_energy; // of the bases (podbuild --energy)
     bool cold;               // every point starts cold
 } adaptive_settings;
 
 adaptive_settings adaptive_default_settings(void);
 
-/* What a call does. */
+/* A call of adaptive_train or adaptive_solve. */
 typedef struct adaptive_task {
-    training_set *set; // of all candidates
+    training_set *set; // all candidates
     const char *plan_path;
     const adaptive_settings *settings;
     bool resume;
     size_t allowed_failures;
     size_t num_workers;
-    // a training in parts, each a call of its own
-    bool only_choose;          // end where points are to be solved, without solving them
-    const char *const *pieces; // [num_pieces] outputs of adaptive_solve
+    // for a training in pieces, with a call for each
+    bool only_choose;          // ends as soon as points are to be solved
+    const char *const *pieces; // [num_pieces] outputs of adaptive_solve to take over
     size_t num_pieces;
     const char *parts;     // file for a list of parts (parts_write); NULL: always one model
-    const char *chosen_in; // for adaptive_solve: the .partial with the points that are to be solved
-    shard piece;           // the same: which of them
+    const char *chosen_in; // for adaptive_solve: the .partial file that contains its points
+    shard piece;           // for adaptive_solve: its piece of these points
 } adaptive_task;
 
-/* The points of the set are candidates. Round by round some are solved with the full model, a
- * reduced model is made of all that are solved, and judges the others by its indicator
- * (romrun/online/indicator.h), whose factor is fitted to the points of the last round, which the
- * model before had judged. The worst ones come next, until none is indicated to deviate more than
- * is wanted. The next ones are a check: some of the worst, and some as far from all others as
- * there are. When the model that judged them is found to be as accurate as wanted there, training
- * ends with them; else it goes on. Written to caller->output, which grows and can be resumed. The
- * points that are chosen and their solutions do not depend on num_workers, on interruptions, or on
- * who solved them: what the pieces hold of the last round is taken as it is. With `parts` a training
- * that one model is not expected to end soon is left, and the list of its parts is written in place
- * of the output (README.md). EHD_NOT_CONVERGED: more
- * points than allowed failed in the full model, or all; EHD_DATA: trajectories in the plan, a piece
- * of another training or round; EHD_INTERRUPTED; else as snapshots_create and snapshots_resume. */
+/* Trains on points that are chosen among the candidates, the points of the set, round by round.
+ * - A round is solved with the full model. A reduced model of all solved points estimates the
+ *   errors of the other candidates (romrun/online/indicator.h). The factor of the estimates is
+ *   fitted to the points of the last round, for which the model before had estimates.
+ * - The candidates with the largest estimates come next, until no estimate
+ *   exceeds the accuracy.
+ * - The next round is a check: some points with the largest estimates, and some as far as
+ *   possible from all others. If the model before was as accurate as wanted there, training ends
+ *   with these points. Otherwise it goes on.
+ *
+ * The output, caller->output, grows and can be resumed. The chosen points and their solutions
+ * depend neither on num_workers, nor on interruptions, nor on which process solved them:
+ * solutions of the last round in `pieces` are taken over. With `parts` a training ends early if
+ * one model is not expected to suffice soon. The list of its parts is then written in place of
+ * the output (README.md, Parts of a region).
+ * Errors: EHD_NOT_CONVERGED: more points than allowed failed in the full model, or all; EHD_DATA:
+ * trajectories in the plan, a piece of another training or round; EHD_INTERRUPTED; those of
+ * snapshots_create and snapshots_resume. */
 ehd_status adaptive_train(const program *caller, const adaptive_task *task, ehd_error *error);
 
-/* Solves a piece of what is to be solved: every N-th of the points in `chosen_in` that are not done,
- * written to caller->output, which can be resumed. Points that do not converge are stored as such.
- * EHD_USAGE: fewer points than pieces; EHD_DATA: `chosen_in` is of another training, nothing is to be
- * solved; EHD_INTERRUPTED; else as adaptive_train. */
+/* Solves a piece of a round: every N-th of the points in `chosen_in` that are not done. The
+ * output, caller->output, can be resumed. Points that do not converge are stored as such.
+ * Errors: EHD_USAGE: fewer points than pieces; EHD_DATA: `chosen_in` is of another training,
+ * nothing is to be solved; EHD_INTERRUPTED; those of adaptive_train. */
 ehd_status adaptive_solve(const program *caller, const adaptive_task *task, ehd_error *error);
 
 #endif

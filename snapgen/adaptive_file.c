@@ -46,7 +46,7 @@ static ehd_status put_choice(artefact *file, size_t place, const adaptive_state 
     return status;
 }
 
-/* The numbers of the states from `first` on, behind which the axis has its length. */
+/* Writes the numbers of the states from `first` on. Then the axis has its new length. */
 static ehd_status put_numbers(artefact *file, size_t first, size_t count, ehd_error *error) {
     double *numbers = malloc((count + 1) * sizeof *numbers);
     if (!numbers) return ehd_no_memory(error, artefact_path(file));
@@ -69,7 +69,7 @@ ehd_status adaptive_file_add(artefact *file, const training_set *set, const adap
         status = snapshots_put_contact(file, first + i, &set->contacts[state->point], error);
         if (!status) status = put_choice(file, first + i, state, error);
     }
-    // the axis last and once, so that a round that is read is whole
+    // the axis comes last and at once, so that a round in the file is always whole
     return status ? status : put_numbers(file, first, count, error);
 }
 
@@ -102,7 +102,8 @@ static ehd_status read_choice(adaptive_state *state, artefact *file, size_t plac
     return EHD_OK;
 }
 
-/* Of the last round, a state that is not whole is solved again; others are built on. */
+/* Restores a state that is done. A state of the last round that is not whole is left to be solved
+ * again. In earlier rounds it is EHD_DATA, since later rounds build on it. */
 static ehd_status restore_state(training *points, double (*films)[NUM_FILMS], artefact *file,
                                 const adaptive_state *state, size_t place, bool of_last_round,
                                 ehd_error *error) {
@@ -119,7 +120,7 @@ static ehd_status restore_state(training *points, double (*films)[NUM_FILMS], ar
     return !status && !whole && !of_last_round ? EHD_DATA : status;
 }
 
-/* Each point is chosen once. */
+/* Checks that each point is chosen once. */
 static ehd_status check_distinct(const adaptive_state *states, size_t count, const char *path,
                                  ehd_error *error) {
     for (size_t i = 1; i < count; i++)
@@ -132,7 +133,7 @@ static ehd_status check_distinct(const adaptive_state *states, size_t count, con
     return EHD_OK;
 }
 
-/* The states that were chosen, and those of them that are done. */
+/* Reads the states that were chosen, and restores those that are done. */
 static ehd_status read_states(adaptive_state *states, double (*films)[NUM_FILMS], training *points,
                               artefact *file, size_t count, ehd_error *error) {
     const size_t num_points = points->set->num_points;
@@ -165,10 +166,10 @@ ehd_status adaptive_file_resume(artefact **file, adaptive_state *states, size_t 
     size_t count = artefact_length(*file, "state");
     status = check_count(count, set, artefact_path(*file), error);
     if (!status) status = artefact_cut_axis(*file, "state", count, error);
-    // a disk that fails may have left the length without the numbers
+    // a failing disk may have left the length without the numbers
     if (!status && count > 0) status = put_numbers(*file, 0, count, error);
     if (!status) status = read_states(states, films, points, *file, count, error);
-    // of what is solved again the contact may have been what was not whole
+    // the contact of a point that is solved again may have been incomplete
     for (size_t i = 0; i < count && !status; i++)
         if (!points->points[states[i].point].done)
             status = snapshots_put_contact(*file, i, &set->contacts[states[i].point], error);
@@ -177,9 +178,9 @@ ehd_status adaptive_file_resume(artefact **file, adaptive_state *states, size_t 
     return status;
 }
 
-// ---- a training in parts
+// ---- a training in pieces
 
-/* Opens an adaptive training of these settings, finished or not. */
+/* Opens an adaptive training with these settings, finished or not. EHD_DATA: other settings. */
 static ehd_status open_same(artefact **file, const char *path, const char *text, ehd_error *error) {
     const artefact_schema *const kinds[] = {&schema_snapshots, NULL};
     char *found = NULL;
@@ -208,7 +209,7 @@ ehd_status adaptive_file_read(adaptive_state *states, size_t *num_states,
     return status;
 }
 
-/* Numbers of an entry of a field along its first axis. */
+/* Returns how many numbers an entry of a field has along its other axes. */
 static size_t entry_length(const artefact *file, const artefact_field *field) {
     const char *axes[ARTEFACT_MAX_RANK];
     const size_t rank = artefact_axes(axes, file, field);
@@ -245,7 +246,7 @@ static ehd_status copy_entry(artefact *to, size_t to_state, artefact *from, size
 
 static const char outcome_field[] = "status";
 
-/* The outcome last, as snapshots_store has it. */
+/* Copies a state. The outcome comes last, as in snapshots_store. */
 static ehd_status copy_state(artefact *to, size_t to_state, artefact *from, size_t from_state,
                              int64_t outcome, ehd_error *error) {
     ehd_status status = EHD_OK;
@@ -302,7 +303,7 @@ ehd_status adaptive_file_take(artefact *file, training *points, double (*films)[
     return status;
 }
 
-// ---- the curve
+// ---- the outcomes of the rounds
 
 ehd_status adaptive_file_put_curve(artefact *file, const adaptive_round *rounds, size_t num_rounds,
                                    ehd_error *error) {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* snapshots.h5 of an adaptive training: its states are points of the plan in the order in which
- * they were chosen, and more of them come round by round. */
+/* snapshots.h5 of an adaptive training. Its states are points of the plan in the order in which
+ * they were chosen. Each round adds states. */
 #ifndef EHD_ADAPTIVE_FILE_H
 #define EHD_ADAPTIVE_FILE_H
 
@@ -10,42 +10,43 @@
 
 /* A point that was chosen. */
 typedef struct adaptive_state {
-    size_t point;          // of the set
+    size_t point;          // number in the set
     size_t round;          // from 0
-    trial_verdict verdict; // by the model of the rounds before; NaN in the first round
+    trial_verdict verdict; // of the model of the rounds before; NaN in the first round
 } adaptive_state;
 
-/* What a round came to. */
+/* The outcome of a round. */
 typedef struct adaptive_round {
-    size_t num_points; // converged ones that its model is made of
-    double indicated;  // worst of the remaining points; NaN: none, or no factor yet
-    double deviation;  // worst of the points of the next round; NaN: there are none
+    size_t num_points; // converged points of its model
+    double indicated;  // largest error estimate of other points; NaN: none, or no factor yet
+    double deviation;  // largest error at the points of the next round; NaN: there are none
     double seconds;    // since the start; NaN: in an earlier run
 } adaptive_round;
 
-/* A new file without states, streaming. Errors as artefact_create. */
+/* Creates a file without states, in streaming mode. Errors: those of artefact_create. */
 ehd_status adaptive_file_create(artefact **file, const program *caller, const training_set *set,
                                 const char *plan_path, ehd_error *error);
 
-/* States first … first + count - 1 of `states` are to be solved. */
+/* Adds states first … first + count - 1 of `states`, which are to be solved. */
 ehd_status adaptive_file_add(artefact *file, const training_set *set, const adaptive_state *states,
                              size_t first, size_t count, ehd_error *error);
 
-/* Continues NAME.partial: the states that were chosen, and in `points` those of them that are done.
- * Errors as artefact_resume. */
+/* Opens NAME.partial to continue it. Reads the chosen states, and restores in `points` those that
+ * are done. Errors: those of artefact_resume. */
 ehd_status adaptive_file_resume(
     // output:
     artefact **file,
     adaptive_state *states, // [*num_states], room for all points of the set
     size_t *num_states,
-    double (*films)[NUM_FILMS], // [num_points of the set] of those that are done and converged
+    double (*films)[NUM_FILMS], // [num_points of the set] of points that are done and converged
     // in and out:
     training *points,
     // input:
     const program *caller, ehd_error *error);
 
-/* The same of a file that another process goes on with, as it is; it is closed again. EHD_DATA: it is
- * of other settings than the points' set; else as artefact_open_unfinished. */
+/* Reads states and points like adaptive_file_resume from a file that another process continues.
+ * Closes the file unchanged. Errors: EHD_DATA: the file has other settings than the points' set;
+ * those of artefact_open_unfinished. */
 ehd_status adaptive_file_read(
     // output:
     adaptive_state *states, size_t *num_states, double (*films)[NUM_FILMS],
@@ -54,16 +55,16 @@ ehd_status adaptive_file_read(
     // input:
     const char *path, ehd_error *error);
 
-/* Takes over what a piece, finished or not, has of states that are not done yet: to `file` and to
- * `points`. EHD_DATA: it is of other settings than the points' set, or a state of it is none of these;
- * else as artefact_open_unfinished and of writing. */
+/* Copies solutions from a piece, finished or not, to `file` and `points`, for states that are not
+ * done yet. Errors: EHD_DATA: the piece has other settings than the points' set, or a state that
+ * is not in `states`; those of artefact_open_unfinished and of writing. */
 ehd_status adaptive_file_take(
     // in and out:
     artefact *file, training *points, double (*films)[NUM_FILMS],
     // input:
     const adaptive_state *states, size_t num_states, const char *path, ehd_error *error);
 
-/* The curve; ends the streaming. */
+/* Writes the outcomes of all rounds, and ends the streaming mode. */
 ehd_status adaptive_file_put_curve(artefact *file, const adaptive_round *rounds, size_t num_rounds,
                                    ehd_error *error);
 

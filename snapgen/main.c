@@ -87,7 +87,7 @@ static const program_option own_options[] = {
      OPTION_COUNT(how.batch, 1, 1000000)},
     {"max-points", 0, "N", "Adaptive: points in all; default those of the plan",
      OPTION_COUNT(how.max_points, 3, 1000000)},
-    {"most", .type = AS_ALIAS}, // the name of max-points before
+    {"most", .type = AS_ALIAS}, // earlier name of max-points
     {"energy", 0, "TOL", "Adaptive: as podbuild --energy, of the models on the way; default 1e-18",
      OPTION_REAL(how.discarded_energy, 0, 0.999)},
     {"choose", 0, NULL, "Adaptive: solve nothing; take over what PIECEs have solved of the last round and, when it is whole, "
@@ -108,7 +108,7 @@ static void print_settings(void) {
 
 // ---- the training
 
-/* `adaptive` is set too where the plan has a region. */
+/* Reads the plan and makes its points. Also sets `adaptive` if the plan has a region. */
 static ehd_status load_set(training_set *set, bool *adaptive, const program *self, shard piece,
                            ehd_error *error) {
     const char *path = self->arguments[0];
@@ -155,12 +155,12 @@ static ehd_status check_failures(const program *self, size_t num_failed, size_t 
                     self->arguments[0], num_failed, num_points, allowed);
 }
 
-/* Any of a set's contacts. */
+/* Returns any contact of a set. */
 static const ehd_contact *set_contact(const training_set *set) {
     return set->num_points > 0 ? set->contacts : &set->trajectories->contact;
 }
 
-/* The short result, and whether too much was lost. */
+/* Prints the result in short. EHD_NOT_CONVERGED: more points failed than allowed. */
 static ehd_status report(const program *self, const training *points, const trajectories *trained,
                          size_t allowed, double seconds, ehd_error *error) {
     size_t num_points = points->set->num_points + trained->num_trajectories;
@@ -208,7 +208,7 @@ static ehd_status train_all(const program *self, const training_set *set,
     return status;
 }
 
-/* An option that needs --adaptive and was given, or NULL. */
+/* Returns an option that was given and needs --adaptive, or NULL. */
 static const char *option_of_adaptive(const program *self) {
     static const char *const names[] = {"accuracy", "start",  "batch",     "max-points",
                                         "energy",   "choose", "chosen-in", "parts"};
@@ -218,7 +218,7 @@ static const char *option_of_adaptive(const program *self) {
     return NULL;
 }
 
-/* What an adaptive training in parts does not do. */
+/* Checks the options of a training in pieces. EHD_USAGE. */
 static ehd_status check_parts(const program *self, const snapgen_options *options,
                               ehd_error *error) {
     if (options->only_choose && options->chosen_in)
@@ -233,7 +233,7 @@ static ehd_status check_parts(const program *self, const snapgen_options *option
     return EHD_OK;
 }
 
-/* Whether the options fit the training that it is. */
+/* Checks whether the options fit the kind of training. EHD_USAGE. */
 static ehd_status check_training(const program *self, const snapgen_options *options, bool adaptive,
                                  ehd_error *error) {
     const char *of_adaptive = option_of_adaptive(self);
@@ -276,7 +276,7 @@ static ehd_status train_adaptively(const program *self, training_set *set,
                               : adaptive_train(self, &task, error);
 }
 
-/* Plans for parts with equally many candidates. */
+/* Writes plans for parts with equally many candidates. */
 static ehd_status write_parts(const program *self, const training_set *set, size_t num_parts,
                               ehd_error *error) {
     size_t *points = malloc((set->num_points + 1) * sizeof *points);
@@ -295,7 +295,8 @@ static ehd_status write_parts(const program *self, const training_set *set, size
     return status;
 }
 
-/* First mode: the plan with the full model, all of it or points chosen as they are needed. */
+/* Runs the first mode: solves the plan with the full model, all points or those that an
+ * adaptive training needs. */
 static ehd_status train(const program *self, const snapgen_options *options, ehd_error *error) {
     const char *plan_path = self->arguments[0];
     const shard whole = {1, 1};
@@ -327,7 +328,7 @@ static ehd_status train(const program *self, const snapgen_options *options, ehd
     return status;
 }
 
-/* Second mode: the plan with the projected system. */
+/* Runs the second mode: solves the plan with the projected system. */
 static ehd_status repeat(const program *self, const snapgen_options *options, ehd_error *error) {
     const char *of_adaptive = option_of_adaptive(self);
     const double before = program_seconds();

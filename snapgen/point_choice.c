@@ -17,8 +17,8 @@ typedef struct hull {
     size_t count;
 } hull;
 
-/* How far a point lies to the left of the way from one corner to another; of the same place: from
- * it. */
+/* Returns how far a point lies to the left of the line from one corner to another. If these have
+ * the same place, returns the distance from it. */
 static double distance_outside(const hull *self, size_t from, size_t to, size_t point) {
     const double *a = self->places[from], *b = self->places[to], *p = self->places[point];
     double along[2] = {b[0] - a[0], b[1] - a[1]}, there[2] = {p[0] - a[0], p[1] - a[1]};
@@ -28,7 +28,7 @@ static double distance_outside(const hull *self, size_t from, size_t to, size_t 
     return (along[0] * there[1] - along[1] * there[0]) / length;
 }
 
-/* Corners between two that are known, without these. */
+/* Adds the corners between two known ones. */
 static void add_between(hull *self, size_t from, size_t to) {
     size_t furthest = NO_PARENT;
     double farthest = self->tolerance;
@@ -70,7 +70,7 @@ static bool is_plane(const hull *self) {
     return true;
 }
 
-/* The first ones with the least and the largest coordinates. */
+/* Adds the first points with the least and the largest value of each coordinate. */
 static void add_extremes(hull *self) {
     for (int axis = 0; axis < RANGE_AXES; axis++) {
         size_t least = 0, most = 0;
@@ -83,7 +83,7 @@ static void add_extremes(hull *self) {
     }
 }
 
-/* Those that are listed twice once. */
+/* Removes corners that are listed twice. */
 static void drop_repeated(hull *self) {
     size_t count = 0;
 
@@ -96,8 +96,8 @@ static void drop_repeated(hull *self) {
     self->count = count;
 }
 
-/* The furthest outside of the hull of the corners, as long as there is one. `outside` [num_points],
- * `columns` [RANGE_AXES, num_points]: memory. */
+/* Adds the point furthest outside the hull of the corners, as long as there is one. `outside`
+ * [num_points] and `columns` [RANGE_AXES, num_points] are scratch memory. */
 static void add_furthest(hull *self, double *outside, double *columns) {
     const double *origin = self->places[0];
     size_t furthest = 0;
@@ -112,7 +112,7 @@ static void add_furthest(hull *self, double *outside, double *columns) {
         furthest = NO_PARENT;
         for (size_t i = 0; i < self->num_points; i++) {
             double here[RANGE_AXES];
-            if (!(outside[i] > self->tolerance)) continue; // and stays inside
+            if (!(outside[i] > self->tolerance)) continue; // inside, and stays inside
             for (int axis = 0; axis < RANGE_AXES; axis++)
                 here[axis] = self->places[i][axis] - origin[axis];
             outside[i] = hull_distance(columns, self->count, RANGE_AXES, here);
@@ -133,7 +133,7 @@ size_t point_choice_corners(size_t *corners, const double (*places)[RANGE_AXES],
     double *memory = malloc((1 + RANGE_AXES) * num_points * sizeof *memory);
     size_t *extremes = malloc(2 * RANGE_AXES * sizeof *extremes);
     if (memory && extremes) {
-        self.corners = extremes; // as there may be fewer points than these
+        self.corners = extremes; // there may be fewer points than these
         add_extremes(&self);
         drop_repeated(&self);
         for (size_t i = 0; i < self.count; i++)
@@ -150,7 +150,7 @@ size_t point_choice_corners(size_t *corners, const double (*places)[RANGE_AXES],
 
 typedef struct nearness {
     double *trained; // [num_points] distance to the nearest point taken before
-    double *chosen;  // [num_points] to the nearest one chosen now
+    double *chosen;  // [num_points] distance to the nearest one chosen now
     double scale[TREE_AXES];
 } nearness;
 
@@ -160,19 +160,19 @@ static void approach(double *nearest, const candidates *from, const double scale
         nearest[i] = fmin(nearest[i], tree_distance(&from->points[i], &from->points[point], scale));
 }
 
-/* Whether candidate i comes before j. */
+/* Checks whether candidate i comes before j. */
 static bool is_worse(const candidates *from, const nearness *near, size_t i, size_t j) {
     if (from->indicated[i] != from->indicated[j]) return from->indicated[i] > from->indicated[j];
     return fmin(near->trained[i], near->chosen[i]) > fmin(near->trained[j], near->chosen[j]);
 }
 
-/* NO_PARENT: none is far enough from those chosen now. `known`: of those with a finite deviation.
- */
+/* Returns the worst candidate, or NO_PARENT if none is far enough from those chosen now. `known`:
+ * only candidates with a finite error estimate count. */
 static size_t worst(const candidates *from, const nearness *near, double part, bool known) {
     size_t best = NO_PARENT;
 
     for (size_t i = 0; i < from->num_points; i++) {
-        // what is chosen has no distance to itself
+        // a chosen candidate has the distance 0 to itself
         bool far = near->chosen[i] > 0 && near->chosen[i] >= part * near->trained[i];
         if (from->trained[i] || !far || !(from->indicated[i] > from->accuracy)) continue;
         if (known && !isfinite(from->indicated[i])) continue;
@@ -181,7 +181,8 @@ static size_t worst(const candidates *from, const nearness *near, double part, b
     return best;
 }
 
-/* As far from those chosen now as there are any; what rounding sets apart is the same place. */
+/* Returns the worst candidate among those that are far enough from the ones chosen now, and
+ * lowers this distance until there is one. Places that differ by round-off are the same place. */
 static size_t furthest_worst(const candidates *from, const nearness *near, bool known) {
     size_t found = NO_PARENT;
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Which candidates are trained on next. */
+/* Chooses the candidates that are trained on next. */
 #ifndef EHD_POINT_CHOICE_H
 #define EHD_POINT_CHOICE_H
 
@@ -7,10 +7,12 @@
 #include "romrun/online/trained_range.h"
 #include <stdbool.h>
 
-/* Corners of the convex hull of places, but for those that lie no further than `tolerance` outside
- * of what the others span: in a plane, where the last coordinate is everywhere the same, by quickhull
- * (Barber, Dobkin and Huhdanpaa 1996) that stops early, else the furthest outside one after the
- * other. Of equal ones the first counts. The result depends on the places alone. 0: no memory. */
+/* Finds the corners of the convex hull of places, except those at most `tolerance` outside the
+ * hull of the others. Returns their number, 0 if there is no memory. Of equal places the first
+ * counts, so that the result depends on the places alone.
+ * - In a plane, where only the first two coordinates differ, quickhull (Barber, Dobkin and
+ *   Huhdanpaa 1996) stops at this tolerance.
+ * - Otherwise the place furthest outside is added, one after the other. */
 size_t point_choice_corners(
     // output:
     size_t *corners, // [return value], room for num_points
@@ -20,17 +22,20 @@ size_t point_choice_corners(
 typedef struct candidates {
     const tree_point *points; // [num_points]
     size_t num_points;
-    const bool *trained;     // [num_points] trained on before
-    const double *indicated; // [num_points] deviation; infinite where nothing is known
-    double accuracy;         // candidates indicated to deviate no more are left out
+    const bool *trained;     // [num_points] whether it was trained on before
+    const double *indicated; // [num_points] error estimate; infinite if it is not known
+    double accuracy;         // candidates with no larger estimate are left out
 } candidates;
 
-/* The worst first, of equal ones the one furthest from all that is trained on. Every second one is
- * the worst of those with a finite deviation, where there are any: a few of which nothing is known
- * would else take all places. Two that are chosen together lie no nearer to each other than to what
- * was taken before, because training on one of them mends the other; where that leaves too few,
- * half as near, and so on. Fewer than `max_chosen` only where there are no more candidates.
- * EHD_MEMORY. */
+/* Chooses the candidates with the largest error estimates, the largest first. Of equal ones it
+ * takes the one furthest from all points that are trained on.
+ * - Every second choice is the largest finite estimate, if there is one. Otherwise a few
+ *   candidates with infinite estimates would take all places.
+ * - A candidate lies no nearer to the others chosen now than to the points taken before, because
+ *   training on one of them also improves the other. If this leaves too few, half the distance is
+ *   enough, and so on.
+ *
+ * Fewer than `max_chosen` are chosen only if there are no more candidates. EHD_MEMORY. */
 ehd_status point_choice_worst(
     // output:
     size_t *chosen, // [*num_chosen], room for `max_chosen`

@@ -12,8 +12,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A part reaches across its border by this share of the narrower of the two parts, in ln M, because trained ranges are
- * hulls of points and have to cover the border (README.md). */
+/* A part reaches across its border by this share of the narrower of the two parts, in
+ * ln M, because trained ranges are hulls of points and have to cover the border
+ * (README.md, Parts of a region). */
 static const double REACH = 0.1;
 
 /* A range of ln M. */
@@ -21,7 +22,7 @@ typedef struct part {
     double low, high;
 } part;
 
-/* Sorted ln M of points. */
+/* Allocates and returns ln M of the points, ascending. EHD_MEMORY. */
 static ehd_status sorted_places(double **places, const parts_request *of, ehd_error *error) {
     *places = malloc((of->num_points + 1) * sizeof **places);
     if (!*places) return ehd_no_memory(error, of->plan_path);
@@ -32,7 +33,7 @@ static ehd_status sorted_places(double **places, const parts_request *of, ehd_er
     return EHD_OK;
 }
 
-/* The whole region of a set. */
+/* Returns the range of ln M of a whole set. */
 static part extent_of(const training_set *set) {
     part all = {INFINITY, -INFINITY};
 
@@ -55,7 +56,8 @@ static ehd_status too_narrow(const parts_request *of, ehd_error *error) {
                     of->plan_path, of->num_parts);
 }
 
-/* Cuts the region so that each part has equally many of the points, and then lets the parts overlap. */
+/* Cuts the region so that each part has equally many of the points, and then lets the parts
+ * overlap. */
 static ehd_status cut(part *parts, const parts_request *of, ehd_error *error) {
     const part all = extent_of(of->set);
     const size_t last = of->num_parts - 1;
@@ -81,7 +83,8 @@ static ehd_status cut(part *parts, const parts_request *of, ehd_error *error) {
     return status;
 }
 
-/* By what the number of candidates is multiplied so that the part has as many as the whole region. */
+/* Returns the factor on the number of candidates by which the part has as many as the whole
+ * region. */
 static double density_of(const part *range, const training_set *set) {
     size_t count = 0;
 
@@ -92,7 +95,7 @@ static double density_of(const part *range, const training_set *set) {
     return count > 0 ? (double)set->num_points / (double)count : 1;
 }
 
-/* As a quoted text of YAML. */
+/* Writes a text in the quotes of YAML. */
 static void write_quoted(FILE *stream, const char *text) {
     fputc('"', stream);
     for (; *text; text++) {
@@ -128,7 +131,7 @@ static ehd_status write_plan(const parts_request *of, const part *range, bool fi
     }
     fputs("part_of: ", file.stream);
     write_quoted(file.stream, whole);
-    // nothing bounds the region at its own ends
+    // at its own ends the region has no bounds
     fprintf(file.stream, "\nwhere: {moes_M: [%.4g, %.4g]}\ncandidates_times: %.3g\n",
             first ? 0 : exp(range->low), last ? 1e99 : exp(range->high),
             density_of(range, of->set));
@@ -154,7 +157,7 @@ static ehd_status write_plans(FILE *list, const parts_request *of, const part *p
     return status;
 }
 
-/* The kind of contact, and the grid of all as settings. */
+/* Writes the kind of contact, and the grid of all parts as settings. */
 static void write_grid(FILE *list, const training_set *set) {
     const grid_extent grid = grid_extent_of(&set->grid);
 

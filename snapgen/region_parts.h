@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Plans for parts of a region that is too wide for one model (schemas/plan.md, part_of). */
+/* Writes plans for the parts of a region that is too wide for one model
+ * (schemas/plan.md, part_of). */
 #ifndef EHD_REGION_PARTS_H
 #define EHD_REGION_PARTS_H
 
@@ -9,20 +10,22 @@
 typedef struct parts_request {
     const char *plan_path;
     const training_set *set; // of the plan
-    const size_t *points;    // [num_points] of the set, of which each part has equally many
+    const size_t *points;    // [num_points] numbers in the set; equally many in each part
     size_t num_points;
     size_t num_parts;
     bool force; // replaces existing files, never the plan
 } parts_request;
 
-/* Cuts the region along M into ranges, which overlap, and writes a plan for each beside `list_path`, and
- * the list: a line "# KIND --set grid.x_min=… …" with the grid that all of them need together, and a
- * line "PLAN.yml LOWEST HIGHEST" each, with the lowest and highest M of the part. A part has as many
- * candidates as the plan. EHD_DATA: fewer different M than parts, by three digits; EHD_CANTCREATE,
- * EHD_IO, EHD_MEMORY. */
+/* Cuts the region along M into overlapping ranges. Writes a plan for each beside
+ * `list_path`, and the list:
+ * - a line "# KIND --set grid.x_min=… …" with the grid that all parts need together,
+ * - a line "PLAN.yml LOWEST HIGHEST" for each part, with its lowest and highest M.
+ *
+ * A part has as many candidates as the plan. Errors: EHD_DATA: fewer different M, to three
+ * digits, than parts; EHD_CANTCREATE, EHD_IO, EHD_MEMORY. */
 ehd_status parts_write(const parts_request *of, const char *list_path, ehd_error *error);
 
-/* Highest over lowest M of a set. */
+/* Returns the ratio of the highest to the lowest M of a set. */
 double parts_span(const training_set *set);
 
 #endif

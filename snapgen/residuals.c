@@ -12,7 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* What a point leaves behind. */
+/* The iterations and the outcome of a point. */
 typedef struct point_trace {
     size_t num_iterations;
     double *residual; // [num_iterations, num_inner], until they are taken
@@ -22,7 +22,7 @@ typedef struct point_trace {
     bool is_finished;
 } point_trace;
 
-/* Takes the iterations of a point, which are then gone. */
+/* Takes the iterations of a point, which are freed afterwards. */
 typedef ehd_status take_iterations(void *sink, size_t point, const point_trace *trace,
                                    ehd_error *error);
 
@@ -33,13 +33,13 @@ typedef struct repeated_training {
     point_trace *traces; // [num_points]
     take_iterations *take;
     void *sink;
-    size_t num_taken; // points, the first ones of the plan
+    size_t num_taken; // points whose iterations are taken, the first of the plan
     trajectories repeated;
     size_t num_done, num_failed;
     progress progress;
 } repeated_training;
 
-/* One thread's solver, and the point it is tracing. */
+/* Solver of one thread, and the trace of its present point. */
 typedef struct tracer {
     reduced_solver *solver;
     reduced_state state;
@@ -109,9 +109,11 @@ static ehd_status begin_tracer(void **worker, void *shared, ehd_error *error) {
     return EHD_OK;
 }
 
-/* From another trained solution than its own, which most iterations of the online solver are like. Where
- * that does not end, from what the trained solutions around it say, its own among them: an iterate that
- * runs away is larger than all others together, which then are noise. */
+/* Solves a point and keeps its iterations. It starts from the nearest trained solution that is
+ * not its own, since most iterations of the online solver are like these. If this does not
+ * converge, it starts from a guess of all trained solutions around the point, its own among them.
+ * Iterations that diverge are left out: they are larger than all others together, and would
+ * determine the rows. */
 static ehd_status trace_point(void *shared, void *worker, size_t point, size_t parent,
                               ehd_error *error) {
     repeated_training *training = shared;
@@ -137,7 +139,8 @@ static ehd_status trace_point(void *shared, void *worker, size_t point, size_t p
     return status;
 }
 
-/* Those whose turn it is: in the order of the plan, so that threads change no result. */
+/* Hands the iterations of finished points over in the order of the plan, so that
+ * threads change no result. */
 static ehd_status hand_over(repeated_training *training, ehd_error *error) {
     ehd_status status = EHD_OK;
 
@@ -179,8 +182,9 @@ static void free_traces(repeated_training *training) {
     free(training->traces);
 }
 
-/* Every point starts from a trained solution, so none waits for another; and they are taken as numbered,
- * so that few iterations wait for those of points before. */
+/* Solves all points. Every point starts from a trained solution, so none waits for
+ * another. They are solved in the order of their numbers, so that few iterations wait for
+ * those of earlier points. */
 static ehd_status run_pool(repeated_training *training, size_t num_workers, ehd_error *error) {
     size_t num_points = training->set->num_points;
     const pool_work work = {.num_points = num_points,
@@ -202,7 +206,7 @@ static ehd_status run_pool(repeated_training *training, size_t num_workers, ehd_
 
 // ---- in memory
 
-/* Where iterations go. */
+/* Target of the iterations in memory. */
 typedef struct collection {
     residual_snapshots *snapshots;
     size_t num_inner;
@@ -231,7 +235,7 @@ ehd_status residuals_collect(residual_snapshots *snapshots, const program *calle
 
 // ---- the file
 
-/* The file, and how many iterations it has. */
+/* Target of the iterations in a file, and the number written so far. */
 typedef struct iteration_file {
     artefact *file;
     size_t count;
@@ -257,8 +261,8 @@ static ehd_status write_iterations(void *sink, size_t point, const point_trace *
     return status;
 }
 
-/* Compressed iterations of the trajectories, behind those of the points. Of the two sets the
- * shorter one is filled up with zeros, which say nothing. */
+/* Writes the compressed iterations of the trajectories, after those of the points. The shorter of
+ * the two sets is filled up with zeros, which have no effect. */
 static ehd_status put_compressed(artefact *file, const trajectories *repeated, size_t first,
                                  size_t count, ehd_error *error) {
     const struct {
@@ -350,7 +354,7 @@ static ehd_status put_states(artefact *file, const repeated_training *training, 
     return status;
 }
 
-/* All but the iterations, and room for them. */
+/* Writes the grid and what identifies the basis, and declares all fields. */
 static ehd_status begin_file(artefact *file, const repeated_training *training,
                              const char *identity, ehd_error *error) {
     const reduced_model *model = training->model;
@@ -368,7 +372,7 @@ static ehd_status begin_file(artefact *file, const repeated_training *training,
     return status;
 }
 
-/* The numbers of the iterations, once all are there. */
+/* Writes the numbers of the iterations, once all iterations are written. */
 static ehd_status number_iterations(artefact *file, size_t count, ehd_error *error) {
     double *numbers = malloc((count + 1) * sizeof *numbers);
     if (!numbers) return ehd_no_memory(error, "residuals");
@@ -380,7 +384,7 @@ static ehd_status number_iterations(artefact *file, size_t count, ehd_error *err
     return status;
 }
 
-/* Those of trajectories, and what is known of the states. */
+/* Writes the iterations of trajectories and the data of the states, and finishes the file. */
 static ehd_status end_file(artefact **file, const repeated_training *training,
                            size_t num_iterations, ehd_error *error) {
     const trajectories *repeated = &training->repeated;
@@ -395,7 +399,7 @@ static ehd_status end_file(artefact **file, const repeated_training *training,
     return status ? status : artefact_finish(file, error);
 }
 
-// ---- all of it
+// ---- the whole run
 
 static ehd_status run_trajectories(repeated_training *training, const reduced_basis *basis,
                                    size_t num_workers, ehd_error *error) {
@@ -443,7 +447,7 @@ ehd_status residuals_run(size_t *num_failed, const program *caller, training_set
 
     if (!status) training_set_take_grid(set, &basis.grid);
     if (!status) status = grid_check(&basis.grid, basis_path, &set->grid, plan_path, error);
-    if (!status && set->num_trajectories > 0) { // they are repeated as they were trained
+    if (!status && set->num_trajectories > 0) { // repeated with the transport of their training
         const ehd_carriage carriage = path_carriage(&set->trajectories[0].contact);
         status = carriage_check(&carriage, plan_path, &basis.carriage, basis_path, error);
     }

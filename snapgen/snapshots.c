@@ -40,7 +40,7 @@ ehd_status snapshots_put_contact(artefact *file, size_t state, const ehd_contact
     return status;
 }
 
-/* What is known before anything is solved. */
+/* Writes the contacts of all points before any is solved. */
 static ehd_status put_contacts(artefact *file, const training_set *set, ehd_error *error) {
     ehd_status status = EHD_OK;
 
@@ -49,7 +49,7 @@ static ehd_status put_contacts(artefact *file, const training_set *set, ehd_erro
     return status;
 }
 
-/* Number of entries along `state`: points, then the kept states of each trajectory. */
+/* Returns the number of entries along `state`: points, then the kept states of each trajectory. */
 static size_t num_states(const training_set *set) {
     return set->num_points + set->num_trajectories * NUM_KEPT;
 }
@@ -64,7 +64,7 @@ static bool is_effect(const char *name) {
     return false;
 }
 
-/* Whether what the grid does to a point is wanted. */
+/* Checks whether error estimates of the grid are wanted for any point. */
 static bool any_estimated(const training_set *set) {
     for (size_t i = 0; i < set->num_points; i++)
         if (set->estimated[i]) return true;
@@ -119,7 +119,7 @@ ehd_status snapshots_create(artefact **file, const program *caller, const traini
 
 // ---- storing
 
-/* Where the pressure ends on each line, as index into x and as X. */
+/* Writes where the pressure ends on each line, as index into x and as X. */
 static ehd_status put_exits(artefact *file, const ehd_grid *grid, size_t place,
                             const double *pressure, ehd_error *error) {
     size_t num_lines = grid->inner_lines, whole_lines = grid_whole(grid).inner_lines;
@@ -145,7 +145,7 @@ static ehd_status put_exits(artefact *file, const ehd_grid *grid, size_t place,
     return status;
 }
 
-/* Pressure, film and where the pressure ends, [num_nodes] each. */
+/* Writes pressure and film, [num_nodes] each, and where the pressure ends. */
 static ehd_status put_fields(artefact *file, const ehd_grid *grid, size_t place,
                              const double *pressure, const double *film, ehd_error *error) {
     ehd_status status = grid_put_field(file, "pressure", place, pressure, grid, false, error);
@@ -168,7 +168,7 @@ static ehd_status put_solution(artefact *file, const training_set *set, size_t p
                  {"complementarity", &solution->complementarity}};
     ehd_status status = put_fields(file, &set->grid, point, state->pressure, state->film, error);
 
-    if (!status && set->grid.inner_lines == 1) // it may lie within a node
+    if (!status && set->grid.inner_lines == 1) // the exit may lie within a node
         status = artefact_put_part(file, "exit_position", point, 1, &scalars->exit_position, error);
     for (size_t i = 0; i < sizeof reals / sizeof *reals && !status; i++)
         status = artefact_put_part(file, reals[i].name, point, 1, reals[i].values, error);
@@ -192,7 +192,7 @@ ehd_status snapshots_store(void *sink, const training_set *set, size_t point,
             artefact_put_integers_part(file, "newton_iterations", point, 1, &iterations, error);
     if (!status)
         status = artefact_put_part(file, "residual_norm", point, 1, &solution->residual, error);
-    // last, because it says that the rest is there, on the disk
+    // last, because it marks the rest as being on the disk
     if (!status) status = artefact_sync(file, error);
     if (!status) status = artefact_put_integers_part(file, "status", point, 1, &outcome, error);
     if (!status) status = artefact_flush(file, error);
@@ -307,7 +307,7 @@ static ehd_status restore(training *points, size_t point, artefact *file, size_t
         if (!isfinite(pressure[i]) || !isfinite(rigid_approach))
             status = ehd_fail(error, EHD_DATA, "%s: pressure: found none of point %zu, expected it",
                               artefact_path(file), point);
-    // of a point contact the pressure itself tells where it ends
+    // on a point contact the pressure itself determines where it ends
     if (!status)
         status =
             training_restore(points, point, pressure, rigid_approach, (size_t)exits[0] + 1, error);
@@ -316,7 +316,7 @@ static ehd_status restore(training *points, size_t point, artefact *file, size_t
     return status;
 }
 
-/* Whether a state is of the contact that the plan has there. */
+/* Checks whether a state has the contact that the plan has there. EHD_DATA. */
 static ehd_status check_contact(artefact *file, size_t state, const ehd_contact *contact,
                                 ehd_error *error) {
     const flow_thinning thinning = traction_thinning(contact);
@@ -356,7 +356,7 @@ ehd_status snapshots_restore(bool *whole, training *points, size_t point, artefa
 static ehd_status restore_points(training *points, artefact *file, ehd_error *error) {
     const training_set *set = points->set;
     int64_t *outcomes = malloc(num_states(set) * sizeof *outcomes);
-    bool whole = true; // a point that is not is solved again
+    bool whole = true; // a point that is not whole is solved again
     ehd_status status = EHD_OK;
 
     if (!outcomes) status = ehd_no_memory(error, artefact_path(file));
@@ -392,7 +392,7 @@ ehd_status snapshots_resume(artefact **file, training *points, const program *ca
 
     for (size_t t = 0; t < set->num_trajectories && !status; t++)
         status = inputs_check_tables(*file, &set->trajectories[t].scene, error);
-    // equal settings give as many states, unless somebody else wrote the file
+    // equal settings give as many states, unless the file is of another origin
     if (!status && artefact_length(*file, "state") != num_states(set))
         status =
             ehd_fail(error, EHD_DATA,

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* snapshots.h5: what training_run stores, point by point. */
+/* Writes snapshots.h5, in which training_run stores its points one by one. */
 #ifndef EHD_SNAPSHOTS_H
 #define EHD_SNAPSHOTS_H
 
@@ -7,43 +7,47 @@
 #include "fullrun/training.h"
 #include "snapgen/trajectory.h"
 
-/* A new file with all points still to come, streaming. Errors as artefact_create. */
+/* Creates a file in streaming mode, with all points still to be solved. Errors:
+ * those of artefact_create. */
 ehd_status snapshots_create(
     // output:
     artefact **file, // free with artefact_finish or artefact_close
     // input:
     const program *caller, const training_set *set, const char *plan_path, ehd_error *error);
 
-/* Opens NAME.partial of an earlier run on the same grid. Errors as artefact_resume; EHD_DATA also for
- * another grid, which equal plans may have where they leave it to their contacts. */
+/* Opens NAME.partial of an earlier run on the same grid. Errors: those of artefact_resume;
+ * EHD_DATA also for another grid. Equal plans may have different grids if they leave the
+ * grid to their contacts. */
 ehd_status snapshots_open_partial(artefact **file, const training_set *set, const program *caller,
                                   ehd_error *error);
 
-/* Continues NAME.partial and marks its points in `points` as done. Errors as artefact_resume. */
+/* Opens NAME.partial to continue it, and marks its points in `points` as done. Errors:
+ * those of artefact_resume. */
 ehd_status snapshots_resume(artefact **file, training *points, const program *caller,
                             ehd_error *error);
 
-/* After training_run: what the trajectories left behind. */
+/* Writes the kept states and the compressed snapshots of the trajectories, after training_run. */
 ehd_status snapshots_put_trajectories(artefact *file, const training_set *set,
                                       const trajectories *trained, ehd_error *error);
 
-/* Entry `store` of a training; `sink` is the artefact, `state` the point. */
+/* Stores a solved point as the member `store` of a training. `sink` is the artefact, `state` the
+ * point's number in it. */
 ehd_status snapshots_store(void *sink, const training_set *set, size_t state,
                            const snapshot *solution, ehd_error *error);
 
-// ---- of which these are made
+// ---- steps of these, for adaptive training too
 
-/* Fields along the states; those of trajectories, of adaptive training and of what the grid does
- * where there are any. */
+/* Declares the fields along the states. Fields of trajectories, of adaptive training, of thinned
+ * flows and of error estimates of the grid are declared only if there are any. */
 ehd_status snapshots_declare(artefact *file, const training_set *set, bool adaptive,
                              ehd_error *error);
 
-/* What is known of a point before it is solved. */
+/* Writes the numbers of a contact that are known before it is solved. */
 ehd_status snapshots_put_contact(artefact *file, size_t state, const ehd_contact *contact,
                                  ehd_error *error);
 
-/* Marks a point as done that `file` holds as `state`, with its `outcome` there, if it is whole: a power
- * cut may leave the outcome there without what it speaks of. */
+/* Marks a point as done if `file` has the whole of it as `state`, with the outcome `outcome`. A
+ * power cut may leave an outcome without the other data; then *whole is false. */
 ehd_status snapshots_restore(
     // output:
     bool *whole, training *points,

@@ -13,15 +13,16 @@
 
 const compressor_settings trajectory_compression = {.discarded_energy = 1e-22};
 
-/* The training on all trajectories. `model` NULL: by the full model. */
+/* A training on all trajectories. `model` NULL: with the full model. */
 typedef struct task {
     const program *caller;
     const training_set *set;
     const reduced_model *model;
     const film_splines *splines;
     trajectories *result;
-    ehd_histories **histories; // [num_trajectories], read before the threads start: HDF5 is for one
-    compressed_set *first, *second; // [num_trajectories] those that wait to be merged
+    // [num_trajectories], read before the threads start, since HDF5 is for one thread only
+    ehd_histories **histories;
+    compressed_set *first, *second; // [num_trajectories] sets that wait to be merged
     bool *done;                     // [num_trajectories]
     size_t num_merged;
     snapshot_compressor *all_first, *all_second;
@@ -36,8 +37,8 @@ enum { PARTS_SHOWN = 1000 }; // of the work, in the progress line
 typedef struct trajectory_run {
     task *owner;
     size_t number;
-    full_march *full;       // or
-    reduced_march *reduced; // the one of the two that is used
+    full_march *full;       // NULL: the reduced model is used
+    reduced_march *reduced; // NULL: the full model is used
     snapshot_compressor *first, *second;
     double *iterations[2]; // [num_iterations, rows] D f and D J dz of the present solution
     size_t num_iterations;
@@ -111,7 +112,8 @@ static ehd_status observe(void *context, const double *residual, const double *s
     return EHD_OK;
 }
 
-/* Leaves out the iterations of a step that is not solved, and made again with a shorter one. */
+/* Adds the iterations of a solution to the compressed sets. Iterations of a step that is not
+ * solved, and repeated with a shorter one, are left out. */
 static ehd_status end_solution(void *context, const reduced_info *info, ehd_error *error) {
     trajectory_run *self = context;
     const size_t count = info->status == EHD_NOT_CONVERGED ? 0 : self->num_iterations;
@@ -167,7 +169,8 @@ static void end_run(trajectory_run *self) {
     free(self->iterations[1]);
 }
 
-/* Marches to the end; *reason tells why it did not get there, "" when it did. */
+/* Marches to the end. `reason` is why it did not get there, or why the full model's march is not
+ * to be trusted, else "". */
 static ehd_status march_to_end(char reason[MARCH_REASON], trajectory_run *self, const scene *given,
                                ehd_error *error) {
     march run = {.reference = reference_of(self),
@@ -188,14 +191,15 @@ static ehd_status march_to_end(char reason[MARCH_REASON], trajectory_run *self, 
     if (!status && !reason[0]) status = run.store(self, &first, 0, error);
     if (!status && !reason[0]) status = march_run(&outcome, &run, error);
     if (!status && outcome) memcpy(reason, run.reason, MARCH_REASON);
-    // of the full model no solution, of the reduced one what the online solver will meet too
+    // an untrusted march of the full model is no solution. One of the reduced model is kept,
+    // since the online solver will meet such states too
     if (!status && !reason[0] && self->full) memcpy(reason, run.untrusted, MARCH_REASON);
     return status;
 }
 
 enum { TRAJECTORY_NAME = 128 };
 
-/* "M=12 L=7, load sine, speed step" */
+/* Writes a name such as "M=12 L=7, load sine, speed step". */
 static void name_trajectory(char name[TRAJECTORY_NAME], const trajectory_run *self,
                             const scene *given) {
     training_point_name(name, reference_of(self));
@@ -243,7 +247,7 @@ static ehd_status merge_one(snapshot_compressor *all, compressed_set *set, bool 
     return status;
 }
 
-/* Merges those whose turn it is: in the order of the plan, so that threads change no result. */
+/* Merges finished trajectories in the order of the plan, so that threads change no result. */
 static ehd_status finish_trajectory(void *shared, void *worker, size_t number, size_t parent,
                                     ehd_error *error) {
     task *owner = shared;
@@ -252,7 +256,7 @@ static ehd_status finish_trajectory(void *shared, void *worker, size_t number, s
     (void)worker, (void)parent;
 
     owner->done[number] = true;
-    if (result->failed[number]) // which did not get there
+    if (result->failed[number]) // it did not get to its end
         show_progress(owner, number, owner->set->trajectories[number].scene.transient.end_time);
     result->num_failed += result->failed[number];
     result->num_steps += owner->first[number].num_snapshots;

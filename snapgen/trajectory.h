@@ -13,14 +13,15 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/* What trajectories leave behind. */
+/* The results of the trajectories. */
 typedef struct trajectories {
     size_t num_trajectories, num_failed;
     kept_states *kept; // [num_trajectories]
     bool *failed;      // [num_trajectories]; nothing of a failed one is kept
     size_t num_steps;
-    // merged in the order of the plan, whatever the number of threads
-    compressed_set first, second; // pressure and nothing; or D f and D J dz
+    // compressed pressures and nothing, or D f and D J dz; merged in the order of the plan,
+    // whatever the number of threads
+    compressed_set first, second;
 } trajectories;
 
 void trajectories_free(trajectories *self);
@@ -28,15 +29,15 @@ void trajectories_free(trajectories *self);
 /* Singular values below 1e-11 of the first are left out of the compressed snapshots. */
 extern const compressor_settings trajectory_compression;
 
-/* With the full model. A trajectory that does not reach its end, or is not to be trusted, is a
- * warning and counted. */
+/* Runs the trajectories of a set with the full model. A trajectory that does not reach its end,
+ * or is not to be trusted, is counted, with a warning. */
 ehd_status trajectories_train(
     // output:
     trajectories *self, // free with trajectories_free
     // input:
     const program *caller, const training_set *set, size_t num_workers, ehd_error *error);
 
-/* With the projected system: `model` has all rows. */
+/* Runs the trajectories of a set with the projected system. `model` has all rows. */
 ehd_status trajectories_repeat(trajectories *self, const program *caller, const training_set *set,
                                const reduced_model *model, const film_splines *splines,
                                size_t num_workers, ehd_error *error);

@@ -30,7 +30,7 @@ static ehd_status build_basis(reduced_basis *basis, const training_set *set,
     return status;
 }
 
-/* The iterations of all rows from which the selected ones follow. */
+/* Collects the iterations with all rows, from which rows are selected. */
 static ehd_status repeat_training(residual_snapshots *snapshots, const program *caller,
                                   const training_set *set, const reduced_basis *basis,
                                   size_t num_workers, ehd_error *error) {
@@ -42,7 +42,7 @@ static ehd_status repeat_training(residual_snapshots *snapshots, const program *
     return status;
 }
 
-/* And from now on. */
+/* Returns the seconds since *before, and sets *before to now. */
 static double seconds_since(double *before) {
     const double passed = program_seconds() - *before;
 
@@ -53,7 +53,7 @@ static double seconds_since(double *before) {
 ehd_status trial_build(reduced_model *model, trial_costs *costs, const program *caller,
                        const training_set *set, const solved_state *states, double discarded_energy,
                        size_t num_workers, ehd_error *error) {
-    // as deimselect has it without options
+    // the defaults of deimselect
     const row_settings settings = {
         .method = selection_methods, .weights = weightings, .num_control = CONTROL_BY_ITSELF};
     program silent = *caller;
@@ -84,7 +84,7 @@ typedef struct judgement {
     trial_verdict *verdicts;
 } judgement;
 
-/* What a thread needs. */
+/* Solver, error indicator and state of one thread. */
 typedef struct judge {
     reduced_solver *solver;
     indicator *indicator;

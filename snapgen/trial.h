@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A reduced model of what is solved so far, and what it says of other contacts. */
+/* Makes a reduced model of the points solved so far, and estimates its
+ * errors at other contacts. */
 #ifndef EHD_TRIAL_H
 #define EHD_TRIAL_H
 
@@ -13,33 +14,35 @@ typedef struct trial_costs {
     double basis, residuals, rows;
 } trial_costs;
 
-/* A model of stationary solutions, in memory, as podbuild --energy, snapgen --basis and deimselect
- * make it with their defaults. EHD_DATA: too few solutions; EHD_INTERRUPTED with an empty text;
+/* Makes a model of stationary solutions in memory, as podbuild --energy, snapgen --basis and
+ * deimselect make it with their defaults.
+ * Errors: EHD_DATA: too few solutions; EHD_INTERRUPTED with an empty text;
  * EHD_MEMORY, EHD_INTERNAL. */
 ehd_status trial_build(
     // output:
     reduced_model *model, // free with reduced_model_free
     trial_costs *costs,
     // input:
-    const program *caller,      // messages of the parts are not shown
+    const program *caller,      // messages of the three steps are not shown
     const training_set *set,    // the points of the solutions
     const solved_state *states, // [num_points of the set]
     double discarded_energy, size_t num_workers, ehd_error *error);
 
-/* The films that a training is about. */
+/* The films whose error is estimated. */
 enum { FILM_CENTRAL, FILM_MINIMUM, NUM_FILMS };
 
-/* What the model finds for a contact. */
+/* Error estimates and films of a contact by the model. */
 typedef struct trial_verdict {
-    double bound[NUM_FILMS]; // indicator_bound, …_minimum; infinite where it does not converge
-    double film[NUM_FILMS];  // H; NaN where it does not converge
+    double bound[NUM_FILMS]; // indicator_bound, …_minimum; infinite if not converged
+    double film[NUM_FILMS];  // H; NaN if not converged
 } trial_verdict;
 
-/* Solves the contacts for which `wanted` is set, each from its own guess, so that the verdicts
- * depend on model and contact alone. EHD_INTERRUPTED with an empty text; EHD_MEMORY. */
+/* Solves the contacts for which `wanted` is set, and estimates their errors. Each starts from its
+ * own guess, so that the verdicts depend on model and contact alone. EHD_INTERRUPTED with an
+ * empty text; EHD_MEMORY. */
 ehd_status trial_judge(
     // output:
-    trial_verdict *verdicts, // [num_contacts], those not wanted stay
+    trial_verdict *verdicts, // [num_contacts], unchanged where not wanted
     // input:
     const reduced_model *model, const ehd_contact *contacts, const bool *wanted,
     size_t num_contacts, size_t num_workers, ehd_error *error);
