@@ -9,12 +9,12 @@
 
 // ---- line contact
 
-/* x (ln|x| - 1), whose derivative is ln|x|. */
+/* Returns x (ln|x| - 1), whose derivative is ln|x|. */
 static double line_primitive(double x) {
     return x == 0 ? 0 : x * (log(fabs(x)) - 1);
 }
 
-/* -(1/2pi) int ln(X'^2) over the cell (README.md, deflection). */
+/* Returns -(1/2pi) int ln(X'^2) dX' over the cell (README.md, deflection). */
 static double line_kernel(const contact_shape *shape, double distance, double y, double step) {
     (void)shape;
     (void)y;
@@ -36,14 +36,15 @@ static double line_alpha_p_H(const contact_shape *shape, double moes_M, double m
     return moes_L * sqrt(moes_M / (2 * M_PI));
 }
 
-/* Half of x sqrt(x^2 - 1) - acosh(x) (K. L. Johnson, Contact Mechanics, 1985, section 4.2). */
+/* Returns (x sqrt(x^2 - 1) - acosh(x))/2 (K. L. Johnson, Contact Mechanics, 1985, section 4.2). */
 static double line_dry_gap(const contact_shape *shape, double x) {
     (void)shape;
     return 0.5 * (fabs(x) * sqrt(x * x - 1) - acosh(fabs(x)));
 }
 
-/* The constant in eq. 4 of Maier et al. holds for a deflection measured from a distance of the
- * current half width, and so changes with it (README.md, approach). */
+/* Returns ln(half_width/length)/2. The constant in eq. 4 of Maier et al. holds for a deflection
+ * measured at the distance of the current half width, so it changes with the half width (README.md,
+ * approach). */
 static double line_approach_shift(double half_width, double length) {
     return 0.5 * log(half_width / length);
 }
@@ -78,20 +79,21 @@ const contact_kind contact_line = {
     .half_width = line_half_width,
 };
 
-// ---- point contact and ellipse, of which it is the one with b/a = 1 (README.md, Elliptical contacts)
+// ---- ellipse, and the point contact with b/a = 1 (README.md, Elliptical contacts)
 
-/* The integral of 1/r over a rectangle from the origin to a corner: a asinh(b/a) + b asinh(a/b). */
+/* Returns the integral of 1/r over a rectangle from the origin to a corner: a asinh(b/a) + b
+ * asinh(a/b). */
 static double point_primitive(double a, double b) {
     if (a == 0 || b == 0) return 0;
     return a * asinh(b / fabs(a)) + b * asinh(a / fabs(b));
 }
 
-/* Distance, in sides of the cell, from which on a series replaces the closed form, which takes
- * thirty times as long. The truncation error is below 1e-12 of the integral there. */
+/* Distance, in sides of the cell, beyond which a series replaces the closed form. The closed form
+ * takes thirty times as long. The truncation error of the series is below 1e-12 of the integral. */
 static const double FAR_CELL = 40;
 
-/* The integral of 1/r over a distant cell: multipole expansion up to the fourth moments of the
- * cell. */
+/* Returns the integral of 1/r over a distant square cell, by a multipole expansion up to the fourth
+ * moments of the cell. */
 static double far_cell(double x, double y, double step) {
     double square = x * x + y * y, cell = step * step, small = cell / square;
     double fourth = (105 * (x * x * x * x + y * y * y * y) / (square * square) - 72) / 1920 +
@@ -100,7 +102,7 @@ static double far_cell(double x, double y, double step) {
     return cell / sqrt(square) * (1 + small * (1. / 24 + small * fourth));
 }
 
-/* The same of a rectangle, which has moments of its own. */
+/* Returns the integral of 1/r over a distant rectangular cell, by the same expansion. */
 static double far_rectangle(double x, double y, double along, double across) {
     const double square = x * x + y * y, u = x * x / square, v = y * y / square;
     const double a = along * along / square, b = across * across / square;
@@ -112,7 +114,8 @@ static double far_rectangle(double x, double y, double along, double across) {
     return along * across / sqrt(square) * (1 + second + fourth);
 }
 
-/* (2/pi^2) iint 1/r over the cell (README.md, deflection), which of an ellipse is a rectangle. */
+/* Returns (2/pi^2) iint 1/r over the cell (README.md, deflection). For an ellipse the cell is a
+ * rectangle, and the factor is also divided by compliance * k. */
 static double point_kernel(const contact_shape *shape, double x, double lines, double step) {
     const double k = shape->ellipticity, y = k * lines, width = k * (shape->cell * step);
     const double of_circle = 2 / (M_PI * M_PI), side = width > step ? width : step;
@@ -144,25 +147,28 @@ static double point_alpha_p_H(const contact_shape *shape, double moes_M, double 
            (shape->ellipticity * cbrt(compliance * compliance));
 }
 
-/* The kernel of a point contact decays to zero: its approach is measured from infinity. */
+/* Returns 0: the kernel of a point contact decays to zero, so the approach is measured from
+ * infinity. */
 static double point_approach_shift(double half_width, double length) {
     (void)half_width;
     (void)length;
     return 0;
 }
 
-/* ((x^2 - 2) acos(1/x) + sqrt(x^2 - 1))/pi (Johnson, section 3.4). */
+/* Returns ((x^2 - 2) acos(1/x) + sqrt(x^2 - 1))/pi for a circle (Johnson, section 3.4). */
 static double point_dry_gap(const contact_shape *shape, double x) {
     if (shape->ellipticity != 1) return ellipse_dry_gap(shape, x);
     return ((x * x - 2) * acos(1 / fabs(x)) + sqrt(x * x - 1)) / M_PI;
 }
 
-/* A fit for R_y >= R_x. For a narrow ellipse it gives as little as half of the film, from which Newton's iteration does not
- * start. So the film of a narrow ellipse is that of the circle with the same Hertz pressure, R_x and L, which is thicker;
- * the radius of that circle is a/(k compliance). */
+/* Estimates H at the centre by a fit for R_y >= R_x. For a narrow ellipse the fit gives as little
+ * as half of the film, and Newton's iteration does not start from it. The estimate for a narrow
+ * ellipse is therefore the film of the circle with the same Hertz pressure, R_x and L, which is
+ * thicker. The radius of that circle is a/(k compliance). */
 static double point_central_film(const contact_shape *shape, double moes_M, double moes_L) {
-    const double k = shape->ellipticity, ratio = k * shape->compliance; // a over that radius
-    const double width = cbrt(shape->compliance); // a over that of a circle under the same load
+    // ratio: a over the radius of that circle; width: a over the radius under the same load
+    const double k = shape->ellipticity, ratio = k * shape->compliance;
+    const double width = cbrt(shape->compliance);
 
     if (k < 1) return film_nijenbanning(moes_M / (k * ratio * ratio), moes_L) / (ratio * ratio);
     return film_nijenbanning_ellipse(moes_M, moes_L, k * k / shape->gap_across) /
@@ -197,7 +203,7 @@ const contact_kind *contact_kind_find(const char *name) {
 
 // ---- discretisations
 
-/* Index of a name; `num`: it is none of them. */
+/* Returns the index of a name, or `num` if the list does not contain it. */
 static size_t find_name(const char *const *names, size_t num, const char *name) {
     size_t i = 0;
 
@@ -260,14 +266,14 @@ bool transport_find(ehd_transport *transport, const char *name) {
 
 ehd_status carriage_check(const ehd_carriage *found, const char *found_in,
                           const ehd_carriage *expected, const char *expected_in, ehd_error *error) {
-    const double rounding = 1e-9; // of the grid's step, which a default goes with
+    const double rounding = 1e-9; // defaults follow the step of a grid, which has round-off
     const char *in = found_in ? found_in : "", *colon = found_in ? ": " : "";
 
     if (found->transport != expected->transport)
         return ehd_fail(error, EHD_DATA, "%s%stransport: found %s, expected %s, as in %s", in,
                         colon, transport_name(found->transport),
                         transport_name(expected->transport), expected_in);
-    if (isgreater(fabs(found->smoothing - expected->smoothing), rounding)) // neither is NaN
+    if (isgreater(fabs(found->smoothing - expected->smoothing), rounding)) // false if either is NaN
         return ehd_fail(error, EHD_DATA, "%s%stransient.smoothing: found %g, expected %g, as in %s",
                         in, colon, found->smoothing, expected->smoothing, expected_in);
     return EHD_OK;
@@ -457,7 +463,8 @@ bool grid_same(const ehd_grid *a, const ehd_grid *b) {
            fabs(a->x_min - b->x_min) <= slack && fabs(a->step - b->step) <= slack;
 }
 
-/* A viscosity that is given is that of the law, at its temperature, where the law has one. */
+/* Checks that the viscosity is within 1 % of the law's own at its temperature. If the law has none,
+ * a viscosity must be given. */
 static ehd_status check_viscosity(double viscosity, const ehd_lubricant *lubricant,
                                   ehd_error *error) {
     const double eta0 = lubricant->eta0; // NaN where the law has none
@@ -476,7 +483,7 @@ static ehd_status check_viscosity(double viscosity, const ehd_lubricant *lubrica
                     viscosity, eta0, where);
 }
 
-/* Moes numbers and scales from load, radius, speed, modulus and viscosity. */
+/* Computes Moes numbers and scales from load, radius, speed, modulus and viscosity. */
 static ehd_status contact_from_physical(ehd_contact *contact, const contact_settings *given,
                                         ehd_error *error) {
     const double viscosity = isnan(given->viscosity) ? contact->lubricant.eta0 : given->viscosity;
@@ -509,7 +516,7 @@ static ehd_status contact_from_physical(ehd_contact *contact, const contact_sett
                     contact->moes_M, contact->moes_L, MIN_MOES_M, MAX_MOES_M, (double)MAX_MOES_L);
 }
 
-/* What the factor of the inlet's heating needs, where a scene asks for it. */
+/* Checks that a scene with a thermal conductivity gives all data for the inlet heating factor. */
 static ehd_status check_heating(const ehd_contact *contact, ehd_error *error) {
     if (isnan(contact->lubricant.thermal_conductivity)) return EHD_OK;
     if (isnan(contact->speed))
@@ -523,7 +530,8 @@ static ehd_status check_heating(const ehd_contact *contact, ehd_error *error) {
     return EHD_OK;
 }
 
-/* As contact_settings say it, of an ellipse. */
+/* Returns the shape of an ellipse from its radii or ellipticity, and shape_round for other
+ * kinds. */
 static contact_shape shape_given(const contact_settings *given) {
     if (given->kind != &contact_ellipse) return shape_round;
     return shape_of(isnan(given->radius_across)

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The dimensionless contact: grid, geometry, elasticity, lubricant and operating point. "Maier et
- * al." in this folder are Maier, Hager, Hetzler, Seemann, Tribology International 2015. */
+/* The dimensionless contact: grid, geometry, elasticity, lubricant and operating point. In the
+ * comments of this folder "Maier et al." means Maier, Hager, Hetzler, Seemann, Tribology
+ * International 2015. */
 #ifndef EHD_CONTACT_H
 #define EHD_CONTACT_H
 
@@ -10,72 +11,77 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/* What differs between a line, a point and an elliptical contact (README.md, kinds of contact). Of
- * what depends on the shape of the contact this is the first argument. */
+/* Constants and functions that differ between line, point and elliptical contacts (README.md, kinds
+ * of contact). A function that depends on the shape of the contact has it as first argument. */
 typedef struct contact_kind {
     const char *name; // "line"
-    int dimensions;   // of the pressurised zone: 1, 2
-    double load;      // dimensionless load: pi/2, 2 pi/3
-    // deflection at a distance (along, across) from a cell of unit pressure, `step` along and
-    // shape->cell times as much across
+    int dimensions;   // of the pressurised zone: 1 or 2
+    double load;      // dimensionless: pi/2 (line), 2 pi/3 (point, ellipse)
+    // Deflection at the distance (x, y) from the centre of a cell with unit pressure. The cell has
+    // the length `step` along and shape->cell * step across.
     double (*kernel)(const contact_shape *shape, double x, double y, double step);
-    // the steady contact's speed parameter, and back
+    // speed parameter lambda of the stationary contact from M, and the inverse
     double (*lambda)(const contact_shape *shape, double moes_M);
     double (*moes_M)(const contact_shape *shape, double lambda);
-    // alpha times Hertz pressure
+    // pressure-viscosity coefficient times Hertz pressure
     double (*alpha_p_H)(const contact_shape *shape, double moes_M, double moes_L);
-    // estimate of H at the centre
+    // estimate of H at the centre by a published film formula
     double (*central_film)(const contact_shape *shape, double moes_M, double moes_L);
-    double (*dry_gap)(const contact_shape *shape, double x); // dry contact on Y = 0, |x| >= 1
-    // change of the approach per unit of load when the half width is `half_width` times the
-    // reference and the approach is measured from a distance of `length` reference half widths
+    // gap of the dry contact on Y = 0, |x| >= 1
+    double (*dry_gap)(const contact_shape *shape, double x);
+    // Change of the rigid approach per unit of int P over `load`. `half_width` is the current half
+    // width over the reference one. The approach is measured at a distance of `length` reference
+    // half widths.
     double (*approach_shift)(double half_width, double length);
-    // Moes number M and half width from load, radius, speed and modulus; the speed number is
-    // eta0 2 u_m/(E' R). Of any one shape a half width is the same powers of all three
+    // Moes number M; the load number is w/(E' R) of a line contact, w/(E' R^2) of a point contact,
+    // and the speed number is eta0 2 u_m/(E' R)
     double (*physical_M)(double load_number, double speed_number);
+    // Half width in m from load (N/m or N), radius (m) and modulus (Pa). For a given shape it is
+    // proportional to one power of load * radius / modulus.
     double (*half_width)(const contact_shape *shape, double load, double radius, double modulus);
 } contact_kind;
 
-/* The functions of a point contact are those of an ellipse, whose shape is not round. */
+/* Point contact and ellipse have the same functions. They differ in the shape alone. */
 extern const contact_kind contact_line, contact_point, contact_ellipse;
 
-/* The kind of this name, or NULL. */
+/* Returns the kind with this name, or NULL. */
 const contact_kind *contact_kind_find(const char *name);
 
 /* How the equations are discretised (README.md, Reynolds equation). */
 typedef enum ehd_discretization {
     DISCRETIZATION_PUBLISHED, // as in Maier et al. (2015)
     DISCRETIZATION_ACCURATE,
-    DISCRETIZATION_CROSS_FLUX // of stationary point contacts and ellipses
+    DISCRETIZATION_CROSS_FLUX // for stationary point contacts and ellipses only
 } ehd_discretization;
 
-/* The name of a discretisation in scenes and files. */
+/* Returns the name of a discretisation in scenes and files. */
 const char *discretization_name(ehd_discretization discretization);
-/* In time there are no cross fluxes: EHD_DATA. */
+/* Returns EHD_DATA for the discretisation with cross fluxes, which cannot be used in time;
+ * otherwise EHD_OK. */
 ehd_status discretization_check_in_time(ehd_discretization discretization, ehd_error *error);
-/* Finds one by its name; false: there is none. */
+/* Finds a discretisation by its name. Returns false if there is none. */
 bool discretization_find(ehd_discretization *discretization, const char *name);
 
-/* What lies around the grid of a point contact (README.md, far field). */
+/* Condition around the grid of a point contact (README.md, far field). */
 typedef enum ehd_boundary {
-    BOUNDARY_ZERO, // no pressure, and no load beyond
-    BOUNDARY_OPEN  // the far field
+    BOUNDARY_ZERO, // zero pressure, and no load beyond the grid
+    BOUNDARY_OPEN  // pressure and load of the far field
 } ehd_boundary;
 
-/* The name of a boundary in scenes and files. */
+/* Returns the name of a boundary in scenes and files. */
 const char *boundary_name(ehd_boundary boundary);
-/* Finds one by its name; false: there is none. */
+/* Finds a boundary by its name. Returns false if there is none. */
 bool boundary_find(ehd_boundary *boundary, const char *name);
 
 /* How a film that varies in time is carried through the contact (common/time/README.md). */
 typedef enum ehd_transport {
-    TRANSPORT_UPWIND, // by the entrainment term of the rows, at fixed places of the grid
+    TRANSPORT_UPWIND, // by the entrainment term of the Reynolds equation, at fixed nodes
     TRANSPORT_PATH    // along the path of the fluid
 } ehd_transport;
 
-/* The name of a transport in scenes. */
+/* Returns the name of a transport in scenes. */
 const char *transport_name(ehd_transport transport);
-/* Finds one by its name; false: there is none. */
+/* Finds a transport by its name. Returns false if there is none. */
 bool transport_find(ehd_transport *transport, const char *name);
 
 /* How the films of a training are carried. */
@@ -84,84 +90,92 @@ typedef struct ehd_carriage {
     double smoothing; // half widths, along the path (transient.smoothing); NaN: none, or not known
 } ehd_carriage;
 
-/* EHD_DATA naming both where one is not the other; a smoothing that is not known is any. `found_in`,
- * a file, or NULL. */
+/* Checks that two carriages agree. Otherwise returns EHD_DATA with a text that contains both. A NaN
+ * smoothing agrees with any value. `found_in` is the file of the first one, or NULL. */
 ehd_status carriage_check(const ehd_carriage *found, const char *found_in,
                           const ehd_carriage *expected, const char *expected_in, ehd_error *error);
 
-/* Uniform grid of square cells, of an ellipse shape.cell as wide as long, the discretisation on it
- * and what lies around it. The unknowns are at `num_inner` inner nodes; boundary nodes, where the
- * pressure is zero or given, lie one step outside. All nodes are numbered together, along x first. A
- * line contact has one line of nodes: node k is at x_min + (k-1) step, the inner nodes are 1 …
- * num_inner, and num_nodes = num_inner + 2. The lines of a point contact run from y = -y_max to y_max
- * or, on a half grid, which uses the symmetry, from y = 0; beyond the first and last line is a line of
- * boundary nodes, but none at the mirror line y = 0. */
+/* Uniform grid with its discretisation and the condition around it. Cells are square; those of an
+ * ellipse are shape.cell times as wide as long in X and Y.
+ *
+ * The unknowns are at `num_inner` inner nodes. Boundary nodes, where the pressure is zero or given,
+ * lie one step outside. All nodes are numbered together, along x first.
+ *
+ * A line contact has one line of nodes. Node k is at x_min + (k-1) step, the inner nodes are 1 …
+ * num_inner, and num_nodes = num_inner + 2.
+ *
+ * The lines of a point contact run from y = -y_max to y_max. A half grid uses the symmetry and
+ * begins at y = 0. Beyond the first and the last line is a line of boundary nodes, but not at the
+ * mirror line y = 0. */
 typedef struct ehd_grid {
-    double x_min;       // contact half widths
-    double step;        // along; grid_step_across
+    double x_min;       // first inner node, half widths
+    double step;        // along, half widths; across: grid_step_across
     size_t inner_x;     // inner nodes of a line
-    size_t inner_lines; // lines of inner nodes: 1 of a line contact
-    bool half;          // the first line is y = 0
+    size_t inner_lines; // lines of inner nodes; 1 in a line contact
+    bool half;          // the first line is the mirror line y = 0
     size_t num_inner;   // inner_x inner_lines
     size_t num_nodes;
     ehd_discretization discretization;
-    ehd_boundary boundary; // BOUNDARY_ZERO of a line contact
-    contact_shape shape;   // what X and Y are scaled by
+    ehd_boundary boundary; // BOUNDARY_ZERO in a line contact
+    contact_shape shape;   // of the dry contact, whose semi-axes scale X and Y
 } ehd_grid;
 
-/* How wide and how fine a grid is, in contact half widths. */
+/* Ends and step of a grid, in contact half widths. */
 typedef struct grid_extent {
     double x_min, x_max, step;
-    double y_max; // NaN of a line contact
+    double y_max; // NaN for a line contact
 } grid_extent;
 
-/* Fills the counts; with BOUNDARY_ZERO, of a round contact. */
+/* Returns a grid with its counts, for a round contact with BOUNDARY_ZERO. */
 ehd_grid grid_of(double x_min, double step, size_t inner_x, size_t inner_lines, bool half,
                  ehd_discretization discretization);
-/* Another grid with the discretisation, the boundary and the shape of this one, and also half where
- * it is. */
+/* Returns another grid with the discretisation, boundary and shape of `grid`. It is a half grid if
+ * `grid` is one. */
 ehd_grid grid_like(const ehd_grid *grid, double x_min, double step, size_t inner_x,
                    size_t inner_lines);
 
-/* From line to line, in half widths across. */
+/* Returns the distance between lines, in half widths across. */
 double grid_step_across(const ehd_grid *grid);
 
 double grid_x(const ehd_grid *grid, size_t node);
-double grid_y(const ehd_grid *grid, size_t node); // 0 of a line contact
+double grid_y(const ehd_grid *grid, size_t node); // 0 in a line contact
 double grid_gap(const ehd_grid *grid, size_t node);
 
-/* Undeformed gap, of a round contact (X^2 + Y^2)/2. */
+/* Returns the undeformed gap, (X^2 + Y^2)/2 for a round contact. */
 double contact_gap(const contact_shape *shape, double x, double y);
 
-/* X^2 + Y^2, and whether that is at most 1: a node of the dry contact. */
+/* Return X^2 + Y^2 of a node, and whether the node lies within the dry contact (at most 1). */
 double grid_square_distance(const ehd_grid *grid, size_t node);
 bool grid_is_dry(const ehd_grid *grid, size_t node);
-/* Share of a node's cell within the dry contact, as if its edge were straight and square to the radius:
- * sums with it are integrals over the dry contact, of second order in the step. */
+/* Returns the share of a node's cell that lies within the dry contact. The edge counts as straight
+ * and perpendicular to the radius. Sums with these shares integrate over the dry contact, with
+ * second order in the step. */
 double grid_dry_share(const ehd_grid *grid, size_t node);
 
-/* Number of nodes on a line, of lines, and of boundary lines before the first inner line. */
+/* Return the number of nodes on a line, of lines, and of boundary lines before the first inner
+ * line. */
 size_t grid_width(const ehd_grid *grid);
 size_t grid_lines(const ehd_grid *grid);
 size_t grid_first_line(const ehd_grid *grid);
 
-/* Whether a line has inner nodes; the others are boundary. */
+/* Checks whether a line has inner nodes; all other lines are boundary. */
 bool grid_is_inner_line(const ehd_grid *grid, size_t line);
 
-/* First node of the line Y = 0. */
+/* Returns the first node of the line Y = 0. */
 size_t grid_central_line(const ehd_grid *grid);
 
-/* Each inner node has a row of the discrete Reynolds equation, numbered 0 … num_inner - 1. */
+/* Convert between rows and nodes. Each inner node has one row of the discrete Reynolds equation.
+ * Rows are numbered 0 … num_inner - 1. */
 size_t grid_node_of_row(const ehd_grid *grid, size_t row);
 size_t grid_row_of_node(const ehd_grid *grid, size_t node);
 
-/* The full grid that a half grid represents, and the row of `grid` that equals a row of it by
- * symmetry. */
+/* Returns the full grid that a half grid represents. */
 ehd_grid grid_whole(const ehd_grid *grid);
+/* Returns the row of `grid` that equals, by symmetry, a row of the full grid. */
 size_t grid_row_of_whole(const ehd_grid *grid, size_t row);
 
-/* The exit on each line: the column (boundary nodes included) after the last positive pressure; 1
- * where there is none. */
+/* Finds the exit on each line: the column (boundary nodes included) after the last positive
+ * pressure, or 1 if there is none. */
 void grid_exit_columns(
     // output:
     size_t *columns, // [grid_lines]
@@ -169,8 +183,8 @@ void grid_exit_columns(
     const double *pressure, // [num_nodes]
     const ehd_grid *grid);
 
-/* X of the exits on the inner lines of the full grid, from these columns; NaN where a line has no
- * pressure. The lines of a half grid are the last ones of the full grid. */
+/* Converts these columns to X of the exits on the inner lines of the full grid. NaN: the line has
+ * no pressure. The lines of a half grid are the last ones of the full grid. */
 void grid_exits(
     // output:
     double *positions, // [inner lines of grid_whole]
@@ -178,22 +192,25 @@ void grid_exits(
     const size_t *columns, // [grid_lines]
     const ehd_grid *grid);
 
-/* Exits that are told of a line in time. */
+/* Largest number of exits that a result in time holds for a line. */
 enum { GRID_EXITS = 8 };
 
-/* Quadrature weight of a node in cells: on a half grid 2 off the mirror line, else 1. */
+/* Returns the quadrature weight of a node in cells: 2 on a half grid off the mirror line, else
+ * 1. */
 double grid_weight(const ehd_grid *grid, size_t node);
-/* Length (line contact) or area (point contact) of a cell. */
+/* Returns the length (line contact) or area (point contact) of a cell. */
 double grid_cell(const ehd_grid *grid);
-/* What a node's pressure adds to the load. */
+/* Returns the factor of a node's pressure in the load. */
 double grid_load_weight(const ehd_grid *grid, size_t node);
 
-/* Whether two grids have the same nodes, to 1e-9 of a step, discretisation and boundary. */
+/* Checks whether two grids have the same nodes, to 1e-9 of a step, and the same discretisation,
+ * boundary and shape. */
 bool grid_same(const ehd_grid *a, const ehd_grid *b);
 
 grid_extent grid_extent_of(const ehd_grid *grid);
-/* Whether a grid has the ends and the step that are given, to 1e-9 of a step; NaN: any. Its sides
- * may lie outwards by less than a step, as grid_choose puts them. */
+/* Checks whether a grid has the given ends and step, to 1e-9 of a step. NaN agrees with any value.
+ * The sides of the grid may lie outside of y_max by less than a step, where grid_choose puts
+ * them. */
 bool grid_has(const ehd_grid *grid, const grid_extent *given);
 
 /* The equation that closes the system: by_approach H0 + by_load int P = value. */
@@ -201,7 +218,7 @@ typedef struct contact_closure {
     double by_approach, by_load, value;
 } contact_closure;
 
-/* Pressure and load of the inlet in front of the grid of a line contact, if it were endless. */
+/* Pressure and load of an endless inlet in front of the grid of a line contact. */
 typedef struct inlet_tail {
     double pressure; // P at the boundary node
     double load;     // int P before the cell of the first inner node
@@ -211,72 +228,78 @@ typedef struct inlet_tail {
 typedef struct ehd_contact {
     const contact_kind *kind;
     ehd_grid grid;
-    grid_extent grid_given; // what the scene says of it, NaN where nothing
+    grid_extent grid_given; // as in the scene; NaN: not given
     ehd_lubricant lubricant;
     double lambda;      // 1, in the Reynolds equation, eq. 7 of Maier et al. 2015
-    double entrainment; // 1, U there; 1 when stationary
-    double far_speed;   // 1, U of the far field: where films are carried along their paths too
-    inlet_tail tail;    // of a line contact, before its grid; zero: none
+    double entrainment; // 1, U in the same equation; 1 when stationary, 0 along the path
+    double far_speed;   // 1, U of the far field, also where films are carried along their paths
+    inlet_tail tail;    // before the grid of a line contact; zero: none
     contact_closure closure;
     ehd_transport transport; // in time
-    double smoothing;        // half widths, of films carried along their paths; NaN: as usual
-    double time_tolerance;   // of the steps in time, by which it is then; NaN: not known
-    double approach_length;  // reference half widths; 1: the half width, as in eq. 4 there
-    double hertz_pressure;   // Pa
-    double moes_M, moes_L;   // 1
-    double alpha_p_H;        // 1
-    double half_width;       // m, along the entrainment; NaN unless the scene is physical
-    double radius;           // m, the same
-    double load;             // N/m or N, NaN unless the scene is physical
-    double speed;            // m/s, mean of the two surfaces, NaN unless the scene is physical
-    double modulus;          // Pa, E', NaN unless the scene is physical
-    double viscosity;        // Pa s, at zero pressure, NaN unless the scene is physical
-    double slide_roll;       // (u1 - u2)/speed, NaN: traction is not asked for
-    // in time what one of them has (common/time/surface.h); NULL: both are smooth
+    double smoothing;        // half widths, of films carried along their paths; NaN: default
+    double time_tolerance;   // of the steps in time, for the default smoothing; NaN: not known
+    // reference half widths at which the approach is measured; 1: as in eq. 4 of Maier et al.
+    double approach_length;
+    double hertz_pressure; // Pa
+    double moes_M, moes_L; // 1
+    double alpha_p_H;      // 1
+    double half_width;     // m, along the entrainment; NaN unless the scene is physical
+    double radius;         // m, along the entrainment; NaN unless the scene is physical
+    double load;           // N/m or N, NaN unless the scene is physical
+    double speed;          // m/s, mean of the two surfaces, NaN unless the scene is physical
+    double modulus;        // Pa, E', NaN unless the scene is physical
+    double viscosity;      // Pa s, at zero pressure, NaN unless the scene is physical
+    double slide_roll;     // (u1 - u2)/speed, NaN: no traction
+    // in time: waviness, dent or heights of one surface (common/time/surface.h); NULL: both are
+    // smooth
     const struct ehd_surface *surface;
 } ehd_contact;
 
 /* The scalars of a solution, in the contact's own frame. */
 typedef struct contact_scalars {
-    double central_film_thickness; // H at X = Y = 0, interpolated (cubic) where no node lies there
-    double minimum_film_thickness; // interpolated; published: the smallest at a node
-    double minimum_position;       // X of the smallest node's
+    double central_film_thickness; // H at X = Y = 0, interpolated (cubic) if no node lies there
+    double minimum_film_thickness; // interpolated; at a node in the published discretisation
+    double minimum_position;       // X of the node with the smallest film
     double central_pressure;
     double rigid_approach; // H0
-    double exit_position;  // X at which the pressure ends, at Y = 0: within a node or at one
-    double load;           // int P relative to the kind's
+    double exit_position;  // X at which the pressure ends, at Y = 0: between nodes or at a node
+    double load;           // int P over kind->load
 } contact_scalars;
 
-/* What a contact is made from. NaN: not given. */
+/* Input of contact_init. NaN: not given. */
 typedef struct contact_settings {
     const contact_kind *kind;
     lubricant_settings lubricant;
-    double moes_M, moes_L; // 1; NaN: by the next five, which are otherwise not used
-    double load;           // N/m of a line contact, N of a point contact
-    double radius;         // m, of an ellipse along the entrainment
-    double radius_across;  // m, of an ellipse; NaN: by the ellipticity
-    double ellipticity;    // of an ellipse, b/a; not used with radius_across
+    // 1; NaN: computed from load, radius, speed, modulus and viscosity, which are otherwise not
+    // used
+    double moes_M, moes_L;
+    double load;           // N/m for a line contact, N for a point contact
+    double radius;         // m, for an ellipse along the entrainment
+    double radius_across;  // m, for an ellipse; NaN: from the ellipticity
+    double ellipticity;    // b/a of an ellipse; not used with radius_across
     double speed;          // m/s, mean of the two surfaces
     double modulus;        // Pa, E' = 2/[(1-nu1^2)/E1 + (1-nu2^2)/E2]
     double viscosity;      // Pa s at zero pressure; NaN: the law's own
-    double hertz_pressure; // Pa; NaN: the one that M, L and the lubricant imply
-    bool approach_given;   // instead of the load
-    // reference half widths; NaN: far_approach_length where the approach is given, else 1
+    double hertz_pressure; // Pa; NaN: follows from M, L and the lubricant
+    bool approach_given;   // the scene gives the approach in place of the load
+    // reference half widths; NaN: far_approach_length if the approach is given, else 1
     double approach_length;
 } contact_settings;
 
-/* What a scene may ask for, in Moes numbers or in SI units. */
+/* Range of M and L that a scene may have, given as Moes numbers or in SI units. */
 #define MIN_MOES_M 0.1
 #define MAX_MOES_M 1e5
 #define MAX_MOES_L 100
 
-/* 10 half widths: where the approach of a line contact is given, farther off than half of most
- * grids. */
+/* Default distance at which a given approach is measured: 10 half widths. It is more than half the
+ * length of most grids (contact_check_approach). */
 extern const double far_approach_length;
 
-/* A contact without grid. Returns EHD_OK, or EHD_DATA: lubricant constants, Hertz pressure beyond
- * the viscosity law's limit, viscosity that contradicts the law, SI units whose M or L is outside of
- * the bounds above. */
+/* Makes a contact without grid. Returns EHD_OK, or EHD_DATA: lubricant constants, Hertz pressure
+ * beyond the viscosity law's limit, viscosity that contradicts the law, ellipticity out of range,
+ * SI units whose M or L is outside of the bounds above or whose half width exceeds the radius,
+ * thermal conductivity without the data for the inlet heating. Other errors are those of
+ * lubricant_init. */
 ehd_status contact_init(
     // output:
     ehd_contact *contact,
@@ -287,29 +310,33 @@ ehd_status contact_init(
  * the Hertz pressure follow from them (README.md, Moes numbers). */
 void contact_set_moes(ehd_contact *contact, double moes_M, double moes_L);
 
-/* Whether its scene leaves something of the grid to what the contact needs. */
+/* Checks whether the scene leaves an end or the step of the grid open. */
 bool contact_has_chosen_grid(const ehd_contact *contact);
 
-/* Gives such a contact another grid of its kind and discretisation, half or whole like its own, as
- * that of a model, where its scene says nothing else of it. */
+/* Replaces the grid, for example by that of a model, if the scene leaves the grid open and does not
+ * contradict the new one. Both must be of one kind, discretisation, boundary and shape, and both
+ * half or both full. Otherwise the grid stays. */
 void contact_take_grid(ehd_contact *contact, const ehd_grid *grid);
 
-/* Checks the distance that a given approach is measured from. The deflection of a line contact
- * grows without bound with that distance. Below a quarter of the pressurised length the
- * compliance of the contact is not positive, and a film squeezed by a given approach would grow
- * without bound. EHD_DATA: below half the grid's length. */
+/* Checks the distance at which a given approach is measured. The deflection of a line contact grows
+ * without bound with that distance. Below a quarter of the pressurised length the compliance of the
+ * contact is not positive, and a film squeezed by a given approach would grow without bound.
+ * Returns EHD_DATA below half the grid's length. */
 ehd_status contact_check_approach(const ehd_contact *contact, ehd_error *error);
 
-/* The closure by a given load: the load balance, eq. 9 of Maier et al. */
+/* Returns the closure by a given load: the load balance, eq. 9 of Maier et al. */
 contact_closure contact_load_closure(const contact_kind *kind);
 
-/* Half width across the entrainment in m, b of an ellipse. NaN unless the scene is physical. */
+/* Returns the half width across the entrainment in m, b of an ellipse. NaN unless the scene is
+ * physical. */
 double contact_half_width_across(const ehd_contact *contact);
 
-/* Film scale a^2/R in m: physical film = H * film_scale. NaN unless the scene is physical. */
+/* Returns the film scale a^2/R in m: physical film = H * film_scale. NaN unless the scene is
+ * physical. */
 double contact_film_scale(const ehd_contact *contact);
 
-/* Time scale a/u in s: physical time = T * time_scale. NaN unless the scene is physical. */
+/* Returns the time scale a/u in s: physical time = T * time_scale. NaN unless the scene is
+ * physical. */
 double contact_time_scale(const ehd_contact *contact);
 
 #endif

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Where a contact lies among others of its kind and shape: all that a stationary solution depends
- * on. */
+/* Place of a contact among others of its kind and shape. A stationary solution depends on these
+ * coordinates alone. */
 #ifndef EHD_CONTACT_PLACE_H
 #define EHD_CONTACT_PLACE_H
 
@@ -13,20 +13,22 @@ typedef struct contact_place {
     const ehd_lubricant *lubricant; // NULL: any
 } contact_place;
 
-/* Returns the place of a contact in the training's coordinates. It keeps a pointer to the lubricant, so the contact must
- * outlive it. */
+/* Returns the place of a contact in the coordinates of a training. It keeps a pointer to the
+ * lubricant, so the contact must outlive it. */
 contact_place contact_place_of(const ehd_contact *contact);
 
 /* Returns the place of a contact with any lubricant: only M, alpha p_H and the thinning count. */
 contact_place contact_place_of_any(const ehd_contact *contact);
 
-/* Returns the thinning by the sliding as a coordinate: its logarithm, or that of 1e-6 if it is less. The flow is then
- * Newtonian: in 18 line contacts (Roelands and Barus, M from 0.5 to 66, L from 4.5 to 21) thinning
- * of 1e-6 changes the central film by at most 1.4e-5 and the minimum film by 6e-5. */
+/* Returns the thinning by the sliding as a coordinate: its logarithm, or that of 1e-6 if it is
+ * less. The flow is then Newtonian: in 18 line contacts (Roelands and Barus, M from 0.5 to 66, L
+ * from 4.5 to 21) thinning of 1e-6 changes the central film by at most 1.4e-5 and the minimum film
+ * by 6e-5. */
 double thinning_coordinate(double sliding);
 
-/* The thinning by the gradient as a coordinate: its logarithm, or that of 1e-2 if it is less. In 5 line contacts without
- * sliding a thinning of 1e-2 changes both films by 1.1e-5 at M = 0.3, by 4e-6 at M = 1, and by less from M = 13 on. */
+/* Returns the thinning by the gradient as a coordinate: its logarithm, or that of 1e-2 if it is
+ * less. In 5 line contacts without sliding a thinning of 1e-2 changes both films by 1.1e-5 at M =
+ * 0.3, by 4e-6 at M = 1, and by less from M = 13 on. */
 double gradient_coordinate(double gradient);
 
 #endif

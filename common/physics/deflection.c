@@ -6,38 +6,39 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Columns that are transformed one after the other: those that a line of the processor's cache holds. */
+/* Columns in one part of the work: as many as a line of the processor's cache holds. */
 enum { COLUMNS = 8 };
-/* Numbers after a column or a line, so that those of a power of two do not share places in the cache. */
+/* Padding after a column or a line, in numbers. Without it, columns whose length is a power of two
+ * would share places in the cache. */
 enum { APART = 8 };
-/* Lines that are one part of what a team shares. */
+/* Lines in one part of the work. */
 enum { LINES = 2 };
 
-/* Kernel and pressure are real, and the kernel is even in x and y, so that its Fourier transform is
- * real too. All transforms are FFTW's of real numbers to complex ones, which take a third of the
- * time of its real-to-real ones. On a half grid, which is even across, those across come first: of
- * the mirrored columns, whose transforms are real again and their own inverse. Its columns and lines
- * are transformed one by one, in a work space that stays in the cache. */
+/* Kernel and pressure are real, and the kernel is even in x and y, so its Fourier transform is real
+ * too. All transforms are FFTW's of real numbers to complex ones, which take a third of the time of
+ * its real-to-real ones. A half grid is even across, so its transform across comes first: the
+ * transforms of the mirrored columns are real and their own inverse. The columns and lines of a
+ * half grid are transformed one by one, in a work space that stays in the cache. */
 struct ehd_deflection {
     ehd_grid grid;
     size_t length, period; // of the transforms along and across
-    size_t lines;          // of the transform across that differ: of a half grid half of the period
+    size_t lines;          // different lines of the transform across; half grid: half of the period
     double *kernel;        // [grid lines, grid width]
-    double *transfer;      // [lines, length / 2 + 1], of the kernel
-    double *signal;        // [lines, length], of a half grid [lines, grid width]
-    fftw_complex *spectrum;      // [lines, length / 2 + 1], of the signal; of a half grid NULL
-    fftw_plan forward, backward; // of a half grid of one line
-    // of a half grid:
-    fftw_plan across;   // of a column
-    team *threads;      // that transform them; NULL: none
-    size_t work_size;   // numbers
+    double *transfer;      // [lines, length / 2 + 1], transform of the kernel
+    double *signal;        // [lines, length]; half grid: [lines, grid width]
+    fftw_complex *spectrum;      // [lines, length / 2 + 1], of the signal; half grid: NULL
+    fftw_plan forward, backward; // half grid: of one line
+    // for a half grid only:
+    fftw_plan across;   // of one column
+    team *threads;      // share the transforms; NULL: one thread
+    size_t work_size;   // numbers for one thread
     double *work_space; // [team_size, work_size]
 };
 
 // FFTW's planner is not thread-safe
 static pthread_mutex_t planner_lock = PTHREAD_MUTEX_INITIALIZER;
 
-/* Smallest even 2^a 3^b 5^c that is at least `min_length`, for a fast transform. */
+/* Returns the smallest even 2^a 3^b 5^c that is at least `min_length`, for a fast transform. */
 static size_t smooth_length(size_t min_length) {
     for (size_t length = min_length + (min_length & 1);; length += 2) {
         size_t rest = length;
@@ -51,8 +52,8 @@ static size_t smooth_length(size_t min_length) {
     }
 }
 
-/* Period of the circular convolution across: twice the lines of the full grid, so that it equals
- * the linear one. */
+/* Returns the period of the circular convolution across, at least twice the lines of the full grid.
+ * The circular convolution then equals the linear one. */
 static size_t period_across(const ehd_grid *grid) {
     size_t lines = grid_lines(grid);
 
@@ -63,8 +64,8 @@ static size_t spectrum_width(const ehd_deflection *self) {
     return self->length / 2 + 1;
 }
 
-/* Mirrored columns, apart from one another, and behind them the transform of one; or a line and its
- * transform. */
+/* Returns the numbers of a mirrored column with its padding. A work space holds COLUMNS of these
+ * and then the transform of one, or a line and its transform. */
 static size_t column_size(const ehd_deflection *self) {
     return self->period + APART;
 }
@@ -84,9 +85,9 @@ static void make_plans(ehd_deflection *self) {
     const int sizes[2] = {(int)self->period, (int)self->length};
     double *work = self->work_space;
 
-    // estimated plans: measured ones would differ, and with them the rounding, from run to run
+    // estimated plans: measured ones, and thus round-off, would differ from run to run
     pthread_mutex_lock(&planner_lock);
-    if (work) { // of one line, one column
+    if (work) { // half grid: plans of one line and one column
         fftw_complex *line = (fftw_complex *)(work + self->length + APART);
         fftw_complex *column = (fftw_complex *)(work + COLUMNS * column_size(self));
         self->forward = fftw_plan_dft_r2c_1d(sizes[1], work, line, FFTW_ESTIMATE);
@@ -102,7 +103,7 @@ static void make_plans(ehd_deflection *self) {
     pthread_mutex_unlock(&planner_lock);
 }
 
-/* Distance in nodes of an index of a periodic signal from its origin. */
+/* Returns the distance in nodes of an index of a periodic signal from its origin. */
 static size_t wrapped(size_t index, size_t period) {
     return index <= period / 2 ? index : period - index;
 }
@@ -127,7 +128,7 @@ typedef struct kernel_task {
     double *signal; // [period, length] periodic and mirrored
 } kernel_task;
 
-/* Lines of the kernel, up to half of the period. */
+/* Evaluates some lines of the kernel; all lines are those up to half of the period. */
 static void evaluate_kernel(void *context, const team_part *part) {
     const kernel_task *task = context;
     const ehd_deflection *self = task->of;
@@ -146,7 +147,7 @@ static void evaluate_kernel(void *context, const team_part *part) {
     }
 }
 
-/* The kernel's transform; false: no memory. */
+/* Computes the transform of the kernel. Returns false when out of memory. */
 static bool make_transfer(ehd_deflection *self, const contact_kind *kind) {
     const size_t wide = spectrum_width(self);
     const double scale = 1 / ((double)self->length * (double)self->period);
@@ -234,7 +235,8 @@ const double *deflection_kernel(const ehd_deflection *self) {
     return self->kernel;
 }
 
-/* Lines of a half grid, or of its transform across, and where to: two of the same form. */
+/* A transform across, from the lines of a half grid to those of the transform or back. Both
+ * directions have the same form. */
 typedef struct across_task {
     ehd_deflection *of;
     const double *from; // [num_from, grid width]
@@ -242,7 +244,7 @@ typedef struct across_task {
     size_t num_from, num_to;
 } across_task;
 
-/* Some columns, mirrored at the first line and at half of the period. */
+/* Transforms some columns, which are mirrored at the first line and at half of the period. */
 static void transform_columns(void *context, const team_part *part) {
     const across_task *task = context;
     const ehd_deflection *self = task->of;
@@ -262,7 +264,7 @@ static void transform_columns(void *context, const team_part *part) {
         for (size_t l = task->num_from; l + task->num_from <= period; l++)
             column[l] = 0;
         fftw_execute_dft_r2c(self->across, column, wave);
-        for (size_t l = 0; l < task->num_to; l++) // real, but for rounding
+        for (size_t l = 0; l < task->num_to; l++) // real, up to round-off
             column[l] = wave[l][0];
     }
     for (size_t l = 0; l < task->num_to; l++)
@@ -277,7 +279,7 @@ static void transform_across(ehd_deflection *self, double *to, size_t num_to, co
     team_share(self->threads, grid_width(&self->grid), COLUMNS, transform_columns, &task);
 }
 
-/* Transforms, times the kernel's. */
+/* Multiplies a spectrum by the transform of the kernel. */
 static void filter(fftw_complex *spectrum, const double *transfer, size_t count) {
     for (size_t k = 0; k < count; k++) {
         spectrum[k][0] *= transfer[k];
@@ -285,7 +287,8 @@ static void filter(fftw_complex *spectrum, const double *transfer, size_t count)
     }
 }
 
-/* The transform along, times the kernel's, and back, of some lines. */
+/* Transforms some lines along, multiplies them by the transform of the kernel, and transforms them
+ * back. */
 static void convolve_lines(void *context, const team_part *part) {
     const ehd_deflection *self = context;
     const size_t width = grid_width(&self->grid), wide = spectrum_width(self);

@@ -10,26 +10,27 @@
 
 typedef struct ehd_deflection ehd_deflection;
 
-/* May be called from several threads; each thread applies an object of its own. Returns NULL when
- * out of memory. */
+/* Creates the deflection operator of a grid. May be called from several threads; each thread
+ * applies an object of its own. Returns NULL when out of memory. */
 ehd_deflection *deflection_create(const contact_kind *kind, const ehd_grid *grid);
-/* The same, of a half grid with lines and columns that those threads transform, which its caller frees after
- * it; the bits are those of one thread. NULL: none. */
+/* Like deflection_create, but `threads` share the transforms of a half grid. The results have the
+ * same bits as with one thread. The caller frees the threads after the object. NULL: one thread. */
 ehd_deflection *deflection_create_shared(const contact_kind *kind, const ehd_grid *grid,
                                          team *threads);
 ehd_deflection *deflection_free(ehd_deflection *deflection); // accepts and returns NULL
 
-/* Deflection at a distance (along, across) from a node of unit pressure: that of its cell (eq. 10
- * of Maier et al. 2015). In the accurate discretisation the pressure is not constant in the cell
- * but has the nodes' curvature, whose integral over the cell, step^2/24 of the second differences,
- * is carried by the neighbouring nodes (README.md, deflection). */
+/* Returns the deflection at a distance (along, across) from a node with unit pressure, by the
+ * pressure on its cell (eq. 10 of Maier et al. 2015). In the accurate discretisation the pressure
+ * is not constant in the cell but has the curvature of the nodal pressures. The integral of the
+ * curvature over the cell, 1/24 of the second differences, is moved to the kernel (README.md,
+ * deflection). */
 double deflection_influence(const contact_kind *kind, const ehd_grid *grid, double x, double y);
 
-/* Influence coefficients: deflection at a node by unit pressure in a cell that is l lines and d
- * nodes away; [grid lines, grid width]. */
+/* Returns the influence coefficients [grid lines, grid width]: the deflection at a node by unit
+ * pressure in a cell that is l lines and d nodes away. */
 const double *deflection_kernel(const ehd_deflection *deflection);
 
-/* Delta = K P, O(n log n). `delta` and `pressure` may be the same array. */
+/* Computes Delta = K P in O(n log n). `delta` and `pressure` may be the same array. */
 void deflection_apply(
     // output:
     double *delta, // [num_nodes], boundary nodes included

@@ -4,7 +4,8 @@
 
 const lubricant_law density_incompressible = {.name = "incompressible"};
 
-/* (5.9e8 + 1.34 p) / (5.9e8 + p), Dowson and Higginson, Elasto-Hydrodynamic Lubrication, 1966. */
+/* Returns (5.9e8 + 1.34 p) / (5.9e8 + p), Dowson and Higginson, Elasto-Hydrodynamic Lubrication,
+ * 1966. */
 static double dowson_higginson(const ehd_lubricant *self, double pressure, double *derivative) {
     const double c = 5.9e8;
 

@@ -8,7 +8,7 @@
 const contact_shape shape_round = {1, 1, 1, 1, 1, FAR_ANGLE_ROUND};
 const double MIN_ELLIPTICITY = 0.05, MAX_ELLIPTICITY = 20;
 
-/* A and B (README.md, Elliptical contacts), the integrals from 0 to infinity of
+/* Return A and B (README.md, Elliptical contacts), the integrals from 0 to infinity of
  * 1/[(1+t)^(3/2) (k^2+t)^(1/2) t^(1/2)] and 1/[(1+t)^(1/2) (k^2+t)^(3/2) t^(1/2)]. */
 static double integral_along(double k) {
     return 2. / 3 * gsl_sf_ellint_RD(0, k * k, 1, GSL_PREC_DOUBLE);
@@ -38,8 +38,9 @@ double ellipse_radius_ratio(double ellipticity) {
     return integral_along(ellipticity) / integral_across(ellipticity);
 }
 
-/* Fixed point in logarithms: d ln(R_y/R_x)/d ln(b/a) is 1.5 at 1, and below 2, so that with 0.6 of
- * the difference the rest falls by a factor of 5 at least. */
+/* Inverts ellipse_radius_ratio by a fixed-point iteration in logarithms. The derivative d
+ * ln(R_y/R_x)/d ln(b/a) is 1.5 at 1, and below 2. With 0.6 of the difference the error falls at
+ * least by a factor of 5 in each step. */
 double ellipse_ellipticity(double radius_ratio) {
     const double goal = log(radius_ratio);
     double logarithm = 0.6 * goal;
@@ -49,8 +50,8 @@ double ellipse_ellipticity(double radius_ratio) {
     return radius_ratio == 1 ? 1 : exp(logarithm);
 }
 
-/* x^2/2 and the deflection outside of the ellipse, whose integral begins at x^2 - 1, less that of
- * the centre. */
+/* Adds to x^2/2 the deflection outside of the ellipse, whose integral begins at x^2 - 1, minus that
+ * at the centre. */
 double ellipse_dry_gap(const contact_shape *shape, double x) {
     const double k2 = shape->ellipticity * shape->ellipticity, x2 = x * x, t = fmax(x2 - 1, 0);
     const double along = M_PI_2 * shape->compliance;

@@ -7,36 +7,38 @@
 
 #include <stdbool.h>
 
-/* Semi-axes a along the entrainment, b across. All of it follows from the first member, and is 1 of
- * a circle and of a line contact, whose far field is that of a circle. */
+/* Shape of the dry contact, with the semi-axes a along the entrainment and b across. All members
+ * follow from the ellipticity. For a circle and a line contact they are 1, and the far field is
+ * that of a circle. */
 typedef struct contact_shape {
     double ellipticity; // b/a, as k of Hamrock and Dowson
-    double gap_across;  // R_x b^2/(R_y a^2): of Y^2/2 in the gap
-    double flow_across; // (a/b)^2
-    double cell;        // sides of a grid's cells in X and Y, across over along: k^(-1/3)
-    double compliance;  // E' a^3/(w R_x) over that of the circle, 2 A/pi of README.md
-    far_angle far;      // of R_x/R_y
+    double gap_across;  // R_x b^2/(R_y a^2), the factor of Y^2/2 in the gap
+    double flow_across; // (a/b)^2, the factor of the flow across
+    double cell;        // width over length of a grid's cells in X and Y: k^(-1/3)
+    double compliance;  // E' a^3/(w R_x) over that of a circle, 2 A/pi in README.md
+    far_angle far;      // for R_x/R_y
 } contact_shape;
 
-/* Of a circle, and of a line contact. */
+/* Shape of a circle and of a line contact. */
 extern const contact_shape shape_round;
 
-/* Ellipticities that shapes are made of. */
+/* Range of the ellipticity of a contact. */
 extern const double MIN_ELLIPTICITY, MAX_ELLIPTICITY;
 
-/* The shape of an ellipticity b/a above 0, by Carlson's elliptic integrals; exactly shape_round of
- * 1. */
+/* Returns the shape for an ellipticity b/a above 0, by Carlson's elliptic integrals. For 1 it is
+ * exactly shape_round. */
 contact_shape shape_of(double ellipticity);
 
-/* Whether two shapes are the same, to 1e-6 of the ellipticity: one may come from radii and the other
- * from a number that was read from print. Films differ by less than that. */
+/* Checks whether two ellipticities agree to 1e-6 of their value. One may come from radii and the
+ * other from a printed number. Films then differ by less than that. */
 bool shape_same(const contact_shape *a, const contact_shape *b);
 
-/* R_y/R_x of the surfaces that make an ellipse of b/a, and back, exactly 1 of 1. */
+/* Return R_y/R_x of the surfaces for an ellipticity b/a, and the inverse. Both are exactly 1 for
+ * 1. */
 double ellipse_radius_ratio(double ellipticity);
 double ellipse_ellipticity(double radius_ratio);
 
-/* Gap of the dry contact on Y = 0, |x| >= 1, in film units. */
+/* Returns the gap of the dry contact on Y = 0, |x| >= 1, in film units. */
 double ellipse_dry_gap(const contact_shape *shape, double x);
 
 #endif

@@ -12,7 +12,7 @@ double exit_violation(bool has_pressure, double pressure, double multiplier) {
     return has_pressure ? -pressure : -multiplier;
 }
 
-/* First node from `node` on, before `end`, whose film alone carries the flux. */
+/* Returns the first node from `node` to `end` whose film alone carries the flux, or `end`. */
 static size_t node_with_flux(const exit_line *line, double flux, size_t node, size_t end) {
     while (node < end && line->entrainment * line->film(line->state, node) < flux)
         node++;
@@ -43,7 +43,8 @@ bool exit_is_within_node(const ehd_grid *grid) {
     return grid->inner_lines == 1 && grid->discretization == DISCRETIZATION_ACCURATE;
 }
 
-/* The cubic through four neighbouring nodes at a distance from the second of them. */
+/* The cubic through four neighbouring nodes, evaluated at a distance in steps from the second
+ * one. */
 typedef struct cubic {
     double weight[4], slope[4]; // slope: derivatives of the weights
 } cubic;
@@ -55,14 +56,14 @@ static cubic cubic_at(double t) {
                              -(3 * t * t - 2 * t - 2) / 2, (3 * t * t - 1) / 6}};
 }
 
-/* A quantity and its derivatives, by pressure and film as those of a row (whose residual is the
- * value) and by the offset. */
+/* A quantity with its derivatives by pressure and film, as a row whose residual is the value, and
+ * its derivative by the offset. */
 typedef struct quantity {
     reynolds_row row;
     double by_offset;
 } quantity;
 
-/* The film at a distance of share * offset behind the node. */
+/* Returns the film at a distance of share * offset steps behind HERE. */
 static quantity film_behind(double offset, double share, const reynolds_stencil *stencil,
                             const double *film) {
     const cubic interpolation = cubic_at(share * offset);
@@ -77,7 +78,8 @@ static quantity film_behind(double offset, double share, const reynolds_stencil 
     return result;
 }
 
-/* rho H half way between node and exit, by the four nodes that the Reynolds rows take it from. */
+/* Returns rho H half way between node and exit, by the four nodes that the Reynolds rows use for
+ * it. */
 static quantity mass_half_way(double offset, const reynolds_stencil *stencil,
                               const reynolds_fluid *fluid, const double *film) {
     const cubic interpolation = cubic_at(1 + offset / 2);
@@ -96,7 +98,7 @@ static quantity mass_half_way(double offset, const reynolds_stencil *stencil,
     return result;
 }
 
-/* target += factor * source, with the derivatives. */
+/* Adds factor * source, with the derivatives. */
 static void add_row(reynolds_row *target, double factor, const reynolds_row *source) {
     target->residual += factor * source->residual;
     for (int a = 0; a < NUM_LINE_STENCIL; a++) {
@@ -105,7 +107,7 @@ static void add_row(reynolds_row *target, double factor, const reynolds_row *sou
     }
 }
 
-/* (q - q_exit) / H^3. */
+/* Returns (q - q_exit) / H^3 with its derivatives. */
 static quantity rise_over_cube(const quantity *q, const quantity *at_exit, const quantity *film) {
     const double h = film->row.residual, cube = 1 / (h * h * h);
     const double rise = q->row.residual - at_exit->row.residual;
@@ -148,8 +150,8 @@ void exit_cell_at(exit_cell *cell, const ehd_grid *grid, double entrainment, dou
     cell->offset_by_flux = 1 / slope;
     cell->flux_residual = cell->offset.residual * slope / step;
 
-    // second equation: int m dP = int U (q - q_exit)/H^3 dx from the node to the exit, by Simpson's
-    // rule
+    // second equation, by Simpson's rule: int m dP = int U (q - q_exit)/H^3 dx from the node to the
+    // exit
     const quantity first = rise_over_cube(&mass_here, &at_exit, &film_here);
     const quantity second = rise_over_cube(&between, &at_exit, &film_between);
     const double length = offset * step * entrainment / 6;
@@ -187,7 +189,7 @@ typedef struct flow {
     double value, slope;
 } flow;
 
-/* U rho H at an offset behind the node, where there is no pressure. */
+/* Returns U rho H at an offset behind HERE, where there is no pressure. */
 static flow carried_at(double offset, double entrainment, const reynolds_stencil *stencil,
                        const reynolds_fluid *fluid, const double *film) {
     const quantity at_exit = film_behind(offset, 1, stencil, film);
@@ -197,9 +199,10 @@ static flow carried_at(double offset, double entrainment, const reynolds_stencil
                   entrainment * density * at_exit.by_offset};
 }
 
-/* What the cell takes in time from the half node before up to an offset, over the step: the
- * midpoint rule on whole cells and a line beyond, through BACK and HERE where the exit is at the
- * node, HERE and AHEAD where it is at the next one, so that nothing jumps as it passes a node. */
+/* Returns the storage of the cell in time from the half node before up to the offset t, over the
+ * step. It is the midpoint rule on whole cells and a linear rate beyond. The line goes through BACK
+ * and HERE if the exit is at the node, and through HERE and AHEAD if it is at the next one. So
+ * nothing jumps as the exit passes a node. */
 static flow taken_up_to(double t, const reynolds_squeeze *squeeze, const reynolds_stencil *stencil,
                         const reynolds_fluid *fluid, const double *film) {
     double rate[3]; // d(rho H)/dT at BACK, HERE and AHEAD
@@ -217,7 +220,7 @@ static flow taken_up_to(double t, const reynolds_squeeze *squeeze, const reynold
 double exit_place(const ehd_grid *grid, double entrainment, double flux,
                   const reynolds_squeeze *squeeze, const reynolds_stencil *stencil,
                   const reynolds_fluid *fluid, const double *film) {
-    const int num_steps = 6; // of Newton, for the zero of nearly a line
+    const int num_steps = 6; // steps of Newton's iteration; the function is nearly linear
     double place = 0.5;
 
     for (int i = 0; i < num_steps; i++) {

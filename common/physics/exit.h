@@ -1,81 +1,81 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The exit boundary, where the pressure ends behind the contact: P >= 0, Lambda >= 0, Lambda P = 0
- * (eqs. 7 and 39 of Maier et al. 2015). What both models ask of it is written here once. */
+ * (eqs. 7 and 39 of Maier et al. 2015). The full and the reduced model share these functions. */
 #ifndef EHD_EXIT_H
 #define EHD_EXIT_H
 
 #include "common/physics/reynolds.h"
 #include <stdbool.h>
 
-/* Multiplier Lambda of a row at a node without pressure: what is missing in the flow balance there.
- * Negative where the node should have pressure. */
+/* Returns the multiplier Lambda of a row at a node without pressure: the flow that is missing in
+ * the balance there. It is negative where the node should have pressure. */
 double exit_multiplier(const reynolds_row *row);
 
-/* By how much a node violates P >= 0 and Lambda >= 0, of which the first holds for nodes with
- * pressure; negative where it does not. */
+/* Returns by how much a node violates P >= 0, if it has pressure, or else Lambda >= 0. Negative if
+ * the condition holds. */
 double exit_violation(bool has_pressure, double pressure, double multiplier);
 
-/* The line of a stationary line contact on which the exit is looked for. In its pressurised zone
- * the flux is the same everywhere, and the exit condition P = dP/dx = 0 says that U rho H equals it
- * at the exit. */
+/* Data for the search of the exit on a stationary line contact. In the pressurised zone the flux is
+ * the same everywhere. The exit condition P = dP/dx = 0 means that U rho H equals this flux at the
+ * exit. */
 typedef struct exit_line {
     const double *pressure; // P at the nodes from first_node on, up to before the exit
-    size_t first_node;      // from which on negative pressure is looked for
+    size_t first_node;      // first node that is checked for negative pressure
     size_t min_exit, max_exit;
-    size_t
-        max_stride; // of the exit downstream, nodes: far from convergence the flux is not yet one
-                    // number
+    // largest move downstream, in nodes: far from convergence the flux is not yet uniform
+    size_t max_stride;
     double entrainment;
-    double pressure_noise, multiplier_noise;        // negative ones that do not count
+    double pressure_noise, multiplier_noise;        // negative values up to this do not count
     void *state;                                    // for the functions
     double (*film)(void *state, size_t node);       // H
     double (*flux)(void *state, size_t node);       // through the half node before
     double (*multiplier)(void *state, size_t node); // exit_multiplier
 } exit_line;
 
-/* The node at which the exit should be: back on negative pressure, on where the multiplier at the
- * exit is negative; as far as the flux says, which an unpressurised film carries at the exit, so
- * that the number of moves does not grow with the number of nodes. */
+/* Returns the node at which the exit should be. It moves back if a pressure is negative, and
+ * downstream if the multiplier at the exit is negative. It moves as far as the node where an
+ * unpressurised film carries the flux. The number of moves therefore does not grow with the number
+ * of nodes. */
 size_t exit_by_flux(const exit_line *line, size_t exit);
 
-/* The exit within a node, of the accurate rows of a stationary line contact (README.md, The exit
- * within a node): the last cell with pressure, which the exit cuts at x = x_k + offset h behind its
- * node k. Two equations hold there: an unpressurised film carries at the exit what flows through
- * the half node before, which places the exit; and the pressure at k is what falls to zero from
- * there to the exit. The first is eliminated, so that the second stands in the place of the node's
- * Reynolds row. */
+/* The exit within a node, in the accurate discretisation of a stationary line contact (README.md,
+ * The exit within a node). The exit cuts the last cell with pressure at x = x_k + offset h, behind
+ * its node k. Two equations hold there. First, an unpressurised film carries at the exit the flux
+ * through the half node before k, which places the exit. Second, the pressure at k falls to zero
+ * from there to the exit. The first equation is eliminated, so the second one replaces the Reynolds
+ * row of node k. */
 typedef struct exit_cell {
-    reynolds_row row;    // residual of the second equation, of a Reynolds row's size
-    reynolds_row offset; // residual: by how much the offset has to change; derivatives of that
+    reynolds_row row;    // second equation, scaled as a Reynolds row
+    reynolds_row offset; // first equation: residual is the necessary change of the offset
     double row_by_flux, offset_by_flux; // derivatives of both residuals by the flux
     double curvature;     // pressure before the exit over the square of the distance in steps
-    double flux_residual; // of the first equation, of a Reynolds row's size
+    double flux_residual; // of the first equation, scaled as a Reynolds row
 } exit_cell;
 
-/* Whether the exit of a stationary contact on a grid lies within a node: of a line contact with the
- * accurate rows. */
+/* Checks whether the exit of a stationary contact on a grid lies within a node, as in a line
+ * contact with the accurate discretisation. */
 bool exit_is_within_node(const ehd_grid *grid);
 
-/* The cell at the HERE of a stencil, for a flux that comes from elsewhere: derivatives by pressure
- * and film are those at that flux. The films at BACK, HERE, AHEAD and AHEAD2 are interpolated, so
- * that the node must not be the last inner one; there is no pressure from AHEAD on. */
+/* Evaluates the exit cell at HERE of a stencil for a given flux. Derivatives by pressure and film
+ * are those at constant flux. The film is interpolated from BACK, HERE, AHEAD and AHEAD2, so HERE
+ * must not be the last inner node. There must be no pressure from AHEAD on. */
 void exit_cell_at(exit_cell *cell, const ehd_grid *grid, double entrainment, double offset,
                   double flux, const reynolds_stencil *stencil, const reynolds_fluid *fluid,
                   const double *pressure, const double *film);
 
-/* Adds what follows from the derivatives of the flux through the half node before, which is that of
- * the cell: reynolds_flux of its stencil. */
+/* Adds the contribution of the derivatives of the flux through the half node before HERE. `flux` is
+ * reynolds_flux of the stencil of the cell. */
 void exit_cell_add_flux(exit_cell *cell, const reynolds_row *flux);
 
-/* By how many steps ahead of the HERE of a stencil the exit lies, where a solution has exits at nodes
- * and that is the last one with pressure: where an unpressurised film carries what flows through
- * the half node before, but for what the cell takes in time. That is 0 to 1 but for what is left by
- * an exit at a node, and at most a half beyond. NaN where the film does not rise there. With a
- * reversed stencil entrainment and flux count towards smaller x. */
+/* Returns how many steps ahead of HERE of a stencil the exit lies, if a solution has its exits at
+ * nodes and HERE is the last node with pressure. At the exit an unpressurised film carries the flux
+ * through the half node before, minus the storage of the cell in time. The result is 0 to 1, except
+ * for the error of an exit at a node, and at most a half beyond. NaN if the film does not rise
+ * there. With a reversed stencil, entrainment and flux count towards smaller x. */
 double exit_place(
     const ehd_grid *grid, double entrainment,
     double flux,                     // through the half node before
-    const reynolds_squeeze *squeeze, // with the previous of BACK, HERE, AHEAD; NULL when stationary
+    const reynolds_squeeze *squeeze, // `previous` at BACK, HERE and AHEAD; NULL when stationary
     const reynolds_stencil *stencil, const reynolds_fluid *fluid, const double *film);
 
 #endif

@@ -2,19 +2,19 @@
 /* Flow of a Ree-Eyring fluid between sliding surfaces (README.md, thinned flow).
  *
  * Two numbers determine it. The rate N = eta |u1 - u2|/(tau0 h) is the Newtonian stress of the
- * sliding over Eyring's. The gradient Sigma = h |dp/dx|/(2 tau0) is the change of the stress from the
- * middle of the film to a surface, over Eyring's. */
+ * sliding over Eyring's. The gradient Sigma = h |dp/dx|/(2 tau0) is the change of the stress from
+ * the middle of the film to a surface, over Eyring's. */
 #ifndef EHD_EYRING_FLOW_H
 #define EHD_EYRING_FLOW_H
 
 #include <math.h>
 #include <stdbool.h>
 
-/* What the flow takes of the gradient alone. */
+/* Factors of the flow that depend on the gradient alone. */
 typedef struct eyring_gradient {
     double square;  // Sigma^2
     double at_rest; // A = 3 (Sigma cosh Sigma - sinh Sigma)/Sigma^3, the factor without sliding
-    double sliding; // C = 3 (Sigma coth Sigma - 1)/Sigma^2, that of fast sliding over the rate
+    double sliding; // C = 3 (Sigma coth Sigma - 1)/Sigma^2, the factor of fast sliding over N
 } eyring_gradient;
 
 /* The factor on the mobility of the pressure flow, and its logarithmic derivatives. */
@@ -22,11 +22,11 @@ typedef struct eyring_factor {
     double value, by_log_rate, by_log_gradient;
 } eyring_factor;
 
-/* Largest Sigma for which the factor is evaluated; it is constant above, where exp(Sigma) would overflow. Only iterates far
- * from a solution have such gradients. */
+/* Largest Sigma for which the factor is evaluated. It is constant above, where exp(Sigma) would
+ * overflow. Only iterates far from a solution have such gradients. */
 #define EYRING_LARGEST_GRADIENT 600.
 
-/* Neither cancels nor overflows at any gradient that is not negative. */
+/* Returns the factors for Sigma >= 0, without cancellation or overflow. */
 static inline eyring_gradient eyring_gradient_of(double sigma) {
     const double s = sigma * sigma;
 
@@ -48,18 +48,20 @@ static inline eyring_gradient eyring_gradient_of(double sigma) {
                              3 * rise / (capped * capped * (1 - decay))};
 }
 
-/* Derivative of ln A by ln Sigma; that of ln C is less by C Sigma^2/3. */
+/* Returns the derivative of ln A by ln Sigma. */
 static inline double eyring_at_rest_slope(const eyring_gradient *of) {
     return of->square < EYRING_LARGEST_GRADIENT * EYRING_LARGEST_GRADIENT ? 3 / of->sliding - 3 : 0;
 }
 
+/* Returns the derivative of ln(C/A) by ln Sigma, -C Sigma^2/3. */
 static inline double eyring_sliding_slope(const eyring_gradient *of) {
     return of->square < EYRING_LARGEST_GRADIENT * EYRING_LARGEST_GRADIENT
                ? -of->sliding * of->square / 3
                : 0;
 }
 
-/* Of a flow along the sliding, without a gradient across it: exact,
+/* Returns the factor of a flow along the sliding. It is exact without a gradient across the
+ * sliding:
  *
  *     A sqrt(1 + (N Sigma/sinh Sigma)^2) = sqrt(A^2 + (N C)^2)
  *
@@ -73,8 +75,8 @@ static inline eyring_factor eyring_along(const eyring_gradient *of, double rate)
                            eyring_at_rest_slope(of) + by_rate * eyring_sliding_slope(of)};
 }
 
-/* The factor of a flow across the sliding, without a gradient along it: A r/asinh r with r = N sqrt(Sigma/sinh
- * Sigma). It is exact without sliding, and without a gradient. At rates up to
+/* Returns the factor of a flow across the sliding, without a gradient along it: A r/asinh r with r
+ * = N sqrt(Sigma/sinh Sigma). It is exact without sliding, and without a gradient. At rates up to
  * 1e4 it is off by at most 1.3 % where Sigma = 1, and by 6.8 % where it is 2
  * (tests/unit/test_eyring_flow.c). */
 static inline eyring_factor eyring_across(const eyring_gradient *of, double rate) {
@@ -86,7 +88,7 @@ static inline eyring_factor eyring_across(const eyring_gradient *of, double rate
         factor = 1 + slid * slid / 6;
         by_rate = slid * slid / 3;
     } else {
-        // asinh by that root, to rounding
+        // asinh(slid) by the root, to round-off
         const double stress =
             slid < 0.5 ? log1p(slid + slid * slid / (1 + root)) : log(slid + root);
         factor = slid / stress;
@@ -96,14 +98,16 @@ static inline eyring_factor eyring_across(const eyring_gradient *of, double rate
                            eyring_at_rest_slope(of) + by_rate / 2 * eyring_sliding_slope(of)};
 }
 
-/* With a gradient Sigma_x along the sliding and Sigma_y across it, both up to 3, the factor along is off
- * by less than DOUBT_ALONG Sigma_y^2, the factor across by less than DOUBT_ACROSS Sigma_x^2 +
- * DOUBT_ACROSS_OWN Sigma_y^2, at any rate of sliding (tests/unit/test_eyring_flow.c, by quadrature). */
+/* Error bounds of the factors for gradients Sigma_x along the sliding and Sigma_y across it, both
+ * up to 3, at any rate of sliding. The factor along is off by less than DOUBT_ALONG Sigma_y^2. The
+ * factor across is off by less than DOUBT_ACROSS Sigma_x^2 + DOUBT_ACROSS_OWN Sigma_y^2
+ * (tests/unit/test_eyring_flow.c, by quadrature). */
 #define EYRING_DOUBT_ALONG      0.1
 #define EYRING_DOUBT_ACROSS     0.25
 #define EYRING_DOUBT_ACROSS_OWN 0.025
 
-/* Shear stress of the sliding in the middle of the film over Eyring's, not negative. */
+/* Returns the shear stress of the sliding in the middle of the film over Eyring's stress, not
+ * negative. */
 static inline double eyring_stress(const eyring_gradient *of, double rate) {
     return asinh(rate * (of->sliding / of->at_rest));
 }

@@ -6,11 +6,11 @@
 #include <math.h>
 #include <string.h>
 
-/* The exit lies at chi = 98 to 108 degrees for all ratios; collocation goes on to here. */
+/* Largest chi of the collocation. The exit lies at chi = 98 to 108 degrees for all ratios. */
 static const double LAST = 1.95;
 
-/* S without an exit, x/H^2 but for a factor: of 4 cos(phi)/((3 + 2 ratio) q^2) the equation holds,
- * whatever constant is added to the gap. */
+/* Returns the part of S that has a closed form but no exit, 4 cos(phi)/((3 + 2 ratio) q^2). Up to a
+ * factor it is x/H^2. It solves the equation for any constant that is added to the gap. */
 static double driven(const far_angle *self, double phi) {
     const double rise = far_angle_rise(self, phi);
 
@@ -23,8 +23,8 @@ double far_angle_rise(const far_angle *self, double phi) {
     return 1 + (self->ratio - 1) * (across * across);
 }
 
-/* With stretch^2 = g, E = cos^2 + g sin^2 and D = g cos^2 + sin^2 of chi, q is g E/D, and dchi/dphi
- * D/sqrt(g). */
+/* With g = sqrt(ratio), E = cos^2 chi + g sin^2 chi and D = g cos^2 chi + sin^2 chi: q = g E/D, and
+ * dchi/dphi = D/sqrt(g). */
 typedef struct far_rises {
     double E, D, slope; // dE/dchi = -dD/dchi
 } far_rises;
@@ -46,7 +46,8 @@ double far_angle_direction(const far_angle *self, double chi, double *slope) {
     return self->ratio == 1 ? chi : atan2(sin(chi), sqrt(g) * cos(chi));
 }
 
-/* Sum of terms with cos(n theta), n = 0, 2, 4 ...: the Chebyshev polynomials at cos(theta). */
+/* Returns the sum of terms times cos(n theta), n = 0, 2, 4 ..., which are the Chebyshev polynomials
+ * at place = cos(theta). */
 static double even_series(const double *term, double place) {
     const double twice = 2 * (2 * place * place - 1); // Clenshaw, in cos(2 theta)
     double ahead = 0, here = 0;
@@ -59,7 +60,7 @@ static double even_series(const double *term, double place) {
     return term[0] + twice / 2 * here - ahead;
 }
 
-/* In chi the equation without its right side is h'' + c1 h' - c0 h = 0. */
+/* Coefficients of the equation without its right side, in chi: h'' + c1 h' - c0 h = 0. */
 typedef struct far_coefficients {
     double c0, c1;
 } far_coefficients;
@@ -70,15 +71,16 @@ static far_coefficients coefficients_at(double ratio, double chi) {
     return (far_coefficients){9 * sqrt(ratio) / (at.D * at.D), (3 / at.E + 2 / at.D) * at.slope};
 }
 
-/* Of `driven` the logarithmic derivative by chi: it goes with cos(chi) D^(3/2)/E^2. */
+/* Returns the logarithmic derivative of `driven` by chi; `driven` is proportional to cos(chi)
+ * D^(3/2)/E^2. */
 static double driven_slope(double ratio, double chi) {
     const far_rises at = rises_at(ratio, chi);
 
     return -tan(chi) - (1.5 / at.D + 2 / at.E) * at.slope;
 }
 
-/* The even solution h, 1 at LAST: one equation at each zero of the next even polynomial in 0 ... 1
- * but the last, which stands for h(LAST) = 1. */
+/* Computes the terms of the even solution h with h(LAST) = 1. The other equations hold at the
+ * zeros, in 0 ... 1, of the Chebyshev polynomial of the highest order. */
 static void solve_growth(double term[FAR_TERMS], double ratio) {
     double matrix[(FAR_TERMS + 1) * FAR_TERMS] = {0},
                                     work[FAR_TERMS]; // by columns, the last the right side
@@ -99,8 +101,9 @@ static void solve_growth(double term[FAR_TERMS], double ratio) {
     qr_solve(term, matrix, work, FAR_TERMS, FAR_TERMS);
 }
 
-/* chi where driven + b h touches zero: -driven/h, which b has to be, is largest. Between the middle,
- * where it is 0, and LAST; of the logarithm of h the derivative by differences. */
+/* Returns chi of the exit, where driven + b h touches zero. There -driven/h, which b has to be, is
+ * largest. The exit lies between the middle, where -driven/h is 0, and LAST. The logarithmic
+ * derivative of h is a difference quotient. */
 static double find_exit(const double *term, double ratio) {
     const double d = 1e-4;
     double low = M_PI_2, high = LAST - d;

@@ -1,36 +1,39 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* How the pressure far from a contact depends on the direction (README.md, far field). */
+/* Dependence of the pressure far from a contact on the direction (README.md, far field). */
 #ifndef EHD_FAR_ANGLE_H
 #define EHD_FAR_ANGLE_H
 
-/* Terms of the part that is known by its equation alone: with 20 S is within 1e-8 of
- * its largest for b/a of 0.05 to 3, 3e-7 at 5, 1.4e-5 at 10 and 5e-4 at 20. */
+/* Number of Chebyshev terms of the part of S that has no closed form. With 20 terms S is within
+ * 1e-8 of its largest value for b/a of 0.05 to 3, 3e-7 at 5, 1.4e-5 at 10 and 5e-4 at 20. */
 enum { FAR_TERMS = 20 };
 
-/* S(phi) of a parabolic gap q r^2/2, q = cos^2 phi + ratio sin^2 phi, phi from the side on which the
- * fluid comes in: (q^3 S')' - 9 q^3 S = -8 cos phi, S'(0) = 0, S = S' = 0 at the exit. */
+/* Solution S(phi) of (q^3 S')' - 9 q^3 S = -8 cos phi with S'(0) = 0 and S = S' = 0 at the exit.
+ * The gap is the parabola q r^2/2, q = cos^2 phi + ratio sin^2 phi. phi counts from the side on
+ * which the fluid comes in. */
 typedef struct far_angle {
-    double ratio;           // R_x/R_y, 1 of a circle
-    double exit;            // phi
-    double term[FAR_TERMS]; // Chebyshev polynomials of even order; not used of a circle
+    double ratio;           // R_x/R_y, 1 for a circle
+    double exit;            // phi at the exit
+    double term[FAR_TERMS]; // coefficients of even Chebyshev polynomials; not used for a circle
 } far_angle;
 
-/* Of a circle, in closed form. */
+/* The solution for a circle, which has a closed form. */
 #define FAR_ANGLE_ROUND                                                                            \
     { .ratio = 1, .exit = M_PI - 1.2490457723982544 } // tan(phi) = -3 tanh(3 phi), tanh: 1 - 2e-5
 
-/* By collocation; any ratio but 1, which has FAR_ANGLE_ROUND. */
+/* Computes the solution by collocation, for any ratio except 1. FAR_ANGLE_ROUND is the one for
+ * 1. */
 far_angle far_angle_of(double ratio);
 
-/* S, 0 behind the exit. */
+/* Returns S, which is 0 behind the exit. */
 double far_angle_shape(const far_angle *self, double phi);
 
-/* q */
+/* Returns q. */
 double far_angle_rise(const far_angle *self, double phi);
 
-/* The angle chi, tan(chi) = ratio^(1/4) tan(phi), in which S is smooth, whatever the ratio; of a
- * circle phi. And back, with the derivative of phi by chi. */
+/* Returns the angle chi with tan(chi) = ratio^(1/4) tan(phi), in which S is smooth for any ratio.
+ * For a circle it is phi. */
 double far_angle_stretched(const far_angle *self, double phi);
+/* Returns phi for an angle chi, and in *slope the derivative of phi by chi. */
 double far_angle_direction(const far_angle *self, double chi, double *slope);
 
 #endif

@@ -8,8 +8,8 @@ bool far_field_is_there(const ehd_grid *grid) {
     return grid->inner_lines > 1 && grid->boundary == BOUNDARY_OPEN;
 }
 
-/* A place far away: distance in half widths along, direction from the side on which the fluid comes
- * in. */
+/* A place far away: its distance in half widths along, and its direction from the side on which the
+ * fluid comes in. */
 typedef struct far_place {
     double distance;
     double per_rise; // 1/q
@@ -22,7 +22,8 @@ static far_place place_at(const contact_shape *shape, double upstream, double y)
     return (far_place){hypot(upstream, across), 1 / far_angle_rise(&shape->far, phi), phi};
 }
 
-/* The film over q r^2/2, and its derivative: the deflection is (2/(pi^2 compliance)) (2 pi/3)/r. */
+/* Returns the film over q r^2/2 and the derivative by the rigid approach. The deflection is
+ * (2/(pi^2 compliance)) (2 pi/3)/r. */
 static far_value film_ratio(double rigid_approach, double inverse, double per_rise,
                             const contact_shape *shape) {
     const double square = inverse * inverse * per_rise;
@@ -38,7 +39,7 @@ double far_field_film(const contact_shape *shape, double rigid_approach, double 
            film_ratio(rigid_approach, 1 / at.distance, at.per_rise, shape).value;
 }
 
-/* factor/film^2 */
+/* Returns factor/film^2 with the derivative. */
 static far_value over_square(double factor, far_value film) {
     const double value = factor / (film.value * film.value);
 
@@ -70,8 +71,8 @@ far_value far_field_pressure(const ehd_contact *contact, double rigid_approach, 
 
 _Static_assert(FAR_RAYS == 4 * GAUSS_4, "Gauss' rule in each of four parts");
 
-/* Ends of what the sum over the inner nodes counts, half a step beyond them, in half widths along:
- * against the flow, with it, and beside. */
+/* Ends of the cells of the inner nodes, half a step beyond the nodes, in half widths along: against
+ * the flow, with it, and beside. */
 typedef struct inner_ends {
     double upstream, downstream, beside;
 } inner_ends;
@@ -85,7 +86,7 @@ static inner_ends ends_of(const ehd_grid *grid, bool backwards) {
                         grid->shape.ellipticity * (half * grid->shape.cell + extent.y_max)};
 }
 
-/* Adds the directions between two, given by the stretched angle. */
+/* Adds the directions between two values of the stretched angle. */
 static void add_rays(far_rays *self, const inner_ends *ends, const far_angle *far, double from,
                      double to) {
     if (to <= from) return; // none between
@@ -103,12 +104,12 @@ static void add_rays(far_rays *self, const inner_ends *ends, const far_angle *fa
     }
 }
 
-/* Those of an entrainment towards larger X, or `backwards`. */
+/* Returns the rays for entrainment towards larger X, or, if `backwards`, towards smaller X. */
 static far_rays rays_of(const ehd_grid *grid, bool backwards) {
     const inner_ends ends = ends_of(grid, backwards);
     const far_angle *far = &grid->shape.far;
     const double exit = far_angle_stretched(far, far->exit);
-    // smooth between the corners
+    // the integrand is smooth between the corners
     const double first = far_angle_stretched(far, atan2(ends.beside, ends.upstream));
     const double last = fmin(far_angle_stretched(far, atan2(ends.beside, -ends.downstream)), exit);
     far_rays self = {.num = 0};
@@ -120,7 +121,8 @@ static far_rays rays_of(const ehd_grid *grid, bool backwards) {
     return self;
 }
 
-/* Of each ray the integral of r^2/(2H)^2 dr, H over q, from its end on, with s = end/r. */
+/* Returns the load beyond the inner nodes. Along each ray it integrates r^2/(2H)^2 dr, with H over
+ * q, from the end of the grid on. The variable is s = end/r. */
 static far_value load_on(const far_rays *rays, const ehd_contact *contact, double rigid_approach) {
     const contact_shape *shape = &contact->grid.shape;
     far_value sum = {0, 0};
@@ -131,7 +133,7 @@ static far_value load_on(const far_rays *rays, const ehd_contact *contact, doubl
                 over_square(rays->weight[k] * gauss_4_weight[i] * rays->inverse_end[k],
                             film_ratio(rigid_approach, gauss_4_place[i] * rays->inverse_end[k],
                                        rays->per_rise[k], shape)));
-    // on either side of Y = 0, in cells of X and Y
+    // both sides of Y = 0; areas in X and Y
     return scaled(sum, 2 * contact->lambda * fabs(contact->far_speed) / shape->ellipticity);
 }
 
@@ -144,8 +146,8 @@ far_value far_field_load(const ehd_contact *contact, double rigid_approach) {
 
 // ---- traction beyond
 
-/* Returns the r at which the gap has a slope of 1 in lengths, R_x/a in the units of the grid. If that lies within the grid,
- * returns the r at which the cells of the grid end. */
+/* Returns the r at which the gap has a slope of 1 in lengths, R_x/a in the units of the grid. If
+ * that lies within the grid, returns the r at which the cells of the grid end. */
 static double rim_of(const far_rays *rays, size_t ray, const ehd_contact *contact) {
     const double along = rays->upstream[ray], across = sqrt(fmax(0, 1 - along * along));
     const double slope = hypot(along, contact->grid.shape.far.ratio * across);
@@ -153,15 +155,16 @@ static double rim_of(const far_rays *rays, size_t ray, const ehd_contact *contac
     return fmax(contact->radius / contact->half_width / slope, 1 / rays->inverse_end[ray]);
 }
 
-/* Adds the integrals along one ray, of the pressure's moment and of the shear stress, from the end of the grid to the rim of
- * the film. The variable of integration is ln r. */
+/* Adds the integrals along one ray, of the pressure's moment and of the shear stress, from the end
+ * of the grid to the rim of the film. The variable of integration is ln r. */
 static void add_ray(traction_sums *sums, const far_rays *rays, size_t ray,
                     const ehd_contact *contact, double rigid_approach) {
     const contact_shape *shape = &contact->grid.shape;
     const double factor = contact->lambda * fabs(contact->entrainment);
     const double inverse_end = rays->inverse_end[ray], per_rise = rays->per_rise[ray];
     const double rim = rim_of(rays, ray, contact), length = log(rim * inverse_end);
-    // of P r^3, at the rim, and there over the volume within
+    // the integral of P r^2 dr is that of P r^3 in ln r; the pressure at the rim is subtracted, and
+    // its integral from 0 to the rim is P r^3/3
     const double moment = factor * rays->weight[ray] * rays->upstream[ray];
 
     sums->rolling -=
@@ -187,7 +190,7 @@ traction_sums far_field_traction(const ehd_contact *contact, double rigid_approa
     const far_rays rays = rays_of(&contact->grid, backwards);
     for (size_t k = 0; k < rays.num; k++)
         add_ray(&sums, &rays, k, contact, rigid_approach);
-    // on either side of Y = 0, in cells of X and Y
+    // both sides of Y = 0; areas in X and Y
     const double areas = 2 / contact->grid.shape.ellipticity;
     sums.rolling *= backwards ? -areas : areas;
     sums.friction *= areas;

@@ -20,8 +20,8 @@ double film_moes(double moes_M, double moes_L) {
 }
 
 double film_nijenbanning_ellipse(double moes_M, double moes_L, double radius_ratio) {
-    // written so that of a circle the last bit is that of the numbers 1.796, 1.63 and 1.691
-    const double ratio = 1 / radius_ratio; // lambda there
+    // written so that a circle has the same bits as with the numbers 1.796, 1.63 and 1.691
+    const double ratio = 1 / radius_ratio; // lambda of the fit
     const double elastic = 1.63 + 0.63 * (pow(ratio, 4. / 7) - 1) + 0.006 * log(ratio);
     const double rigid_iso =
         145 * pow(1.796 + 0.796 * (pow(ratio, 14. / 15) - 1), -15. / 7) / (moes_M * moes_M) / ratio;
@@ -59,7 +59,7 @@ static double moes(const film_formula *self, const film_numbers *numbers) {
     return film_moes(numbers->moes_M, numbers->moes_L);
 }
 
-/* What is left of a film beside what leaks to the sides. */
+/* Returns the part of a film that the side leakage leaves. */
 static double left_of_leakage(const film_leakage *leakage, const film_numbers *numbers) {
     const double x =
         leakage->power > 0 ? pow(numbers->radius_ratio, leakage->power) : numbers->ellipticity;
@@ -67,7 +67,7 @@ static double left_of_leakage(const film_leakage *leakage, const film_numbers *n
     return 1 - leakage->share * exp(-leakage->rate * x);
 }
 
-/* H = h R/a^2 = (h/R) (R/a)^2. */
+/* Returns H = h R/a^2 = (h/R) (R/a)^2. */
 static double power_law(const film_formula *self, const film_numbers *numbers) {
     if (!(numbers->material > 0)) return 0; // power laws are for piezoviscous lubricants
     return self->factor * left_of_leakage(&self->leakage, numbers) *
@@ -75,7 +75,7 @@ static double power_law(const film_formula *self, const film_numbers *numbers) {
            pow(numbers->load, self->load_power) / (numbers->half_width * numbers->half_width);
 }
 
-// From which texts the constants of those of point contacts are: README.md, film formulas.
+// Sources of the constants for point contacts: README.md, film formulas.
 // clang-format off
 #define NO_SIDES {0, 0, 0}, 0, INFINITY
 
@@ -109,7 +109,8 @@ film_numbers film_numbers_of(const ehd_contact *contact) {
     const contact_kind *kind = contact->kind;
     const contact_shape *shape = &contact->grid.shape;
     const double width = contact->half_width;
-    const int power = kind->dimensions + 1; // of the half width, to which the load is proportional
+    // the load is proportional to this power of the half width
+    const int power = kind->dimensions + 1;
     const double modulus =
         isnan(width)
             ? STEEL_MODULUS

@@ -3,8 +3,9 @@
 
 #include <math.h>
 
-/* In pure rolling the factor is then 0.78 to 1.07 times that of Murch and Wilson (1975), which does not
- * know the load, for p_H/E' from 0.001 to 0.01; at a load term of a half 0.5 times. */
+/* Largest load term. Up to it, in pure rolling, the factor is 0.78 to 1.07 times that of Murch and
+ * Wilson (1975), which does not depend on the load, for p_H/E' from 0.001 to 0.01. At a load term
+ * of a half it is 0.5 times. */
 static const double MAX_LOAD_TERM = 0.25;
 static const double MAX_SLIDE_ROLL = 2;
 

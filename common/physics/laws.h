@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The lubricant laws by name. A new one is declared here and gets a line in laws.c. */
+/* The lubricant laws by name. A new law is declared here and gets a line in laws.c or
+ * shear_laws.c. */
 #ifndef EHD_LAWS_H
 #define EHD_LAWS_H
 

@@ -3,8 +3,8 @@
 
 #include <math.h>
 
-/* Minimum of the quartic through five values one apart, near the middle one; NaN where there is
- * none within the five. */
+/* Returns the minimum of the quartic through five values at a distance of one, near the middle one.
+ * NaN: there is none within the five. */
 static double minimum_of_five(const double *value) {
     // Taylor coefficients at the middle
     const double first = (value[0] - 8 * value[1] + 8 * value[3] - value[4]) / 12;
@@ -37,7 +37,8 @@ static double film_at(const film *self, size_t node) {
     return self->value(self->context, node);
 }
 
-/* The node of its line towards which the film falls from a node, inside of the grid's ends. */
+/* Returns the node of the same line to which the film falls from a node. The two nodes at either
+ * end of the line are left out. */
 static size_t lowest_along(const film *self, size_t node) {
     const size_t first = node - node % self->width + 2, last = first + self->width - 5;
 
@@ -48,7 +49,7 @@ static size_t lowest_along(const film *self, size_t node) {
     return node;
 }
 
-/* The minimum along the line around a node; NaN where there is none. */
+/* Returns the minimum along the line around a node; NaN: there is none. */
 static double minimum_along(const film *self, size_t node) {
     double values[5];
 
@@ -57,8 +58,8 @@ static double minimum_along(const film *self, size_t node) {
     return minimum_of_five(values);
 }
 
-/* The minima of the lines around that of a node, each in the valley that goes through it. A line
- * that is missing is NaN. */
+/* Finds the minima of the line of a node and of two lines on either side, each in the valley
+ * through the node. The minimum of a missing line is NaN. */
 static void follow_valley(double minima[5], const film *self, const ehd_grid *grid, size_t node) {
     const size_t lines = grid_lines(grid), line = node / self->width;
 

@@ -9,8 +9,8 @@
 
 // ---- stencils
 
-/* The node `lines` from a node across the entrainment, mirrored at the line y = 0 of a half grid;
- * NO_NODE beyond the boundary. */
+/* Returns the node `lines` lines away across the entrainment, mirrored at the line y = 0 of a half
+ * grid. NO_NODE beyond the boundary. */
 static size_t node_across(const ehd_grid *grid, size_t node, ptrdiff_t lines) {
     const ptrdiff_t width = (ptrdiff_t)grid_width(grid);
     ptrdiff_t line = (ptrdiff_t)node / width + lines;
@@ -81,7 +81,8 @@ reynolds_stencil reynolds_stencil_reversed(const ehd_grid *grid, size_t node) {
 
 // ---- fluid
 
-/* Of second differences from line to line, over the step's square: (a/b)^2 in the grid's cells. */
+/* Returns the factor of the flow across, for second differences from line to line over the square
+ * of the step. It is (a/b)^2 over the square of a cell's width over its length. */
 static inline double flow_across(const contact_shape *shape) {
     return shape->flow_across / (shape->cell * shape->cell);
 }
@@ -241,11 +242,12 @@ static void add_published_flux(reynolds_row *flux, double step, double entrainme
 
 // ---- the accurate discretisation
 
-/* Mobility at a pressure, with what its means need of it. */
+/* Mobility at a pressure, with the data for means between nodes. */
 typedef struct mobility {
     double value, slope, logarithm, pressure;
-    double density, density_slope; // of a flow that is thinned
-    // of that, derivatives of the logarithm by the film, and by the logarithm of the gradient
+    double density, density_slope; // for a thinned flow
+    // for a thinned flow: derivatives of ln mobility by the film and by the logarithm of the
+    // gradient
     double log_by_film, log_by_gradient;
 } mobility;
 
@@ -259,15 +261,15 @@ static inline mobility mobility_at(const row_nodes *at, int a) {
                       .pressure = at->pressure[node]};
 }
 
-/* By the logarithmic mean of the mobilities, the logarithm of whose ratio is known; `thinned`: these
- * depend on the film. */
+/* Returns the link by the logarithmic mean of two mobilities. `logarithm` is the logarithm of their
+ * ratio, before over after. `thinned`: the mobilities depend on the film. */
 static inline reynolds_link logarithmic_link(const mobility *before, const mobility *after,
                                              double logarithm, bool thinned) {
     const double a = before->value, b = after->value;
     const double drop = after->pressure - before->pressure;
     double mean, by_log_a, by_log_b;
 
-    // a viscosity so large that the mobility is zero in floating point lets nothing through
+    // the mobility of a very large viscosity is zero in floating point: nothing flows
     if (!(a > 0 && b > 0)) return (reynolds_link){0};
     if (fabs(logarithm) < 1) {
         // sqrt(a b) sinh(y)/y with y = ln(a/b)/2, by the series of sinh
@@ -301,7 +303,7 @@ static reynolds_link exponential_link(const mobility *before, const mobility *af
     return logarithmic_link(before, after, before->logarithm - after->logarithm, false);
 }
 
-/* At the mean pressure of two nodes; `with_logarithm`: with that too. */
+/* Returns the mobility at the mean pressure of two nodes. `with_logarithm`: with its logarithm. */
 static inline mobility mobility_between(const mobility *before, const mobility *after,
                                         const ehd_contact *contact, bool with_logarithm) {
     mobility middle = {.pressure = (before->pressure + after->pressure) / 2, .density = 1};
@@ -321,16 +323,17 @@ typedef struct mobility_falls {
     double first, second, whole;
 } mobility_falls;
 
-/* By the law's mobility at the mean pressure as well: the two halves' and the whole link,
- * extrapolated to fourth order. The halves of a falling mobility are more than half of the whole,
- * so that the link is never against the pressures. */
+/* Returns the link with the mobility at the mean pressure, extrapolated to fourth order from the
+ * links of the two halves and of the whole. For a mobility that falls with the pressure the halves
+ * are more than half of the whole, so the flow is never against the pressures. */
 static inline reynolds_link link_with_middle(const mobility *before, const mobility *middle,
                                              const mobility *after, mobility_falls falls,
                                              bool thinned) {
     const reynolds_link whole = logarithmic_link(before, after, falls.whole, thinned);
     const reynolds_link first = logarithmic_link(before, middle, falls.first, thinned);
     const reynolds_link second = logarithmic_link(middle, after, falls.second, thinned);
-    const double by_middle = (first.by_after + second.by_before) / 2; // by either end
+    // derivative by the pressure at either end, through that of the middle
+    const double by_middle = (first.by_after + second.by_before) / 2;
 
     return (reynolds_link){
         (4 * (first.value + second.value) - whole.value) / 3,
@@ -351,7 +354,7 @@ static reynolds_link link_between(const row_nodes *at, int before, int after) {
     return link_with_middle(&a, &middle, &b, falls, false);
 }
 
-/* At a node, with what the thinning needs. */
+/* Returns the mobility at a node, with the density that the thinning needs. */
 static inline mobility thinned_mobility_at(const row_nodes *at, int a) {
     const reynolds_fluid *fluid = at->fluid;
     const size_t node = at->stencil->node[a];
@@ -362,10 +365,11 @@ static inline mobility thinned_mobility_at(const row_nodes *at, int a) {
     return found;
 }
 
-/* Makes it the mobility of a flow that an Eyring fluid thins, through a film; but for the logarithm. */
+/* Converts a mobility, except its logarithm, to that of a flow that an Eyring fluid thins. The flow
+ * goes through a film of the thickness `film`. */
 static inline void thin(mobility *self, const reynolds_fluid *fluid, double film,
                         const eyring_gradient *gradient, bool along) {
-    // a viscosity that is infinite in floating point: nothing flows, and nothing is thinned
+    // the viscosity is infinite in floating point: nothing flows, and nothing is thinned
     if (!(self->value > 0)) return;
     // ln eta = ln rho - ln mobility
     const double viscosity_slope = self->density_slope / self->density - self->slope / self->value;
@@ -378,9 +382,9 @@ static inline void thin(mobility *self, const reynolds_fluid *fluid, double film
     self->log_by_gradient = by.by_log_gradient;
 }
 
-/* The link of a flow that an Eyring fluid thins, along the sliding or across: with the mobilities of both
- * nodes and between them, at the gradient between the nodes and through the film of the half node. The
- * logarithms are those of ratios, two in place of one for each mobility and factor. */
+/* Returns the link of a flow that an Eyring fluid thins, along or across the sliding. It uses the
+ * mobilities at both nodes and between them, the gradient between the nodes, and the film at the
+ * half node. Two logarithms of ratios replace a logarithm of each mobility and factor. */
 static reynolds_link thinned_link(const row_nodes *at, int before, int after, double film,
                                   bool along) {
     const reynolds_fluid *fluid = at->fluid;
@@ -389,7 +393,7 @@ static reynolds_link thinned_link(const row_nodes *at, int before, int after, do
     const double of_drop = fluid->gradient_thinning * film * (along ? 1 : fluid->gradient_across);
     const eyring_gradient gradient = eyring_gradient_of(fabs(of_drop * drop));
 
-    // mostly behind the exit, where the search for it looks
+    // frequent behind the exit, where the search for the exit evaluates rows
     if (drop == 0 && a.value == b.value) {
         thin(&a, fluid, film, &gradient, along);
         return (reynolds_link){.by_before = -a.value, .by_after = a.value};
@@ -408,11 +412,12 @@ static reynolds_link thinned_link(const row_nodes *at, int before, int after, do
     return link;
 }
 
-/* Stencil nodes around a half node: i - 2 … i + 2 about the one between i and i + 1. Across, where
- * nothing is entrained, the first has no use. */
+/* Stencil nodes around the half node between i and i + 1: i - 2 … i + 2. Across, where nothing is
+ * entrained, the first one is not used. */
 enum { HALF_BACK2, HALF_BACK, HALF_BEFORE, HALF_AFTER, HALF_AHEAD, NUM_HALF };
 
-/* Weights of the film at a half node: of the cubic, and the mean beside the boundary. */
+/* Returns the weights of the film at a half node: those of the cubic, or of the mean beside the
+ * boundary. */
 static const double *film_weights(const int of[NUM_HALF], const row_nodes *at) {
     static const double inside[NUM_HALF] = {0, -1. / 16, 9. / 16, 9. / 16, -1. / 16};
     static const double beside[NUM_HALF] = {0, 0, 0.5, 0.5, 0};
@@ -430,8 +435,9 @@ static double film_at_half(const int of[NUM_HALF], const double weights[NUM_HALF
     return film;
 }
 
-/* Weights of rho H at a half node: of the cubic through two nodes before, one before and one behind
- * it; near the inlet of the parabola, and the mean. */
+/* Returns the weights of rho H at a half node: those of the cubic through three nodes before it and
+ * one behind it. Near the inlet they are those of the parabola, and at the inlet those of the
+ * mean. */
 static const double *mass_weights(const int of[NUM_HALF], const row_nodes *at) {
     static const double inside[NUM_HALF] = {1. / 16, -5. / 16, 15. / 16, 5. / 16, 0};
     static const double near[NUM_HALF] = {0, -1. / 8, 6. / 8, 3. / 8, 0};
@@ -448,10 +454,11 @@ typedef struct half_flux {
     double value, by_pressure[NUM_HALF], by_film[NUM_HALF];
 } half_flux;
 
-/* The pressure flow g = eps dP/dx is not constant between the nodes, but rises as U rho H does,
- * where all flow is along: the reduced pressure changes by int g/H^3 dx, which Simpson's rule takes
- * from both nodes and the half node between (the complete flux of J. H. M. ten Thije Boonkkamp,
- * M. J. H. Anthonissen, J. Sci. Comput. 46, 2011). */
+/* Returns the flux through a half node along the entrainment. The pressure flow g = eps dP/dx is
+ * not constant between the nodes: where all flow is along, it rises as U rho H does. The reduced
+ * pressure changes by int g/H^3 dx. Simpson's rule evaluates this integral at both nodes and the
+ * half node between them (the complete flux of J. H. M. ten Thije Boonkkamp, M. J. H. Anthonissen,
+ * J. Sci. Comput. 46, 2011). */
 static half_flux flux_along(const int of[NUM_HALF], double step, double entrainment,
                             const row_nodes *at) {
     const int a = of[HALF_BEFORE], b = of[HALF_AFTER];
@@ -466,7 +473,7 @@ static half_flux flux_along(const int of[NUM_HALF], double step, double entrainm
     const double cube_a = inverse_a * inverse_a * inverse_a;
     const double cube_b = inverse_b * inverse_b * inverse_b;
     const double cube = inverse * inverse * inverse;
-    const bool entrained = entrainment != 0; // along the path of the fluid nothing is
+    const bool entrained = entrainment != 0; // false along the path of the fluid
     mass masses[NUM_HALF] = {{0}}, here = {0};
     half_flux flux = {0};
 
@@ -477,7 +484,7 @@ static half_flux flux_along(const int of[NUM_HALF], double step, double entrainm
     }
     const double over_a = masses[HALF_BEFORE].value - here.value;
     const double over_b = masses[HALF_AFTER].value - here.value;
-    // change = flow sum + rise, with the flow times the step
+    // change = flow * (sum of 1/H^3) + rise; flow includes the factor step
     const double over_sum = 6 / (cube_a + 4 * cube + cube_b);
     const double rise = step * entrainment / 6;
     const double flow = (change.value - rise * (over_a * cube_a + over_b * cube_b)) * over_sum;
@@ -536,13 +543,13 @@ static const int half_right[NUM_HALF] = {NODE_LEFT, NODE_LEFT, NODE_HERE, NODE_R
 
 // ---- cross fluxes
 
-/* step^2 times how a flow along three nodes changes about the one in the middle, to leading order. */
+/* step^2 times the derivative of a flow at the middle of three nodes, to leading order. */
 typedef struct net_flow {
     int node[3]; // of the stencil
     double value, by_pressure[3], by_film[3];
 } net_flow;
 
-/* Adds scale * step * eps dP/dx from one of the nodes to the next, through the mean of the films. */
+/* Adds scale * step * eps dP/dx between two neighbouring nodes, with the mean of their films. */
 static inline void add_flow(net_flow *net, int before, double scale, const row_nodes *at) {
     const int a = net->node[before], b = net->node[before + 1];
     const double *film = at->film;
@@ -566,13 +573,14 @@ static net_flow net_pressure_flow(int left, int here, int right, double scale,
     return net;
 }
 
-/* Pressure up to which a node is at the exit. With a jump in its place Newton's iteration cycles (k =
- * 0.5, M = 4.83, L = 10, tests/pipeline/discretization.bats); of 24 cold starts (k = 0.5, 0.7 and 1) two take 71
- * iterations with 1e-3, and the slowest 13 with 1e-2. */
+/* Pressure below which a node counts as near the exit. With a jump instead of a ramp Newton's
+ * iteration cycles (k = 0.5, M = 4.83, L = 10, tests/pipeline/discretization.bats). The slowest of
+ * 24 cold starts (k = 0.5, 0.7 and 1) takes 13 iterations; with 1e-3 two of them take 71. */
 static const double EXIT_PRESSURE = 1e-2;
 
-/* Of U rho H - eps dP/dx, which is what flows in across: none where the film has ruptured, and in
- * proportion to the pressure at the exit. */
+/* Returns the net flow of U rho H - eps dP/dx, which equals the inflow from across. It is zero
+ * where the film has ruptured. Near the exit it is multiplied by the pressure over
+ * EXIT_PRESSURE. */
 static net_flow net_along(int back, int here, int ahead, double entrained, const row_nodes *at) {
     const double part = at->pressure[at->stencil->node[here]] / EXIT_PRESSURE;
     net_flow net = {.node = {back, here, ahead}};
@@ -596,7 +604,7 @@ static net_flow net_along(int back, int here, int ahead, double entrained, const
     return net;
 }
 
-/* What lies around a row's node, with the sums of what is to be added of each. */
+/* A net flow at or beside the node of a row, and its weight in the row. */
 typedef struct weighted_net {
     net_flow flow;
     double weight;
@@ -610,13 +618,13 @@ static void add_net(reynolds_row *row, const weighted_net *net) {
     }
 }
 
-/* Adds to the row, and to the weights of the nets at both ends, scale times the pressure flow g
- * through a half node of which
+/* Adds scale times the pressure flow g through a half node to the row and to the weights of the net
+ * flows at both ends. The flow follows from
  *
  *     int g/H^3 = flow_scale * change        g' = -sign * net
  *
- * with a line for the net flow between the two nodes and Simpson's rule over them and the half node.
- * `change` is NULL for what the nets do to it alone. */
+ * with a linear net flow between the two nodes, and Simpson's rule over both nodes and the half
+ * node. If `change` is NULL, only the effect of the net flows is added. */
 static void add_crossed_flow(reynolds_row *row, const int of[NUM_HALF], double scale, double sign,
                              const reynolds_link *change, double flow_scale, weighted_net *before,
                              weighted_net *after, const row_nodes *at) {
@@ -629,7 +637,7 @@ static void add_crossed_flow(reynolds_row *row, const int of[NUM_HALF], double s
     const double cube_b = inverse_b * inverse_b * inverse_b;
     const double cube = inverse * inverse * inverse;
     const double over_sum = 6 / (cube_a + 4 * cube + cube_b);
-    // of the net flows from the half node to either node
+    // a sixth of the integrals of the net flow from the half node to either node
     const double to_a = -sign * (3 * before->flow.value + after->flow.value) / 48;
     const double to_b = sign * (before->flow.value + 3 * after->flow.value) / 48;
     const double factor = scale * over_sum, by_link = factor * flow_scale;
@@ -649,9 +657,10 @@ static void add_crossed_flow(reynolds_row *row, const int of[NUM_HALF], double s
         row->by_film[of[k]] += 2 * flow * over_sum * cube * inverse * film_weight[k];
 }
 
-/* The flow across, and to the fluxes along of an accurate row what leaves across: between two nodes
- * either changes by the other's net flow, and the mean of a side of the cell is that of its middle
- * and of its curvature (README.md). */
+/* Adds to an accurate row the flow across and the effect of the net flow across on the fluxes
+ * along. Between two nodes, the flow in each direction changes by the net flow in the other. The
+ * mean over a side of the cell is the value at its middle and a term of its curvature (README.md,
+ * Cross fluxes). */
 static void add_cross_fluxes(reynolds_row *row, const ehd_grid *grid, double entrainment,
                              const row_nodes *at) {
     const double scale = 1 / (grid->step * grid->step), across = flow_across(&grid->shape);
@@ -668,10 +677,10 @@ static void add_cross_fluxes(reynolds_row *row, const ehd_grid *grid, double ent
     const reynolds_link left = link_between(at, NODE_LEFT, NODE_HERE);
     const reynolds_link right = link_between(at, NODE_HERE, NODE_RIGHT);
 
-    // along, where g' = U (rho H)' - what leaves across
+    // along: g' = U (rho H)' - net flow across
     add_crossed_flow(row, half_ahead, scale, 1, NULL, 0, &out[MIDDLE], &out[AFTER], at);
     add_crossed_flow(row, half_back, -scale, 1, NULL, 0, &out[BEFORE], &out[MIDDLE], at);
-    // across, where g' = what comes in along
+    // across: g' = net flow along
     add_crossed_flow(row, half_right, scale, -1, &right, across, &in[MIDDLE], &in[AFTER], at);
     add_crossed_flow(row, half_left, -scale, -1, &left, across, &in[BEFORE], &in[MIDDLE], at);
     for (int i = 0; i < 3; i++) {
@@ -680,8 +689,8 @@ static void add_cross_fluxes(reynolds_row *row, const ehd_grid *grid, double ent
     }
 }
 
-/* *ahead: the flux behind the HERE of the row before, where that is the BACK of this one, and then
- * that behind its own. */
+/* Adds a row of the accurate discretisation. If `known`, *ahead comes in as the flux between BACK
+ * and HERE, from the row before. It returns as the flux between HERE and AHEAD. */
 static void add_accurate_row(reynolds_row *row, half_flux *ahead, bool known, const ehd_grid *grid,
                              double entrainment, const row_nodes *at) {
     const double step = grid->step, scale = 1 / (step * step);
@@ -701,7 +710,8 @@ static void add_accurate_row(reynolds_row *row, half_flux *ahead, bool known, co
 
 // ---- rows
 
-/* Whether the half node before a row's HERE is that behind the HERE of the row before it. */
+/* Checks whether the half node between BACK and HERE is the one between HERE and AHEAD of the row
+ * before. */
 static bool follows(const reynolds_stencil *stencil, const reynolds_stencil *before) {
     return before->node[NODE_HERE] == stencil->node[NODE_BACK] &&
            before->node[NODE_AHEAD] == stencil->node[NODE_HERE];
@@ -754,15 +764,16 @@ reynolds_link reynolds_link_ahead(const reynolds_stencil *stencil, const reynold
     return link_between(&at, NODE_HERE, NODE_AHEAD);
 }
 
-// ---- how far thinned flows hold
+// ---- error bound of thinned flows
 
-/* Pressure flow of the central difference between two nodes of a stencil, times the step, and the square
- * of the Eyring fluid's gradient. */
+/* Pressure flow by the central difference between two nodes of a stencil, times the step, and the
+ * square of the Eyring gradient Sigma. */
 typedef struct nodal_flow {
     double flow, square;
 } nodal_flow;
 
-/* `own`: at the node between them, not thinned. */
+/* Returns the thinned pressure flow at HERE, between the nodes before and after it. `own` is the
+ * mobility at HERE, not thinned. */
 static nodal_flow thinned_flow_at(const mobility *own, const row_nodes *at, int before, int after,
                                   bool along) {
     const size_t *node = at->stencil->node;
@@ -777,7 +788,7 @@ static nodal_flow thinned_flow_at(const mobility *own, const row_nodes *at, int 
     return (nodal_flow){found.value * film * film * film * change, gradient.square};
 }
 
-/* At the HERE of a stencil. */
+/* Returns the error bound of the thinned flow at HERE of a stencil. */
 static double flow_doubt_at(const ehd_contact *contact, const row_nodes *at) {
     const size_t here = at->stencil->node[NODE_HERE];
     const mobility pressure_only = {.pressure = at->pressure[here]};

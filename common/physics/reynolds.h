@@ -2,18 +2,19 @@
 /* The discrete Reynolds operator, for any list of rows.
  *
  * A row is the residual of d/dx(eps dP/dx) + d/dy(eps dP/dy) = U d(rho H)/dx + d(rho H)/dT at a
- * node (eq. 7 of Maier et al. 2015 without the multiplier of cavitation) and its derivatives with
- * respect to pressure and film at the nodes of its stencil. The solvers choose the rows and know
- * how P and H depend on their unknowns. */
+ * node (eq. 7 of Maier et al. 2015 without the multiplier of cavitation) and its derivatives by
+ * pressure and film at the nodes of its stencil. Each solver chooses the rows, and relates P and H
+ * to its own unknowns. */
 #ifndef EHD_REYNOLDS_H
 #define EHD_REYNOLDS_H
 
 #include "common/physics/contact.h"
 #include <stddef.h>
 
-/* Nodes of a row's stencil, named along the direction of entrainment. Those across it are of a point
- * contact. The published discretisation has none of BACK3, AHEAD2, LEFT2 and RIGHT2; the last four,
- * beside the nodes before and behind, are of the discretisation with cross fluxes alone. */
+/* Nodes of a row's stencil, named along the direction of entrainment. Only point contacts and
+ * ellipses have nodes across it. The published discretisation has none of BACK3, AHEAD2, LEFT2 and
+ * RIGHT2. Only the discretisation with cross fluxes has the last four, which lie beside the nodes
+ * before and behind. */
 enum {
     NODE_BACK3,
     NODE_BACK2,
@@ -33,7 +34,7 @@ enum {
     NODE_AHEAD_RIGHT,
     NUM_STENCIL
 };
-#define NO_NODE ((size_t)-1) // beyond the boundary nodes, or not in the discretisation
+#define NO_NODE ((size_t)-1) // beyond the boundary nodes, or not used by the discretisation
 
 typedef struct reynolds_stencil {
     size_t node[NUM_STENCIL]; // into the arrays of nodes given to reynolds_rows, or NO_NODE
@@ -45,29 +46,32 @@ typedef struct reynolds_row {
     double by_film[NUM_STENCIL];
 } reynolds_row;
 
-/* Fluid at a list of nodes. Arrays [num_nodes]. */
+/* Fluid properties at a list of nodes. Arrays [num_nodes]. */
 typedef struct reynolds_fluid {
     double *mobility;       // rho/(eta lambda), so that eps = mobility H^3
     double *mobility_slope; // with respect to the dimensionless pressure
-    double *log_mobility;   // ln mobility, but for a constant; NULL when not needed, as published
+    double *log_mobility;   // ln mobility up to a constant; NULL in the published discretisation
     double *density;        // NULL when incompressible
     double *density_slope;
-    const ehd_contact *between; // whose mobility is evaluated between two nodes too; NULL where the
-                                // mean of theirs is enough
-    const ehd_contact *thinned; // whose flow an Eyring fluid thins; NULL: not
-    double thinning;            // of that, its rate at film 1 and rho over mobility 1
-    double
-        gradient_thinning;  // and its gradient at film 1 and a change of pressure by 1 along a step
-    double gradient_across; // of that across, over that along
+    // contact whose viscosity law is also evaluated between two nodes; NULL: the mean of the nodes
+    // is enough
+    const ehd_contact *between;
+    const ehd_contact *thinned; // contact with a flow that an Eyring fluid thins; NULL: not thinned
+    // rate N of the Eyring fluid (eyring_flow.h) at H = 1 and rho / mobility = 1
+    double thinning;
+    // gradient Sigma along the entrainment, at H = 1 and a pressure difference of 1 from node to
+    // node
+    double gradient_thinning;
+    double gradient_across; // gradient across over gradient along, at equal pressure differences
 } reynolds_fluid;
 
 enum { NUM_FLUID_ARRAYS = 5 };
 
-/* The fluid's arrays in `memory` [NUM_FLUID_ARRAYS, num_nodes], which the caller owns, as it does
- * the contact. */
+/* Returns a fluid whose arrays lie in `memory` [NUM_FLUID_ARRAYS, num_nodes]. The caller owns the
+ * memory and the contact, to which the fluid points. */
 reynolds_fluid reynolds_fluid_in(double *memory, size_t num_nodes, const ehd_contact *contact);
 
-/* The same fluid from one of its nodes on. */
+/* Returns the fluid from one of its nodes on. It shares the arrays of `fluid`. */
 reynolds_fluid reynolds_fluid_from(const reynolds_fluid *fluid, size_t first_node);
 
 /* The BDF time derivative of rho H at the nodes of the rows: rate * rho H + previous. */
@@ -77,23 +81,26 @@ typedef struct reynolds_squeeze {
     const double *previous;
 } reynolds_squeeze;
 
-/* So many of a stencil's nodes, the first ones, may be there. */
+/* Returns the number of entries that a stencil of this discretisation can use, the first ones. All
+ * later ones are NO_NODE. */
 static inline int reynolds_stencil_size(const ehd_grid *grid) {
     return grid->discretization == DISCRETIZATION_CROSS_FLUX ? NUM_STENCIL : NUM_CROSS_STENCIL;
 }
 
-/* By how many nodes a stencil reaches back along the entrainment, and ahead and across it. */
+/* Return how many nodes a stencil extends back along the entrainment, and how many ahead and
+ * across. */
 size_t reynolds_reach_back(const ehd_grid *grid);
 size_t reynolds_reach_ahead(const ehd_grid *grid);
 
-/* Stencil of an inner node of a grid and its discretisation, entrainment towards larger x. On the
- * mirror line of a half grid the nodes to the left and right are the same. */
+/* Returns the stencil of an inner node for entrainment towards larger x. On the mirror line of a
+ * half grid the nodes to the left and right are the same. */
 reynolds_stencil reynolds_stencil_at(const ehd_grid *grid, size_t node);
 
-/* The same for entrainment towards smaller x: its mirror image. */
+/* Returns the stencil of an inner node for entrainment towards smaller x, the mirror image of
+ * reynolds_stencil_at. */
 reynolds_stencil reynolds_stencil_reversed(const ehd_grid *grid, size_t node);
 
-/* Fluid properties at the given pressures. */
+/* Evaluates the fluid properties at the given pressures. */
 void reynolds_fluid_evaluate(
     // output:
     reynolds_fluid *fluid,
@@ -101,8 +108,8 @@ void reynolds_fluid_evaluate(
     const ehd_contact *contact, const double *pressure, // [num_nodes]
     size_t num_nodes);
 
-/* Residual and derivatives of the rows whose stencils are given, by the grid's discretisation
- * (README.md, Reynolds equation). */
+/* Computes residuals and derivatives of the rows whose stencils are given, in the discretisation of
+ * the grid (README.md, Reynolds equation). */
 void reynolds_rows(
     // output:
     reynolds_row *rows, // [num_rows]
@@ -115,39 +122,41 @@ void reynolds_rows(
     const double *pressure,      // [num_nodes]
     const double *film);         // [num_nodes]
 
-/* Returns a bound of the error of thinned rows of a point contact or ellipse, the largest before the
- * centre, where the film is made. It is relative to the entrained flow or, where that is more, to the
- * pressure flow. Rows along the entrainment do not count the gradient across, and rows across do not
- * count the gradient along (README.md, thinned flow). 0 where rows are exact, as those of lines. */
+/* Returns an error bound of the thinned rows of a point contact or ellipse: the largest one before
+ * the centre, where the film is made. It is relative to the entrained flow or, if that is more, to
+ * the pressure flow. Rows along the entrainment do not count the gradient across, and rows across
+ * do not count the gradient along (README.md, thinned flow). Returns 0 where rows are exact, as in
+ * line contacts. */
 double reynolds_flow_doubt(const ehd_contact *contact,
                            const reynolds_stencil *stencils, // [num_rows]
                            const size_t *node,               // [num_rows] of the grid
                            size_t num_rows, const double *pressure,
                            const double *film); // [num_nodes]
 
-/* Beyond this doubt results are not to be trusted, for this reason. */
+/* Largest error bound with which a result is trusted, and the reason that is reported above it. */
 extern const double flow_doubt_most;
 extern const char flow_doubt_reason[];
 
-/* Flux U rho H - eps dP/dx along the entrainment through the half node between the BACK and the
+/* Returns the flux U rho H - eps dP/dx along the entrainment through the half node between BACK and
  * HERE of a stencil, as residual, and its derivatives. */
 reynolds_row reynolds_flux(const ehd_grid *grid, double entrainment,
                            const reynolds_stencil *stencil, const reynolds_fluid *fluid,
                            const double *pressure, const double *film);
 
-/* Change of the reduced pressure, int mobility dP, from one node to the next. Where the viscosity
- * is exponential in the pressure: the logarithmic mean of the mobilities times the difference of
- * the pressures, then exact (D. L. Scharfetter, H. K. Gummel, IEEE Trans. Electron Devices 16,
- * 1969). Else with the mobility half way between as well, of fourth order in the difference. Of the
- * accurate discretisation. */
+/* Change of the reduced pressure, int mobility dP, from one node to the next, in the accurate
+ * discretisation. If the viscosity is exponential in the pressure, it is the logarithmic mean of
+ * the mobilities times the pressure difference, which is then exact (D. L. Scharfetter, H. K.
+ * Gummel, IEEE Trans. Electron Devices 16, 1969). Otherwise it also uses the mobility half way
+ * between, and is of fourth order in the difference. */
 typedef struct reynolds_link {
     double value, by_before, by_after; // derivatives by the pressures
-    // of a thinned flow, else 0: by the film at the half node, and what the parts of a link have by
-    // the logarithm of the gradient
+    // derivatives for a thinned flow, else 0: by the film at the half node, and by the logarithm of
+    // the gradient between the nodes, which by_before and by_after of a whole link include
     double by_film, by_gradient;
 } reynolds_link;
 
-/* From the HERE to the AHEAD of a stencil, where flow is thinned with the film at HERE. */
+/* Returns the link from HERE to AHEAD of a stencil. A thinned flow is evaluated with the film at
+ * HERE. */
 reynolds_link reynolds_link_ahead(const reynolds_stencil *stencil, const reynolds_fluid *fluid,
                                   const double *pressure, const double *film);
 

@@ -52,13 +52,13 @@ const lubricant_law shear_limiting = {
     .shear = limiting};
 
 // ---- Carreau: tau = eta rate (1 + (eta rate/G)^2)^((n - 1)/2)
-// as S. Bair, High-Pressure Rheology for Quantitative Elastohydrodynamics, Elsevier 2007, has it
+// S. Bair, High-Pressure Rheology for Quantitative Elastohydrodynamics, Elsevier 2007
 
 static double carreau(const ehd_lubricant *self, double viscous, double pressure) {
     const double ratio = viscous / self->shear_constants[0], n = self->shear_constants[1];
 
     (void)pressure;
-    // hypot: the ratio's square may be beyond all numbers
+    // hypot: the square of the ratio may overflow
     return viscous * pow(hypot(1, ratio), n - 1);
 }
 

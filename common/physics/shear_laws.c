@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The table of the laws of shear stress, in a file of its own as those of laws.c; the first one is that
- * of a scene which names none. */
+/* The table of shear stress laws, in a file of its own like laws.c. A scene that names no law has
+ * the first one. */
 #include "common/physics/laws.h"
 
 const lubricant_law *const shear_laws[] = {

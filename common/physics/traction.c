@@ -15,12 +15,12 @@ contact_traction contact_traction_unknown(void) {
     return (contact_traction){NAN, NAN, NAN, NAN, NAN, NAN, NAN};
 }
 
-/* a/R: by how much stresses along the film are smaller than the pressures. */
+/* Returns a/R, by which stresses along the film are smaller than the pressures. */
 static double slope_of(const ehd_contact *contact) {
     return contact->half_width / contact->radius;
 }
 
-/* tau/p_H of a Newtonian fluid that has this viscosity, over that at zero pressure. */
+/* Returns tau/p_H of a Newtonian fluid. `viscosity` is relative to that at zero pressure. */
 static double viscous_stress(const ehd_contact *contact, double viscosity, double film) {
     return contact->lambda / 12 * slope_of(contact) * contact->slide_roll * contact->far_speed *
            viscosity / film;
@@ -36,14 +36,14 @@ double contact_shear_stress(const ehd_contact *contact, double pressure, double 
     const double eyring = contact->lubricant.thinning_stress / contact->hertz_pressure;
     const eyring_gradient of =
         eyring_gradient_of(fabs(traction_thinning(contact).gradient * film * gradient));
-    // of the sliding at the same viscosity, less what the gradient does to it
+    // Newtonian stress of the sliding at this pressure, which the gradient then reduces
     const double newtonian = lubricant_viscous_stress(&contact->lubricant, contact->hertz_pressure,
                                                       fabs(viscous), pressure);
     return copysign(eyring * eyring_stress(&of, newtonian / eyring), viscous);
 }
 
-/* Pressures and films. With 1e-4 the friction of a limit has derivatives that are 6e-5 off, with
- * 1e-5 1e-6. */
+/* Distance of the differences in pressure, relative film and gradient. With 1e-5 the derivatives of
+ * the friction of the `limiting` law are 1e-6 off, with 1e-4 6e-5. */
 static const double DISTANCE = 1e-5;
 
 stress_slopes contact_stress_slopes(const ehd_contact *contact, double pressure, double film,
@@ -87,14 +87,15 @@ double contact_traction_behind(const ehd_contact *contact, const ehd_grid *grid,
 
 // ---- beyond the grid
 
-/* H far before a line, with the deflection by the whole load in X = 0. */
+/* Returns H far before a line contact, with the deflection by the whole load at X = 0. */
 static double film_before_line(const contact_scalars *scalars, double distance) {
     return scalars->rigid_approach + distance * distance / 2 - scalars->load / 2 * log(distance);
 }
 
-/* From the boundary node to infinity, X = first/s, of a fluid as thin as without pressure:
- * dP/dX = lambda U (H - H_e)/H^3. H_e, the film that is carried through, is about the central one; what
- * this is off, up to a fifth, counts by H_e/X^2. P falls with X^-3, so it is a third of |X dP/dX|. */
+/* Returns the integrals from the boundary node to infinity, X = first/s, with the viscosity of no
+ * pressure: dP/dX = lambda U (H - H_e)/H^3. H_e, the film that the flow carries, is taken as the
+ * central film. The error of H_e, up to a fifth, counts by H_e/X^2. P falls with X^-3, so it is a
+ * third of |X dP/dX|. */
 static traction_sums beyond_line(const ehd_contact *contact, const contact_scalars *scalars) {
     const ehd_grid *grid = &contact->grid;
     const bool backwards = contact->entrainment < 0;
@@ -142,7 +143,7 @@ contact_traction contact_traction_from(const ehd_contact *contact, const tractio
     return traction;
 }
 
-/* dP/dX at an inner node. */
+/* Returns dP/dX at an inner node. */
 static double gradient_at(const ehd_grid *grid, const double *pressure, size_t node) {
     return (pressure[node + 1] - pressure[node - 1]) / (2 * grid->step);
 }
@@ -157,7 +158,7 @@ contact_traction contact_traction_of(const ehd_contact *contact, const double *p
     for (size_t r = 0; r < grid->num_inner; r++) {
         const size_t k = grid_node_of_row(grid, r);
         const double weight = grid_weight(grid, k), in_dry = weight * grid_dry_share(grid, k);
-        // of the cell from the node before to this one, and at the end of the line to the next
+        // integral from the node before to this one, and at the end of the line to the next
         rolling += weight * (film[k - 1] + film[k]) / 2 * (pressure[k] - pressure[k - 1]);
         if (r % grid->inner_x == grid->inner_x - 1)
             rolling += weight * (film[k] + film[k + 1]) / 2 * (pressure[k + 1] - pressure[k]);
@@ -184,7 +185,7 @@ contact_traction contact_traction_of(const ehd_contact *contact, const double *p
     return contact_traction_from(contact, &sums, scalars->load);
 }
 
-/* At a node, where it is one of the boundary with the pressure of the far field. */
+/* Returns the pressure at a node; at a boundary node that of the far field. */
 static double pressure_at(const ehd_contact *contact, const double *pressure, double rigid_approach,
                           size_t node) {
     const ehd_grid *grid = &contact->grid;
@@ -199,7 +200,8 @@ void contact_surface_stresses(double *on_1, double *on_2, const ehd_contact *con
     const ehd_grid *grid = &contact->grid;
     ehd_contact around = *contact;
 
-    around.far_speed = contact->entrainment; // whatever the speed of the sliding is in units of
+    // the far_speed of the contact may only scale its sliding
+    around.far_speed = contact->entrainment;
     for (size_t k = 0; k < grid->num_nodes; k++)
         on_1[k] = on_2[k] = 0;
     for (size_t r = 0; r < grid->num_inner; r++) {

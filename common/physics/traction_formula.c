@@ -10,7 +10,7 @@ const char traction_formula_source[] = "Evans and Johnson, Proc. IMechE C 200, 1
 const double TRACTION_MIN_EXCESS = 100;
 
 double hertz_mean_pressure(const contact_kind *kind) {
-    return kind->load / (kind->dimensions > 1 ? M_PI : 2); // the dry contact has these sizes
+    return kind->load / (kind->dimensions > 1 ? M_PI : 2); // area and length of the dry contact
 }
 
 traction_estimate traction_at_mean_pressure(const ehd_contact *contact, double film,
@@ -19,7 +19,7 @@ traction_estimate traction_at_mean_pressure(const ehd_contact *contact, double f
     ehd_contact sliding = *contact;
 
     sliding.slide_roll = slide_roll;
-    sliding.lubricant.thinning_stress = 0; // at mean conditions the pressure does not change
+    sliding.lubricant.thinning_stress = 0; // no pressure gradient at mean conditions
     if (contact->lubricant.shear != &shear_eyring || !contact_has_traction(&sliding))
         return (traction_estimate){NAN, NAN};
     const double stress = contact_shear_stress(&sliding, pressure, film, 0);

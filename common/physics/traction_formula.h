@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The published traction curve of a Ree-Eyring fluid, from mean conditions in the contact (README.md,
- * Traction curve). */
+/* The published traction curve of a Ree-Eyring fluid, from mean conditions in the contact
+ * (README.md, Traction curve). */
 #ifndef EHD_TRACTION_FORMULA_H
 #define EHD_TRACTION_FORMULA_H
 
@@ -13,18 +13,19 @@ typedef struct traction_estimate {
     double excess;      // 1, viscous stress over the Eyring stress at the mean pressure
 } traction_estimate;
 
-/* tau0 asinh(eta u_s/(h tau0)) over the pressure, at the mean of Hertz' pressure and at a film that is
- * the same everywhere (Evans and Johnson, Proc. IMechE C 200, 1986, Eyring regime; as Arana et al.,
- * Proc. IMechE J 233, 2019, eqs. 7 and 13, print it). Another slide-roll ratio than the contact's gives
- * another point of the curve. NaN of a contact without Eyring's law, or not in SI units. */
+/* Returns the friction coefficient tau0 asinh(eta u_s/(h tau0)) over the pressure, at the mean of
+ * Hertz' pressure and with a film of the same thickness everywhere (Evans and Johnson, Proc. IMechE
+ * C 200, 1986, Eyring regime, as printed by Arana et al., Proc. IMechE J 233, 2019, eqs. 7 and 13).
+ * A slide-roll ratio other than the contact's gives another point of the curve. NaN for a contact
+ * without Eyring's law, or not in SI units. */
 traction_estimate traction_at_mean_pressure(const ehd_contact *contact, double film, // H
                                             double slide_roll);
 
-/* Excess from which on the coefficient is within 10 % of that of the stress under Hertz' pressure, up
- * to alpha p_H = 20; below it is too small. */
+/* Smallest excess for which the coefficient is within 10 % of that of the stress under Hertz'
+ * pressure, up to alpha p_H = 20. Below this excess the coefficient is too small. */
 extern const double TRACTION_MIN_EXCESS;
 
-/* Mean of Hertz' pressure over its maximum. */
+/* Returns the mean of Hertz' pressure over its maximum. */
 double hertz_mean_pressure(const contact_kind *kind);
 
 #endif

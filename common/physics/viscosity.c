@@ -21,8 +21,8 @@ static ehd_status check_alpha(double alpha, ehd_error *error) {
                     alpha);
 }
 
-/* Of Barus and of Roelands, in this order. What is a reference's is so where a temperature is given,
- * and otherwise the lubricant's. */
+/* Parameters of Barus and of Roelands, in this order. If a temperature is given, eta0, alpha and
+ * the coefficient are those at the reference temperature, and otherwise those of the lubricant. */
 enum { OIL_ALPHA, OIL_ETA0, OIL_TEMPERATURE, OIL_REFERENCE, OIL_COEFFICIENT };
 
 #define ETA0(need)                                                                                 \
@@ -58,7 +58,8 @@ static ehd_status lacks_with_temperature(const char *key, ehd_error *error) {
                     key);
 }
 
-/* All that the temperature needs is given, or none of it. */
+/* Checks that a temperature has its reference temperature, its coefficient and eta0, and that a
+ * reference temperature has a temperature. */
 static ehd_status check_temperature(const law_value *values, ehd_error *error) {
     const bool reference = !isnan(values[OIL_REFERENCE].number);
 
@@ -73,7 +74,7 @@ static ehd_status check_temperature(const law_value *values, ehd_error *error) {
     return isnan(values[OIL_ETA0].number) ? lacks_with_temperature("eta0", error) : EHD_OK;
 }
 
-/* The viscosity at the temperature is one that physical.viscosity might have. */
+/* Checks that the viscosity at the temperature is in the range of physical.viscosity. */
 static ehd_status check_eta0(const ehd_lubricant *self, ehd_error *error) {
     const double min = 1e-6, max = 1e6; // Pa s
 
@@ -100,7 +101,7 @@ static ehd_status barus_prepare(ehd_lubricant *self, const law_value *values, eh
     if (!status) status = check_temperature(values, error);
     if (status) return status;
     self->viscosity_constants[BARUS_ALPHA] = values[OIL_ALPHA].number;
-    self->eta0 = values[OIL_ETA0].number; // NaN where the scene has none
+    self->eta0 = values[OIL_ETA0].number; // NaN if the scene has none
     self->temperature = temperature;
     self->temperature_coefficient = values[OIL_COEFFICIENT].number;
     if (!isnan(temperature))
@@ -135,8 +136,9 @@ static double roelands(const ehd_lubricant *self, double pressure, double *deriv
     return ratio * (power - 1);
 }
 
-/* From ln eta0 + 9.67 of the reference temperature to that of the temperature; the pressure's
- * exponent stays, so that alpha, their product, changes as the first. */
+/* Changes ln eta0 + 9.67 from that of the reference temperature to that of the temperature. The
+ * exponent of the pressure stays. alpha is proportional to the product of both, so it changes by
+ * the same factor. */
 static void roelands_set_temperature(ehd_lubricant *self, const law_value *values) {
     const double coefficient = values[OIL_COEFFICIENT].number;
     const double ratio = self->viscosity_constants[ROELANDS_RATIO];
@@ -182,7 +184,7 @@ const lubricant_law viscosity_roelands = {
 
 // ---- modified WLF, eq. 40 of Maier, Hager, Hetzler, Seemann, Tribology International 2015
 
-/* Its parameters, and the constants of the same numbers. */
+/* Indices of the parameters, and of the constants. */
 enum {
     WLF_PRESET,
     WLF_TEMPERATURE, // degC, T0 of eq. 40
@@ -211,7 +213,7 @@ static const struct {
 static const char wlf_choices[] = "no1|no2|no3";
 enum { NUM_PRESETS = sizeof wlf_presets / sizeof *wlf_presets };
 
-/* y = (T0 - Tg) D, its derivative in 1/Pa. */
+/* Returns y = (T0 - Tg) D and its derivative by the pressure in Pa. */
 static double wlf_shift(const double *constants, double pressure, double *derivative) {
     double giga = pressure * 1e-9, mega = pressure * 1e-6;
     double tg = constants[WLF_TG0] + constants[WLF_A1] * log1p(constants[WLF_A2] * giga);
@@ -223,7 +225,7 @@ static double wlf_shift(const double *constants, double pressure, double *deriva
     return (constants[WLF_TEMPERATURE] - tg) * d;
 }
 
-/* ln eta(p) - ln mu_g = -ln(10) C1 y / (C2 + y). */
+/* Returns ln eta(p) - ln mu_g = -ln(10) C1 y / (C2 + y). */
 static double wlf_log_absolute(const double *constants, double pressure, double *derivative) {
     double y_slope, y = wlf_shift(constants, pressure, &y_slope);
     double c1 = constants[WLF_C1] * M_LN10, c2 = constants[WLF_C2];
@@ -238,8 +240,9 @@ static double wlf(const ehd_lubricant *self, double pressure, double *derivative
     return wlf_log_absolute(constants, pressure, derivative) - constants[WLF_LOG_AT_ZERO];
 }
 
-/* The law turns over where y stops falling, or has a pole where C2 + y reaches zero: the smaller of
- * both pressures, to 1e-9, or 100 GPa when neither lies below that. */
+/* Returns the largest pressure of the law, to 1e-9. The viscosity turns over where y stops falling,
+ * or has a pole where C2 + y reaches zero. The limit is the smaller of both pressures, or 100 GPa
+ * if neither lies below that. */
 static double wlf_pressure_limit(const double *constants) {
     const double step = 1e6, max = 1e11;
     double slope, low = 0;
@@ -274,9 +277,9 @@ static double gauss_kronrod(ehd_lubricant *self, double left, double right) {
     return integral;
 }
 
-/* Of halves, and halves of these, until they make no difference above `allowed` to `whole`; NaN where
- * they still do after `depth` times. GSL's adaptive rules end the process where they do not converge,
- * or are refused memory. */
+/* Integrates by halves, and halves of these, until they differ from `whole` by at most `allowed`.
+ * Returns NaN if they still differ more after `depth` times. GSL's adaptive rules are not used:
+ * they end the process if they do not converge or are refused memory. */
 static double integrate(ehd_lubricant *self, double left, double right, double whole,
                         double allowed, int depth) {
     const double middle = (left + right) / 2;
@@ -289,7 +292,8 @@ static double integrate(ehd_lubricant *self, double left, double right, double w
            integrate(self, middle, right, after, allowed, depth - 1);
 }
 
-/* From 0 on, in octaves: it may decay within a pressure of any size. */
+/* Integrates eta0/eta from 0 to `end`, in octaves, because it may decay within a pressure of any
+ * size. */
 static double integrate_inverse_viscosity(ehd_lubricant *self, double end) {
     enum { NUM_OCTAVES = 40, DEPTH = 30 };
     const double tolerance = 1e-12;
@@ -305,7 +309,8 @@ static double integrate_inverse_viscosity(ehd_lubricant *self, double end) {
     return sum;
 }
 
-/* Reciprocal asymptotic isoviscous pressure coefficient, alpha* = 1/int eta0/eta dp, to 3 GPa. */
+/* Sets alpha to the reciprocal asymptotic isoviscous pressure coefficient, alpha* = 1/int eta0/eta
+ * dp, to 3 GPa or the limit of the law. */
 static ehd_status wlf_reciprocal_coefficient(ehd_lubricant *self, ehd_error *error) {
     const double integral = integrate_inverse_viscosity(self, fmin(3e9, self->pressure_limit));
 
@@ -348,7 +353,7 @@ static ehd_status wlf_prepare(ehd_lubricant *self, const law_value *values, ehd_
     constants[WLF_LOG_AT_ZERO] = wlf_log_absolute(constants, 0, &slope);
     self->eta0 = constants[WLF_MU_G] * exp(constants[WLF_LOG_AT_ZERO]);
     self->temperature = constants[WLF_TEMPERATURE];
-    // y changes by 1 a kelvin at zero pressure
+    // dy/dT is 1 at zero pressure
     self->temperature_coefficient = constants[WLF_C1] * M_LN10 * constants[WLF_C2] /
                                     ((constants[WLF_C2] + y) * (constants[WLF_C2] + y));
     self->pressure_limit = wlf_pressure_limit(constants);
