@@ -6,10 +6,12 @@
 
 #include <math.h>
 
-// rows of the factor that are made one by one; the rows before change them by one product
+// rows of the factor in a block: one product subtracts the earlier blocks, and then the rows are
+// made one by one
 enum { BLOCK = 8 };
 
-/* Makes row p of the factor's transpose from the rows of its block before it. */
+/* Makes row p of the factor's transpose from the earlier rows of its block. Returns false if the
+ * pivot is not positive and finite. */
 static bool finish_row(double *rows, size_t n, size_t first, size_t p) {
     double *row = rows + p * n + p;
 
@@ -33,8 +35,8 @@ bool cholesky_factorise(double *matrix, size_t size) {
     return true;
 }
 
-/* Takes two columns of L at a time. Two times cblas_dtrsv takes 1.6 times the instructions
- * (121 columns). */
+/* Takes two columns of L at a time. Two calls of cblas_dtrsv take 1.6 times the instructions (121
+ * columns). */
 void cholesky_solve(double *restrict x, const double *restrict factor, size_t size) {
     size_t j = 0;
 

@@ -5,19 +5,21 @@
 
 #include <stddef.h>
 
-enum { HULL_AXES = 4 }; // at most
+enum { HULL_AXES = 4 }; // largest num_axes
 
-/* About how far a place lies outside of the convex hull of points: |p - sum x_i p_i| and
- * |1 - sum x_i| together, with x >= 0 that makes this least. Infinite where there is no memory, and
- * of numbers that are not finite. Coordinates of the order of 1; inside it is below 1e-10. */
+/* Returns approximately the distance of a place p from the convex hull of points. It is the
+ * smallest length of the vector (p - sum x_i p_i, 1 - sum x_i) for x >= 0. Coordinates are of the
+ * order of 1. Inside the hull the result is below 1e-10. It is infinite when out of memory, and for
+ * numbers that are not finite. */
 double hull_distance(const double *points, // [num_axes, num_points]
                      size_t num_points, size_t num_axes,
                      const double *place); // [num_axes]
 
-/* The same in memory that is kept, of at most so many points, infinite for more; NULL: there is none. */
+/* Memory for hull_distance_in with at most max_points points. */
 typedef struct hull_space hull_space;
-hull_space *hull_space_create(size_t max_points);
-hull_space *hull_space_free(hull_space *space); // accepts and returns NULL
+hull_space *hull_space_create(size_t max_points); // NULL when out of memory
+hull_space *hull_space_free(hull_space *space);   // accepts and returns NULL
+/* Like hull_distance, in memory that is kept. Infinite for more points than the memory holds. */
 double hull_distance_in(hull_space *space, const double *points, size_t num_points, size_t num_axes,
                         const double *place);
 

@@ -10,23 +10,23 @@
 #include <stdlib.h>
 #include <string.h>
 
-// of the length of a column, and of that of the right side too
+// relative to the length of a column; NO_DESCENT also to that of the right side
 static const double DEPENDENT = 1e-10, NO_DESCENT = 1e-11;
-enum { MAX_CHANGES = 10 }; // a column
+enum { MAX_CHANGES = 10 }; // for each column
 
-/* Columns of unit length, and the right side, rotated so that those in use are triangular: column
- * used[i] has zeros below row i. What the rows from num_used on have of the right side is the
+/* Columns of unit length and the right side, rotated so that the columns in use are triangular:
+ * column used[i] has zeros below row i. The rows of the right side from num_used on are the
  * residual. */
 typedef struct active_set {
     size_t num_rows, num_columns, num_used;
     double *columns; // [num_columns + 1, num_rows], the last one the right side
-    double *length;  // [num_columns] that the columns had; 0: left out
+    double *length;  // [num_columns] original length of a column; 0: left out
     size_t *used;    // [num_used] columns with x > 0
     bool *in_use;    // [num_columns]
-    bool *refused;   // [num_columns] depends on those in use
-    double *value;   // [num_used] x of the columns of unit length
-    double *next;    // [num_used] where the least squares of those in use lead
-    double *factor;  // [num_rows] of a reflection
+    bool *refused;   // [num_columns] depends on the columns in use
+    double *value;   // [num_used] x for the columns of unit length
+    double *next;    // [num_used] least squares solution of the columns in use
+    double *factor;  // [num_rows] work for a reflection
 } active_set;
 
 struct nnls_space {
@@ -69,7 +69,7 @@ static double *right_of(const active_set *self) {
     return column_of(self, self->num_columns);
 }
 
-/* Q^T [A b] in place of [A b], where that has fewer rows. */
+/* Replaces [A b] by Q^T [A b] if that has fewer rows. */
 static void compress(active_set *self) {
     const size_t rows = self->num_rows, columns = self->num_columns + 1;
     if (rows <= columns) return;
@@ -107,7 +107,7 @@ static ehd_status begin(active_set *self, const double *matrix, const double *ri
     return EHD_OK;
 }
 
-/* The column that falls the most steeply; num_columns: none does. */
+/* Returns the unused column with the steepest descent above `least`; num_columns: there is none. */
 static size_t steepest(const active_set *self, double least) {
     const size_t first = self->num_used, left = self->num_rows - first;
     const double *residual = right_of(self) + first;
@@ -123,8 +123,8 @@ static size_t steepest(const active_set *self, double least) {
     return best;
 }
 
-/* Takes a column into use by a reflection of the rows from num_used on (Householder). False: it
- * depends on those in use. */
+/* Takes a column into use by a Householder reflection of the rows from num_used on. Returns false
+ * if the column depends on those in use. */
 static bool take(active_set *self, size_t taken) {
     const size_t first = self->num_used;
     const size_t left = self->num_rows - first;
@@ -145,7 +145,7 @@ static bool take(active_set *self, size_t taken) {
     return true;
 }
 
-/* Takes a column out of use; those behind it become triangular by rotations (Givens). */
+/* Takes a column out of use. Givens rotations make the columns behind it triangular. */
 static void drop(active_set *self, size_t place) {
     self->in_use[self->used[place]] = false;
     self->num_used--;
@@ -165,7 +165,7 @@ static void drop(active_set *self, size_t place) {
     }
 }
 
-/* self->next: the least squares of the columns in use. */
+/* Computes self->next, the least squares solution of the columns in use. */
 static void solve_used(active_set *self) {
     for (size_t i = self->num_used; i-- > 0;) {
         double sum = right_of(self)[i];
@@ -175,7 +175,8 @@ static void solve_used(active_set *self) {
     }
 }
 
-/* Goes to the least squares of those in use, and drops those that become zero on the way. */
+/* Goes to the least squares solution of the columns in use, and drops the columns whose x becomes
+ * zero on the way. */
 static void settle(active_set *self) {
     for (;;) {
         double part = 1;
@@ -197,7 +198,7 @@ static void settle(active_set *self) {
     }
 }
 
-/* |A x - b| of the least squares of those in use. */
+/* Returns |A x - b| for the least squares solution of the columns in use. */
 static double residual_of(const active_set *self) {
     return vector_norm(right_of(self) + self->num_used, self->num_rows - self->num_used);
 }

@@ -1,10 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Blocks of a product that stay in the processor's registers while the inner index passes. They
- * are compiled for the instruction set of all code, and once more for AVX-512, which is chosen
- * where the processor has it. The Gram matrix of 111 x 95 numbers takes 13 us with AVX-512 and
- * 24 us with AVX2, that of 600 x 301 takes 725 and 1440 us. The cblas_dsyrk of OpenBLAS 0.3.21
- * takes 31 and 1470 us as Haswell, 23 and 850 us as SkylakeX, 58 and 3070 us as Prescott (one
- * busy AMD EPYC of family 26). */
+/* Products by blocks that stay in the registers of the processor during the loop over the inner
+ * index. The blocks are compiled for the instruction set of all code, and once more for AVX-512,
+ * which is chosen if the processor has it. The Gram matrix of 600 x 301 numbers takes 725 us with
+ * AVX-512 and 1440 us with AVX2. The cblas_dsyrk of OpenBLAS 0.3.21 takes 850 us as SkylakeX, 1470
+ * us as Haswell and 3070 us as Prescott (one busy AMD EPYC of family 26). */
 #include "common/algebra/product.h"
 
 #include "common/algebra/vectors.h"
@@ -12,19 +11,20 @@
 #include <stdbool.h>
 #include <string.h>
 
-// of the inner index at a time, so that a block's columns of B stay in the first cache
+// length of the inner index in one pass, so that a block's columns of B stay in the first cache
 enum { CHUNK = 256 };
 
 typedef struct block_size {
     size_t rows, columns;
 } block_size;
 
-/* C += factor A B of one block. What lies before `first` was done by the block before. */
+/* Adds factor A B of one block to C. Rows and columns before `first` were done by the block
+ * before. */
 typedef void block_function(double *product, size_t stride, double factor, strided left,
                             const double *right, size_t right_stride, size_t num_inner,
                             block_size first);
 
-/* Defines such a function for `height` rows by `count` registers of `width` numbers. */
+/* Defines a block_function for `height` rows by `count` registers of `width` numbers. */
 #define DEFINE_BLOCK(name, attributes, width, count, height)                                       \
     attributes static void name(double *product, size_t stride, double factor, strided left,       \
                                 const double *right, size_t right_stride, size_t num_inner,        \
@@ -77,7 +77,7 @@ static block_kind best_kind(void) {
 }
 #endif
 
-/* C += factor A B of matrices that are smaller than a block. */
+/* Adds factor A B to C for matrices that are smaller than a block. */
 static void add_small(double *product, size_t stride, double factor, strided left,
                       const double *right, size_t right_stride, size_t num_rows, size_t num_columns,
                       size_t num_inner) {
@@ -91,8 +91,8 @@ static size_t least(size_t a, size_t b) {
     return a < b ? a : b;
 }
 
-/* Adds to C, or to its part on and above the diagonal, block by block. The last blocks begin
- * earlier than in a regular division, so that they end with the matrix. */
+/* Adds factor A B to C, or to its part on and above the diagonal, block by block. The last blocks
+ * begin earlier than in a regular division, so that they end with the matrix. */
 static void add_blocks(double *product, size_t stride, double factor, strided left,
                        const double *right, size_t right_stride, size_t num_rows,
                        size_t num_columns, size_t num_inner, bool upper) {
@@ -138,7 +138,7 @@ void gram_matrix(double *gram, const double *matrix, size_t num_rows, size_t num
 void add_product(double *y, const double *matrix, size_t stride, size_t num_rows,
                  size_t num_columns, const double *x) {
     const size_t whole = num_columns / 4 * 4, left = num_columns - whole;
-    vector tail = {0}; // of x, behind zeros
+    vector tail = {0}; // last numbers of x, behind zeros
     size_t i = 0;
 
     for (size_t j = 4 - left; j < 4; j++)

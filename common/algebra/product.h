@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Products of the small matrices of reduced models. They are our own, because the library and
- * FMUs bring no BLAS along, and because an OpenBLAS that does not know the processor runs
- * its kernels for processors of 2004. */
+/* Products of the small matrices of reduced models. They replace BLAS for two reasons. The library
+ * and FMUs do not contain BLAS. An OpenBLAS that does not recognise the processor runs its kernels
+ * for processors of 2004. */
 #ifndef EHD_PRODUCT_H
 #define EHD_PRODUCT_H
 
 #include <stddef.h>
 
-/* y += A x. */
+/* Adds A x to y. */
 void add_product(
     // output:
     double *y, // [num_rows]
@@ -17,7 +17,7 @@ void add_product(
     const double *x // [num_columns]
 );
 
-/* y += factor A^T x. */
+/* Adds factor A^T x to y. */
 void add_transposed_product(
     // output:
     double *y, // [num_columns]
@@ -34,7 +34,7 @@ typedef struct strided {
     size_t by_row, by_column;
 } strided;
 
-/* C += factor A B. */
+/* Adds factor A B to C. */
 void add_matrix_product(
     // output:
     double *product, // C, [num_rows, num_columns], rows `stride` numbers apart
@@ -45,7 +45,7 @@ void add_matrix_product(
     const double *right, // B, [num_inner, num_columns], rows `right_stride` numbers apart
     size_t right_stride, size_t num_rows, size_t num_columns, size_t num_inner);
 
-/* The lower part of J^T J, by columns; the part above the diagonal is not to be used. */
+/* Computes the lower part of J^T J, by columns. The part above the diagonal must not be used. */
 void gram_matrix(
     // output:
     double *gram, // [num_columns, num_columns]

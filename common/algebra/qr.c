@@ -12,8 +12,8 @@ reflection reflection_of(double *direction, const double *column, size_t count, 
 
     memcpy(direction, column, count * sizeof *direction);
     direction[0] -= end;
-    if (length < least || length > most) { // its square underflows or overflows
-        const int most_exponent = 1000;    // of a scale that is finite
+    if (length < least || length > most) { // the square of the length underflows or overflows
+        const int most_exponent = 1000;    // largest for which the scale is finite
         const int exponent = -ilogb(length);
         const double scale = ldexp(1, exponent < most_exponent ? exponent : most_exponent);
         vector_scale(direction, scale, count);

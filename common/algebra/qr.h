@@ -9,7 +9,7 @@
 typedef struct reflection {
     const double *direction; // v, [count]
     double factor;
-    double end; // what it makes the first number; the others become zero
+    double end; // first number of the reflected column; the others become zero
 } reflection;
 
 /* Returns the reflection of a vector onto its first axis. */
@@ -34,8 +34,8 @@ void qr_reduce(
     // input:
     size_t num_rows, size_t num_columns);
 
-/* Finds the x with the least |A x - b|, which is not finite where a column of A depends exactly on
- * those before it. Replaces [A b] by [R Q^T b]. */
+/* Finds the x that minimises |A x - b|. x is not finite if a column of A depends exactly on those
+ * before it. Replaces [A b] by [R Q^T b]. */
 void qr_solve(
     // output:
     double *x, // [num_columns]

@@ -9,7 +9,7 @@ struct spline {
     size_t num;
     double *x, *value, *bend; // [num]; bend: second derivative
     double *factor;           // [num] work
-    double numbers[];         // of these
+    double numbers[];         // storage of these arrays
 };
 
 enum { NUM_ARRAYS = 4 };
@@ -41,7 +41,7 @@ spline *spline_free(spline *self) {
     return NULL;
 }
 
-/* Slope of the line between two nodes. */
+/* Returns the slope of the line between the nodes i and i + 1. */
 static double chord(const spline *self, size_t i) {
     return (self->value[i + 1] - self->value[i]) / (self->x[i + 1] - self->x[i]);
 }
@@ -78,8 +78,8 @@ size_t spline_interval(const spline *self, double x, size_t near) {
     return low;
 }
 
-/* The cubic of an interval in the distance from its first node: its coefficients from the linear one
- * on. */
+/* Computes the cubic of an interval in the distance from its first node: the coefficients from the
+ * linear one on. */
 static void coefficients(double of[3], const spline *self, size_t i) {
     const double width = self->x[i + 1] - self->x[i];
 
@@ -121,7 +121,7 @@ double spline_bend(const spline *self, double x) {
     return 2 * of[1] + 6 * of[2] * (x - self->x[i]);
 }
 
-/* Of an interval, from its first node on. */
+/* Returns the integral over an interval, from its first node to the distance `along`. */
 static double integral_in(const spline *self, size_t i, double along) {
     double of[3];
 

@@ -40,13 +40,13 @@ static inline double dot_reversed(const double *a, const double *b, size_t count
     return sum;
 }
 
-/* y += factor x; the arrays do not overlap. */
+/* Adds factor x to y; the arrays must not overlap. */
 static inline void axpy(double *restrict y, double factor, const double *restrict x, size_t count) {
     for (size_t j = 0; j < count; j++)
         y[j] += factor * x[j];
 }
 
-/* x *= factor. */
+/* Multiplies x by a factor. */
 static inline void vector_scale(double *x, double factor, size_t count) {
     for (size_t j = 0; j < count; j++)
         x[j] *= factor;
