@@ -10,12 +10,12 @@
 
 // ---- distances
 
-/* Points or trajectories of a set, as places. */
+/* Points or trajectories of a set, with coordinates for their distances. */
 typedef struct crowd {
     size_t count, width;
-    const tree_point *points; // [count], NULL: trajectories
-    double scale[TREE_AXES];  // of points
-    double *places;           // [count, width] of trajectories, each column over 0 … 1
+    const tree_point *points; // [count]; NULL: trajectories
+    double scale[TREE_AXES];  // of the points' coordinates
+    double *places;           // [count, width] coordinates of trajectories, each over 0 … 1
     const training_set *set;
 } crowd;
 
@@ -30,7 +30,7 @@ static double number_of(const setting *row, const scene *of) {
     return value;
 }
 
-/* Whether two scenes differ in numbers only. */
+/* Checks whether two scenes differ in numbers only, which both give. */
 static bool are_alike(const scene *left, const scene *right) {
     for (const setting *row = scene_settings(); row->key; row++) {
         if (setting_compare(row, left, right) == 0) continue;
@@ -41,7 +41,7 @@ static bool are_alike(const scene *left, const scene *right) {
     return true;
 }
 
-/* Squared; infinite between those that have no middle. */
+/* Returns the squared distance; infinite if the two have no middle. */
 static double square(const crowd *self, size_t i, size_t j) {
     double sum = 0;
 
@@ -58,8 +58,8 @@ static double square(const crowd *self, size_t i, size_t j) {
     return sum;
 }
 
-/* Fills a column with a setting of all trajectories, as a part of its range, of its logarithm's where
- * all are positive. A setting that is not given is 0. */
+/* Fills a column with a setting of all trajectories, relative to its range, or to the range of its
+ * logarithm if all are positive. A setting that is not given is 0. */
 static void place_column(double *column, size_t width, const setting *row,
                          const training_set *set) {
     double low = INFINITY, high = -INFINITY;
@@ -107,7 +107,7 @@ static void crowd_free(crowd *self) {
 
 // ---- scenes in the middle
 
-/* False where there is no such contact. */
+/* Makes the scene in the middle. Returns false if there is no such contact. */
 static bool find_middle(scene *middle, const scene *left, const scene *right) {
     ehd_contact contact;
 
@@ -122,8 +122,8 @@ static bool find_middle(scene *middle, const scene *left, const scene *right) {
            scene_contact(&contact, middle, NULL) == EHD_OK;
 }
 
-/* Whether no third one sees two at an obtuse angle; those between them in the plan are asked first,
- * since they mostly lie between. */
+/* Checks that no third scene sees two scenes at an obtuse angle. The scenes behind the first one in
+ * the plan are checked first, because they mostly lie between the two. */
 static bool are_neighbours(const crowd *self, size_t i, size_t j) {
     const double rounding = 1e-9, distance = square(self, i, j);
 
@@ -136,7 +136,8 @@ static bool are_neighbours(const crowd *self, size_t i, size_t j) {
     return true;
 }
 
-/* Both diagonals of a cell of a grid have the same middle. */
+/* Checks whether the plan has a scene already: both diagonals of a cell of a grid have the same
+ * middle. */
 static bool is_known(const plan *between, const plan_point *added) {
     for (size_t i = 0; i < between->num_points; i++) {
         const plan_point *known = &between->points[i];
@@ -152,7 +153,7 @@ static size_t number_at(const crowd *self, size_t i) {
     return self->points ? self->set->numbers[i] : self->set->trajectories[i].number;
 }
 
-/* Room for one more point. */
+/* Makes room for one more point. */
 static ehd_status reserve(plan *between, size_t *room, const char *name, ehd_error *error) {
     if (between->num_points < *room) return EHD_OK;
     const size_t more = 2 * *room + 64;
@@ -181,7 +182,7 @@ static ehd_status add_middles(plan *between, size_t *room, const plan *of, const
     return EHD_OK;
 }
 
-/* False where there is nothing to halve, as with tables. */
+/* Halves the swing of all histories. Returns false if there is nothing to halve, as with tables. */
 static bool halve_swing(scene *of) {
     bool changed = false;
 
@@ -199,7 +200,8 @@ static bool halve_swing(scene *of) {
     return changed && scene_validate(of, "", NULL) == EHD_OK;
 }
 
-/* For trajectories that are alike no other. */
+/* Adds a scene with half the swing for each trajectory that differs from all others in more than
+ * numbers. */
 static ehd_status add_halves(plan *between, size_t *room, const plan *of, const crowd *self,
                              const char *name, ehd_error *error) {
     for (size_t i = 0; i < self->count; i++) {
@@ -239,12 +241,13 @@ ehd_status between_neighbours(plan *between, const plan *of, const training_set 
     return status;
 }
 
-// ---- some of them
+// ---- choices
 
-/* `count` of them at most, or of points one of each kind. */
+/* Chooses at most `count` scenes far from one another, but for points at least one of each kind. */
 static ehd_status spread(bool *chosen, const crowd *self, size_t count, ehd_error *error) {
     const bool each_kind = self->points != NULL;
-    double *nearest = malloc((self->count + 1) * sizeof *nearest); // squared, of those chosen
+    // squared distance to the nearest chosen one
+    double *nearest = malloc((self->count + 1) * sizeof *nearest);
     if (!nearest) return ehd_no_memory(error, "scenes");
 
     for (size_t i = 0; i < self->count; i++) {

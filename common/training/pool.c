@@ -17,11 +17,11 @@ typedef struct pool {
     const pool_work *work;
     pthread_mutex_t lock; // guards everything below, and `start` and `finish` of the work
     pthread_cond_t changed;
-    size_t next;   // place in the order up to which all points that wait for none are taken
-    size_t *ready; // [room] places of other points that may be taken: a heap, the lowest first
+    size_t next;   // place in the order; all points before it that wait for none are taken
+    size_t *ready; // [room] places of free points that waited for another: a heap, lowest first
     size_t num_ready;
-    size_t *place; // [num_points] of a point in the order; NULL: no point waits for another
-    size_t *first_child, *next_sibling; // [num_points] that wait for a point; NO_PARENT: none
+    size_t *place; // [num_points] of a point in the order; NULL: a point's number is its place
+    size_t *first_child, *next_sibling; // [num_points] points that wait for one; NO_PARENT: none
     size_t num_left;                    // points not taken
     size_t num_active;                  // workers that have not ended
     ehd_status status;                  // the first failure
@@ -55,12 +55,12 @@ static bool is_done(const pool *self, size_t point) {
     return self->work->done && self->work->done[point];
 }
 
-/* The point at a place of the order. */
+/* Returns the point at a place of the order. */
 static size_t point_at(const pool *self, size_t place) {
     return self->work->order ? self->work->order[place] : place;
 }
 
-/* Whether the point at a place waits for no other point. */
+/* Checks whether the point at a place waits for no other point and is not done. */
 static bool is_root(const pool *self, size_t place) {
     const size_t point = point_at(self, place), parent = parent_of(self, point);
 
@@ -88,7 +88,8 @@ static size_t take_ready(pool *self) {
     return lowest;
 }
 
-/* Takes the first point in the order whose parent is finished, or NO_PARENT. */
+/* Takes the first point in the order whose parent is finished. Returns NO_PARENT if there is
+ * none. */
 static size_t free_point(pool *self) {
     while (self->next < self->work->num_points && !is_root(self, self->next))
         self->next++;
@@ -106,7 +107,7 @@ static void release_children(pool *self, size_t point) {
         if (!is_done(self, child)) add_ready(self, self->place[child]);
 }
 
-/* Waits for a point. NO_PARENT: nothing is left, or the pool stops. */
+/* Waits for a point. Returns NO_PARENT if nothing is left, or the pool stops. */
 static size_t take_point(pool *self) {
     size_t point = NO_PARENT;
 
@@ -124,8 +125,8 @@ static size_t take_point(pool *self) {
     return point;
 }
 
-/* Whether a worker that was refused memory leaves its work to others: those that are at it hold what it
- * lacks. The last one says so. */
+/* Checks whether a worker that was refused memory leaves its work to others, which hold the memory
+ * that it lacks. The last worker reports the failure. */
 static bool leaves_to_others(pool *self, ehd_status status) {
     return status == EHD_MEMORY && !self->status && self->num_active > 1;
 }
@@ -136,7 +137,7 @@ static void put_back(pool *self, size_t point) {
     self->num_left++;
 }
 
-/* Takes the lock away while the point is solved. */
+/* Runs the tasks of a point. The lock is released while the point is solved. */
 static ehd_status run_point(pool *self, void *worker, size_t point, bool *solved,
                             ehd_error *error) {
     const pool_work *work = self->work;
@@ -163,7 +164,7 @@ static void *run_worker(void *argument) {
     ehd_status status = work->begin ? work->begin(&worker, work->shared, &error) : EHD_OK;
 
     pthread_mutex_lock(&self->lock);
-    // one that begins when all is done had nothing to do
+    // a worker that begins when all points are taken had nothing to do
     bool leaves = leaves_to_others(self, status) || (status == EHD_MEMORY && self->num_left == 0);
     if (status && !leaves) fail(self, status, &error);
     while (!leaves) {
@@ -186,11 +187,12 @@ static void *run_worker(void *argument) {
     return NULL;
 }
 
-/* With fewer threads than wanted the work is still done. */
+/* Starts up to num_wanted threads and returns their number. The work is done with fewer threads
+ * too. */
 static size_t start_threads(pthread_t *threads, size_t num_wanted, pool *self) {
     size_t started = 0;
 
-    pthread_mutex_lock(&self->lock); // none asks how many there are before that is known
+    pthread_mutex_lock(&self->lock); // no thread reads num_active before it is set
     while (started < num_wanted && !pthread_create(&threads[started], NULL, run_worker, self))
         started++;
     self->num_active = started > 0 ? started : 1;
@@ -198,9 +200,10 @@ static size_t start_threads(pthread_t *threads, size_t num_wanted, pool *self) {
     return started;
 }
 
-/* For how many of so many threads there is memory: for what each asks for and the heap that
- * glibc sets apart for it (HEAP_MAX_SIZE, 64-bit), besides the buffer of OpenBLAS. A limit of the address
- * space (ulimit -v) counts all of it; 8 threads under one of 400 to 1000 MB found none after work. */
+/* Returns how many of num_wanted threads have enough memory: worker_bytes, the heap that glibc sets
+ * apart for a thread (HEAP_MAX_SIZE, 64-bit), and a buffer of OpenBLAS. A limit of the address
+ * space (ulimit -v) counts all of it. Without this check 8 threads under a limit of 400 to 1000 MB
+ * ran out of memory after work. */
 static size_t workers_with_memory(size_t num_wanted, double worker_bytes) {
     const double heap = 64 << 20;
     size_t num = num_wanted;
@@ -216,7 +219,7 @@ static size_t workers_with_memory(size_t num_wanted, double worker_bytes) {
         if (found == num) return num;
         num = found;
     }
-    return 0; // the caller's own thread, which has all of that
+    return 0; // the caller's own thread has this memory already
 }
 
 static void run_threads(pool *self) {
@@ -232,7 +235,8 @@ static void run_threads(pool *self) {
     free(threads);
 }
 
-/* Allocates. Memory grows with the points only if there is an order, or points wait for others. */
+/* Allocates the lists. Their memory grows with the points only if there is an order, or points wait
+ * for others. */
 static bool prepare(pool *self) {
     const pool_work *work = self->work;
     const size_t count = work->num_points;

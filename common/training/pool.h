@@ -8,31 +8,32 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/* The work on one point. `worker` is what the thread's `begin` made. */
+/* A task for one point. `worker` is the object that `begin` made for the thread. */
 typedef ehd_status pool_task(void *shared, void *worker, size_t point, size_t parent,
                              ehd_error *error);
 
 typedef struct pool_work {
     size_t num_points;
     const size_t *parent; // [num_points]; NULL: no point waits for another
-    const size_t
-        *order; // [num_points], which free point is taken first (tree_order); NULL: as numbered
-    const bool *done;    // [num_points], from an earlier run; NULL: none
-    size_t num_workers;  // threads at most
-    void *shared;        // handed to all tasks
-    double worker_bytes; // memory that a thread needs for itself, where that is much; 0: little
-    // what a thread needs for itself, such as a solver; NULL: nothing
+    const size_t *order;  // [num_points], in which points are taken (tree_order); NULL: as numbered
+    const bool *done;     // [num_points], finished in an earlier run; NULL: none
+    size_t num_workers;   // threads at most
+    void *shared;         // handed to all tasks
+    double worker_bytes;  // memory that a thread needs for itself; 0: little
+    // makes what a thread needs for itself, such as a solver; NULL: nothing
     ehd_status (*begin)(void **worker, void *shared, ehd_error *error);
     void (*end)(void *worker);
-    bool repeatable;   // what solve leaves where it fails does not disturb another attempt
-    pool_task *solve;  // several at a time; `finish` of the parent has returned
-    pool_task *start;  // one at a time with `finish`, before solve: for progress; NULL: none
-    pool_task *finish; // one at a time, such as writing to a file; NULL: none
+    bool repeatable;  // another attempt can follow a failed solve
+    pool_task *solve; // several at a time, after `finish` of the parent
+    // only one `start` or `finish` runs at a time
+    pool_task *start;  // before solve, such as for progress; NULL: none
+    pool_task *finish; // after solve, such as writing to a file; NULL: none
 } pool_work;
 
-/* Returns EHD_OK when all points are finished; else the first error, after the points under way; or
- * EHD_INTERRUPTED with an empty text when a signal came. A thread that is refused memory, by `begin` or
- * by a `solve` that is repeatable, ends and leaves its point to the others; where there are none,
+/* Runs the tasks of all points. Returns EHD_OK when all points are finished. After a failure the
+ * points under way are completed, and the first error is returned. After a signal it is
+ * EHD_INTERRUPTED with an empty text. A thread that is refused memory, by `begin` or by a
+ * repeatable `solve`, ends and leaves its point to the others. If there are none, the result is
  * EHD_MEMORY. */
 ehd_status pool_run(const pool_work *work, ehd_error *error);
 

@@ -29,7 +29,7 @@ static bool lies_within(const ehd_contact *contact, const plan_where *where) {
     return within;
 }
 
-/* `inside` is false for a point that the plan's bounds leave out. */
+/* Makes the contact of a point. `inside` is false if the bounds of the plan leave the point out. */
 static ehd_status make_contact(ehd_contact *contact, bool *inside, const plan *of, size_t number,
                                const char *plan_path, ehd_error *error) {
     const plan_point *point = &of->points[number];
@@ -72,7 +72,8 @@ static ehd_status check_grid(const ehd_contact *first, const ehd_contact *other,
                     expected->num_inner, expected->x_min, expected->step, first_name);
 }
 
-/* Reduced models are of one direction. */
+/* Checks that a reduced model can be trained with the histories: it is for one direction of
+ * entrainment. */
 static ehd_status check_histories(const training_set *set, const char *plan_path,
                                   ehd_error *error) {
     ehd_status status = EHD_OK;
@@ -87,7 +88,7 @@ static ehd_status check_histories(const training_set *set, const char *plan_path
     return status;
 }
 
-/* Trajectories of one plan, on their grid, carry films in the same way. */
+/* Checks that all trajectories carry films in the same way on their grid. */
 static ehd_status check_carriages(const training_set *set, const char *plan_path,
                                   ehd_error *error) {
     for (size_t t = 1; t < set->num_trajectories; t++) {
@@ -105,7 +106,7 @@ static ehd_status check_carriages(const training_set *set, const char *plan_path
     return EHD_OK;
 }
 
-/* All points are of one kind and, of ellipses, of one shape: that of the first. */
+/* Checks that all points have the kind of the first one and, if they are ellipses, its shape. */
 static ehd_status check_alike(training_set *set, contact_shape *shape, const ehd_contact *contact,
                               const char *plan_path, ehd_error *error) {
     if (!set->kind) {
@@ -161,13 +162,13 @@ static size_t num_contacts(const training_set *set) {
     return set->num_points + set->num_trajectories;
 }
 
-/* Stationary ones first. */
+/* Returns contact i. Stationary points come before trajectories. */
 static ehd_contact *contact_at(const training_set *set, size_t i) {
     return i < set->num_points ? &set->contacts[i]
                                : &set->trajectories[i - set->num_points].contact;
 }
 
-/* Puts all contacts on what they need together, as far as their scenes do not say. */
+/* Puts all contacts on the grid that they need together, as far as their scenes leave it open. */
 static ehd_status set_common_grid(training_set *set, ehd_error *error) {
     grid_extent needed = grid_extent_needed(contact_at(set, 0));
     ehd_status status = EHD_OK;
@@ -181,14 +182,15 @@ static ehd_status set_common_grid(training_set *set, ehd_error *error) {
     return status;
 }
 
-/* The first contact whose scene leaves its grid open, or gives all of it; NULL: none. */
+/* Returns the first contact whose scene leaves its grid open, or, if not `open`, gives all of it.
+ * NULL: there is none. */
 static const ehd_contact *find_contact(const training_set *set, bool open) {
     for (size_t i = 0; i < num_contacts(set); i++)
         if (contact_has_chosen_grid(contact_at(set, i)) == open) return contact_at(set, i);
     return NULL;
 }
 
-/* One grid for all: where some scenes give it, the others take that, and else what all need. */
+/* Puts all contacts on one grid: the one that some scenes give, or else the one that all need. */
 static ehd_status settle_grid(training_set *set, const char *plan_path, ehd_error *error) {
     const ehd_contact *first = contact_at(set, 0), *given = find_contact(set, false);
     ehd_error cause = {""};
@@ -217,7 +219,7 @@ static bool same_lubricant(const ehd_lubricant *left, const ehd_lubricant *right
                   sizeof left->density_constants) == 0;
 }
 
-/* The number of the first point of the same group with the same lubricant. */
+/* Returns the number of the first point of the same group with the same lubricant. */
 static size_t family_of(const training_set *set, size_t point) {
     size_t first = 0;
 
@@ -231,7 +233,7 @@ void training_set_places(tree_point *places, const training_set *set) {
     for (size_t i = 0; i < set->num_points; i++) {
         const ehd_contact *contact = &set->contacts[i];
         double log_M = log(contact->moes_M);
-        // L where the Hertz pressure follows from it, else what would give the Hertz pressure
+        // the L that belongs to the Hertz pressure, also if the scene gives that pressure
         double material =
             contact->alpha_p_H / contact->kind->alpha_p_H(&contact->grid.shape, contact->moes_M, 1);
         const flow_thinning thinning = traction_thinning(contact);
@@ -242,7 +244,8 @@ void training_set_places(tree_point *places, const training_set *set) {
     }
 }
 
-/* Those of different branches, [num_points], are never neighbours. */
+/* Builds the tree and the order of the points. Points of different branches, [num_points], are
+ * never neighbours. */
 static ehd_status make_tree(training_set *set, const size_t *branch, const char *plan_path,
                             ehd_error *error) {
     tree_point *points = malloc(set->num_points * sizeof *points);
@@ -259,12 +262,10 @@ static ehd_status make_tree(training_set *set, const size_t *branch, const char 
 
 // ---- parts
 
-/* Branches of a plan, of which a shard has whole ones: about the root of the number of points, so that
- * both cold starts and long chains of neighbours are few; a multiple of four, so that four shards have
- * equally many. Newton iterations with one branch, with these, and with twice as many: 915, 597 and
- * 748 in the plan of stationary-line, 656, 625 and 679 of stationary-line-high, 683, 711 and 751 of
- * point-stationary; there cold starts, which are dearer, take 61 % more time than one branch. Where
- * its points stand in random order, so that branches are no neighbours, 693 and 974. */
+/* Returns the number of branches of a plan. It is about the root of the number of points, so that
+ * both cold starts and long chains of neighbours are few. It is a multiple of four, so that four
+ * shards have equally many. In the plan of stationary-line these branches take 597 Newton
+ * iterations, one branch takes 915, and twice as many take 748. */
 static size_t count_branches(size_t num_points) {
     size_t count = 4;
 
@@ -273,7 +274,7 @@ static size_t count_branches(size_t num_points) {
     return count < num_points ? count : num_points;
 }
 
-/* Leaves the points that `keep` says, without a tree. */
+/* Removes the points for which `keep` is false, without a tree. */
 static void keep_points(training_set *set, const bool *keep) {
     size_t count = 0;
 
@@ -287,8 +288,8 @@ static void keep_points(training_set *set, const bool *keep) {
     set->num_points = count;
 }
 
-/* Cuts the points into branches, in the order of the plan, and keeps those of the shard. Neither the
- * cuts nor what a point starts from depend on the shards: the tree is that of all points. */
+/* Cuts the points into branches, in the order of the plan, and keeps those of the shard. The tree
+ * is that of all points, so neither the cuts nor the start of a point depend on the shards. */
 static ehd_status keep_branches(training_set *set, const char *plan_path, shard piece,
                                 ehd_error *error) {
     const size_t num_points = set->num_points, num_branches = count_branches(num_points);
@@ -326,15 +327,16 @@ ehd_status training_set_keep(training_set *set, const bool *keep, const char *pl
     return set->num_points > 0 ? keep_branches(set, plan_path, whole, error) : EHD_OK;
 }
 
-/* How many of the first shards have points; where branches are fewer than the shards, some have none.
- */
+/* Returns how many of the first shards have points. If branches are fewer than the shards, some
+ * shards have none. */
 static size_t shards_with_points(size_t first, size_t num_branches, size_t total) {
     size_t branches = num_branches * first / total;
 
     return branches < first ? branches : first;
 }
 
-/* Dealt out to the shards without points before the others, so that none is empty. */
+/* Keeps the trajectories of the shard. Shards without points get theirs before the others, so that
+ * no shard is empty. */
 static void keep_trajectories(training_set *set, size_t num_branches, shard piece) {
     size_t before = shards_with_points(piece.number - 1, num_branches, piece.total);
     bool has_points = shards_with_points(piece.number, num_branches, piece.total) > before;

@@ -27,7 +27,8 @@ double tree_distance(const tree_point *left, const tree_point *right,
     return distance;
 }
 
-/* The point to add next: the one nearest to its tree; where no tree can grow, the easiest root. */
+/* Returns the point to add next: the one nearest to its tree, or the easiest root if no tree can
+ * grow. */
 static size_t next_point(const tree_point *points, size_t num_points, const bool *added,
                          const double *nearest) {
     size_t best = NO_PARENT;
@@ -75,7 +76,7 @@ typedef struct ranked {
     size_t rank;
 } ranked;
 
-/* Larger ranks first, equal ones by number. */
+/* Compares for qsort: larger ranks come first, equal ones by number. */
 static int compare_ranked(const void *left, const void *right) {
     const ranked *a = left, *b = right;
 
@@ -84,7 +85,8 @@ static int compare_ranked(const void *left, const void *right) {
 }
 
 ehd_status tree_order(size_t *order, const size_t *parent, size_t num_points, ehd_error *error) {
-    ranked *heights = calloc(num_points, sizeof *heights); // points on the longest way down
+    // number of points on the longest way down
+    ranked *heights = calloc(num_points, sizeof *heights);
     if (!heights) return ehd_no_memory(error, "order");
 
     for (size_t i = 0; i < num_points; i++)
