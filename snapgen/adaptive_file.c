@@ -285,8 +285,8 @@ static ehd_status take_state(artefact *file, training *points, double (*films)[N
                         artefact_path(piece), place, state.point, state.round);
     status = artefact_get_integers_part(piece, outcome_field, place, 1, &outcome, 1, error);
     if (status || outcome < 0 || points->points[state.point].done) return status;
-    status = copy_state(file, to, piece, place, outcome, error);
-    return status ? status : restore_state(points, films, piece, &state, place, false, error);
+    status = restore_state(points, films, piece, &state, place, false, error);
+    return status ? status : copy_state(file, to, piece, place, outcome, error);
 }
 
 ehd_status adaptive_file_take(artefact *file, training *points, double (*films)[NUM_FILMS],

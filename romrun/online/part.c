@@ -343,6 +343,7 @@ ehd_status part_solve(online_result *result, part_solver *solver, const ehd_cont
     }
     indicate(result, solver, contact, &info);
     judge(result, solver, contact);
+    if (result->status == EHD_NOT_CONVERGED) solver->solved = false;
     return EHD_OK;
 }
 
