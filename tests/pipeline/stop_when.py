@@ -46,7 +46,7 @@ def holds(condition, path, before):
             return re.search(condition[len("says "):], log.read()[before["said"]:])
     try:
         seen = read(path)
-    except (OSError, KeyError):
+    except (OSError, KeyError, RuntimeError):
         return False  # not there yet, or just being written
     if "time" in seen:
         assert len(seen["film"]) == len(seen["time"]) >= before["times"]
