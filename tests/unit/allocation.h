@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Failing allocations on purpose. All unit tests are linked so that malloc, calloc and realloc
- * called in our own code (not inside of foreign libraries) pass through here.
+/* Lets allocations fail on purpose. All unit tests are linked so that malloc, calloc and realloc
+ * calls of our own code (not of foreign libraries) pass through these functions.
  *
  *     size_t call = 0;
  *     do {
@@ -13,10 +13,10 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/* Lets allocation number `call` from now on return NULL, counted from 0, once. */
+/* Makes one allocation return NULL: number `call` from now on, counted from 0. */
 void allocation_fail_at(size_t call);
 
-/* Whether it came to that; ends the counting. */
+/* Returns whether that allocation was reached; ends the counting. */
 bool allocation_failed(void);
 
 #endif

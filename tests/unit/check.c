@@ -7,7 +7,7 @@ bool is_close(double actual, double expected, double relative, double absolute) 
     const double limit = absolute + relative * fabs(expected);
     if (isnan(actual) || isnan(expected) || isnan(relative) || isnan(absolute)) return false;
     if (actual == expected) return true;
-    // relative * infinity must not excuse a finite value
+    // relative * infinity must not accept a finite value
     return isfinite(limit) && fabs(actual - expected) <= limit;
 }
 

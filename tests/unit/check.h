@@ -4,7 +4,7 @@
 #ifndef EHD_CHECK_H
 #define EHD_CHECK_H
 
-// cmocka.h needs these four before it
+// cmocka.h needs these four headers before it
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -13,7 +13,7 @@
 #include <cmocka.h>
 #include <stdbool.h>
 
-/* True when |actual - expected| <= absolute + relative * |expected|. Any NaN is false, and an
+/* Returns true if |actual - expected| <= absolute + relative * |expected|. Any NaN is false, and an
  * infinity is only close to itself. */
 bool is_close(double actual, double expected, double relative, double absolute);
 
@@ -21,7 +21,7 @@ bool is_close(double actual, double expected, double relative, double absolute);
 #define check_close(actual, expected, relative, absolute)                                          \
     check_close_at(actual, expected, relative, absolute, #actual, __FILE__, __LINE__)
 
-/* Same for `length` pairs; the message names the first index that fails. */
+/* Compares `length` pairs like check_close; the message contains the first index that fails. */
 #define check_close_array(actual, expected, length, relative, absolute)                            \
     check_close_array_at(actual, expected, length, relative, absolute, #actual, __FILE__, __LINE__)
 

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A row's influence through the film, scaled, by column and line of the nodes that it reaches. */
+/* Influence of the film on a row, scaled, with columns and lines of the nodes that contribute. */
 typedef struct film_row {
     double weight[NUM_STENCIL];
     ptrdiff_t column[NUM_STENCIL], line[NUM_STENCIL];
@@ -32,7 +32,8 @@ static void fill_film_rows(film_row *film, const full_system *system) {
     }
 }
 
-/* Columns of pressure: J = R_P + R_H K, with the kernel by the distance in columns and lines. */
+/* Fills the columns of pressure: J = R_P + R_H K. The kernel is indexed by the distance in columns
+ * and lines. */
 static void fill_pressure_columns(double *matrix, const film_row *film, const full_system *system) {
     const ptrdiff_t width = (ptrdiff_t)grid_width(system->grid);
     const double *kernel = deflection_kernel(system->deflection);
@@ -66,7 +67,8 @@ static void add_pressure_stencils(double *matrix, const full_system *system) {
     }
 }
 
-/* Column of the rigid approach, which moves every film alike and the pressures around the grid. */
+/* Fills the column of the rigid approach, which changes the film equally at all nodes, and the
+ * pressures around the grid. */
 static void fill_approach_column(double *column, const film_row *film, const full_system *system) {
     size_t size = system->num_unknowns + 1;
 

@@ -1,16 +1,16 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A folder of a test's own. */
+/* Temporary folders of tests. */
 #ifndef EHD_FOLDER_H
 #define EHD_FOLDER_H
 
-/* Its name, so far as one was made. */
+/* Path of the folder; valid once a folder was made. */
 extern char folder[];
 
-/* Setup and teardown of a test or a group; both return 0. */
+/* Make and remove `folder`, as setup and teardown of a test or a group; both return 0. */
 int make_folder(void **state);
-int remove_folder(void **state); // with all that is in it
+int remove_folder(void **state); // with all its contents
 
-/* The same, with the folder as working folder. */
+/* Like make_folder and remove_folder, and the folder is the working folder. */
 int enter_folder(void **state);
 int leave_folder(void **state);
 

@@ -13,7 +13,7 @@ enum { NUM_LIBRARIES = sizeof libraries / sizeof *libraries };
 
 typedef struct protection {
     int rights;
-    size_t count[NUM_LIBRARIES]; // of segments of code
+    size_t count[NUM_LIBRARIES]; // number of segments of code
 } protection;
 
 static int protect(struct dl_phdr_info *object, size_t size, void *data) {
@@ -30,7 +30,7 @@ static int protect(struct dl_phdr_info *object, size_t size, void *data) {
             const ElfW(Addr) begin = (object->dlpi_addr + segment->p_vaddr) / page * page;
             const ElfW(Addr) end = object->dlpi_addr + segment->p_vaddr + segment->p_memsz;
             self->count[i]++;
-            // NOLINTNEXTLINE(performance-no-int-to-ptr): where the loader has put it
+            // NOLINTNEXTLINE(performance-no-int-to-ptr): address given by the loader
             assert_int_equal(mprotect((void *)begin, end - begin, self->rights), 0);
         }
     }

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Takes away the right to run libraries that may end the process: whatever calls them then crashes,
- * in any thread, and with that the test. */
+/* Removes the permission to execute libraries that may end the process. Any call of them, in any
+ * thread, then crashes the test. */
 #ifndef EHD_FOREIGN_H
 #define EHD_FOREIGN_H
 
-/* HDF5, FFTW and GSL; the test fails where the process has none of them. */
+/* Forbids HDF5, FFTW and GSL; the test fails if none of them is loaded. */
 void foreign_forbid(void);
 void foreign_allow(void);
 

@@ -8,7 +8,7 @@
 
 enum { NUM_GRIDS = 4 };
 
-/* Converged digits in Moes units by Venner and Lubrecht's multigrid program (bench_point.c). */
+/* Converged digits of Venner and Lubrecht's multigrid program, in Moes units (bench_point.c). */
 static const struct {
     size_t cells;
     double central, minimum;

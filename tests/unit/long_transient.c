@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The full model in time on the grid of the paper's transient load: M = 120, L = 10, Barus,
+/* The transient full model on the grid of the paper's transient load: M = 120, L = 10, Barus,
  * incompressible. */
 #include "tests/unit/marched.h"
 
@@ -15,7 +15,8 @@ static void run_paper(marched *self, double step, const char *transient) {
     marched_all(self, &of);
 }
 
-/* The default tolerance against a tenth of it: within 0.2 % in the central film at all times. */
+/* The default tolerance and a tenth of it differ by less than 0.2 % in the central film at all
+ * times. */
 static void default_tolerance_is_enough(void **state) {
     static const double periods[] = {0.5, 1, 2};
     (void)state;
@@ -39,7 +40,7 @@ static void default_tolerance_is_enough(void **state) {
     }
 }
 
-/* Beyond the paper's range, every run comes to its end with a film that is one. */
+/* Runs beyond the paper's range of amplitudes and periods end with a positive film. */
 static void large_amplitudes_are_completed(void **state) {
     static const double amplitudes[] = {0.1, 0.3, 0.5}, periods[] = {0.25, 0.5, 1, 2};
     (void)state;
@@ -60,7 +61,7 @@ static void large_amplitudes_are_completed(void **state) {
         }
 }
 
-/* With the paper's numbers too, halved steps make quartered differences. */
+/* Halving the steps quarters the differences, also with the paper's parameters. */
 static void fine_grid_is_of_second_order(void **state) {
     static const double steps[] = {0.02, 0.01, 0.005, 0.0025};
     double film[4];

@@ -125,7 +125,7 @@ void marched_check_restored(marched *other, const marched *stopped, const double
     marched_end(other);
 }
 
-/* Film of a run at any of its times, linear in between. */
+/* Returns the film of a run at any time, linear between its steps. */
 static double film_between(const marched *self, double time) {
     size_t k = 1;
 

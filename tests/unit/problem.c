@@ -72,8 +72,7 @@ double row_size(const reynolds_row *row) {
     return largest;
 }
 
-/* What one call of the linear solvers is given: the step must be the same, not only where it
- * ends. */
+/* Compares single calls of both linear solvers: the steps must agree, not only the final solution. */
 ehd_status compare_linear_solvers(full_system *system, double tolerance, size_t *iterations,
                                   ehd_error *error) {
     size_t n = system->grid->num_nodes;

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A contact with what it takes to solve it with the full model, and what a solution is checked
- * by. */
+/* A contact with a full solver and its solution, and checks of the solution. */
 #ifndef EHD_PROBLEM_H
 #define EHD_PROBLEM_H
 
@@ -19,14 +18,14 @@ void problem_free(problem *self);
 
 void check_same_state(const problem *actual, const problem *expected);
 
-/* Reynolds rows of a solution, evaluated apart from the solver; [num_inner]. */
+/* Evaluates the Reynolds rows [num_inner] of a solution, independently of the solver. */
 void problem_rows(reynolds_row *rows, const problem *solved);
-/* The same of a solution in time. */
+/* Evaluates the Reynolds rows of a transient solution. */
 void problem_rows_in_time(reynolds_row *rows, const problem *solved,
                           const reynolds_squeeze *squeeze);
 double row_size(const reynolds_row *row);
 
-/* A linear solver that takes the step by GMRES and by dgesv, which have to agree. */
+/* A linear solver that computes the step by GMRES and by dgesv and checks that they agree. */
 full_linear_solver compare_linear_solvers;
 
 #endif

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A reduced model with what it takes to solve it. */
+/* A reduced model with its solver and state. */
 #ifndef EHD_REDUCED_PROBLEM_H
 #define EHD_REDUCED_PROBLEM_H
 
@@ -13,10 +13,10 @@ typedef struct reduced_problem {
     reduced_info info;
 } reduced_problem;
 
-/* As far as rounding lets it converge. */
+/* Settings that converge as far as round-off allows. */
 extern const reduced_settings strict_settings;
 
-/* `rows` as in reduced_model_build; the test fails where that does. */
+/* Builds model and solver, with `rows` as in reduced_model_build; the test fails on errors. */
 void reduced_problem_init(
     // output:
     reduced_problem *self, // free with reduced_problem_free
@@ -25,24 +25,24 @@ void reduced_problem_init(
     const reduced_settings *settings);
 void reduced_problem_free(reduced_problem *self);
 
-/* Solves from the state that it has; the test fails where it does not converge or is not to be
+/* Solves from the state of `self`; the test fails if the solution does not converge or is not
  * trusted. */
 void reduced_problem_solve(reduced_problem *self, const ehd_contact *contact);
 
-/* P and H of a state, [num_nodes], from the modes [num_nodes, num_pressure]; the test fails where
- * there is no memory for them. */
+/* Computes P and H of a state, [num_nodes], from the modes [num_nodes, num_pressure]; the test
+ * fails without memory. */
 void fields_of(double *pressure, double *film, const reduced_state *state,
                const reduced_model *model, const double *pressure_basis);
 
-/* Every inner node is a pressure mode of its own and, independent, every node a deformation mode:
- * the reduced model is the full one. */
+/* Returns a basis with a pressure mode for each inner node and, if independent, a deformation mode
+ * for each node. Its reduced model is the full model. */
 reduced_basis identity_basis(
     // input:
     const snapshot_set *set, deformation_kind kind,
     const double *weight); // [num_nodes]
 
-/* The basis of a half grid on the whole one, where both rows of a pair together count as the one of
- * the half. */
+/* Returns the basis of a half grid on the whole one. A pair of mirrored rows counts as much as the
+ * one row of the half. */
 reduced_basis mirrored_basis(const reduced_basis *half);
 
 /* Builds a model of some rows, or of all, and writes it, as deimselect would. */

@@ -7,25 +7,27 @@
 #include "common/settings/scene_contact.h"
 
 enum { NUM_SAMPLE_LUBRICANTS = 5 };
-extern const char *const sample_lubricants[NUM_SAMPLE_LUBRICANTS]; // of every viscosity law
+// one or more of every viscosity law
+extern const char *const sample_lubricants[NUM_SAMPLE_LUBRICANTS];
 
-/* Defaults with a lubricant: "barus" (20 1/GPa), "roelands" (0.04 Pa s, 20 1/GPa), or wlf by the
- * name of its preset, "no1" … "no3". The density law is "incompressible" or "dowson-higginson". */
+/* Returns a default scene with a lubricant: "barus" (20 1/GPa), "roelands" (0.04 Pa s, 20 1/GPa),
+ * or a WLF preset, "no1" … "no3". The density law is "incompressible" or "dowson-higginson". */
 scene sample_scene(const char *lubricant, const char *density, double moes_M, double moes_L);
 
-/* The contact of that scene on -4 … 2 with the given step; abort() if it is refused. */
+/* Returns the contact of that scene on -4 … 2 with the given step; abort() if it is refused. */
 ehd_contact sample_contact(const char *lubricant, const char *density, double moes_M, double moes_L,
                            double step);
 
-/* The point contact of that scene on the domain of Venner and Lubrecht, X in -4.5 … 1.5, Y in -3 …
- * 3, whose ends are boundary nodes, with so many cells along and across; of an even number. */
+/* Returns the point contact of that scene on the domain of Venner and Lubrecht, X in -4.5 … 1.5, Y
+ * in -3 … 3, whose ends are boundary nodes. `cells` is their number along and across, and is even. */
 ehd_contact sample_point(const char *lubricant, const char *density, double moes_M, double moes_L,
                          size_t cells, bool half);
 
-/* The same contact with the published rows, and zero pressure around a point contact's grid. */
+/* Returns the contact with the published discretisation, and zero pressure around the grid of a
+ * point contact. */
 ehd_contact sample_published(ehd_contact contact);
 
-/* Line contacts of all laws, light and heavy, on grids as coarse as each bears. */
+/* Line contacts of all laws, light and heavy, on grids as coarse as each allows. */
 enum { NUM_SAMPLE_CASES = 10 };
 ehd_contact sample_case(int i);
 

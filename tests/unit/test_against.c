@@ -1,17 +1,18 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Fields of a result against those of one on another grid. */
+/* Differences of the fields of two results on different grids. */
 #include "romrun/calibrate/against.h"
 #include "tests/unit/check.h"
 
 #include <math.h>
 #include <stdlib.h>
 
-/* Of degree 3 in X and Y, which four nodes an axis give back; even in Y. */
+/* Returns a polynomial of degree 3 in X and Y, which interpolation by four nodes an axis
+ * reproduces; even in Y. */
 static double cubic(double x, double y) {
     return 1 + x - 0.5 * x * x + 0.25 * x * x * x + (2 - x * x * x) * y * y;
 }
 
-/* At all nodes, or [num_inner] at the inner ones. */
+/* Returns the polynomial at all nodes, or [num_inner] at the inner ones. */
 static double *field_of(const ehd_grid *grid, bool inner) {
     double *values = malloc(grid->num_nodes * sizeof *values);
 
@@ -31,7 +32,7 @@ static ehd_grid point(double x_min, double step, size_t nodes, size_t lines, boo
     return grid_of(x_min, step, nodes, lines, half, DISCRETIZATION_ACCURATE);
 }
 
-/* Equal fields but for `error` at one node of the first grid. */
+/* Compares equal fields, except for `error` at one node of the first grid. */
 static void check_pair(const ehd_grid *grid, const ehd_grid *other, size_t row, double error) {
     double *nodes = field_of(grid, false), *inner = field_of(other, true);
 
@@ -41,7 +42,7 @@ static void check_pair(const ehd_grid *grid, const ehd_grid *other, size_t row, 
     free(inner);
 }
 
-/* Finer, coarser, longer, shorter and shifted ones. */
+/* The other grid is equal, finer, coarser, longer, shorter or shifted. */
 static void interpolates_lines(void **state) {
     (void)state;
     const ehd_grid own = line(-4, 0.05, 121);
@@ -55,7 +56,7 @@ static void interpolates_lines(void **state) {
         check_pair(&own, &others[i], 60, 0);
         check_pair(&own, &others[i], 60, 0.5);
     }
-    // outside of the other grid nothing is compared, at its ends and within them all
+    // nodes outside of the other grid are not compared, all within and at its ends are
     const ehd_grid shorter = line(-2, 0.05, 61);
     double *nodes = field_of(&own, false), *inner = field_of(&shorter, true);
     nodes[grid_node_of_row(&own, 39)] += 1;
@@ -69,7 +70,7 @@ static void interpolates_lines(void **state) {
     free(inner);
 }
 
-/* The stored ones are whole, the own ones whole or half. */
+/* The stored grids are whole, the grid of the result is whole or half. */
 static void interpolates_points(void **state) {
     (void)state;
     for (int half = 0; half < 2; half++) {

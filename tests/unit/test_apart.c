@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A contact that is lost and found again, around a solver whose load follows from the approach. */
+/* Loss and return of a contact, with a solver whose load follows from the approach. */
 #include "common/settings/scene_contact.h"
 #include "common/time/apart.h"
 #include "tests/unit/check.h"
@@ -10,10 +10,10 @@
 
 static const double STIFFNESS = 2, TOUCHING = 0.1, LIGHTEST = 0.005;
 
-/* A spring that pulls too: its load is negative beyond the touching approach. */
+/* A linear spring: its load is negative beyond the touching approach. */
 typedef struct spring {
-    double state, attempted; // the approaches
-    double speed_of_loss;    // an approach that recedes faster has no load; 0: any may
+    double state, attempted; // approaches
+    double speed_of_loss;    // bodies that recede faster have no load; 0: no limit
     bool fails;
     size_t num_starts;
 } spring;
@@ -153,7 +153,8 @@ static ehd_status count(void *sink, const march_step *step, size_t index, ehd_er
     return EHD_OK;
 }
 
-/* Of a cosine, which has no kinks, with a contact in a fifth of each of its eight periods. */
+/* The approach is a cosine, without kinks. The bodies touch during a fifth of each of its eight
+ * periods. */
 static void no_contact_is_missed(void **state) {
     (void)state;
     scene given;
@@ -181,7 +182,8 @@ static void no_contact_is_missed(void **state) {
     histories_free(histories);
 }
 
-/* Bodies that recede fast leave no pressure; once they rest, where a contact carries load, it is found again. */
+/* A contact that recedes fast loses its pressure. It is found again once it rests at a
+ * load-carrying approach. */
 static void a_contact_below_touching_is_found_again(void **state) {
     (void)state;
     scene given;
@@ -209,7 +211,7 @@ static void overlapping_bodies_touch_while_they_recede(void **state) {
     const march_step found = step_to(0.2, 1, -0.19);
     assert_true(found.begins && !found.apart);
     check_close(found.scalars.load * found.frame.load, load_at(-0.19), 1e-12, 0);
-    // beyond the overlap they stay apart while they recede
+    // with separated surfaces they stay apart while they recede
     set_up_contact("approach", "", &given);
     inner.speed_of_loss = 1;
     begin(1, -0.5);
@@ -217,7 +219,7 @@ static void overlapping_bodies_touch_while_they_recede(void **state) {
     assert_true(step_to(0.2, 1, 0.03).apart);
 }
 
-/* A mass at a standing contact does not fall through. The film of such a contact is not known. */
+/* Bodies without surface speed touch too, but their film is unknown and not trusted. */
 static void bodies_touch_at_rest(void **state) {
     (void)state;
     for (int i = 0; i < 2; i++) {
@@ -233,7 +235,7 @@ static void bodies_touch_at_rest(void **state) {
         check_close(step.scalars.load * step.frame.load, load_at(-0.3), 1e-12, 0);
         assert_int_equal(step.status, i == 0 ? EHD_UNTRUSTED : EHD_OK);
         assert_true(step.frame.speed == i);
-        // until the fluid has carried the film out of the contact
+        // not trusted until the fluid has carried this film out of the contact
         solver.accept(solver.self);
         const double width = step.frame.half_width;
         double saved[64];
@@ -249,13 +251,13 @@ static void bodies_touch_at_rest(void **state) {
     }
 }
 
-/* Without receding too. */
+/* The bodies part even if they do not recede. */
 static void a_load_that_is_not_positive_parts_bodies(void **state) {
     (void)state;
     scene given;
     set_up_contact("approach", "", &given);
     begin(1, -0.5);
-    inner.speed_of_loss = 1e-300; // nothing has a load
+    inner.speed_of_loss = 1e-300; // any receding loses the load
     assert_false(step_to(0.1, 1, -0.5).apart);
     inner.state = -1;
     assert_true(step_to(0.2, 1, -0.5).apart);
@@ -268,14 +270,14 @@ static void a_step_that_fails_is_no_lost_contact(void **state) {
     begin(1, -0.5);
     inner.fails = true;
     assert_int_equal(step_to(0.1, 1, 0).status, EHD_NOT_CONVERGED); // below the touching approach
-    assert_int_equal(step_to(0.1, 1, -0.6).status, EHD_NOT_CONVERGED); // towards each other
+    assert_int_equal(step_to(0.1, 1, -0.6).status, EHD_NOT_CONVERGED); // approaching bodies
     assert_true(step_to(0.1, 1, 0.2).apart);
     set_up_contact("load", "", &given);
     begin(1, NAN);
     inner.fails = true;
     assert_int_equal(step_to(0.1, 0.5, NAN).status, EHD_NOT_CONVERGED);
     assert_int_equal(step_to(0.1, 0.009, NAN).status,
-                     EHD_NOT_CONVERGED); // not less than the lightest
+                     EHD_NOT_CONVERGED); // not below the lightest load
     const march_step lost = step_to(0.1, 0.004, NAN);
     assert_true(lost.apart && lost.status == EHD_OK);
     assert_true(isnan(lost.scalars.central_film_thickness));
@@ -291,7 +293,7 @@ static void steps_in_which_bodies_part_or_touch_are_short(void **state) {
     begin(1, -0.5);
     contact.longest_step = 0.09; // steps are 0.1 long
     assert_int_equal(step_to(0.1, 1, 0.2).status, EHD_NOT_CONVERGED);
-    contact.longest_step = 0.1 * (1 - 1e-12); // but for rounding
+    contact.longest_step = 0.1 * (1 - 1e-12); // equal but for round-off
     assert_true(step_to(0.1, 1, 0.2).apart);
     contact.longest_step = 0.09;
     assert_int_equal(step_to(0.2, 1, 0).status, EHD_NOT_CONVERGED);
@@ -299,7 +301,7 @@ static void steps_in_which_bodies_part_or_touch_are_short(void **state) {
     assert_true(step_to(0.2, 1, 0).begins);
 }
 
-/* What the solver has is kept, and a start that fails leaves bodies apart. */
+/* The state of the solver is saved too, and bodies stay apart if a start fails. */
 static void a_state_apart_is_saved(void **state) {
     (void)state;
     scene given;
@@ -315,7 +317,7 @@ static void a_state_apart_is_saved(void **state) {
     assert_int_equal(step_to(0.2, 1, 0).status, EHD_NOT_CONVERGED);
     assert_true(step_to(0.2, 1, 0.9).apart);
     inner.fails = false;
-    check_close(inner.state, 0, 0, 0); // of the start that failed
+    check_close(inner.state, 0, 0, 0); // from the start that failed
     assert_int_equal(solver.restore(solver.self, saved, &error), EHD_OK);
     check_close(inner.state, -0.5, 0, 0);
     solver.save(again, solver.self);
@@ -326,7 +328,7 @@ static void a_state_apart_is_saved(void **state) {
     assert_non_null(strstr(error.text, "found approach 1 and apart = 2"));
 }
 
-/* Far apart no start is tried. */
+/* If the bodies are far apart, no start of the contact is tried. */
 static void a_start_far_apart_costs_nothing(void **state) {
     (void)state;
     scene given;

@@ -24,7 +24,7 @@ static const program caller = {.name = "snapgen", .argc = 4, .argv = words};
 static const program forcing = {.name = "snapgen", .argc = 4, .argv = words, .force = true};
 static const artefact_schema *const snapshots_only[] = {&schema_snapshots, NULL};
 
-static char path[128]; // of the file that a test is about
+static char path[128]; // path of the file under test
 static char partial[160];
 static ehd_error error;
 
@@ -108,7 +108,7 @@ static artefact *reopen(void) {
     return file;
 }
 
-/* All that the file says, as text; NULL when it is refused. */
+/* Returns the content of the file as text; NULL if the file is refused. */
 static char *content_of(const char *name) {
     artefact *file = NULL;
     char *text = NULL;
@@ -183,7 +183,7 @@ static ehd_status try_open(void) {
     return status;
 }
 
-/* A Python with h5py, NULL when there is none. */
+/* Returns a Python with h5py; NULL if there is none. */
 static const char *python(void) {
     static const char *const candidates[] = {"python3", "/usr/bin/python3"};
     for (size_t i = 0; i < 2; i++) {
@@ -259,7 +259,7 @@ static void round_trip(void **state) {
     artefact_close(&file);
 }
 
-/* What the copy says behind its provenance, which is its own. */
+/* Returns the content of a copy after the copy's own provenance. */
 static char *copied_content(const char *name, const char *const *except_axes) {
     artefact *from = reopen(), *to = NULL;
 
@@ -327,7 +327,7 @@ static void provenance(void **state) {
     assert_non_null(strstr(creator, program_build()));
     free(creator);
 
-    // one line of the two equal inputs, one of our own
+    // the line of two equal inputs appears once, before our own
     char *text = NULL;
     check_ok(artefact_get_text(file, "history", &text, &error));
     char *end = strchr(text, '\n');
@@ -364,7 +364,7 @@ static void provenance(void **state) {
     artefact_close(&file);
 }
 
-/* More than an attribute can hold, cut between characters. */
+/* Texts longer than an attribute are split between characters. */
 static void long_texts(void **state) {
     (void)state;
     const size_t length = 3000000;
@@ -443,7 +443,7 @@ static void output_names(void **state) {
                   EHD_CANTCREATE, "/proc/x.h5");
 }
 
-/* The provisional name has to be free or a file of our own kind. */
+/* The provisional name must be unused or a file of our own kind. */
 static void provisional_names(void **state) {
     (void)state;
     artefact *file = NULL;
@@ -458,7 +458,7 @@ static void provisional_names(void **state) {
     assert_null(file);
 }
 
-/* What happens to both names between the first and the last call. */
+/* The final or the provisional name is changed between the first and the last call. */
 static void names_that_change_meanwhile(void **state) {
     (void)state;
     for (int i = 0; i < 3; i++) {
@@ -500,7 +500,7 @@ static void survives_failing_allocations(void **state) {
     artefact_close(&file);
 }
 
-/* Reads texts, one of them in pieces, and what reads all of the file. */
+/* Reads texts, one of them in pieces, and checks the whole file. */
 static ehd_status read_texts(char **settings) {
     const char *const names[] = {"contact", "history", "step"};
     artefact *file = NULL;
@@ -517,7 +517,7 @@ static ehd_status read_texts(char **settings) {
     return status ? status : artefact_check(path, &error);
 }
 
-/* None of them is "something else", and no text is cut short. */
+/* A refused allocation must return EHD_MEMORY, not another error or a shortened text. */
 static void refused_memory_is_no_other_text(void **state) {
     (void)state;
     enum { LENGTH = 150000 };
@@ -540,7 +540,7 @@ static void refused_memory_is_no_other_text(void **state) {
     free(text);
 }
 
-/* Nor is a digest made of what could not be read. */
+/* A refused allocation must not produce a digest of incomplete content. */
 static void refused_memory_ends_no_file(void **state) {
     (void)state;
     bool failed = true;
@@ -558,9 +558,9 @@ static void refused_memory_ends_no_file(void **state) {
     }
 }
 
-static int refused_looks; // of the next calls
+static int refused_looks; // number of next calls that fail
 
-/* In the place of HDF5's. */
+/* Replaces H5Lexists of HDF5. */
 htri_t H5Lexists(hid_t where, const char *name, hid_t access) {
     typedef htri_t look(hid_t, const char *, hid_t);
     void *symbol = dlsym(RTLD_NEXT, "H5Lexists");
@@ -573,7 +573,7 @@ htri_t H5Lexists(hid_t where, const char *name, hid_t access) {
     return -1;
 }
 
-/* A reader goes on without what a file may lack. */
+/* A failed look-up must not be taken for a missing optional dataset. */
 static void refused_look_is_no_no(void **state) {
     (void)state;
     double pressure[NUM_STATES][NUM_NODES];
@@ -601,7 +601,7 @@ static void two_writers(void **state) {
     assert_true(exists(path));
 }
 
-// ---- what is refused
+// ---- refused files
 
 static void refuses_what_is_no_artefact(void **state) {
     (void)state;
@@ -760,8 +760,8 @@ static void damage_is_named(void **state) {
     check_refused(artefact_check(path, &error), EHD_DATA, "pressure: found damaged");
 }
 
-/* Runs probe(i) for i = first, first + step, … below end in children, so that a crash is a finding
- * and not the end. Each returns 0 when all is well. */
+/* Runs probe(i) for i = first, first + step, … below end in child processes, so that a crash is
+ * reported and does not end the test. A probe returns 0 on success. */
 static void probe_all(const char *what, int (*probe)(size_t), size_t first, size_t end,
                       size_t step) {
     const size_t batch = 500;
@@ -794,7 +794,7 @@ static unsigned char *whole;
 static size_t whole_size;
 static char *whole_content;
 
-/* Refused, or read as it was. */
+/* Checks that the changed file is refused or has its original content. */
 static int read_changed_file(void) {
     char *content = content_of(path);
     int outcome = content && strcmp(content, whole_content) != 0;
@@ -817,7 +817,7 @@ static int cut_file(size_t size) {
     return artefact_check(path, NULL) == EHD_OK;
 }
 
-/* The file at `path`, with every `step`-th byte flipped, and cut at many places. */
+/* Tries the file at `path` with every `step`-th byte flipped, and cut at many places. */
 static void fuzz_file(size_t step) {
     whole = slurp(path, &whole_size);
     whole_content = content_of(path);
@@ -830,7 +830,8 @@ static void fuzz_file(size_t step) {
     free(whole_content);
 }
 
-/* Every byte takes a minute; a part of them is enough from day to day. */
+/* Returns the step between flipped bytes. All bytes take a minute, so the default is a part of
+ * them. */
 static size_t fuzz_stride(void) {
     const char *stride = getenv("EHD_FUZZ_STRIDE");
     return stride ? strtoul(stride, NULL, 10) : 5;
@@ -844,7 +845,7 @@ static void fuzz(void **state) {
 
 // ---- failing writes
 
-/* Like write_snapshots, but a failure is passed on. Long enough to need more than one block. */
+/* Writes like write_snapshots, but returns failures. The file needs more than one block. */
 static ehd_status attempt(bool streaming, ehd_error *text) {
     enum { MANY = 400 };
     static double field[NUM_STATES][MANY];
@@ -878,8 +879,8 @@ static ehd_status attempt(bool streaming, ehd_error *text) {
 
 static bool limited_streaming;
 
-/* With files limited to `size` bytes: either EHD_IO and no file, or a whole file; and a silent
- * exit. */
+/* Writes files limited to `size` bytes. The result is EHD_IO and no file, or a whole file, and exit
+ * prints nothing. */
 static int write_with_limit(size_t size) {
     fflush(NULL);
     pid_t child = fork();
@@ -895,7 +896,7 @@ static int write_with_limit(size_t size) {
         bool known = status == EHD_OK || ((status == EHD_IO || status == EHD_CANTCREATE) &&
                                           strstr(error.text, "File too large"));
         if (!known) fprintf(stderr, "%d %s\n", (int)status, error.text);
-        exit(sound && known ? 0 : 1); // through what HDF5 may do at exit
+        exit(sound && known ? 0 : 1); // with the exit handlers of HDF5
     }
     int outcome = 0;
     waitpid(child, &outcome, 0);
@@ -917,7 +918,7 @@ static int write_with_limit(size_t size) {
 static void failing_writes(void **state) {
     const char *variant = getenv("VARIANT");
     (void)state;
-    if (variant && strcmp(variant, "cov") == 0) skip(); // its counts are files that are limited too
+    if (variant && strcmp(variant, "cov") == 0) skip(); // its coverage files would be limited too
     for (int streaming = 0; streaming < 2; streaming++) {
         limited_streaming = streaming;
         check_ok(attempt(limited_streaming, &error));
@@ -932,7 +933,7 @@ static void failing_writes(void **state) {
     }
 }
 
-/* Room that comes back does not make good what could not be written. */
+/* Space that becomes free again does not repair an earlier failed write. */
 static void failure_is_remembered(void **state) {
     (void)state;
     const double values[NUM_STATES] = {0.5, 1.5, 2.5};
@@ -973,14 +974,14 @@ static artefact *start_stream(const char *settings) {
 
 static void stream_state(artefact *file, size_t number) {
     double row[NUM_NODES];
-    const int64_t done = 1; // what else a solved state has is not written
+    const int64_t done = 1; // other fields of a solved state are not written
     for (size_t k = 0; k < NUM_NODES; k++)
         row[k] = pressure_at(number, k);
     check_ok(artefact_put_part(file, "pressure", number, 1, row, &error));
     check_ok(artefact_put_integers_part(file, "status", number, 1, &done, &error));
 }
 
-/* A child streams two states and is killed; `flush` or not. */
+/* Streams two states in a child process, flushes them if `flush`, and kills the process. */
 static void killed_stream(bool flush) {
     fflush(NULL);
     pid_t child = fork();
@@ -1026,7 +1027,7 @@ static void resume_after_kill(void **state) {
                       EHD_DATA, "other settings");
         check_ok(artefact_resume(&file, path, &schema_snapshots, &caller, "same", &error));
         check_streamed(file, false);
-        artefact_close(&file); // interrupted again, politely
+        artefact_close(&file); // interrupted again, by closing
         assert_true(exists(partial));
         check_refused(artefact_open(&file, partial, snapshots_only, &error), EHD_DATA,
                       "unfinished");
@@ -1041,7 +1042,8 @@ static void resume_after_kill(void **state) {
         check_streamed(file, true);
         char *history = NULL;
         check_ok(artefact_get_text(file, "history", &history, &error));
-        assert_string_equal(strchr(strchr(history, '\n') + 1, '\n'), "\n"); // started, resumed
+        // two lines: started, resumed
+        assert_string_equal(strchr(strchr(history, '\n') + 1, '\n'), "\n");
         free(history);
         artefact_close(&file);
         check_refused(artefact_resume(&file, path, &schema_snapshots, &caller, "same", &error),
@@ -1050,7 +1052,8 @@ static void resume_after_kill(void **state) {
     }
 }
 
-/* What is finished of an interrupted run is not replaced unless asked to; an empty one is. */
+/* An interrupted run with finished states is only replaced on request, one without is always
+ * replaced. */
 static void unfinished_runs(void **state) {
     (void)state;
     artefact *file = NULL;
@@ -1063,7 +1066,7 @@ static void unfinished_runs(void **state) {
     artefact_close(&file);
     check_ok(artefact_create(&file, path, &schema_snapshots, &caller, "", NULL, &error));
     artefact_close(&file);
-    // nor does one end never that has more entries than could be looked at, of which none is stored
+    // checking more entries than can be read must end too; none of them is stored
     const hid_t made_up = open_for_change();
     replace_dataset(made_up, "status", H5T_NATIVE_INT64, 1, (hsize_t)1 << 40, 1);
     H5Fclose(made_up);
@@ -1072,7 +1075,7 @@ static void unfinished_runs(void **state) {
     artefact_close(&file);
 }
 
-/* Changes a bit of a number of the partial file. */
+/* Flips a bit of a number in the partial file. */
 static void damage_partial(double number) {
     size_t size;
     unsigned char *bytes = slurp(partial, &size);
@@ -1083,7 +1086,7 @@ static void damage_partial(double number) {
     free(bytes);
 }
 
-/* What a killed run had not finished may be torn; what it had is looked at entry by entry. */
+/* Unfinished entries of a killed run may be torn; finished ones are checked one by one. */
 static void resume_refuses_damage(void **state) {
     (void)state;
     artefact *file = NULL;
@@ -1092,7 +1095,7 @@ static void resume_refuses_damage(void **state) {
     check_ok(artefact_resume(&file, path, &schema_snapshots, &caller, "same", &error));
     check_refused(artefact_check_entry(file, 2, &error), EHD_DATA, "pressure: found damaged");
     artefact_close(&file);
-    damage_partial(-0.5); // of the axis x
+    damage_partial(-0.5); // a value of the axis x
     check_refused(artefact_resume(&file, path, &schema_snapshots, &caller, "same", &error),
                   EHD_DATA, "damaged");
     spill(partial, "junk", 4);
@@ -1119,7 +1122,7 @@ static void resume_checks_inputs(void **state) {
     check_ok(artefact_resume(&file, path, &schema_snapshots, &caller, "same", &error));
     check_ok(artefact_check_input(file, "table", one, &error));
     check_ok(artefact_check_input(file, "table", other, &error));
-    // contents that changed places are not what they were, but a new name is nothing
+    // exchanged contents are refused, a new name with the same content is accepted
     spill(one, "abcd", 4);
     spill(other, "abc", 3);
     spill(third, "abcd", 4);
@@ -1134,7 +1137,7 @@ static void resume_checks_inputs(void **state) {
     artefact_close(&file);
 }
 
-/* Killed before streaming began: nothing that resuming could build on. */
+/* A run that is killed before streaming leaves nothing to resume. */
 static void kill_before_stream(void **state) {
     (void)state;
     fflush(NULL);
@@ -1150,7 +1153,7 @@ static void kill_before_stream(void **state) {
     artefact *file = NULL;
     ehd_status status = artefact_resume(&file, path, &schema_snapshots, &caller, "same", &error);
     check_refused(status, EHD_NOINPUT, "nothing to continue");
-    write_snapshots("same"); // and the next run starts anew
+    write_snapshots("same"); // the next run starts anew
 }
 
 static void attributes_after_streaming(void **state) {
@@ -1193,7 +1196,7 @@ static artefact *start_growing(void) {
     return file;
 }
 
-/* The axis, and pressure and status of every second state. */
+/* Writes the axis, and pressure and status of every second state. */
 static void put_states(artefact *file, size_t first, size_t end) {
     for (size_t i = first; i < end; i++) {
         const double number = (double)i;
@@ -1254,7 +1257,7 @@ static void fuzz_grown(void **state) {
     artefact *file = start_growing();
     put_states(file, 0, NUM_STATES);
     check_ok(artefact_finish(&file, &error));
-    fuzz_file(5 * fuzz_stride()); // most of its pages are empty
+    fuzz_file(5 * fuzz_stride()); // fewer flips, since most of its pages are empty
 }
 
 static void misuse_of_growth_is_internal(void **state) {
@@ -1266,7 +1269,7 @@ static void misuse_of_growth_is_internal(void **state) {
         EHD_INTERNAL, "axis row");
     assert_null(file);
     assert_false(exists(partial));
-    // only as the first axis
+    // the growing axis must be the first
     check_ok(
         artefact_create_growing(&file, path, &schema_snapshots, "x", &caller, "", NULL, &error));
     check_ok(artefact_put_axis(file, "state", NUM_STATES, NULL, &error));
@@ -1279,9 +1282,9 @@ static void misuse_of_growth_is_internal(void **state) {
     assert_true(exists(partial));
 }
 
-// ---- other people's files and tools
+// ---- files and tools of other programs
 
-/* The least that a foreign program may write, in other types and layouts. */
+/* The least content of a file of another program, in other types and layouts. */
 static const char foreign[] =
     "import h5py, numpy, sys\n"
     "with h5py.File(sys.argv[1], 'w') as f:\n"
@@ -1329,7 +1332,7 @@ static void foreign_file(void **state) {
     check_refused(artefact_get_text(file, "history", &text, &error), EHD_DATA, "history");
     artefact_close(&file);
 
-    // its history is empty, its identity is not
+    // its history is empty, but it is identified by its content
     const char *inputs[] = {path, NULL};
     char next[128];
     snprintf(next, sizeof next, "%s/next.h5", folder);
@@ -1378,7 +1381,7 @@ static void transposed_square_field(void **state) {
                "    f['pressure'].dims[0].attach_scale(f['x'])\n"
                "    f['pressure'].dims[1].attach_scale(f['state'])\n");
     check_refused(try_open(), EHD_DATA, "pressure: found state as axis 1");
-    // whatever else it is called
+    // refused also with a second link to the dataset
     run_python("import h5py, sys\n"
                "with h5py.File(sys.argv[1], 'r+') as f: f['a'] = f['pressure']\n");
     check_refused(try_open(), EHD_DATA, "pressure: found state as axis 1");

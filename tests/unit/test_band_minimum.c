@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The least value of a band: exact for functions whose dips are not too narrow. */
+/* The minimum of a band: exact for functions whose dips are not too narrow. */
 #include "romrun/online/band_minimum.h"
 #include "tests/unit/check.h"
 
 #include <math.h>
 
-/* Dips of a Gaussian's shape. */
+/* Dips with the shape of a Gaussian. */
 typedef struct dips {
     size_t num;
     struct {
@@ -59,7 +59,7 @@ static void one_dip_anywhere(void **state) {
         }
 }
 
-/* The coarse look need not see the deepest of two dips best. */
+/* The coarse search may see the shallower of two dips better. */
 static void the_deeper_of_two_dips(void **state) {
     (void)state;
     for (double place = 240; place < 300; place += 0.5)
@@ -69,7 +69,8 @@ static void the_deeper_of_two_dips(void **state) {
         }
 }
 
-/* Of two dips, the first deepest at the nodes, the second between them. */
+/* Returns values between the nodes, lower than at the nodes beyond node 200, so the second dip is
+ * the deeper one. */
 static double value_between(const void *context, size_t node) {
     return value_at(context, node) - (node > 200 ? 0.1 : 0);
 }

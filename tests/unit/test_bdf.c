@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Time differences and the ring of states. */
+/* Difference formulas in time and the ring of states. */
 #include "common/time/bdf.h"
 #include "tests/unit/check.h"
 #include "tests/unit/frames.h"
@@ -8,7 +8,7 @@
 #include <stdbool.h>
 #include <string.h>
 
-/* Steps as an adaptive march takes them: growing, shrinking, equal. */
+/* Steps of an adaptive march: growing, shrinking, equal. */
 static const double steps[][3] = {
     {0.1, 0.1, 0.1}, {0.2, 0.1, 0.05}, {0.05, 0.1, 0.2}, {0.03, 0.3, 0.01}, {1e-6, 0.5, 0.5}};
 enum { NUM_STEPS = sizeof steps / sizeof *steps };
@@ -19,7 +19,7 @@ static double power(double time, size_t exponent) {
 
 // ---- formula
 
-/* Exact for polynomials up to the order, and no further. */
+/* The formula is exact for polynomials up to its order, and no further. */
 static void formula_is_exact_to_its_order(void **state) {
     (void)state;
     for (size_t s = 0; s < NUM_STEPS; s++)
@@ -61,14 +61,14 @@ static void predictor_is_exact_to_its_degree(void **state) {
         }
 }
 
-/* With exact previous states the solution of dy/dT = given is off by the local error, which formula
- * and prediction give exactly for the first power that the formula gets wrong. */
+/* With exact previous states the solution of dy/dT = given is off by the local error. Formula and
+ * prediction give this error exactly for the first power that the formula gets wrong. */
 static void error_is_that_of_the_next_power(void **state) {
     (void)state;
     for (size_t s = 0; s < NUM_STEPS; s++)
         for (size_t num_previous = 2; num_previous <= BDF_PREVIOUS; num_previous++) {
             bdf_formula formula = bdf_step(steps[s][0], steps[s] + 1, num_previous);
-            // the formula of first order is what two states are judged by
+            // with two states the error is that of the first-order formula
             bdf_formula judged = bdf_step(steps[s][0], steps[s] + 1, num_previous - 1);
             size_t n = num_previous;
             double time[BDF_PREVIOUS + 1], given, solution, prediction = 0;
@@ -79,15 +79,15 @@ static void error_is_that_of_the_next_power(void **state) {
                 solution -= judged.weight[i] * power(time[i + 1], n);
                 prediction += formula.predictor[i] * power(time[i + 1], n);
             }
-            solution /= judged.rate; // the exact one is 0
+            solution /= judged.rate; // the exact solution is 0
             assert_true(formula.error > 0);
             check_close(formula.error * fabs(0 - prediction), fabs(solution), 1e-9, 1e-300);
         }
     check_close(bdf_step(0.1, NULL, 1).error, 0, 0, 0);
 }
 
-/* Steps behind shorter ones: second order with the latest state that is far enough away, or first
- * order. */
+/* After much shorter steps the formula uses the latest state that is far enough away, with second
+ * order, or has first order. */
 static void a_step_much_longer_than_the_last_is_of_lower_order(void **state) {
     (void)state;
     const struct {
@@ -111,7 +111,7 @@ static void a_step_much_longer_than_the_last_is_of_lower_order(void **state) {
             sum += formula.predictor[i];
             assert_true(i == 0 || i == cases[c].second || formula.weight[i] == 0);
         }
-        // what states are off is not enlarged: 1 + sqrt(2) times as much, by the formula
+        // errors of the states are not amplified: the formula's factor is 1 + sqrt(2)
         check_close(rate, 0, 0, 1e-14 * weights);
         check_close(sum, 1, 1e-13, 0);
         assert_true(weights / formula.rate < 2 * (2 + sqrt(2)));
@@ -120,8 +120,8 @@ static void a_step_much_longer_than_the_last_is_of_lower_order(void **state) {
     }
 }
 
-/* Of states that are off by 1e-9 and lie 1e-7 apart: a step of 0.1 is not further off than they
- * are. */
+/* States with errors of 1e-9 lie 1e-7 apart. The error after a step of 0.1 must be of the same
+ * size. */
 static void a_short_step_does_not_enlarge_what_states_are_off(void **state) {
     (void)state;
     const double off = 1e-9, values[BDF_PREVIOUS] = {1 + off, 1 - off, 1};
@@ -172,7 +172,8 @@ static double accepted_time(const bdf_ring *ring, size_t before) {
     return ring->time[bdf_ring_accepted(ring, before)];
 }
 
-/* Of steps that are shorter than the least interval only every so many states stay; steps that grow all do. */
+/* If steps are shorter than the least interval, only some states stay in the ring; of growing steps
+ * all stay. */
 static void states_that_follow_too_soon_are_passing(void **state) {
     (void)state;
     const double times[] = {0, 1, 2, 2.25, 2.5, 3.25, 4.25, 4.5, 5.25};
@@ -193,7 +194,7 @@ static void states_that_follow_too_soon_are_passing(void **state) {
         assert_int_equal(promoted.num_previous, BDF_PREVIOUS);
         for (size_t i = 1; i <= BDF_PREVIOUS; i++)
             assert_int_equal(promoted.place[i], bdf_ring_accepted(&ring, i));
-        bdf_ring_restart(&ring); // makes it count
+        bdf_ring_restart(&ring); // makes the passing state count
         assert_int_equal(ring.num_previous, 1);
         check_close(ring.time[ring.place[1]], times[count - 1], 0, 0);
     }

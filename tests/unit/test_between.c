@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Scenes between those of a training: a grid worked by hand, points anywhere, trajectories. */
+/* Scenes between those of a training: a grid worked by hand, arbitrary points, trajectories. */
 #include "common/settings/settings_table.h"
 #include "common/training/between.h"
 #include "tests/unit/allocation.h"
@@ -20,7 +20,7 @@ static const char moving[] = "contact: line\nregime: transient\nclosure: load\n"
                              "discretization: accurate\ntransport: path\nmoes.M: 20\nmoes.L: 5\n"
                              "transient.end_time: 1\ntransient.load.law: %s\n%s";
 
-/* A plan and its points as a set. */
+/* A plan and the training set of its points. */
 typedef struct sample {
     plan of;
     training_set set;
@@ -87,7 +87,7 @@ static double alpha_of(const scene *of) {
     return value;
 }
 
-/* How often a scene with these numbers is among them. */
+/* Returns the number of scenes with these values. */
 static size_t count_of(const plan *of, double alpha, double M, double L) {
     size_t count = 0;
 
@@ -107,7 +107,7 @@ static size_t count_chosen(const bool *chosen, size_t length) {
     return count;
 }
 
-/* Three by two points: seven lines between them and one middle a cell. */
+/* Three by two points give the middles of seven lines and of two cells. */
 static void test_grid(void **state) {
     sample grid = {0};
     (void)state;
@@ -120,7 +120,8 @@ static void test_grid(void **state) {
     assert_int_equal(between.num_points, 9);
     for (int i = 0; i < 2; i++) {
         assert_int_equal(count_of(&between, 2e-8, 8 * pow(4, i), 8), 1);
-        assert_int_equal(count_of(&between, 2e-8, 8 * pow(4, i), 0), 1); // of none the mean
+        // if one L is zero, the middle is the arithmetic mean
+        assert_int_equal(count_of(&between, 2e-8, 8 * pow(4, i), 0), 1);
         assert_int_equal(count_of(&between, 2e-8, 8 * pow(4, i), 4), 1);
     }
     for (int i = 0; i < 3; i++)
@@ -129,8 +130,8 @@ static void test_grid(void **state) {
     free_sample(&grid);
 }
 
-/* Other lubricants and other groups have no middle; a point of the set that is left out does not
- * stand between others. */
+/* Points with different lubricants or groups have no middle. A point left out of the set does not
+ * separate its neighbours. */
 static void test_families(void **state) {
     const bool keep[] = {true, false, true, true, true, true, true};
     sample points = {0};
@@ -160,7 +161,8 @@ static void test_families(void **state) {
     free_sample(&points);
 }
 
-/* Those that differ in numbers only, next to one another; one that has no such other by half. */
+/* Trajectories that differ only in numbers have middles; one without such a partner is taken at
+ * half strength. */
 static void test_trajectories(void **state) {
     sample moved = {0};
     size_t count = 0;
@@ -191,7 +193,7 @@ static void test_trajectories(void **state) {
     check_close(fixed->transient.fixed_step, 0.01, 0, 0);
     plan_free(&between);
 
-    // those that have no middle first, but no more than asked for
+    // trajectories without a partner come first, within the requested number
     bool chosen[5];
     const bool expected[] = {true, false, true, false, true};
     assert_int_equal(between_spread_trajectories(chosen, &moved.set, 3, NULL), EHD_OK);
@@ -201,7 +203,7 @@ static void test_trajectories(void **state) {
     free_sample(&moved);
 }
 
-/* On a line 0 … 8 in ln M: the first, the last, the middle, the quarters. */
+/* On a line 0 … 8 in ln M the order is: first, last, middle, quarters. */
 static void test_spread(void **state) {
     sample line = {0};
     bool chosen[11];
@@ -221,7 +223,7 @@ static void test_spread(void **state) {
     assert_int_equal(count_chosen(chosen, 9), 9);
     free_sample(&line);
 
-    // two more lubricants: one of each, whatever the count
+    // two more lubricants get one point each, whatever the number
     sample several = {0};
     for (int i = 0; i < 9; i++)
         add_point(&several.of, 2e-8, exp(0.1 * i + 3), 5, 0);
@@ -234,7 +236,8 @@ static void test_spread(void **state) {
     free_sample(&several);
 }
 
-/* Nine of which two are chosen: of the seven others the middle one, one each third. */
+/* Two of nine points are chosen. Of the other seven, one means the middle one, three mean one in
+ * each third. */
 static void test_sweep(void **state) {
     bool chosen[9] = {true, [8] = true};
     sample line = {0};
@@ -285,7 +288,7 @@ static void test_no_memory(void **state) {
         allocation_fail_at(call);
         ehd_status status = between_neighbours(&between, &line.of, &line.set, "plan", NULL);
         failed = allocation_failed();
-        // where no contact can be made there is none in the middle
+        // a middle whose contact cannot be made is left out
         if (!failed) assert_int_equal(status, EHD_OK);
         if (status) assert_int_equal(status, EHD_MEMORY);
         plan_free(&between);

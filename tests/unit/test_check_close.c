@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The comparison that all other tests rely on. */
+/* The comparison of doubles, on which all other tests rely. */
 #include "tests/unit/check.h"
 
 #include <math.h>
@@ -47,7 +47,7 @@ static void infinity_is_close_only_to_itself(void **state) {
     assert_false(is_close(1.0, INFINITY, 0.0, 1.0));
 }
 
-/* Exit code of a child process that runs one test silently: the number of failed tests. */
+/* Runs one test silently in a child process; returns the number of failed tests. */
 static int outcome_of(const struct CMUnitTest test) {
     const struct CMUnitTest group[] = {test};
     int status = 0;

@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The first num_waves rows of the orthonormal cosine transform (DCT-II) of `length` points. */
+/* Returns the first num_waves rows of the orthonormal cosine transform (DCT-II) of `length` points. */
 static double *cosines(size_t num_waves, size_t length) {
     double *waves = malloc(num_waves * length * sizeof *waves);
     assert_non_null(waves);
@@ -21,8 +21,8 @@ static double *cosines(size_t num_waves, size_t length) {
     return waves;
 }
 
-/* Snapshots with singular values decay^j and cosines as singular vectors, known without any SVD.
- * Every block of them has all the directions, in other proportions. */
+/* Returns snapshots with singular values decay^j and cosines as singular vectors, so no SVD is
+ * needed. Every block of them has all the directions, in other proportions. */
 static double *known_snapshots(size_t num_snapshots, size_t num_nodes, size_t rank, double decay) {
     double *snapshots = malloc(num_snapshots * num_nodes * sizeof *snapshots);
     double *amplitudes = cosines(rank, num_snapshots), *shapes = cosines(rank, num_nodes);
@@ -37,7 +37,8 @@ static double *known_snapshots(size_t num_snapshots, size_t num_nodes, size_t ra
     return snapshots;
 }
 
-/* A hump that travels once over the nodes and breathes: each block has directions of its own. */
+/* Returns a hump that travels once over the nodes and changes its width. Each block has directions
+ * of its own. */
 static double *travelling_snapshots(size_t num_snapshots, size_t num_nodes) {
     double *snapshots = malloc(num_snapshots * num_nodes * sizeof *snapshots);
     assert_non_null(snapshots);
@@ -70,7 +71,7 @@ static compressed_set finish(const snapshot_compressor *compressor) {
     return set;
 }
 
-/* All snapshots at once, or in calls of `chunk`. */
+/* Compresses all snapshots, in calls of `chunk` snapshots. */
 static compressed_set compress(const double *snapshots, size_t num_snapshots, size_t num_nodes,
                                compressor_settings settings, size_t chunk) {
     snapshot_compressor *compressor = create(num_nodes, settings);
@@ -99,8 +100,8 @@ static double energy_of(const double *values, size_t length) {
     return sum;
 }
 
-/* Sine of the largest angle between the leading rows of the set and the span of as many orthonormal
- * modes [num_modes, num_nodes], from above (Frobenius norm). */
+/* Returns an upper bound (Frobenius norm) of the sine of the largest angle between the leading rows
+ * of the set and the span of as many orthonormal modes [num_modes, num_nodes]. */
 static double sine_of_angle(const compressed_set *set, const double *modes, size_t num_modes) {
     const int num_nodes = (int)set->num_nodes;
     double *rest = malloc(set->num_nodes * sizeof *rest);
@@ -119,7 +120,7 @@ static double sine_of_angle(const compressed_set *set, const double *modes, size
     return sqrt(sum);
 }
 
-/* C C^T = diag(sigma^2), to epsilon times sigma_1 of either row. */
+/* Checks C C^T = diag(sigma^2), to 1e-13 of the product of both singular values. */
 static void check_rows_orthogonal(const compressed_set *set) {
     const double *sigma = set->singular_values;
     for (size_t i = 0; i < set->rank; i++)
@@ -130,9 +131,9 @@ static void check_rows_orthogonal(const compressed_set *set) {
         }
 }
 
-/* Thousands of snapshots of twelve decades in blocks of 64, seven levels: every singular value to
- * 1e-14 of the first and what truncation may take from it, and the leading modes down to 1e-8 of
- * the first to the angle that such errors make. */
+/* Compresses thousands of snapshots over twelve decades, in blocks of 64 and seven levels. Every
+ * singular value is right to 1e-14 of the first one plus the loss by truncation. The leading modes,
+ * down to 1e-8 of the first one, are right to the angle that such errors cause. */
 static void twelve_decades_equal_the_known_svd(void **state) {
     (void)state;
     enum { NUM_SNAPSHOTS = 5000, NUM_NODES = 200, RANK = 121 };
@@ -143,7 +144,7 @@ static void twelve_decades_equal_the_known_svd(void **state) {
                                   (compressor_settings){1e-22, 64, 0}, NUM_SNAPSHOTS);
     const double lost = set.energy_discarded * set.energy;
 
-    // what lies behind rank r has the energy decay^2r: 1e-22 keeps 110
+    // the energy behind rank r is decay^2r, so 1e-22 keeps 110
     assert_in_range(set.rank, 110, 112);
     assert_int_equal(set.num_snapshots, NUM_SNAPSHOTS);
     for (size_t j = 0; j < set.rank; j++)
@@ -160,7 +161,8 @@ static void twelve_decades_equal_the_known_svd(void **state) {
     free(snapshots);
 }
 
-/* Same for directions that come and go, against pod_build of all snapshots in one piece. */
+/* Compresses a hump whose directions come and go, and compares with pod_build of all snapshots in
+ * one piece. */
 static void travelling_hump_equals_one_piece(void **state) {
     (void)state;
     enum { NUM_SNAPSHOTS = 2000, NUM_NODES = 201, NUM_MODES = 40 };
@@ -174,14 +176,14 @@ static void travelling_hump_equals_one_piece(void **state) {
                                &(pod_settings){.num_modes = NUM_MODES}, &error),
                      EHD_OK);
     const double first = whole.singular_values[0];
-    // the bound of truncation, sqrt(1e-22), and below it what rounding does to strong modes
+    // truncation is bounded by sqrt(1e-22); strong modes have smaller errors, from round-off
     check_close_array(set.singular_values, whole.singular_values, set.rank, 0, 1e-11 * first);
     check_close_array(set.singular_values, whole.singular_values, NUM_MODES, 0, 1e-13 * first);
     check_close(sine_of_angle(&set, whole.modes, NUM_MODES), 0, 0,
                 1e-13 * first /
                     (whole.singular_values[NUM_MODES - 1] - whole.singular_values[NUM_MODES]));
 
-    // a later stage takes the rows as if they were the snapshots
+    // a later stage may use the rows instead of the snapshots
     assert_int_equal(pod_build(&again, set.rows, set.rank, NUM_NODES,
                                &(pod_settings){.num_modes = NUM_MODES}, &error),
                      EHD_OK);
@@ -195,7 +197,7 @@ static void travelling_hump_equals_one_piece(void **state) {
 
 static void exact_rank_is_found(void **state) {
     (void)state;
-    // (1,2,0,0,2)/3 and (0,0,3,4,0)/5 times 3 and 5; 400 snapshots of each, opposite signs
+    // rows (1,2,0,0,2)/3 and (0,0,3,4,0)/5 times 3 and 5; 400 snapshots of each, with changing signs
     double snapshots[800 * 5] = {0};
     for (size_t s = 0; s < 800; s++) {
         const double sign = s % 3 ? 1 : -1;
@@ -217,7 +219,7 @@ static void exact_rank_is_found(void **state) {
     }
 }
 
-/* Sum of the squared distances of all snapshots to the rows of the set. */
+/* Returns the sum of the squared distances of all snapshots to the span of the rows. */
 static double squared_distance(const double *snapshots, const compressed_set *set) {
     double *rest = malloc(set->num_nodes * sizeof *rest);
     double sum = 0;
@@ -236,8 +238,8 @@ static double squared_distance(const double *snapshots, const compressed_set *se
     return sum;
 }
 
-/* Kept and discarded are all there is; the allowance is used but not exceeded; what was discarded
- * bounds the loss of each singular value and the distance of the snapshots. */
+/* Kept and discarded energy add up to the total. The allowance is used but not exceeded. The
+ * discarded energy bounds the loss of each singular value and the distance of the snapshots. */
 static void energy_adds_up(void **state) {
     (void)state;
     enum { NUM_SNAPSHOTS = 1500, NUM_NODES = 120 };
@@ -278,7 +280,7 @@ static void rank_has_a_bound(void **state) {
                                   (compressor_settings){1e-22, 40, 5}, NUM_SNAPSHOTS);
     assert_int_equal(set.rank, 5);
     check_rows_orthogonal(&set);
-    // optimal would be 4^-5 of all; each of the levels may lose as much, and says so
+    // the optimal loss is 4^-5 of the energy; each level may lose as much, and reports it
     assert_true(set.energy_discarded >= pow(4, -5));
     assert_true(set.energy_discarded <= 6 * pow(4, -5));
     check_close(energy_of(set.singular_values, 5) / set.energy, 1 - set.energy_discarded, 1e-13, 0);
@@ -323,8 +325,7 @@ static void goes_on_after_finish(void **state) {
     free(snapshots);
 }
 
-/* Three trajectories of unequal length, compressed on their own and then merged, and 500 snapshots
- * added after them. */
+/* Compresses three trajectories of unequal length, merges them and then adds 500 snapshots. */
 static compressed_set merge_three(const double *snapshots, size_t num_nodes,
                                   compressor_settings settings) {
     const size_t lengths[] = {700, 90, 210};
@@ -370,7 +371,7 @@ static void merging_equals_adding(void **state) {
     free(snapshots);
 }
 
-/* What merged sets have lost is counted, and does not eat up the allowance. */
+/* Losses of merged sets are counted, and do not use up the allowance. */
 static void merging_inherits_losses(void **state) {
     (void)state;
     enum { NUM_SNAPSHOTS = 1500, NUM_NODES = 150 };
@@ -416,14 +417,15 @@ static void zeros_and_nothing_have_rank_zero(void **state) {
     check_close_array(set.rows, one, 3, 1e-14, 1e-14);
     compressed_set_free(&set);
     assert_null(set.rows);
-    compressed_set_free(&set); // once more does no harm
+    compressed_set_free(&set); // freeing twice is harmless
     assert_null(compressor_free(compressor));
     assert_null(compressor_free(NULL));
 }
 
-/* Bytes in use, of all that was allocated by anybody. */
+/* Returns the bytes in use by the whole process. */
 #ifdef __SANITIZE_ADDRESS__
-size_t __sanitizer_get_current_allocated_bytes(void); // its own allocator; Debian packs no header
+// from the sanitizer's own allocator; Debian packs no header
+size_t __sanitizer_get_current_allocated_bytes(void);
 static size_t bytes_in_use(void) {
     return __sanitizer_get_current_allocated_bytes();
 }
@@ -434,7 +436,7 @@ static size_t bytes_in_use(void) {
 }
 #endif
 
-/* Most bytes held between two calls, while so many blocks pass. */
+/* Returns the most bytes held between two calls while num_blocks blocks are added. */
 static size_t most_bytes(const double *snapshots, size_t block, size_t num_nodes,
                          size_t num_blocks) {
     snapshot_compressor *compressor = create(num_nodes, (compressor_settings){1e-22, block, 0});
@@ -448,12 +450,12 @@ static size_t most_bytes(const double *snapshots, size_t block, size_t num_nodes
     return most;
 }
 
-/* A part of the same rank for every doubling and nothing else. */
+/* Each doubling of the blocks adds one part of the same rank and nothing else. */
 static void memory_grows_with_the_logarithm(void **state) {
     (void)state;
     enum { BLOCK = 32, NUM_NODES = 500, RANK = 10 };
     double *snapshots = known_snapshots(BLOCK, NUM_NODES, RANK, 0.5);
-    most_bytes(snapshots, BLOCK, NUM_NODES, 1); // libraries take what they keep
+    most_bytes(snapshots, BLOCK, NUM_NODES, 1); // libraries allocate what they keep
     const size_t before = bytes_in_use();
     const size_t few = most_bytes(snapshots, BLOCK, NUM_NODES, 4) - before;
     const size_t many = most_bytes(snapshots, BLOCK, NUM_NODES, 1024) - before;
@@ -465,7 +467,7 @@ static void memory_grows_with_the_logarithm(void **state) {
     free(snapshots);
 }
 
-/* Seven blocks and a rest, a merge and the finish, with one allocation failing after the other. */
+/* Adds seven blocks and a rest, merges and finishes; each allocation may fail. */
 static ehd_status compress_and_merge(compressed_set *set, const double *snapshots,
                                      const compressed_set *other) {
     snapshot_compressor *compressor;
@@ -532,7 +534,7 @@ static void bad_snapshots_change_nothing(void **state) {
     add(compressor, snapshots, 2);
     for (size_t i = 0; i < 4; i++) {
         double spoilt[6 * 5] = {0};
-        spoilt[5 * 5 + 2] = bad[i]; // two blocks later
+        spoilt[5 * 5 + 2] = bad[i]; // in the third block
         assert_int_equal(compressor_add(compressor, spoilt, 6, &error), EHD_DATA);
         assert_non_null(strstr(error.text, words[i]));
         assert_non_null(strstr(error.text, "in snapshot 5 at node 2"));

@@ -30,7 +30,7 @@ static void physical_scene(void **state) {
     check_close(contact.load, 2e5, 0, 0);
 }
 
-/* SI units have the bounds of Moes numbers. */
+/* Physical scenes have the same bounds of the Moes numbers. */
 static void moes_bounds_of_physical_scenes(void **state) {
     (void)state;
     scene given = sample_scene("barus", "incompressible", NAN, NAN);
@@ -48,7 +48,7 @@ static void moes_bounds_of_physical_scenes(void **state) {
                                     "100000 and L up to 100");
 }
 
-/* Such as with a modulus in MPa. */
+/* Refuses a half width above the radius, as from a modulus in MPa. */
 static void a_contact_is_narrower_than_its_bodies(void **state) {
     (void)state;
     scene given = sample_scene("barus", "incompressible", NAN, NAN);
@@ -79,15 +79,15 @@ static void contradictory_viscosity_is_refused(void **state) {
     given.physical.radius = 0.01;
     given.physical.speed = 1;
     given.physical.modulus = 2.2e11;
-    given.physical.viscosity = 0.0398; // the law says 0.04
+    given.physical.viscosity = 0.0398; // the law has 0.04
     assert_int_equal(scene_contact(&contact, &given, NULL), EHD_OK);
     given.physical.viscosity = 0.039;
     assert_int_equal(scene_contact(&contact, &given, &error), EHD_DATA);
     assert_non_null(strstr(error.text, "physical.viscosity: found 0.039, expected 0.04"));
 }
 
-/* Whoever gives the viscosity of the reference temperature and asks for another is told, and not given
- * either silently. What is left out is the law's. */
+/* A viscosity that contradicts the scene's temperature, such as that of the reference temperature,
+ * is refused. A viscosity that is left out is that of the law. */
 static void viscosity_is_that_of_the_temperature(void **state) {
     static const char *const laws[] = {"barus", "roelands"};
     (void)state;
@@ -201,9 +201,9 @@ static void grid_nodes(void **state) {
     check_close(grid_x(&contact.grid, 1201), 2, 1e-14, 0);
 }
 
-/* Three lines of a half, y = 0 first, and the boundary line: one that ends amid, one with none in
- * between and a value that is no pressure behind, one with none; on the whole grid the other half
- * is mirrored. */
+/* The half grid has three lines, y = 0 first, and the boundary line. The first line's pressure ends
+ * inside; the second has a gap, and a negative value behind its end; the third has no pressure. On
+ * the whole grid the other half is mirrored. */
 static void exits_of_a_pressure(void **state) {
     (void)state;
     const ehd_grid grid = grid_of(-1, 0.5, 4, 3, true, DISCRETIZATION_PUBLISHED);

@@ -22,7 +22,8 @@ static double thinning_of(double slide_roll, double stress) {
     return contact_place_of(&contact).thinning.sliding;
 }
 
-/* tau_N/tau0 = (lambda U/12) (a/R) S eta/H (p_H/tau0) at eta = H = 1; either direction of sliding. */
+/* tau_N/tau0 = (lambda U/12) (a/R) S eta/H (p_H/tau0) at eta = H = 1; the sign of the sliding does
+ * not matter. */
 static void thinning_is_a_ratio_of_stresses(void **state) {
     const ehd_contact contact = sliding_contact(0.3, 0.01);
     const double found = thinning_of(0.3, 0.01);
@@ -33,7 +34,7 @@ static void thinning_is_a_ratio_of_stresses(void **state) {
     check_close(thinning_of(-0.3, 0.01), found, 1e-14, 0);
     check_close(thinning_of(0.3, 0.005), 2 * found, 1e-14, 0);
     check_close(thinning_of(0, 0.01), 0, 0, 0);
-    check_close(thinning_of(0.3, 0), 0, 0, 0);    // the law does not count in the flow
+    check_close(thinning_of(0.3, 0), 0, 0, 0);    // a law that does not thin the flow
     check_close(thinning_of(NAN, 0.01), 0, 0, 0); // no traction
 }
 

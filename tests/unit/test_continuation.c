@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Starts of Newton: from a neighbour, from far away, from nothing. */
+/* Starts of Newton: warm from a neighbour or from far away, and cold. */
 #include "fullrun/full_solver.h"
 #include "tests/unit/check.h"
 #include "tests/unit/problem.h"
@@ -41,8 +41,8 @@ static void far_start_converges(void **state) {
     problem_free(&cold);
 }
 
-/* Where neighbours lie too far apart, smaller strides take hundreds of iterations or thousands,
- * and a cold start a few. */
+/* If neighbours are too far apart, smaller continuation steps would take hundreds or thousands of
+ * iterations; a cold start takes a few. */
 static void far_start_is_given_up_early(void **state) {
     (void)state;
     full_settings settings = full_default_settings();
@@ -57,13 +57,13 @@ static void far_start_is_given_up_early(void **state) {
     problem_free(&far);
 }
 
-/* The continuation of a cold start has to take strides of an eighth for a film that comes, and not
- * many more for one that does not. */
+/* A cold start must reduce its continuation steps to an eighth where this helps, and must not take
+ * many more where there is no solution. */
 static void continuation_takes_strides_that_help(void **state) {
     (void)state;
     const full_settings settings = full_default_settings();
     const ehd_contact comes = sample_contact("roelands", "incompressible", 2, 50, 0.0125);
-    // the accurate rows have a solution there
+    // the accurate discretisation has a solution here
     const ehd_contact too_coarse =
         sample_published(sample_contact("barus", "dowson-higginson", 200, 0, 0.04));
     problem easy, hopeless;
@@ -78,8 +78,8 @@ static void continuation_takes_strides_that_help(void **state) {
     problem_free(&hopeless);
 }
 
-/* Corners of what a user may ask for, from the dry contact: all of them, and in no more iterations
- * than the film of the start takes as it is. */
+/* Extreme parameters converge from the dry contact, all of them, with no more iterations than from
+ * the film that the start would have without it. */
 static void extremes_converge(void **state) {
     (void)state;
     static const double corners[][2] = {{1, 0},  {2, 0.5}, {10, 0},   {20, 0},  {50, 0}, {200, 0},

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The deflection of both kinds of contact: against integrals, a direct sum, and Hertz. */
+/* The deflection of lines and points: against integrals, a direct sum, and Hertz. */
 #include "common/physics/deflection.h"
 #include "tests/unit/allocation.h"
 #include "tests/unit/check.h"
@@ -20,19 +20,19 @@ static ehd_contact point_contact(size_t cells, bool half) {
 
 // ---- kernels
 
-/* The line's influence at a distance x. */
+/* Returns the influence of a line load at a distance x. */
 static double line_influence(double x, void *parameters) {
     (void)parameters;
     return -log(x * x) / (2 * M_PI);
 }
 
-/* 1/r integrated along x over a cell, at a distance y: what is left to integrate over y. */
+/* Returns 1/r integrated along x over a cell, at the distance y; the integral over y remains. */
 static double strip(double y, void *parameters) {
     const double *ends = parameters;
     return 2 / (M_PI * M_PI) * (asinh(ends[1] / fabs(y)) - asinh(ends[0] / fabs(y)));
 }
 
-/* Over the cell whose middle lies at `centre`; the influence may be singular at zero. */
+/* Integrates over the cell whose middle is `centre`; the influence may be singular at zero. */
 static double integral_over_cell(const gsl_function *influence, double centre, double step) {
     gsl_integration_workspace *workspace = gsl_integration_workspace_alloc(500);
     const double begin = centre - step / 2, end = centre + step / 2;
@@ -77,17 +77,17 @@ static void point_kernel_is_the_integral_over_a_cell(void **state) {
         check_close(contact_point.kernel(&shape_round, x, y, step),
                     integral_over_cell(&influence, y, step), 2e-12, 0);
     }
-    // a square under its own centre: 8 triangles of (step/2) asinh(1)
+    // a square acting on its own centre: 8 triangles of (step/2) asinh(1)
     check_close(contact_point.kernel(&shape_round, 0, 0, step), 8 / (M_PI * M_PI) * step * asinh(1),
                 1e-14, 0);
-    // a cell far away is a force on a point
+    // a cell far away acts like a point load
     check_close(contact_point.kernel(&shape_round, 4, 3, step), 2 / (M_PI * M_PI) * step * step / 5,
                 1e-5, 0);
 }
 
 // ---- the convolution
 
-/* Random pressures, the same at every run. */
+/* Compares with the direct sum, for random pressures that are equal in every run. */
 static void check_against_direct_sum(const ehd_contact *contact, double tolerance) {
     const ehd_grid *grid = &contact->grid;
     size_t n = grid->num_nodes;
@@ -105,7 +105,7 @@ static void check_against_direct_sum(const ehd_contact *contact, double toleranc
             double x = grid_x(grid, k) - grid_x(grid, j), y = grid_y(grid, j);
             direct[k] +=
                 pressure[j] * deflection_influence(contact->kind, grid, x, grid_y(grid, k) - y);
-            if (grid->half && y > 0) // and the mirror image
+            if (grid->half && y > 0) // and its mirror image
                 direct[k] +=
                     pressure[j] * deflection_influence(contact->kind, grid, x, grid_y(grid, k) + y);
         }
@@ -136,7 +136,8 @@ static void fft_equals_direct_sum(void **state) {
 
 // ---- the pressure of Hertz
 
-/* The deflection under sqrt(1 - r^2), r^2 twice the gap of either kind, [num_nodes]. */
+/* Returns the deflection [num_nodes] under sqrt(1 - r^2), where r^2 is twice the gap of either
+ * kind. */
 static double *hertz_deflection(const ehd_contact *contact) {
     const ehd_grid *grid = &contact->grid;
     ehd_deflection *deflection = deflection_create(contact->kind, grid);
@@ -150,8 +151,8 @@ static double *hertz_deflection(const ehd_contact *contact) {
     return values;
 }
 
-/* Film of the dry contact: zero inside, outside (|X| sqrt(X^2-1) - ln(|X| + sqrt(X^2-1)))/2, with
- * Delta(0) = 1/4 + ln(2)/2. Returns the largest deviation. */
+/* Compares with the film of the dry contact: zero inside, (|X| sqrt(X^2-1) - ln(|X| +
+ * sqrt(X^2-1)))/2 outside, with Delta(0) = 1/4 + ln(2)/2. Returns the largest deviation. */
 static double line_deviation(double step) {
     const ehd_contact contact = line_contact(step);
     double *values = hertz_deflection(&contact), worst = 0;
@@ -171,13 +172,13 @@ static void hertz_pressure_deflects_a_line_as_hertz(void **state) {
     double coarse = line_deviation(0.02), fine = line_deviation(0.01),
            finest = line_deviation(0.005);
     assert_true(finest < 2.5e-4);
-    // the square root at the ends leaves h^1.5 ln h
+    // the square root at the ends causes an error of h^1.5 ln h
     assert_true(coarse / fine > 2.2 && coarse / fine < 3);
     assert_true(fine / finest > 2.2 && fine / finest < 3);
 }
 
-/* Delta = 1 - r^2/2 inside, ((2 - r^2) asin(1/r) + sqrt(r^2 - 1))/pi outside. Returns the largest
- * deviation. */
+/* Compares with Delta = 1 - r^2/2 inside, ((2 - r^2) asin(1/r) + sqrt(r^2 - 1))/pi outside. Returns
+ * the largest deviation. */
 static double point_deviation(size_t cells, bool half) {
     const ehd_contact contact = point_contact(cells, half);
     double *values = hertz_deflection(&contact), worst = 0;
@@ -194,15 +195,15 @@ static double point_deviation(size_t cells, bool half) {
 static void hertz_pressure_deflects_a_point_as_hertz(void **state) {
     (void)state;
     double coarse = point_deviation(64, false), fine = point_deviation(256, false);
-    // the steep edge, which cuts through the cells, leaves about the first order
+    // the steep edge cuts through cells, so the order is about one
     assert_true(coarse < 2.5e-3 && fine < coarse / 3.5);
     check_close(point_deviation(64, true), coarse, 1e-9, 0);
 }
 
-// ---- faults
+// ---- order of convergence, threads and faults
 
-/* Error of the deflection at the centre by a smooth pressure (1 - R^2)^3, whose integral is known.
- */
+/* Returns the error of the deflection at the centre under the smooth pressure (1 - R^2)^3, whose
+ * integral is known. */
 static double error_of_smooth(ehd_contact contact, ehd_discretization discretization,
                               double expected) {
     contact.grid.discretization = discretization;
@@ -246,7 +247,7 @@ static void order_of_the_deflection(void **state) {
     }
 }
 
-/* Threads that share lines and columns change no bit, on grids of few and of many. */
+/* Threads share lines and columns; their number changes no bit, on coarse and fine grids. */
 static void threads_deflect_to_the_same_bits(void **state) {
     (void)state;
     for (size_t cells = 8; cells <= 128; cells *= 4)

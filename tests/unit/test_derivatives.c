@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Derivatives of reduced solutions, against differences of solutions beside them. Those in time are in
- * test_online_transient.c. */
+/* Derivatives of reduced solutions, against differences of neighbouring solutions. Transient
+ * derivatives are in test_online_transient.c. */
 #include "romrun/online/online.h"
 #include "tests/unit/allocation.h"
 #include "tests/unit/check.h"
@@ -38,8 +38,8 @@ typedef struct problem {
 
 static problem tested;
 
-/* A model whose modes are nodes, with all rows, that leaves nothing in them; and a contact between the
- * training points, iterated as far as rounding lets it. */
+/* Makes a model with one mode for each node and all rows, so that its residuals vanish, and a
+ * contact between the training points, solved to round-off. */
 static void problem_init(problem *self, deformation_kind kind) {
     const size_t num_nodes = self->training.set.grid.num_nodes;
     double *weight = malloc(num_nodes * sizeof *weight);
@@ -92,7 +92,8 @@ static online_derivatives solve_beside(problem *self, int by, double change) {
 }
 
 static void check_all_close(const online_derivatives *found, const online_derivatives *expected) {
-    const double relative = 3e-6, absolute = 3e-7; // 1e-6 is that of the differences
+    // the differences themselves are accurate to 1e-6
+    const double relative = 3e-6, absolute = 3e-7;
     const contact_scalars *f = &found->scalars, *e = &expected->scalars;
 
     check_close(f->central_film_thickness, e->central_film_thickness, relative, absolute);
@@ -101,11 +102,11 @@ static void check_all_close(const online_derivatives *found, const online_deriva
     check_close(f->rigid_approach, e->rigid_approach, relative, absolute);
     check_close(f->load, e->load, relative, absolute);
     check_close(found->half_width, expected->half_width, relative, absolute);
-    // that of a point contact is rather a corner, at a node
+    // the maximum of a point contact is rather a corner, at a node
     check_close(found->peak_pressure, expected->peak_pressure, relative, 3e-5);
 }
 
-/* per unit of what changes by 2 `change` from one to the other */
+/* Returns the central difference; the parameter differs by 2 `change`. */
 static online_derivatives difference(const online_derivatives *before,
                                      const online_derivatives *behind, double change) {
     online_derivatives found = {.half_width = 0};
@@ -130,7 +131,7 @@ static void solve_here(problem *self) {
     assert_int_not_equal(result.status, EHD_NOT_CONVERGED);
 }
 
-/* What holds for derivatives of one solution: of an approach that is given, the load is an outcome. */
+/* Checks relations between derivatives of one solution. With a given approach the load is a result. */
 static void check_exchange(problem *self, const online_derivatives *by_load) {
     const online_direction by_approach = {.load = NAN, .approach = 1};
     const online_direction by_speed = {.load = NAN, .approach = 0, .speed = 1};
@@ -150,7 +151,7 @@ static void check_exchange(problem *self, const online_derivatives *by_load) {
     assert_true(response.damping > 0);
 }
 
-/* The solver's last solution is as it was. */
+/* Checks that derivatives do not change the solver's last solution. */
 static void check_left_alone(problem *self) {
     const online_direction by_load = {.load = 1, .approach = NAN};
     online_indications before, behind;
@@ -161,7 +162,7 @@ static void check_left_alone(problem *self) {
     assert_memory_equal(behind.bound, before.bound, sizeof before.bound);
 }
 
-/* Of another solution they are other ones, as another solver has them. */
+/* Checks that derivatives of the next solution equal those of another solver. */
 static void check_follows(problem *self) {
     const online_direction by_load = {.load = 1, .approach = NAN};
     const online_derivatives before = differentiate(self, &by_load);
@@ -204,7 +205,7 @@ static void check_problem(problem *self, deformation_kind kind) {
         check_all_close(&found[by], &expected);
         if (has_exit)
             check_close(found[by].scalars.exit_position, expected.scalars.exit_position, 3e-6, 0);
-        else // a node
+        else // the position is a node
             assert_true(isnan(found[by].scalars.exit_position));
     }
     check_follows(self);
@@ -252,7 +253,7 @@ static void what_cannot_be_told_is_refused(void **state) {
         assert_int_equal(
             online_differentiate(&found, tested.solver, &tested.contact, &wrong[i], &error),
             EHD_DATA);
-    // measured from within the pressurised zone
+    // an approach measured inside the pressurised zone
     tested.contact.approach_length = 1;
     assert_int_equal(
         online_differentiate(&found, tested.solver, &tested.contact, &by_approach, &error),

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The elliptical contact: its shape against integrals and tables, its numbers against the dimensional
- * contact, and that Hertz pressure leaves its gap constant. */
+/* The elliptical contact: its shape against integrals and tables, its parameters against the
+ * dimensional contact, and its constant gap under Hertz pressure. */
 #include "common/physics/deflection.h"
 #include "common/physics/grid_choice.h"
 #include "common/physics/reynolds.h"
@@ -19,7 +19,7 @@ enum { NUM_RATIOS = sizeof ratios / sizeof *ratios };
 
 // ---- the shape
 
-/* Integrands of A and B with t = s^2/(1 - s)^2. */
+/* Returns the integrand of A with t = s^2/(1 - s)^2; that of B follows. */
 static double along(double s, void *parameters) {
     const double k2 = pow(*(double *)parameters, 2), root = s / (1 - s), t = root * root;
     return 2 / (pow(1 + t, 1.5) * sqrt(k2 + t)) / ((1 - s) * (1 - s));
@@ -53,22 +53,22 @@ static void shapes_are_those_of_the_integrals(void **state) {
         check_close(ellipse_radius_ratio(k), A / B, 1e-11, 0);
         check_close(ellipse_ellipticity(ellipse_radius_ratio(k)), k, 1e-13, 0);
     }
-    // of a circle to the last bit, from the ratio of radii too
+    // a circle is exact to the last bit, also from the ratio of radii
     const contact_shape circle = shape_of(ellipse_ellipticity(1));
     assert_memory_equal(&circle, &shape_round, sizeof circle);
 }
 
-/* In Legendre's integrals, as handbooks have them (A. P. Boresi, R. J. Schmidt, Advanced Mechanics of
- * Materials, contact stresses): with k the minor over the major semi-axis, e^2 = 1 - k^2 and the
- * curvatures 2 A < 2 B, A/B = (K - E)/(E/k^2 - K), and the minor one is (2 k E/pi)^(1/3) times
- * (3 w/(2 E' (A + B)))^(1/3). */
+/* Compares with Legendre's integrals, as in handbooks (A. P. Boresi, R. J. Schmidt, Advanced
+ * Mechanics of Materials, contact stresses). k is the minor over the major semi-axis, e^2 = 1 -
+ * k^2, and the curvatures are 2 A < 2 B. Then A/B = (K - E)/(E/k^2 - K), and the minor semi-axis is
+ * (2 k E/pi)^(1/3) (3 w/(2 E' (A + B)))^(1/3). */
 static void semi_axes_are_those_of_handbooks(void **state) {
     (void)state;
     for (double k = 0.1; k < 0.99; k += 0.11) {
         const double e = sqrt(1 - k * k);
         const double K = gsl_sf_ellint_Kcomp(e, GSL_PREC_DOUBLE);
         const double E = gsl_sf_ellint_Ecomp(e, GSL_PREC_DOUBLE);
-        const double ratio = (E / (k * k) - K) / (K - E); // B/A: of the larger radius
+        const double ratio = (E / (k * k) - K) / (K - E); // B/A, the larger over the smaller radius
         const double radius = 0.01, modulus = 2e11, load = 50;
         const double both = (1 + 1 / ratio) / (2 * radius);
         const double minor = cbrt(2 * k * E / M_PI) * cbrt(3 * load / (2 * modulus * both));
@@ -81,14 +81,16 @@ static void semi_axes_are_those_of_handbooks(void **state) {
     }
 }
 
-/* J. A. Greenwood, J. Tribology 107, 1985: of moderate ellipses b/a is the power 2/3 of the radii. */
+/* For moderate ellipses b/a is the ratio of the radii to the power 2/3 (J. A. Greenwood, J.
+ * Tribology 107, 1985). */
 static void ellipticity_of_moderate_ellipses(void **state) {
     (void)state;
     for (double k = 1; k <= 3; k += 0.25)
         check_close(pow(ellipse_radius_ratio(k), 2. / 3), k, 0.02, 0);
 }
 
-/* Hamrock and Brewe (J. Lubrication Technology 105, 1983): within 3 % up to b/a = 10. */
+/* The formula of Hamrock and Brewe (J. Lubrication Technology 105, 1983) is within 3 % up to b/a =
+ * 10. */
 static void ellipticity_is_near_the_power_of_the_radii(void **state) {
     (void)state;
     for (double k = 1; k <= 10; k += 0.5)
@@ -128,10 +130,10 @@ static void numbers_are_those_of_the_dimensional_contact(void **state) {
         check_close(contact.alpha_p_H, 2e-8 * p_H, 1e-12, 0);
         check_close(shape->gap_across, radius * b * b / (radius_across * a * a), 1e-12, 0);
         check_close(contact.kind->moes_M(shape, contact.lambda), contact.moes_M, 1e-12, 0);
-        // the coefficient of the deflection, 2 p_H b R_x/(pi E' a^2), by a cell far away
+        // the coefficient of the deflection, 2 p_H b R_x/(pi E' a^2), from a cell far away
         check_close(contact.kind->kernel(shape, 80, 0, 0.1) / (0.01 * shape->cell / 80),
                     2 * p_H * b * radius / (M_PI * 2.2e11 * a * a), 1e-6, 0);
-        // the same contact seen from the side: semi-axes change places
+        // the same contact turned by 90 degrees: the semi-axes are exchanged
         const ehd_contact side = physical_contact(radius_across, radius);
         check_close(side.half_width, b, 1e-12, 0);
         check_close(contact_half_width_across(&side), a, 1e-12, 0);
@@ -139,7 +141,7 @@ static void numbers_are_those_of_the_dimensional_contact(void **state) {
     }
 }
 
-/* A scene in Moes numbers is the physical one. */
+/* A scene in Moes numbers gives the same contact as the physical scene. */
 static void moes_numbers_give_the_same_contact(void **state) {
     (void)state;
     const ehd_contact physical = physical_contact(0.01, 0.03);
@@ -158,7 +160,8 @@ static void moes_numbers_give_the_same_contact(void **state) {
     assert_false(grid_same(&contact.grid, &physical.grid));
 }
 
-/* The grid of ellipticity 1 is the point contact's; the sides of a wide one are nearer, counted in b. */
+/* The grid of ellipticity 1 is that of a point contact. Wide ellipses need nearer sides, in units
+ * of b. */
 static void default_grid_knows_the_sides(void **state) {
     (void)state;
     static const double of[] = {0.5, 1, 2, 4, 9};
@@ -180,9 +183,9 @@ static void default_grid_knows_the_sides(void **state) {
 
 // ---- the kernel
 
-/* 1/r integrated along x over a cell, at Y = y: what is left to integrate over Y. */
+/* Returns 1/r integrated along x over a cell, at Y = y; the integral over Y remains. */
 static double strip(double y, void *parameters) {
-    const double *cell = parameters; // ends along, k
+    const double *cell = parameters; // ends of the cell, k
     return asinh(cell[1] / fabs(cell[2] * y)) - asinh(cell[0] / fabs(cell[2] * y));
 }
 
@@ -232,8 +235,8 @@ static ehd_contact ellipse_on(double k, size_t cells) {
     return contact;
 }
 
-/* Largest deviation of gap and deflection from that at the centre within the ellipse, and on Y = 0
- * outside of it from the dry gap. */
+/* Returns the largest deviation of gap plus deflection: within the ellipse from the value at the
+ * centre, and outside of it, on Y = 0, from the dry gap. */
 static void deviations_under_hertz(double *inside, double *outside, double k, size_t cells) {
     const ehd_contact contact = ellipse_on(k, cells);
     const ehd_grid *grid = &contact.grid;
@@ -270,7 +273,7 @@ static void hertz_pressure_leaves_the_gap_constant(void **state) {
         double coarse[2], fine[2];
         deviations_under_hertz(&coarse[0], &coarse[1], of[i], 64);
         deviations_under_hertz(&fine[0], &fine[1], of[i], 256);
-        // the steep edge, which cuts through the cells, leaves about the first order
+        // the steep edge cuts through cells, so the order is about one
         for (int part = 0; part < 2; part++)
             assert_true(coarse[part] < 6e-3 && fine[part] < coarse[part] / 3.5);
     }
@@ -283,7 +286,7 @@ static void dry_gap_opens_from_the_edge(void **state) {
         check_close(contact_ellipse.dry_gap(&shape, -1), 0, 0, 1e-14);
         check_close(contact_ellipse.dry_gap(&shape, 1000), 5e5, 1e-4, 0);
     }
-    // the general integral at a circle is the closed form of a point contact
+    // for a circle the general integral equals the closed form of a point contact
     for (double x = 1.01; x < 20; x *= 1.5)
         check_close(ellipse_dry_gap(&shape_round, x), contact_point.dry_gap(&shape_round, x), 1e-9,
                     1e-14);
@@ -291,7 +294,7 @@ static void dry_gap_opens_from_the_edge(void **state) {
 
 // ---- the rows
 
-/* Flow across in a grid of b/a is (a/b)^2 times that of a circle, with its own step across. */
+/* In a grid of ellipticity b/a the flow across has the factor (a/b)^2, besides its own step across. */
 static void flow_across_has_its_factor(void **state) {
     (void)state;
     const double k = 2.5;
@@ -305,7 +308,8 @@ static void flow_across_has_its_factor(void **state) {
         assert_non_null(memory);
         double *pressure = memory + NUM_FLUID_ARRAYS * n, *film = pressure + n;
         reynolds_fluid fluid = reynolds_fluid_in(memory, n, &contact);
-        double cell = NAN, residual[3]; // as if nothing flowed across, of a circle, of the ellipse
+        // residuals without flow across, of the circle, of the ellipse
+        double cell = NAN, residual[3];
         const size_t node = grid_node_of_row(grid, grid->inner_x * 2 + 3);
         reynolds_stencil stencil = reynolds_stencil_at(grid, node);
         reynolds_row row;

@@ -17,7 +17,7 @@ static void violations_are_those_of_the_complementarity(void **state) {
     assert_true(exit_violation(false, 0.1, 3) < 0);
 }
 
-// ---- an exit that is known: H = node, U = 2
+// ---- a known exit: H = node, U = 2
 
 static double film_is_the_node(void *context, size_t node) {
     (void)context;
@@ -26,7 +26,7 @@ static double film_is_the_node(void *context, size_t node) {
 
 typedef struct known_exit {
     double flux, multiplier;
-    size_t flux_node; // that was asked for last
+    size_t flux_node; // node of the last call
 } known_exit;
 
 static double known_flux(void *context, size_t node) {
@@ -72,9 +72,9 @@ static void negative_pressure_brings_it_back_to_where_the_film_carries_the_flux(
     exit_line line = line_of(&known, pressure);
     assert_int_equal(exit_by_flux(&line, 20), 17);
     assert_int_equal(known.flux_node, 14);
-    known.flux = 2 * 5; // already at the negative node
+    known.flux = 2 * 5; // the film carries less even at the negative node
     assert_int_equal(exit_by_flux(&line, 20), 14);
-    known.flux = 2 * 30; // never as far as it was
+    known.flux = 2 * 30; // always at least one node back
     assert_int_equal(exit_by_flux(&line, 20), 19);
     line.min_exit = 16;
     known.flux = 2 * 5;
@@ -89,9 +89,9 @@ static void a_negative_multiplier_takes_it_on(void **state) {
     exit_line line = line_of(&known, pressure);
     assert_int_equal(exit_by_flux(&line, 20), 25);
     assert_int_equal(known.flux_node, 20);
-    known.flux = 0; // by one node at least
+    known.flux = 0; // at least one node
     assert_int_equal(exit_by_flux(&line, 20), 21);
-    known.flux = 2 * 100; // and by the longest stride at most
+    known.flux = 2 * 100; // at most the longest stride
     assert_int_equal(exit_by_flux(&line, 20), 28);
     assert_int_equal(exit_by_flux(&line, 38), 40);
     assert_int_equal(exit_by_flux(&line, 40), 40);
@@ -99,7 +99,7 @@ static void a_negative_multiplier_takes_it_on(void **state) {
 
 // ---- an exit within a node
 
-enum { NUM_NODES = 9, LAST = 5 }; // of a small grid; its last node with pressure
+enum { NUM_NODES = 9, LAST = 5 }; // size of the grid and last node with pressure
 
 typedef struct small_exit {
     ehd_contact contact;
@@ -135,7 +135,7 @@ static exit_cell cell_of(small_exit *small) {
     return cell;
 }
 
-/* The cell at the place where an unpressurised film carries what flows. */
+/* Moves the exit to the place where the film without pressure carries the flux; returns its cell. */
 static exit_cell settled_cell(small_exit *small) {
     exit_cell cell = cell_of(small);
 
@@ -158,7 +158,7 @@ static void small_init(small_exit *small, const char *density) {
     }
 }
 
-/* By a value of the state, of the row and of the offset. */
+/* Checks the derivatives of the row and of the offset by a value of the state. */
 static void check_derivatives(small_exit *small, double *value, double by_value, double scale,
                               double offset_by_value) {
     const double kept = *value, h = 1e-5 * fmax(kept, 1e-2), offset = small->offset;
@@ -197,7 +197,7 @@ static void the_cell_s_derivatives_are_those_of_its_residual(void **state) {
     }
 }
 
-/* Zero of a function of one of the small exit's pressures, by the secant method. */
+/* Solves function = 0 for a pressure of the small exit by the secant method. */
 static void solve_for(double *pressure, double (*function)(small_exit *small), small_exit *small) {
     double last = *pressure, before = function(small), now;
 
@@ -217,8 +217,8 @@ static double what_flows_before_the_last(small_exit *small) {
     return flux_before(small, LAST) - 0.8 * small->film[LAST + 1];
 }
 
-/* An exit at the next node, by the fluxes of the Reynolds rows, is one of the cell with the offset
- * 1, exactly, and one of the next node's with 0: nothing jumps where the exit passes a node. */
+/* An exit at the next node that satisfies the fluxes of the Reynolds rows also satisfies the
+ * equations of the cell with offset 1, exactly. So nothing jumps when the exit passes a node. */
 static void at_a_node_the_cell_s_equations_are_the_rows(void **state) {
     small_exit small;
     (void)state;
@@ -231,7 +231,7 @@ static void at_a_node_the_cell_s_equations_are_the_rows(void **state) {
     exit_cell cell = cell_of(&small);
     check_close(cell.row.residual, 0, 0, 1e-10 * fabs(cell.row.by_pressure[NODE_HERE]));
     check_close(cell.offset.residual, 0, 0, 1e-12);
-    // P = curvature (distance / step)^2, but for terms of the third order
+    // P = curvature (distance / step)^2, except for terms of third order
     check_close(small.pressure[LAST], cell.curvature, 0.15, 0);
 }
 
@@ -239,9 +239,9 @@ static void at_a_node_the_cell_s_equations_are_the_rows(void **state) {
 
 enum { NUM_PLACED = 12 };
 
-/* A film that is carried along and squeezed, H = H0 + a x^2 - b T at the time zero, whose flow has
- * left the pressure at the exit: F(x) = U H(x_e) - b (x_e - x). Returns by how far the exit that is
- * found lies from x_e, in steps, counted from the node before it. */
+/* Returns the error of the place of an exit, in steps. The film is entrained and squeezed, H = H0 +
+ * a x^2 - b T at time zero, and the pressure is that of the flow F(x) = U H(x_e) - b (x_e - x),
+ * which ends at x_e. */
 static double place_off(double exit, double rise, double fall, bool in_time) {
     const double step = 0.1, entrainment = 0.8, rate = 20;
     ehd_contact contact = sample_contact("barus", "incompressible", 5, 0, 0.1);
@@ -257,7 +257,7 @@ static double place_off(double exit, double rise, double fall, bool in_time) {
         const double x = grid_x(&contact.grid, k) - 1;
         film[k] = 0.5 + rise * x * x;
     }
-    // the pressure of that flow from node to node, of an isoviscous fluid
+    // the pressure of this flow from node to node, for an isoviscous fluid
     memset(pressure, 0, sizeof pressure);
     const double film_exit = 0.5 + rise * (exit - 1) * (exit - 1);
     for (size_t k = last + 1; k-- > 0;) {
@@ -291,7 +291,7 @@ static void an_exit_is_placed_by_what_flows(void **state) {
             const double off = fabs(place_off(exit, 0.7, 0.2, in_time));
             assert_true(off < (in_time ? 0.02 : 1e-4));
         }
-    // a film that falls faster than it is entrained has no exit
+    // a film that is squeezed faster than entrained has no exit
     assert_true(isnan(place_off(1.5, 0.01, 0.8, true)));
 }
 

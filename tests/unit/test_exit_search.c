@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Where the online solver puts the exits, and what it makes of those that it cannot put where they
- * belong. */
+/* The search for exits in the online solver, and its handling of exits that cannot be at their
+ * place. */
 #include "romrun/online/exit_search.h"
 #include "romrun/online/least_squares.h"
 #include "tests/unit/check.h"
@@ -14,7 +14,7 @@
 static trained line, half_point;
 static reduced_basis line_basis, point_basis; // every inner node is a mode
 
-/* The full model in reduced clothes, with the weights of the training. */
+/* Returns the full model as a reduced basis, with the weights of the training. */
 static reduced_basis whole_basis(const trained *from) {
     reduced_basis small;
 
@@ -42,8 +42,8 @@ static int tear_down(void **state) {
     return 0;
 }
 
-/* The stationary equations, but with exits that go by the signs of pressure and multiplier, as in
- * time. */
+/* Returns zero previous states. They make stationary equations, but with exits by the signs of
+ * pressure and multiplier, as in transient ones. */
 static double nothing_previous(void *context, size_t node) {
     (void)context, (void)node;
     return 0;
@@ -56,11 +56,11 @@ static reduced_squeeze no_squeeze(const reduced_model *model) {
     return (reduced_squeeze){.rate = 0, .previous = previous, .previous_at = nothing_previous};
 }
 
-/* A model of the line's whole basis, that solves in time with a linear solver of the test's own. */
+/* A transient model on the whole basis of the line, with a linear solver of the test. */
 typedef struct own_steps {
     reduced_problem reduced;
     reduced_squeeze squeeze;
-    least_squares *usual; // for the steps that the own one leaves to it
+    least_squares *usual; // for the steps that the test does not prescribe
 } own_steps;
 
 static void own_steps_init(own_steps *self, reduced_linear_solver *solve, void *context) {
@@ -81,7 +81,7 @@ static void own_steps_free(own_steps *self) {
     reduced_problem_free(&self->reduced);
 }
 
-/* Starts from the solution of a training point, [num_unknowns], which it returns, with an exit. */
+/* Starts from the solution of a training point with an exit; returns the solution, [num_unknowns]. */
 static const double *start_at(own_steps *self, size_t s, size_t exit) {
     const size_t n = self->reduced.model.num_unknowns;
     const double *solution = line_basis.states.coordinates + s * n;
@@ -91,7 +91,7 @@ static const double *start_at(own_steps *self, size_t s, size_t exit) {
     return solution;
 }
 
-/* From the state that it has. */
+/* Solves from the current state. */
 static void solve_on(own_steps *self, size_t s) {
     reduced_problem *reduced = &self->reduced;
 
@@ -100,17 +100,17 @@ static void solve_on(own_steps *self, size_t s) {
                      EHD_OK);
 }
 
-// ---- an exit that is held
+// ---- an exit that is fixed after oscillating
 
-/* A linear solver by which the last pressure before the exit is negative and positive in turn, so
- * often that the exit is held, and takes the least squares from then on. Each change is less than
- * what the exit of a state far from the solution stays at, and less than 0.6 of the one before, with
- * which it were held at once. */
+/* A linear solver that makes the last pressure before the exit negative and positive in turn, until
+ * the exit is fixed, and then solves the least squares. Each change is small enough for the exit to
+ * be searched, which stays where it is far from the solution. Each is also less than 0.6 of the one
+ * before, else the exit would be fixed at once. */
 static const double SWINGS[] = {3e-3, -1.8e-3, 9e-4, -5e-4, 2e-4, -1e-4};
 enum { NUM_SWINGS = sizeof SWINGS / sizeof *SWINGS };
 
 typedef struct to_and_fro {
-    size_t mode; // of that pressure
+    size_t mode; // mode of that pressure
     size_t calls;
     least_squares *usual;
 } to_and_fro;
@@ -123,18 +123,18 @@ static ehd_status go_to_and_fro(double *step, void *context, const double *matri
     if (call >= NUM_SWINGS) return least_squares_solve(step, self->usual, matrix, right, num_rows);
     memset(step, 0, num_unknowns * sizeof *step);
     step[self->mode] = SWINGS[call] - SWINGS[call - 1];
-    step[self->mode / 2] = step[self->mode]; // which the exit never cuts
+    step[self->mode / 2] = step[self->mode]; // a mode that the exit never cuts off
     return EHD_OK;
 }
 
-/* Solves a trained contact with its exit held so many nodes behind its place. */
+/* Solves a trained contact whose exit is fixed `behind` nodes behind its place. */
 static reduced_info solve_held(size_t s, size_t behind) {
     const size_t exit = line.set.exit[s] + behind;
     to_and_fro other;
     own_steps own;
 
     own_steps_init(&own, go_to_and_fro, &other);
-    // a mode is an inner node, from 1 on; another pressure before asks for more of it
+    // a mode is an inner node, from 1 on; the pressure of another node before keeps the exit from moving farther
     other = (to_and_fro){.mode = exit - 2, .usual = own.usual};
     start_at(&own, s, exit);
     own.reduced.state.coordinates[exit - 2] = SWINGS[0];
@@ -147,8 +147,9 @@ static reduced_info solve_held(size_t s, size_t behind) {
     return info;
 }
 
-/* Pressure behind the exit's place is negative. One node of it moves the central film by less than
- * 1e-5, which is accepted; two move it by up to 3e-5 and four by 1e-4, which is not. */
+/* Behind the true exit the pressure is negative. One node too many changes the central film by less
+ * than 1e-5, which is accepted. Two nodes change it by up to 3e-5 and four by 1e-4, which is not
+ * trusted. */
 static void an_exit_held_elsewhere_is_not_trusted(void **state) {
     (void)state;
     for (size_t s = 0; s < TRAINED_STATES; s += 5)
@@ -163,8 +164,9 @@ static void an_exit_held_elsewhere_is_not_trusted(void **state) {
         }
 }
 
-/* A linear solver whose steps fill the node before the exit, so that it moves on, and then empty one
- * farther before; then it takes the least squares. */
+/* A linear solver whose first step adds pressure at the node before the exit, so that the exit
+ * moves on. Its second step removes the pressure of a node farther before. Then it solves the least
+ * squares. */
 typedef struct back_and_on {
     size_t last, emptied; // modes
     double suction;
@@ -186,8 +188,8 @@ static ehd_status go_back_and_on(double *step, void *context, const double *matr
     return EHD_OK;
 }
 
-/* In time: one that would go back by several nodes is not held, though it has turned round, and ends
- * where it belongs. */
+/* Transient: an exit that turns round to go back by several nodes is not fixed, and ends at its
+ * place. */
 static void an_exit_that_turns_by_more_goes_on(void **state) {
     (void)state;
     back_and_on other;
@@ -211,13 +213,13 @@ static void an_exit_that_turns_by_more_goes_on(void **state) {
 
 // ---- pressures far from the solution
 
-/* A linear solver whose first step leads to a suction three nodes before the exit, the second one back;
- * then it takes the least squares. */
+/* A linear solver whose first step makes the pressure negative at the third node before the exit.
+ * Its second step reverses this. Then it solves the least squares. */
 typedef struct far_away {
     const reduced_state *state;
     size_t mode;
-    double suction;     // by which the pressure there changes
-    size_t calls, exit; // of the second call
+    double suction;     // change of the pressure there
+    size_t calls, exit; // number of calls; exit at the second one
     least_squares *usual;
 } far_away;
 
@@ -233,7 +235,7 @@ static ehd_status go_far_away(double *step, void *context, const double *matrix,
     return EHD_OK;
 }
 
-/* In time the exit of the step before stays until the pressure is near the solution. */
+/* Transient: the exit of the step before is kept until the pressure is near the solution. */
 static void the_exit_stays_far_from_the_solution(void **state) {
     (void)state;
     far_away other;
@@ -259,8 +261,8 @@ static void the_exit_stays_far_from_the_solution(void **state) {
 
 // ---- exits at the ends of the band
 
-/* A band that ends before the exits of a training state, or begins behind them; on lines that are
- * not looked at the farther the more. */
+/* Makes the band end before the exits of a training state, or begin behind them. On odd lines,
+ * which may be interpolated, the distance is one node larger. */
 static void narrow_band(reduced_model *model, size_t s, ptrdiff_t min, ptrdiff_t max) {
     for (size_t l = 0; l < model->band.num_lines; l++) {
         band_line *band = &model->band.lines[l];
@@ -272,7 +274,8 @@ static void narrow_band(reduced_model *model, size_t s, ptrdiff_t min, ptrdiff_t
     }
 }
 
-/* Solves a trained contact there; lines that are not looked at are the odd ones, if any. */
+/* Solves a trained contact with such a band. Without all_lines the exits of odd lines are not
+ * searched. */
 static void solve_in_narrow_band(const reduced_basis *basis, const ehd_contact *contact,
                                  bool in_time, bool all_lines, size_t s, ptrdiff_t min,
                                  ptrdiff_t max) {
@@ -308,7 +311,7 @@ static void solve_in_narrow_band(const reduced_basis *basis, const ehd_contact *
     reduced_problem_free(&reduced);
 }
 
-/* Held in the last column of the band, neither before nor behind it, by the flux and by signs. */
+/* Exits stop in the last column of the band, found by the flux or by signs. */
 static void exits_end_where_the_band_does(void **state) {
     (void)state;
     for (size_t s = 0; s < TRAINED_STATES; s += 6)
@@ -324,10 +327,10 @@ static void exits_end_where_the_band_does(void **state) {
         }
 }
 
-// ---- by how little an exit is where it is
+// ---- margins of exits
 
-/* Of a solution the margins are the lesser of two: a node less, and one more without pressure, have none
- * left on that line. */
+/* The margins of a solution are the lesser of two. If the exit of a line is moved by one node
+ * either way, the margin of this line is zero. */
 static void margins_are_those_of_the_exits(void **state) {
     const size_t num_lines = half_point.set.grid.num_nodes / grid_width(&half_point.set.grid);
     size_t *exits = calloc(num_lines, sizeof *exits), num_small = 0, num_shifted = 0;
@@ -356,7 +359,7 @@ static void margins_are_those_of_the_exits(void **state) {
             if (isinf(margin[l])) continue;
             const double last = nodes.band_pressure[band->offset + exits[l] - 1 - band->begin];
             assert_true(margin[l] > 0 && margin[l] <= last);
-            num_small += margin[l] < last; // by the multiplier
+            num_small += margin[l] < last; // limited by the multiplier
             for (int way = -1; way <= 1; way += 2) {
                 const size_t exit = exits[l];
                 if (exit + 2 >= band->max_exit || exit <= band->begin + 2) continue;

@@ -1,18 +1,18 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The factors on the flow of a Ree-Eyring fluid, against its profile of velocities by quadrature. */
+/* Flow factors of a Ree-Eyring fluid, against quadrature of its velocity profile. */
 #include "common/physics/eyring_flow.h"
 #include "tests/unit/check.h"
 
 #include <math.h>
 
-/* Stress of the sliding in the middle of the film, and what flows along and across, all over those of
- * viscosity, film and Eyring stress 1; along and across over the gradients, times 12. */
+/* Shear stress in the middle of the film, and flow along and across the sliding. Viscosity, film
+ * and Eyring stress are one. The flows are divided by the gradients and multiplied by 12. */
 typedef struct profile {
     double middle, along, across;
 } profile;
 
-/* Integrals over the film at the stress (sum + x z, side + y z), by the midpoint rule. The fluid shears at
- * the rate sinh(stress) in the stress' direction. Nothing slides across. */
+/* Integrates over the film by the midpoint rule, at the stress (sum + x z, side + y z). The fluid
+ * shears at the rate sinh(stress) in the direction of the stress. Nothing slides across. */
 enum { SLID, SLID_ACROSS, FLOW, FLOW_ACROSS, NUM_SUMS };
 
 static void integrate(double sums[NUM_SUMS], const double middle[2], double x, double y) {
@@ -33,8 +33,9 @@ static void integrate(double sums[NUM_SUMS], const double middle[2], double x, d
     }
 }
 
-/* The profile of a rate of sliding and two gradients. The stress in the middle along the sliding is found
- * by bisection, and inside of that the one across, which must not let the fluid slide to the side. */
+/* Returns the profile for a rate of sliding and two gradients. Bisection finds the stress in the
+ * middle along the sliding; inside of it, another bisection finds the stress across that prevents
+ * sliding to the side. */
 static profile profile_of(double rate, double sigma_x, double sigma_y) {
     const double x = 2 * sigma_x, y = 2 * sigma_y;
     const double most = asinh(rate) + sigma_x + sigma_y;
@@ -54,14 +55,14 @@ static profile profile_of(double rate, double sigma_x, double sigma_y) {
     return (profile){middle[0], 12 * sums[FLOW] / x, 12 * sums[FLOW_ACROSS] / y};
 }
 
-/* Along the sliding, and the stress in the middle: exact at any gradient. */
+/* Along the sliding, factor and stress in the middle are exact for any gradient. */
 static void along_the_sliding_the_factor_is_exact(void **state) {
     (void)state;
     for (double sigma = 0.01; sigma < 30; sigma *= 2)
         for (double rate = 0.01; rate < 1e7; rate *= 10) {
             const eyring_gradient of = eyring_gradient_of(sigma);
             const profile found = profile_of(rate, sigma, 0);
-            // the midpoint rule is off by (Sigma/400)^2/6 and more
+            // the error of the midpoint rule is (Sigma/400)^2/6 and more
             const double off = 1e-5 + 1e-5 * sigma * sigma;
             check_close(eyring_along(&of, rate).value, found.along, off, 0);
             check_close(eyring_stress(&of, rate), found.middle, off, 1e-7);
@@ -85,7 +86,8 @@ static void across_the_sliding_the_factor_is_near(void **state) {
     }
 }
 
-/* What rows of point contacts leave out, the gradient of the other direction. */
+/* The rows of point contacts neglect the gradient of the other direction; EYRING_DOUBT bounds this
+ * error. */
 static void doubt_is_a_bound(void **state) {
     (void)state;
     for (double x = 0.1; x < 3.1; x *= 3)
@@ -101,13 +103,14 @@ static void doubt_is_a_bound(void **state) {
             }
 }
 
-/* No digit is lost to cancellation, and nothing overflows: against the definition with more digits. */
+/* Factors lose no digits by cancellation and do not overflow; compared with their definition in
+ * extended precision. */
 static void factors_hold_all_digits(void **state) {
     (void)state;
     for (double sigma = 1e-3; sigma < 500; sigma *= 1.07) {
         const long double s = sigma, cosine = coshl(s), sine = sinhl(s);
         const eyring_gradient of = eyring_gradient_of(sigma);
-        // 19 digits, of which the difference loses Sigma^2/3
+        // long double has 19 digits; the difference loses Sigma^2/3
         const double digits = 3e-15 + 1e-18 / (sigma * sigma);
         check_close(of.at_rest, (double)(3 * (s * cosine - sine) / (s * s * s)), digits, 0);
         check_close(of.sliding, (double)(3 * (s * cosine / sine - 1) / (s * s)), digits, 0);
@@ -148,7 +151,7 @@ static void derivatives_are_those_of_the_factors(void **state) {
                             log(factor(&up, rate).value / factor(&down, rate).value) / (2 * h),
                             1e-6, 1e-9);
             }
-    // beyond the largest gradient nothing changes
+    // beyond the largest gradient the factor is constant
     const eyring_gradient beyond = eyring_gradient_of(2 * EYRING_LARGEST_GRADIENT);
     check_close(eyring_along(&beyond, 1).by_log_gradient, 0, 0, 0);
 }

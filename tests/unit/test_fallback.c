@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The full model in place of a reduced solution: the same as its own, from wherever it starts. */
+/* The full model as a fallback for a reduced solution gives its own solution, whatever its start. */
 #include "romrun/calibrate/fallback.h"
 #include "tests/unit/check.h"
 #include "tests/unit/folder.h"
@@ -33,7 +33,7 @@ static int tear_down(void **state) {
     return remove_folder(state);
 }
 
-/* A solver of a model and its solution of a contact. */
+/* A solver of a model, with the solution of a contact. */
 typedef struct solved {
     online_model *model;
     online_solver *solver;
@@ -52,7 +52,7 @@ static void solved_free(solved *self) {
     online_close(self->model);
 }
 
-/* What it comes to is the full model's own solution, from where it is expected to start. */
+/* Checks that the result is the full model's own solution. */
 static void check_solution(const fallback *found, const ehd_contact *contact) {
     const full_settings settings = full_default_settings();
     problem expected;
@@ -74,7 +74,8 @@ static void check_solution(const fallback *found, const ehd_contact *contact) {
     problem_free(&expected);
 }
 
-/* Solves with the full model after the reduced one; returns the iterations. */
+/* Solves with the full model after the reduced one, checks where it starts, and returns the
+ * iterations. */
 static size_t check_fallback(const solved *run, const ehd_contact *contact, size_t repetitions,
                              bool from_reduced) {
     fallback found;
@@ -101,7 +102,7 @@ static void from_a_reduced_solution(void **state) {
     }
 }
 
-/* Two Newton iterations from a reduced solution that is a good one, and as many at each repetition. */
+/* From a good reduced solution it takes two Newton iterations, and as many at each repetition. */
 static void from_a_good_solution_it_takes_little(void **state) {
     (void)state;
     ehd_contact contact = training.contacts[4];
@@ -128,7 +129,8 @@ static void of_a_point_contact(void **state) {
     solved_free(&run);
 }
 
-/* One that did not converge, and one that is none: pressures beyond the end of the viscosity law. */
+/* It starts cold from a solution that did not converge, or whose pressures exceed the limit of the
+ * viscosity law. */
 static void it_starts_cold_where_there_is_no_solution_to_start_from(void **state) {
     (void)state;
     ehd_contact contact = training.contacts[4];

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Steps by the reduced model and by the full one in turn. With every node as a mode both are the same,
- * so that what changes from one to the other has to be nothing. */
+/* Steps by the reduced and the full model in turn. With a mode for every node both models are
+ * equal, so a change of the model must not change the result. */
 #include "romrun/calibrate/fallback_march.h"
 #include "tests/unit/marching.h"
 
@@ -30,11 +30,11 @@ static int tear_down(void **state) {
     return 0;
 }
 
-/* A march and what it left behind at each step; `both`: with the full model beside the reduced one,
- * else by the full model alone. */
+/* A march and its results at each step. `both`: the full model beside the reduced one; else the
+ * full model alone. */
 typedef struct run {
     marching reduced;
-    parts_march *parts; // `reduced` alone
+    parts_march *parts; // its only part is the march of `reduced`
     fallback_march *both;
     full_march *full;
     march_solver solver;
@@ -44,7 +44,8 @@ typedef struct run {
     bool by_full_model[NUM_STEPS + 1];
 } run;
 
-/* Leaves the training, comes back and leaves it again; with a phase of half a unit of pi it starts outside. */
+/* Returns a load that leaves the training, comes back and leaves it again. With a phase of pi/2 it
+ * starts outside. */
 static double load_at(size_t i, double phase) {
     return 1 + 0.15 * sin(2 * M_PI * (double)i * STEP + phase);
 }
@@ -101,7 +102,7 @@ static void run_free(run *self) {
     marching_free(&self->reduced);
 }
 
-/* Steps `from` … `to`. */
+/* Makes the steps `from` … `to`. */
 static void go_on(run *self, size_t from, size_t to) {
     for (size_t i = from; i <= to; i++) {
         const contact_frame frame = frame_at_step(self, i);
@@ -122,7 +123,7 @@ static size_t count_full(const run *self) {
     return count;
 }
 
-/* The same films as by the full model alone. */
+/* Checks that the films equal those of the full model alone. */
 static void check_turns(const ehd_contact *contact, const reduced_basis *basis, double tolerance) {
     run *both = malloc(sizeof *both), *full = malloc(sizeof *full);
 
@@ -139,7 +140,7 @@ static void check_turns(const ehd_contact *contact, const reduced_basis *basis, 
     assert_true(both->by_full_model[NUM_STEPS]);
     check_close_array(both->film, full->film, NUM_STEPS + 1, tolerance, 0);
     if (contact->transport == TRANSPORT_PATH && contact->kind->dimensions == 1) {
-        // errors taken up on the way by one model and told by the other
+        // errors along the path that one model adds and the other reports
         check_close(both->effect[36], full->effect[36], 0.15, 0);
         check_close_array(both->effect + 60, full->effect + 60, NUM_STEPS - 59, 0.15, 0);
     }
@@ -186,7 +187,7 @@ static void of_a_point_contact(void **state) {
     reduced_basis_free(&nodes);
 }
 
-/* From any step on, by either model, another object makes the same bits. */
+/* From any step on, by either model, another object continues with the same bits. */
 static void saved_and_restored(void **state) {
     (void)state;
     reduced_basis nodes =
@@ -217,7 +218,7 @@ static void saved_and_restored(void **state) {
         assert_non_null(strstr(share.reason, "trained range"));
         run_free(other);
     }
-    saved[0] = 1; // by the full model, which has no states
+    saved[0] = 1; // a step by the full model, whose states are missing
     saved[1] = 0;
     run_init(other, &contact, &nodes, true, 1e-2, 0);
     assert_int_equal(other->solver.restore(other->solver.self, saved, &error), EHD_DATA);
@@ -229,7 +230,8 @@ static void saved_and_restored(void **state) {
     reduced_basis_free(&nodes);
 }
 
-/* A start outside of the training is the full model's, and the reduced one comes in later. */
+/* A start outside of the training is computed by the full model; the reduced model takes over
+ * later. */
 static void a_start_by_the_full_model(void **state) {
     (void)state;
     reduced_basis nodes =
@@ -252,9 +254,9 @@ static void a_start_by_the_full_model(void **state) {
     reduced_basis_free(&nodes);
 }
 
-/* A film that the modes do not have has to leave before: these twelve have none of a film in time to
- * better than 4 to 15 % of the central one, which is good enough for one accuracy and not for the
- * other. */
+/* The reduced model takes over when films outside its basis have left the contact. The twelve modes
+ * represent the transient film only to 4 to 15 % of the central one, which meets one accuracy and
+ * not the other. */
 static void the_film_has_to_leave_before(void **state) {
     (void)state;
     reduced_basis few;
@@ -278,8 +280,8 @@ static void the_film_has_to_leave_before(void **state) {
     reduced_basis_free(&few);
 }
 
-/* What does not converge is the full model's at once, with the same step, and the reduced one is tried
- * ever more rarely. */
+/* If the reduced model does not converge, the full model takes over at once, with the same step.
+ * The reduced model is then tried ever more rarely. */
 static void where_the_reduced_model_does_not_converge(void **state) {
     (void)state;
     reduced_basis nodes =
@@ -293,21 +295,23 @@ static void where_the_reduced_model_does_not_converge(void **state) {
     for (size_t k = 0; k < both->reduced.model.rows.num_rows; k++)
         both->reduced.model.rows.weight[k] = NAN;
     for (size_t i = 4; i <= NUM_STEPS; i++) {
-        const double before = parts_march_effort_of(both->parts).seconds_previous; // of attempts
+        // time of all attempts
+        const double before = parts_march_effort_of(both->parts).seconds_previous;
         go_on(both, i, i);
         tries += parts_march_effort_of(both->parts).seconds_previous > before;
         assert_true(both->by_full_model[i]);
     }
     assert_false(both->by_full_model[3]);
     assert_int_equal(fallback_march_share(both->both).full_steps, NUM_STEPS - 3);
-    assert_in_range(tries, 3, 7); // after 0, 1, 3, 7, … full steps, where it lies in the range
+    // after 0, 1, 3, 7, … full steps, if these are in the trained range
+    assert_in_range(tries, 3, 7);
     run_free(both);
     free(both);
     reduced_basis_free(&nodes);
 }
 
-/* Attempts that are rejected cost iterations: when these are as many as those of the steps, the full model takes
- * the steps until there are more of them. */
+/* Rejected attempts cost iterations. Once they cost as many as the accepted steps, the full model
+ * takes the steps until those have more again. */
 static void iterations_in_vain_are_limited(void **state) {
     (void)state;
     reduced_basis nodes =
@@ -339,7 +343,7 @@ static void iterations_in_vain_are_limited(void **state) {
     reduced_basis_free(&nodes);
 }
 
-/* Steps of the line with twelve modes that indicate their films by factors. */
+/* Starts a march of the line with twelve modes, whose error estimates use the given factors. */
 static void begin_indicating(run *self, reduced_basis *few, double accuracy, film_factors factors) {
     trained_basis(few, &trained_on.line, DEFORMATION_COUPLED, 12, 0);
     for (size_t s = 0; s < few->states.num_states; s++)
@@ -349,8 +353,8 @@ static void begin_indicating(run *self, reduced_basis *few, double accuracy, fil
     reduced_march_indicate(parts_march_part(self->parts, 0), factors);
 }
 
-/* A reduced step that indicates more than a tenth of the accuracy leaves its error in the film that the full
- * model would take over: it is the full model's. */
+/* The error of a reduced step would remain in the film that the full model takes over. The full
+ * model therefore makes steps whose error estimate exceeds a tenth of the accuracy. */
 static void steps_are_given_up_before_they_are_wrong(void **state) {
     (void)state;
     for (int i = 0; i < 2; i++) {
@@ -366,7 +370,8 @@ static void steps_are_given_up_before_they_are_wrong(void **state) {
     }
 }
 
-/* What the modes do not have of the full model's film is indicated of the steps that start from it. */
+/* The projection of the full model's film onto the modes is part of the error estimate of the next
+ * reduced steps. */
 static void what_a_return_changes_is_indicated(void **state) {
     (void)state;
     reduced_basis few;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The angular part of the far field: its equation, its exit, what flows through a circle far away, and
+/* The angular part of the far field: its equation, its exit, the flow through a distant circle, and
  * the closed form of round contacts. */
 #include "common/physics/ellipse.h"
 #include "tests/unit/check.h"
@@ -17,7 +17,7 @@ static double largest_shape(const far_angle *of) {
     return largest;
 }
 
-/* (q^3 S')' - 9 q^3 S + 8 cos(phi) by differences. */
+/* Returns (q^3 S')' - 9 q^3 S + 8 cos(phi), by differences. */
 static double residual_at(const far_angle *of, double phi, double d) {
     const double here = far_angle_shape(of, phi);
     const double before = pow(far_angle_rise(of, phi - d / 2), 3);
@@ -41,8 +41,9 @@ static void solves_its_equation(void **state) {
     }
 }
 
-/* Nothing flows through Y = 0, nor behind the exit: what enters in front through a circle is what the
- * equation's integral says, of the solution as a whole and to more digits than differences have. */
+/* Nothing flows through Y = 0 or behind the exit, so the flow that enters through a circle in front
+ * follows from the integral of the equation. This tests the whole solution, to more digits than
+ * differences have. */
 static void keeps_the_flow(void **state) {
     (void)state;
     const int num = 4000;
@@ -54,7 +55,7 @@ static void keeps_the_flow(void **state) {
             const double phi = of->exit * (i + 0.5) / num;
             sum += 9 * pow(far_angle_rise(of, phi), 3) * far_angle_shape(of, phi);
         }
-        // of the closed form S' is 2e-5 of its rise at the exit
+        // in the closed form S' at the exit is 2e-5 of its rise
         check_close(sum * of->exit / num, 8 * sin(of->exit), of->ratio == 1 ? 1e-5 : 1e-6, 0);
     }
 }

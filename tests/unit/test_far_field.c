@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The far field of point contacts and ellipses, and films on grids with it around. */
+/* The far field of point contacts and ellipses, and films on grids with a far field. */
 #include "common/physics/far_field.h"
 #include "tests/unit/check.h"
 #include "tests/unit/problem.h"
@@ -21,7 +21,7 @@ static ehd_contact contact_on(double moes_M, double moes_L, double x_min, double
     return contact;
 }
 
-/* The contact of the same p_H, R_x, speed and lubricant with another ellipticity. */
+/* Returns the contact of equal p_H, R_x, speed and lubricant with another ellipticity. */
 static ehd_contact ellipse_on(double ellipticity, double moes_M, double moes_L, double x_min,
                               double x_max, double y_max, double step, const char *boundary) {
     const contact_shape shape = shape_of(ellipticity);
@@ -41,7 +41,8 @@ static double pressure_at(const ehd_contact *contact, double approach, double x,
     return far_field_pressure(contact, approach, x, y).value;
 }
 
-/* d/dX (H^3 dP/dX) + (1/k^2) d/dY (H^3 dP/dY) - lambda dH/dX over lambda |dH/dX|, by differences. */
+/* Returns the residual d/dX (H^3 dP/dX) + (1/k^2) d/dY (H^3 dP/dY) - lambda dH/dX over lambda
+ * |dH/dX|, by differences. */
 static double reynolds_at(const ehd_contact *contact, double approach, double x, double y) {
     const double k = contact->grid.shape.ellipticity, d = 0.01 * hypot(x, k * y);
     const double here = pressure_at(contact, approach, x, y);
@@ -59,14 +60,14 @@ static double reynolds_at(const ehd_contact *contact, double approach, double x,
     return (sum / (d * d) / contact->lambda - slope) / fabs(slope);
 }
 
-/* Away from the exit; what is left falls with r^-3 or faster: c^2/r^4, and c is not constant. */
+/* Away from the exit the residual falls with r^-3 or faster; it is c^2/r^4 with a c that varies. */
 static void solves_the_reynolds_equation(void **state) {
     (void)state;
     const double ellipticities[] = {1, 0.5, 1.5, 3}, directions[] = {0, 0.4, 0.8, 1.2};
     for (size_t e = 0; e < 4; e++) {
         const double k = ellipticities[e];
         const ehd_contact contact = ellipse_on(k, 10, 0, -4, 2, 3, 0.25, "open");
-        // where b is large the gap of the sides is that of a circle farther off
+        // if b is large, the gap at the sides equals that of a circle only farther out
         const double far_off = k > 1 ? k : 1;
         for (int approach = -1; approach <= 1; approach++) {
             for (size_t i = 0; i < 4; i++) {
@@ -81,7 +82,7 @@ static void solves_the_reynolds_equation(void **state) {
     }
 }
 
-/* P and its slope end together, so that it falls with the square of the angle from the exit. */
+/* P and its slope vanish at the exit, so P grows with the square of the angle from the exit. */
 static void ends_at_the_exit(void **state) {
     (void)state;
     const ehd_contact contact = contact_on(10, 0, -4, 2, 3, 0.25, "open");
@@ -98,7 +99,8 @@ static void ends_at_the_exit(void **state) {
     check_close(pressure_at(&contact, -0.5, -3, 4), pressure_at(&contact, -0.5, -3, -4), 0, 0);
 }
 
-/* What two grids have beyond them differs by what lies between; the derivative by differences. */
+/* The loads beyond two grids differ by the load between them. The derivative is checked by
+ * differences. */
 static void counts_the_load_beyond(void **state) {
     (void)state;
     const double ellipticities[] = {0.5, 3, 1}, approach = -0.4, d = 1e-5;
@@ -119,7 +121,7 @@ static void counts_the_load_beyond(void **state) {
         for (double x = -6.125 + step / 2; x < 4.125; x += step)
             for (size_t l = 0; l < lines; l++) {
                 const double y = ((double)l + 0.5) * width;
-                // the share of a strip that lies beside the inner one's cells
+                // share of a strip that lies beside the cells of the inner grid
                 const double share = fmin(fmax((y + width / 2 - inside) / width, 0), 1);
                 between += 2 * step * width * (x < -4.125 || x > 2.125 ? 1 : share) *
                            pressure_at(&one, approach, x, y);
@@ -138,7 +140,7 @@ static void counts_the_load_beyond(void **state) {
                     (2 * d),
                 1e-6, 0);
 
-    // at this approach the closure is the load balance, and its slope is that of the balance
+    // at this approach the load balance is closed, and the slope is that of the balance
     arena memory = {0};
     far_field prepared;
     far_field_init(&prepared, &one.grid, NULL, one.grid.num_nodes, &memory);
@@ -150,7 +152,7 @@ static void counts_the_load_beyond(void **state) {
     arena_free(&memory);
 }
 
-/* At the boundary nodes alone, with its derivative, in either direction. */
+/* The far field is added at the boundary nodes only, with its derivative, in either direction. */
 static void is_added_at_the_boundary_nodes(void **state) {
     (void)state;
     for (int i = 0; i < 8; i++) {
@@ -180,7 +182,8 @@ static void is_added_at_the_boundary_nodes(void **state) {
     }
 }
 
-/* Of lines, with zero around, and without entrainment there is none; backwards it is mirrored. */
+/* Lines, a boundary of zero pressure and contacts at rest have no far field. It is mirrored if the
+ * speed is negative. */
 static void where_it_is(void **state) {
     (void)state;
     const ehd_contact line = sample_contact("barus", "incompressible", 10, 0, 0.05);
@@ -209,7 +212,7 @@ static contact_scalars films_of(const ehd_contact *contact) {
     return scalars;
 }
 
-/* A domain from -4 on is as good as one from -16 on; with zero around they differ. */
+/* A domain from -4 on is as accurate as one from -16 on; with zero pressure around they differ. */
 static void short_domains_are_as_good_as_long_ones(void **state) {
     (void)state;
     static const double points[][4] = {{5, 0, 1, 3},     {10, 0, 1, 3},     {10, 5, 1, 3},

@@ -5,7 +5,7 @@
 
 #include <math.h>
 
-static const double EDGE = -0.85, PATH = 0.05; // of a step
+static const double EDGE = -0.85, PATH = 0.05; // PATH: of a step
 
 static film_errors errors;
 
@@ -17,23 +17,23 @@ static contact_frame frame_after(double path, double load) {
     return frame;
 }
 
-/* One step of length PATH to a frame, in which an error enters. */
+/* Makes one step of length PATH to a frame, in which an error enters. */
 static void go_on(const contact_frame *then, const contact_frame *now, double entering) {
     film_errors_carry(&errors, then, now);
     film_errors_enter(&errors, then, now, EDGE, entering);
     film_errors_keep(&errors);
 }
 
-/* An error that enters from path 0 to 0.3 lies between its ends afterwards, and nowhere else. */
+/* An error that enters from path 0 to 0.3 is carried by the fluid and is zero elsewhere. */
 static void an_error_goes_with_the_fluid(void **state) {
     (void)state;
-    const double last = 0.3, smooth = 0.06; // around the ends, which splines smooth
+    const double last = 0.3, smooth = 0.06; // `smooth`: splines smooth the ends
 
     film_errors_set(&errors, NULL);
     for (int i = 1; i <= 80; i++) {
         const contact_frame then = frame_after((i - 1) * PATH, 1), now = frame_after(i * PATH, 1);
         go_on(&then, &now, i * PATH < last + 1e-9 ? 1 : 0);
-        // what has left the inlet, and how far it has come
+        // end and front of the error after it has left the inlet
         const double front = EDGE + i * PATH, end = fmax(front - last, EDGE);
         for (double x = EDGE + smooth; x <= 1; x += 0.01) {
             const double found = film_errors_at(&errors, x);
@@ -43,7 +43,7 @@ static void an_error_goes_with_the_fluid(void **state) {
         const bool at_centre = front > smooth && end < -smooth;
         if (at_centre) check_close(film_errors_largest(&errors, -0.02, 0.02), 1, 0, 0.02);
     }
-    check_close(film_errors_largest(&errors, -1, 1), 0, 0, 1e-9); // it has left
+    check_close(film_errors_largest(&errors, -1, 1), 0, 0, 1e-9); // the error has left
 }
 
 static void no_bound_is_negative(void **state) {
@@ -57,7 +57,7 @@ static void no_bound_is_negative(void **state) {
     }
 }
 
-/* A film thickness is scaled by a^2/R: in a contact twice as wide the same one is a quarter. */
+/* Film thickness is scaled by a^2/R, so in a contact twice as wide an error is a quarter. */
 static void an_error_stays_where_the_frame_changes(void **state) {
     (void)state;
     const contact_frame narrow = frame_after(0, 1), wide = frame_after(0, 4);

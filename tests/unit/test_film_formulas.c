@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Film formulas: their numbers from a physical scene, what they do not depend on, their asymptotes,
- * and the theory behind Grubin's. */
+/* Film formulas: values for a physical scene, independence of parameters, asymptotes, and the
+ * theory of Grubin's formula. */
 #include "common/physics/film_formulas.h"
 #include "tests/unit/check.h"
 #include "tests/unit/sample.h"
@@ -30,7 +30,7 @@ static double film_of(const char *name, const ehd_contact *contact) {
 static const double LOAD = 300e3, BALL_LOAD = 50, RADIUS = 0.0125, SPEED = 0.8, VISCOSITY = 0.08,
                     ALPHA = 2e-8, ELLIPTICITY = 3; // alpha as in sample_scene
 
-/* A contact of this kind and modulus, in Pa. */
+/* Returns a contact of this kind, with the modulus in Pa. */
 static ehd_contact steel(const char *kind, double load, double modulus) {
     scene given = sample_scene("barus", "incompressible", NAN, NAN);
     ehd_contact contact;
@@ -58,7 +58,7 @@ static ehd_contact ball(double modulus) {
     return steel("point", BALL_LOAD, modulus);
 }
 
-/* The same contact by its Moes numbers alone. */
+/* Returns the same contact with its Moes numbers only. */
 static ehd_contact without_modulus(const ehd_contact *contact) {
     ehd_contact bare = *contact;
 
@@ -88,7 +88,7 @@ static void numbers_of_a_physical_contact(void **unused) {
     }
 }
 
-/* h in metres, by the formulas as they are printed. */
+/* Compares h in metres with the published formulas. */
 static void films_of_a_physical_contact(void **unused) {
     const double modulus = 226e9;
     const ehd_contact contact = roller(modulus);
@@ -130,8 +130,8 @@ static void films_of_a_ball(void **unused) {
                 scale * film_of("nijenbanning", &contact) / (RADIUS * sqrt(2 * u)), 1e-12, 0);
 }
 
-/* Steel stands for a modulus that is not known; only those of Pan, Hamrock and Dowson, and Chittenden
- * et al. see it. */
+/* Without a known modulus, that of steel is used. It matters only in the formulas of Pan, Hamrock
+ * and Dowson, and Chittenden et al. */
 static void the_modulus_hardly_matters(void **unused) {
     const ehd_contact known_steel[] = {roller(226e9), ball(226e9)};
     const ehd_contact soft[] = {roller(180e9), ball(180e9)};
@@ -150,7 +150,7 @@ static void the_modulus_hardly_matters(void **unused) {
     }
 }
 
-/* A Hertz pressure that is given stands for another alpha. */
+/* A given Hertz pressure acts like another alpha. */
 static void the_hertz_pressure_wins(void **unused) {
     ehd_contact contact = sample_contact("barus", "incompressible", 20, 8, 0.02), given = contact;
     (void)unused;
@@ -164,14 +164,14 @@ static void the_hertz_pressure_wins(void **unused) {
 
 // ---- asymptotes
 
-/* H in Moes units, (h/R) U^(-1/2) with the sum velocity. */
+/* Returns H in Moes units, (h/R) U^(-1/2) with the sum velocity. */
 static double moes_units(double moes_M, double moes_L) {
     return film_moes(moes_M, moes_L) * 8 * moes_M / M_PI;
 }
 
 static void moes_goes_to_its_asymptotes(void **unused) {
-    // rigid isoviscous: Martin's h0/R = 4.896 U/W with the mean velocity, and where the film ends,
-    // at x = 0.4754 sqrt(2 R h0), it is as thick as where the pressure is flat
+    // rigid isoviscous: Martin's h0/R = 4.896 U/W with the mean velocity; the film at its end, at
+    // x = 0.4754 sqrt(2 R h0), is as thick as at the maximum of the pressure
     const double martin = 4.896 / 2 * (1 + 0.4754 * 0.4754);
     (void)unused;
 
@@ -193,9 +193,9 @@ static void isoviscous_contact(void **unused) {
 
 // ---- ellipses
 
-/* Numbers of a steel ellipse of the dry contact's b/a, by Hertz: with A and B the integrals over t from 0
- * of [(1+t)^(3/2) (k^2+t)^(1/2) t^(1/2)]^-1 and [(1+t)^(1/2) (k^2+t)^(3/2) t^(1/2)]^-1, R_y/R_x = A/B and
- * a^3 is 2A/pi times that of the circle. */
+/* Returns the numbers of a steel ellipse with the b/a of the dry contact, by Hertz. A and B are the
+ * integrals over t from 0 of [(1+t)^(3/2) (k^2+t)^(1/2) t^(1/2)]^-1 and [(1+t)^(1/2) (k^2+t)^(3/2)
+ * t^(1/2)]^-1. Then R_y/R_x = A/B, and a^3 is 2A/pi times that of the circle. */
 static film_numbers ellipse(double ellipticity, double moes_M, double moes_L) {
     const double k2 = ellipticity * ellipticity, modulus = 226e9;
     const double along = 2. / 3 * gsl_sf_ellint_RD(0, k2, 1, GSL_PREC_DOUBLE);
@@ -235,7 +235,8 @@ static void a_circle_is_an_ellipse(void **unused) {
                         0);
 }
 
-/* As they are printed (Nijenbanning et al. 1994), where each is all that counts. */
+/* Compares the formula with each asymptote (Nijenbanning et al. 1994)
+ * where the asymptote dominates. */
 static void nijenbanning_goes_to_its_asymptotes(void **unused) {
     (void)unused;
 
@@ -254,7 +255,7 @@ static void nijenbanning_goes_to_its_asymptotes(void **unused) {
     }
 }
 
-/* H as it is printed: h/R_x, by R_x^2/a^2. */
+/* Compares H = (h/R_x) R_x^2/a^2 with the published formulas. */
 static void films_of_an_ellipse(void **unused) {
     const film_numbers n = ellipse(3, 200, 10);
     const double scale = n.half_width * n.half_width;
@@ -273,11 +274,11 @@ static void films_of_an_ellipse(void **unused) {
                 3.68 * minimum * (1 - exp(-0.67 * x)), 1e-12, 0);
     check_close(scale * film_of_numbers("nijenbanning", &n),
                 film_nijenbanning_ellipse(200, 10, n.radius_ratio) * sqrt(2 * n.speed), 1e-12, 0);
-    // the ellipticity that Hamrock and Dowson give for these radii
+    // the ellipticity by the formula of Hamrock and Dowson for these radii
     check_close(1.03 * pow(n.radius_ratio, 0.64), 3, 0.01, 0);
 }
 
-/* In the middle of a slender ellipse is the line contact of the same Hertz pressure, R_x, speed and
+/* The middle of a slender ellipse is a line contact of equal Hertz pressure, R_x, speed and
  * lubricant. */
 static void slender_ellipses_are_lines(void **unused) {
     (void)unused;
@@ -285,7 +286,7 @@ static void slender_ellipses_are_lines(void **unused) {
     for (double moes_M = 200; moes_M < 2000; moes_M *= 5)
         for (double k = 4; k < 50; k *= 1.5) {
             const film_numbers n = ellipse(k, moes_M, 10);
-            // p_H = 3w/(2 pi a b), of a line E' a/(4 R) with its own a
+            // p_H = 3w/(2 pi a b); a line has p_H = E' a/(4 R) with its own a
             const double ratio = 3 * n.load / (2 * M_PI * k * n.half_width * n.half_width);
             const double line_load = 2 * M_PI * ratio * ratio;
             const double line_M = line_load / sqrt(2 * n.speed);
@@ -303,7 +304,7 @@ static void slender_ellipses_are_lines(void **unused) {
         }
 }
 
-/* A contact has the numbers of its shape, with and without a modulus. */
+/* A contact has the numbers of its shape, with and without a known modulus. */
 static void an_elliptical_contact(void **unused) {
     const ehd_contact contact = steel("ellipse", BALL_LOAD, 226e9);
     const ehd_contact bare = without_modulus(&contact);
@@ -317,7 +318,7 @@ static void an_elliptical_contact(void **unused) {
     }
 }
 
-/* Two fits of solutions of the same authors, where both were made. */
+/* Two formulas that were fitted to solutions of the same authors agree in the common range. */
 static void fits_agree(void **unused) {
     (void)unused;
 
@@ -331,9 +332,9 @@ static void fits_agree(void **unused) {
         }
 }
 
-/* As others print them: Zhou and Hoeprich (J. Tribology 113, 1991, eq. 31) the central film of
- * Chittenden et al. with 4.30 and 1.28 b/a, Aihara (J. Tribology 109, 1987, eq. 17) the minimum film of
- * Hamrock and Dowson with their approximation of b/a. */
+/* Compares with quotations: the central film of Chittenden et al. by Zhou and Hoeprich (J.
+ * Tribology 113, 1991, eq. 31) with 4.30 and 1.28 b/a, and the minimum film of Hamrock and Dowson
+ * by Aihara (J. Tribology 109, 1987, eq. 17) with their approximation of b/a. */
 static void films_as_they_are_quoted(void **unused) {
     (void)unused;
 
@@ -349,8 +350,8 @@ static void films_as_they_are_quoted(void **unused) {
     }
 }
 
-/* Far from a circle nothing leaks: the powers of U, G and W are left, of the minimum film of both
- * the same. */
+/* Slender ellipses have no side leakage. The powers of U, G and W remain, with equal exponents in
+ * both minimum films. */
 static void nothing_leaks_from_slender_ellipses(void **unused) {
     const film_numbers n = ellipse(60, 200, 10);
     const double scale = n.half_width * n.half_width;
@@ -364,7 +365,7 @@ static void nothing_leaks_from_slender_ellipses(void **unused) {
 
 // ---- theory
 
-/* int (H - H0)/H^3 dX over the inlet of a dry contact, X = -cosh s from -1 outwards, by the
+/* Returns int (H - H0)/H^3 dX over the inlet of a dry contact, X = -cosh s from -1 outwards, by the
  * midpoint rule. */
 static double inlet_integral(double film) {
     const double step = 2e-4;
@@ -377,8 +378,8 @@ static double inlet_integral(double film) {
     return sum;
 }
 
-/* The film with which the reduced pressure of a Barus lubricant reaches 1/alpha at the contact's
- * edge: lambda int (H - H0)/H^3 dX = 1/(alpha p_H) (Ertel). */
+/* Returns the film with which the reduced pressure of a Barus lubricant reaches 1/alpha at the edge
+ * of the contact: lambda int (H - H0)/H^3 dX = 1/(alpha p_H) (Ertel). */
 static double ertel_film(const ehd_contact *contact) {
     const double wanted = 1 / (contact->alpha_p_H * contact->lambda);
     double least = 1e-6, most = 10;
@@ -393,7 +394,7 @@ static double ertel_film(const ehd_contact *contact) {
     return least;
 }
 
-/* Grubin fitted powers to it, in this range. */
+/* Grubin's formula is a fit to this film, in this range. */
 static void grubin_fits_the_inlet(void **unused) {
     (void)unused;
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Earlier reduced films against those of the full model, which GSL's splines and plain sums carry
- * over. */
+/* Earlier films of the reduced model, against those of the full model, which are carried by splines
+ * of GSL and direct sums. */
 #include "common/physics/deflection.h"
 #include "fullrun/previous.h"
 #include "romrun/online/film_splines.h"
@@ -12,7 +12,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { STATE = 7 }; // of the training, whose exit is not where the modes' splines are cut
+// number of a training state whose exit differs from that at which the modes' splines are cut
+enum { STATE = 7 };
 
 static trained training;
 static ehd_error error;
@@ -20,7 +21,7 @@ static ehd_error error;
 #define check_ok(call)                                                                             \
     if (call) fail_msg("%s", error.text)
 
-/* The same state as the full model holds it: pressure by the modes up to the exit, film by
+/* Fills the same state of the full model: pressure from the modes up to the exit, film by its
  * definition. */
 static void fill_full(previous_state *full, previous_carrier *carrier, const previous_film *reduced,
                       const reduced_basis *basis, const ehd_contact *reference) {
@@ -55,7 +56,7 @@ static contact_frame frame_under(double load, double radius, double time) {
     return frame_at(&contact_line, time, (double[]){load, 1, radius, 1}, NAN);
 }
 
-/* Compares both at all nodes whose places lie after `from`, in a frame that is `now`. */
+/* Compares both films at all nodes whose places lie behind `from`, in the frame `now`. */
 static void compare(const reduced_basis *basis, const ehd_contact *reference,
                     const contact_frame *now, double from, double tolerance) {
     const ehd_grid *grid = &basis->grid;
@@ -81,12 +82,12 @@ static void compare(const reduced_basis *basis, const ehd_contact *reference,
     fill_full(&full, &carrier, &film, basis, reference);
     previous_mass(expected, &full, now, &carrier);
     for (size_t k = 1; k <= grid->num_inner; k++) {
-        // the same state three times, and once alone
+        // three times the same state, and the state alone
         const previous_film *films[] = {&film, &film, &film};
         double mass[3], alone;
         double place = frame_stretch(now, &then) * grid_x(grid, k);
         if (place < from) continue;
-        if (place > 2) break; // the grid's other end, behind every exit
+        if (place > 2) break; // the other end of the grid, behind every exit
         previous_film_masses(mass, films, 3, k, now, &model, &splines, reference);
         previous_film_masses(&alone, films, 1, k, now, &model, &splines, reference);
         check_close(mass[0], expected[k - 1], tolerance, 0);
@@ -118,8 +119,8 @@ static void films_equal_those_of_the_full_model(void **unused) {
     }
 }
 
-/* Places before the grid, which a frame reaches that got wider: the deflection of the pressure
- * there too, on and beyond the part that is kept of it. */
+/* In a wider frame the grid starts farther out. There the deflection is used too, on and beyond the
+ * part of it that is stored. */
 static void films_go_on_before_the_grid(void **unused) {
     (void)unused;
     reduced_basis basis;
@@ -149,12 +150,12 @@ static void coarse_grids_have_splines_too(void **unused) {
 
 enum {
     MARGIN = 14
-}; // nodes that a field of the tests goes beyond the grid, so that its splines' ends do not matter
+}; // nodes of the tests' fields beyond the grid, so that the ends of splines do not matter
 
 static trained half_training;
-static reduced_basis half_basis, whole_basis; // the same modes
+static reduced_basis half_basis, whole_basis; // equal modes
 
-/* A model with a state in it, whose exit line is or is not that of training. */
+/* A model with a state, whose exit line may differ from that of the training. */
 typedef struct point_film {
     const reduced_basis *basis;
     ehd_contact reference;
@@ -182,7 +183,7 @@ static void point_film_init(point_film *self, const reduced_basis *basis, bool t
            states->num_unknowns * sizeof(double));
     reduced_state_set_exits(&self->film.state, &self->model,
                             states->exit + STATE * states->num_lines);
-    size_t central = self->model.band.num_lines / 2; // of a whole grid
+    size_t central = self->model.band.num_lines / 2; // central line of a whole grid
     for (size_t l = 0; l < self->model.band.num_lines && !trained_exits; l++) {
         const band_line *line = &self->model.band.lines[l];
         size_t from_centre = basis->grid.half ? l : l > central ? l - central : central - l;
@@ -209,7 +210,7 @@ static double mass_at(const point_film *self, size_t node, const contact_frame *
     return alone;
 }
 
-/* Nodes of a field on the whole plane: those of the grid and MARGIN more on each side. */
+/* A field on the nodes of the grid and on MARGIN more on each side. */
 typedef struct plane {
     size_t width, lines;
     double *x, *y;
@@ -217,7 +218,7 @@ typedef struct plane {
     gsl_spline **along; // [lines]
 } plane;
 
-/* A place of the state's pressure by its line in the plane; NULL beyond the grid. */
+/* Returns the place of a value in the plane. */
 static double *plane_node(const plane *self, size_t line, size_t column) {
     return &self->values[line * self->width + column];
 }
@@ -246,7 +247,7 @@ static void plane_free(plane *self) {
     free(self->x);
 }
 
-/* Splines along each line, of which plane_at makes one across. */
+/* Makes a spline along each line; plane_at makes one across from them. */
 static void plane_prepare(plane *self) {
     for (size_t l = 0; l < self->lines; l++) {
         self->along[l] = gsl_spline_alloc(gsl_interp_cspline, self->width);
@@ -268,7 +269,7 @@ static double plane_at(const plane *self, double x, double y) {
     return value;
 }
 
-/* Pressure of the state at the grid's nodes of the plane: by the modes, cut at the exit line or
+/* Adds the pressure of the state at the nodes of the grid, from the modes, cut at the exit line or
  * not. */
 static void fill_pressure(plane *self, const point_film *of, bool cut) {
     const ehd_grid *grid = &of->basis->grid;
@@ -285,11 +286,11 @@ static void fill_pressure(plane *self, const point_film *of, bool cut) {
         }
 }
 
-/* H0 and deflection of that pressure by a plain sum. */
+/* Computes H0 and the deflection of that pressure by direct summation. */
 static void fill_deflection(plane *self, const plane *pressure, const point_film *of) {
     double step = of->basis->grid.step;
     size_t size = self->width * self->lines;
-    double *kernel = calloc(size, sizeof *kernel); // [lines, width] by distance
+    double *kernel = calloc(size, sizeof *kernel); // [lines, width], by distance
 
     assert_non_null(kernel);
     for (size_t k = 0; k < size; k++)
@@ -310,7 +311,8 @@ static void fill_deflection(plane *self, const plane *pressure, const point_film
     free(kernel);
 }
 
-/* Whether the exit line, straight between lines and at the grid's sides, lies behind a place. */
+/* Checks whether a place lies before the exit line, which is straight between lines and at the
+ * sides of the grid. */
 static bool is_before_exit(const point_film *self, double x, double y) {
     const ehd_grid *grid = &self->basis->grid;
     double line = (y - grid_y(grid, 0)) / grid->step;
@@ -323,8 +325,8 @@ static bool is_before_exit(const point_film *self, double x, double y) {
     return x < grid_x(grid, 0) + grid->step * ((1 - part) * exit + part * next) - 1e-9;
 }
 
-/* Compares with direct tensor splines at nodes of a frame that is `now`, away from where the
- * model's splines end: with the farthest exits there is pressure up to there. */
+/* Compares with tensor splines at the nodes of the frame `now`, away from the ends of the model's
+ * splines. With the farthest exits the pressure reaches these ends. */
 static void compare_point(const point_film *self, const contact_frame *now, double tolerance,
                           double at_ends) {
     const ehd_grid *grid = &self->basis->grid;
@@ -362,14 +364,14 @@ static void compare_point(const point_film *self, const contact_frame *now, doub
 
 static void films_of_point_contacts_equal_tensor_splines(void **unused) {
     (void)unused;
-    for (int i = 0; i < 3; i++) { // the half with both exit lines, and the whole
+    for (int i = 0; i < 3; i++) { // the half grid with both exit lines, and the whole grid
         point_film self;
         point_film_init(&self, i < 2 ? &half_basis : &whole_basis, i == 0);
         assert_true(self.film.num_cut > (i == 0 ? 0 : self.model.band.num_lines / 2));
         const contact_frame frames[] = {point_frame(0.93, 1), point_frame(1.02, 1.01),
                                         point_frame(1.3, 1)};
         for (size_t f = 0; f < sizeof frames / sizeof *frames; f++)
-            // within a step of the grid's ends the pressure's splines differ: it falls to zero there
+            // within a step of the grid's ends, where the pressure falls to zero, its splines differ
             compare_point(&self, &frames[f], 3e-5, 2e-4);
         self.reference.lubricant.density = NULL;
         for (size_t f = 0; f < sizeof frames / sizeof *frames; f++)
@@ -378,7 +380,8 @@ static void films_of_point_contacts_equal_tensor_splines(void **unused) {
     }
 }
 
-/* In a frame that stays as it is, what the nodes have; of the next state in the same memory too. */
+/* In an unchanged frame the values are those at the nodes, also for the next state in the same
+ * memory. */
 static void a_frame_that_stands_still_gives_the_nodes(void **unused) {
     (void)unused;
     point_film self;
@@ -418,7 +421,8 @@ static void films_of_the_half_are_those_of_the_whole(void **unused) {
 
     point_film_init(&half, &half_basis, false);
     point_film_init(&whole, &whole_basis, false);
-    size_t first = whole_basis.grid.num_nodes / 2 - grid_width(grid) / 2; // of the line y = 0
+    // first node of the line y = 0
+    size_t first = whole_basis.grid.num_nodes / 2 - grid_width(grid) / 2;
     for (size_t f = 0; f < sizeof frames / sizeof *frames; f++)
         for (size_t r = 0; r < grid->num_inner; r += 3) {
             size_t node = grid_node_of_row(grid, r);
@@ -429,11 +433,10 @@ static void films_of_the_half_are_those_of_the_whole(void **unused) {
     point_film_free(&whole);
 }
 
-/* Modes of an independent basis that are straight are themselves everywhere, before the grid and at
- * its sides too. */
+/* Straight modes of an independent basis continue straight, before the grid and at its sides too. */
 static void straight_modes_go_on_straight(void **unused) {
     (void)unused;
-    for (int i = 0; i < 2; i++) { // the half, and the whole, where they may lean across
+    for (int i = 0; i < 2; i++) { // the half grid, and the whole one with a slope across
         reduced_basis basis = i == 0 ? half_basis : whole_basis;
         const double lean = i == 0 ? 0 : -0.05, approach = 0.1;
         const contact_frame frames[] = {point_frame(0.9, 1), point_frame(2, 1), point_frame(4, 1)};

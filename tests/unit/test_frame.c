@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A contact that changes with time, in units of its present state. */
+/* Frames: a contact that changes with time, in units of its current state. */
 #include "common/settings/scene_contact.h"
 #include "common/time/frame.h"
 #include "tests/unit/check.h"
@@ -62,14 +62,14 @@ static void compare_frames(const contact_kind *kind) {
     }
 }
 
-/* A frame that stands still is the stationary contact of its load, speed, radius and modulus. */
+/* A frame with constant values is the stationary contact of its load, speed, radius and modulus. */
 static void frame_is_the_contact_of_its_values(void **state) {
     (void)state;
     compare_frames(&contact_line);
     compare_frames(&contact_point);
 }
 
-/* At rest M has no bound and is cut; everything stays finite. */
+/* At rest M would be infinite and is limited; everything stays finite. */
 static void frame_at_rest_is_finite(void **state) {
     (void)state;
     ehd_contact reference = physical_contact(&contact_line, (double[]){1, 1, 1, 1}), contact;
@@ -80,8 +80,8 @@ static void frame_at_rest_is_finite(void **state) {
     assert_true(isfinite(contact.moes_L) && contact.lambda > 0);
 }
 
-/* Film at a place of the reference frame from formulas that know no frame: half widths and Hertz
- * pressures are those of the reference, `length` is that of the kernel's logarithm. */
+/* Returns the film at a place of the reference frame, from formulas without frames. The half width
+ * and Hertz pressure of the reference are the units. */
 static double film_by_hand(double x, const double *place, const double *pressure, size_t count,
                            double step, const double *factor, double approach) {
     double film = approach + x * x / (2 * factor[2]);
@@ -92,8 +92,8 @@ static double film_by_hand(double x, const double *place, const double *pressure
     return film;
 }
 
-/* Film, pressure, places, approach and load of a state are the same from within its frame and from
- * the reference: scales, and the constant of the kernel. */
+/* Film, pressure, places, approach and load of a state are physical quantities, whether computed in
+ * its frame or in the reference. This tests the scales and the constant of the kernel. */
 static void scalars_of_a_frame_are_physical(void **state) {
     (void)state;
     enum { COUNT = 81 };
@@ -132,8 +132,8 @@ static void scalars_of_a_frame_are_physical(void **state) {
     }
 }
 
-/* The dry contact: H0 = -(1/4 + ln 2 / 2) in every frame, so that only the scale and the shift by
- * the logarithm of the half width make the approach. */
+/* The dry contact has H0 = -(1/4 + ln 2 / 2) in every frame. So the approach changes only by the
+ * scale and by the logarithm of the half width. */
 static void approach_of_dry_contacts(void **state) {
     (void)state;
     ehd_contact reference = physical_contact(&contact_line, (double[]){1, 1, 1, 1});
@@ -150,7 +150,7 @@ static void approach_of_dry_contacts(void **state) {
     }
 }
 
-/* What the closure by an approach asks for is what frame_to_reference reports. */
+/* The closure by an approach prescribes the approach that frame_to_reference reports. */
 static void approach_closure_is_the_reported_approach(void **state) {
     (void)state;
     ehd_contact reference = physical_contact(&contact_line, (double[]){1, 1, 1, 1}), contact;
@@ -171,8 +171,8 @@ static void approach_closure_is_the_reported_approach(void **state) {
     }
 }
 
-/* Forces, moment, power and stresses of a state in its frame are those of the contact that has these
- * values itself, in SI units. */
+/* Forces, moment, power and stresses of a state in its frame equal those of a contact with the same
+ * values, in SI units. */
 static void traction_of_a_frame_is_physical(void **state) {
     (void)state;
     const contact_kind *const kinds[] = {&contact_line, &contact_point};

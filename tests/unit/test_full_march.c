@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The full model in time, on a coarse grid. */
+/* The transient full model, on a coarse grid. */
 #include "common/settings/scene_contact.h"
 #include "common/time/bdf.h"
 #include "common/time/saved_ring.h"
@@ -13,7 +13,7 @@
 #include <string.h>
 #include <unistd.h>
 
-/* Usual contact: M = 20, L = 6 on 121 nodes. */
+/* Returns the usual contact: M = 20, L = 6 on 121 nodes. */
 static scene usual_scene(const char *transient) {
     return marched_scene(20, 6, "dowson-higginson", 0.05, transient);
 }
@@ -36,8 +36,8 @@ static marched first, second, third;
 
 // ---- constant histories
 
-/* The stationary solution stays as it is, however long; also in a frame that is not the
- * reference's. */
+/* With constant histories the stationary solution does not change, also in a frame other than the
+ * reference. */
 static void constant_histories_stay_stationary(void **state) {
     static const char *const transients[] = {
         "end_time: 1e4, tolerance: 1e-4", "end_time: 20, fixed_step: 0.5",
@@ -66,7 +66,8 @@ static void constant_histories_stay_stationary(void **state) {
     }
 }
 
-/* `moes_M` and `moes_L` of 1.3 times the load at 0.6 times the speed, `width` its half width. */
+/* Compares the start with a stationary contact, `moes_M` and `moes_L` being those of 1.3 times the
+ * load at 0.6 times the speed and `width` its half width. */
 static void compare_start(const scene *of, double moes_M, double moes_L, double width) {
     scene physical = *of;
     full_settings settings = full_default_settings();
@@ -85,7 +86,7 @@ static void compare_start(const scene *of, double moes_M, double moes_L, double 
     contact = first.reference;
     contact_set_moes(&contact, moes_M, moes_L);
     check_close(contact.hertz_pressure, first.reference.hertz_pressure * width, 1e-12, 0);
-    settings.exit_at_node = true; // as in time
+    settings.exit_at_node = true; // like transient solutions
     assert_int_equal(full_solver_create(&solver, contact.kind, &contact.grid, &settings, NULL),
                      EHD_OK);
     assert_int_equal(full_state_init(&stationary, &contact.grid, NULL), EHD_OK);
@@ -100,8 +101,8 @@ static void compare_start(const scene *of, double moes_M, double moes_L, double 
     marched_end(&first);
 }
 
-/* The start in any frame is the stationary contact of its values: M goes as load over the root of
- * the speed, or its power 3/4, and lubricant and modulus alone make the rest of L. */
+/* The start in any frame is the stationary contact of its values. M is proportional to the load
+ * over the speed to the power 1/2 (line) or 3/4 (point); L depends on the speed alone. */
 static void start_is_the_stationary_contact(void **state) {
     (void)state;
     const scene line = marched_scene(20, 6, "dowson-higginson", 0.05, "end_time: 1, fixed_step: 1");
@@ -110,10 +111,10 @@ static void start_is_the_stationary_contact(void **state) {
     compare_start(&point, 20 * 1.3 / pow(0.6, 0.75), 5 * pow(0.6, 0.25), cbrt(1.3));
 }
 
-// ---- accuracy in time
+// ---- accuracy of time steps
 
-/* Largest difference of the central film at the times of the coarser run, whose steps are twice as
- * long. */
+/* Returns the largest difference of the central film at the times of the coarser run, whose steps
+ * are twice as long. */
 static double film_difference(const marched *coarse, const marched *fine) {
     double largest = 0;
 
@@ -124,8 +125,9 @@ static double film_difference(const marched *coarse, const marched *fine) {
     return largest;
 }
 
-/* With both discretisations: the error's order in these steps and halves of them. The accurate rows
- * carry steeper films, so that shorter steps show it: from 0.02 on it is 1.56 on the line. */
+/* Checks the order of the error for these steps, their halves and quarters. The accurate
+ * discretisation has steeper films, so its order shows with shorter steps only: with 0.02 it is
+ * 1.56 on the line. */
 static void check_order(scene (*scene_of)(const char *), const char *law, double longest,
                         const char *discretization) {
     marched *const runs[] = {&first, &second, &third};
@@ -153,7 +155,7 @@ static void fixed_steps_of_a_point_contact(void **state) {
     check_order(marched_point, law, 0.01, "accurate");
 }
 
-/* Halved steps: differences go as their square. */
+/* The differences between runs decrease with the square of the step. */
 static void fixed_steps_are_of_second_order(void **state) {
     static const char *const laws[] = {
         "load: {law: sine, amplitude: 0.2, period: 2, phase: 1.5707963267948966}",
@@ -168,8 +170,8 @@ static void fixed_steps_are_of_second_order(void **state) {
     }
 }
 
-/* Steps by the local error: what is left of it in the film, however long the steps were before a
- * kink. With the accurate rows, on so coarse a grid, up to twice as much as with the published. */
+/* Checks the error of the film under error control, also after long steps before a kink. On this
+ * coarse grid the accurate discretisation has up to twice the error of the published one. */
 static void tolerance_holds(void **state) {
     static const struct {
         const char *law;
@@ -203,8 +205,8 @@ static void tolerance_holds(void **state) {
     }
 }
 
-/* Films along the path come to rest where a slow load does: steps longer than the way of a film are
- * as exact as the tolerance asks for. */
+/* Along the path a film comes to rest with its slow load: steps longer than the way of the film
+ * through the contact are as accurate as the tolerance requires. */
 static void a_slow_ramp_along_the_path_ends_at_rest(void **state) {
     static const char transient[] =
         "end_time: 60, load: {law: ramp, from: 1, to: 1.08, start: 0.5, duration: 40}";
@@ -221,8 +223,8 @@ static void a_slow_ramp_along_the_path_ends_at_rest(void **state) {
     marched_end(&second);
 }
 
-/* The exit lies within its node: where a grid of a quarter of the step has it, while the film
- * follows its load through the contact. */
+/* The exit within a node is the exit on a grid with a quarter of the step, while the film follows
+ * the load. */
 static void the_exit_lies_within_its_node(void **state) {
     static const char transient[] =
         "end_time: 2, fixed_step: 0.02, load: {law: sine, amplitude: 0.1, period: 1}";
@@ -244,13 +246,13 @@ static void the_exit_lies_within_its_node(void **state) {
     marched_end(&second);
 }
 
-/* rho H of the last four states at all nodes, newest first, and what was made of them. */
+/* rho H of the last four states at all nodes, newest first, and results of the check. */
 typedef struct error_check {
     const marched *run;
     size_t num_states;
     double time[4], mass[4][400];
     size_t exit[4], num_moves;
-    double largest_in_front; // of the errors between 0.1 and 0.5 half widths before the exit
+    double largest_in_front; // largest error between 0.1 and 0.5 half widths before the exit
 } error_check;
 
 static void keep_mass(error_check *self, const march_step *step) {
@@ -271,7 +273,8 @@ static void keep_mass(error_check *self, const march_step *step) {
     self->num_states++;
 }
 
-/* With the speed alone the frame stays, so that nodes of all states are the same places. */
+/* Compares the local error with its formula. Only the speed varies, so nodes of all states are at
+ * the same places. */
 static ehd_status check_local_error(void *sink, const march_step *step, size_t index,
                                     ehd_error *ignored) {
     error_check *self = sink;
@@ -300,9 +303,9 @@ static ehd_status check_local_error(void *sink, const march_step *step, size_t i
     return EHD_OK;
 }
 
-/* The local error is the largest one up to a tenth of a half width before the exit, and none that
- * is nearer, where the exit's moves by whole nodes make noise. The speed swings, so that the exit
- * moves and steps in the film travel to it. */
+/* The local error is the largest one up to a tenth of a half width before the exit. Nearer errors
+ * are left out, since the exit moves by whole nodes, which causes noise. The speed oscillates, so
+ * that the exit moves and disturbances of the film travel to it. */
 static void local_error_is_that_before_the_exit(void **state) {
     (void)state;
     static error_check check;
@@ -322,9 +325,9 @@ static void local_error_is_that_before_the_exit(void **state) {
     marched_end(&first);
 }
 
-// ---- where the solution goes
+// ---- asymptotic behaviour
 
-/* The answer to a sine has its period, once the start is forgotten. */
+/* The response to a sine becomes periodic with its period, after the start. */
 static void sine_leads_to_a_periodic_state(void **state) {
     (void)state;
     run_usual(&first, "end_time: 12, fixed_step: 0.02, "
@@ -341,8 +344,8 @@ static void sine_leads_to_a_periodic_state(void **state) {
     marched_end(&first);
 }
 
-/* After all changes the stationary contact of the last values: by the rows to rounding, along the
- * path, far from the start, but for what transport and filter do. */
+/* After all changes the contact is the stationary one of the last values: to round-off with upwind
+ * transport, and along the path except for the errors of transport and filter. */
 static void ramps_end_in_the_stationary_contact(void **state) {
     static const char ramps[] = "load: {law: ramp, from: 1.4, to: 0.8, start: 0.5, duration: 1}, "
                                 "speed: {law: ramp, from: 0.7, to: 1.2, start: 0.1, duration: 2}, "
@@ -375,7 +378,7 @@ static void ramps_end_in_the_stationary_contact(void **state) {
 
 // ---- the approach given
 
-/* With approaches measured as far away as they can be given. */
+/* Returns the usual contact with approaches from as far away as they may be given. */
 static scene measured_scene(const char *transient) {
     scene of = usual_scene(transient);
     of.approach_length = 10;
@@ -387,7 +390,7 @@ static void run_measured(marched *self, const char *transient) {
     marched_all(self, &of);
 }
 
-/* The approach that a load led to, given as a table, leads to that load. */
+/* The approach that results from a load, given as a table, leads to that load. */
 static void approach_gives_the_load_back(void **state) {
     static const char name[] = "approach.csv";
     (void)state;
@@ -411,7 +414,7 @@ static void approach_gives_the_load_back(void **state) {
         marched_all(&second, &of);
         assert_int_equal(second.count, first.count);
         for (size_t k = 0; k < first.count; k++) {
-            // the frames' loads differ a little, and with them the grids' physical places
+            // the frames' loads differ slightly, and so do the physical places of the nodes
             check_close(second.load[k], first.load[k], 1e-4, 0);
             check_close(second.film[k], first.film[k], 1e-4, 0);
             check_close(second.approach[k], first.approach[k], 1e-9, 1e-9);
@@ -421,7 +424,7 @@ static void approach_gives_the_load_back(void **state) {
     }
 }
 
-/* An approach of one's own at the start: the load that belongs to it. */
+/* The start from a given approach has the load that belongs to this approach. */
 static void start_from_a_given_approach(void **state) {
     (void)state;
     scene of = marched_scene(20, 6, "dowson-higginson", 0.05,
@@ -442,7 +445,7 @@ static void start_from_a_given_approach(void **state) {
     marched_end(&second);
 }
 
-/* One that takes nearly all of the load away: the way there takes strides of 1/32 of it. */
+/* An approach that removes nearly all of the load: the continuation takes steps of 1/32 of the way. */
 static void start_from_an_approach_far_away(void **state) {
     (void)state;
     scene of = marched_scene(20, 8, "dowson-higginson", 0.02,
@@ -454,7 +457,7 @@ static void start_from_an_approach_far_away(void **state) {
     marched_end(&first);
 }
 
-/* A given approach squeezes the film by as much with short steps as with long ones. */
+/* A given approach leads to the same squeeze with short and with long steps. */
 static void approach_is_well_posed(void **state) {
     (void)state;
     run_measured(&first, "end_time: 0.02, fixed_step: 0.002, "
@@ -467,7 +470,7 @@ static void approach_is_well_posed(void **state) {
     marched_end(&second);
 }
 
-/* Measured within the pressurised zone it does not, and is refused. */
+/* An approach measured inside the pressurised zone is not well posed, and is refused. */
 static void approach_from_within_is_refused(void **state) {
     (void)state;
     scene of =
@@ -481,7 +484,7 @@ static void approach_from_within_is_refused(void **state) {
 
 // ---- no entrainment
 
-/* Speed down to zero: a squeeze that thins the film for ever, under a load that stays. */
+/* The speed decreases to zero: the squeezed film becomes ever thinner, under a constant load. */
 static void speed_goes_down_to_zero(void **state) {
     (void)state;
     run_usual(&first, "end_time: 20, tolerance: 1e-3, "
@@ -497,7 +500,7 @@ static void speed_goes_down_to_zero(void **state) {
     marched_end(&first);
 }
 
-/* From rest with a stated film, up to the stationary contact. */
+/* A start at rest with a given film develops to the stationary contact. */
 static void start_at_rest(void **state) {
     (void)state;
     run_usual(&first, "end_time: 40, tolerance: 1e-3, start_film: 0.05, "
@@ -514,7 +517,7 @@ static void start_at_rest(void **state) {
     marched_end(&second);
 }
 
-/* At rest for ever: squeezed symmetrically. */
+/* At rest the film is squeezed symmetrically. */
 static void squeeze_is_symmetric(void **state) {
     (void)state;
     scene of = marched_scene(20, 6, "dowson-higginson", 0.05,
@@ -559,7 +562,7 @@ static void save_and_go_on(const scene *scene_of_run) {
     marched_end(&first);
 }
 
-/* Saved in the middle and restored into another object: the same bits as without a stop. */
+/* A march that is saved and restored into another object continues with the same bits. */
 static void saved_march_goes_on_with_the_same_bits(void **state) {
     (void)state;
     const scene line = marched_scene(20, 6, "dowson-higginson", 0.05, busy);
@@ -579,7 +582,7 @@ static void bad_saves_are_refused(void **state) {
     const march_solver *solver = &first.march.solver;
     size_t size = solver->saved_size(solver->self);
     double *saved = calloc(size, sizeof *saved);
-    double *states = saved + first.reference.grid.num_nodes; // behind the errors taken up
+    double *states = saved + first.reference.grid.num_nodes; // behind the errors along the path
     ehd_error error = {""};
 
     assert_non_null(saved);
@@ -592,7 +595,7 @@ static void bad_saves_are_refused(void **state) {
         assert_non_null(strstr(error.text, "previous states"));
     }
     states[0] = 3;
-    states[1 + NUM_FRAME + 20] = NAN; // of the first state
+    states[1 + NUM_FRAME + 20] = NAN; // a value of the first state
     assert_int_equal(solver->restore(solver->self, saved, &error), EHD_DATA);
     assert_non_null(strstr(error.text, "expected finite values"));
     states[1 + NUM_FRAME + 20] = 0;
@@ -606,14 +609,14 @@ static void bad_saves_are_refused(void **state) {
     marched_end(&first);
 }
 
-/* A step taken again, also after one of another length and frame, has the same bits. */
+/* Checks that a repeated step has the same bits, also after a step of another length and frame. */
 static void repeat_attempts(const scene *of) {
     marched_begin(&first, of);
     first.stop_at = 10;
     marched_on(&first);
     const march_solver *solver = &first.march.solver;
     const double time = first.march.state.time,
-                 step = first.march.state.forecast.last_step; // of second order
+                 step = first.march.state.forecast.last_step; // a step of second order
     march_step one, other, again;
     ehd_error error = {""};
     contact_frame near =
@@ -629,7 +632,7 @@ static void repeat_attempts(const scene *of) {
     check_close(one.local_error, again.local_error, 0, 0);
     assert_int_equal(one.iterations, again.iterations);
     assert_false(one.scalars.central_film_thickness == other.scalars.central_film_thickness);
-    // without the states before the last one there is nothing to tell the error by
+    // after a restart there are no states before the last one to estimate the error from
     assert_true(one.local_error > 0);
     solver->restart(solver->self);
     assert_int_equal(solver->attempt(&again, solver->self, &near, step, &error), EHD_OK);
@@ -651,8 +654,8 @@ static double dent(double x) {
     return -2e-3 * exp(-pow((x + 0.5) / 0.12, 2));
 }
 
-/* Adds a dent to the film of the only accepted state. Along the path the base is saved before it, and
- * the time that it is of use to, and always the errors taken up. */
+/* Adds a dent to the film of the only accepted state. The saved data begin with the errors along
+ * the path; along the path, the base state and its time limit precede the states. */
 static void add_dent(march_solver *solver, const ehd_grid *grid, bool path,
                      double (*of)(double x)) {
     const size_t size = solver->saved_size(solver->self), errors = grid->num_nodes;
@@ -667,7 +670,8 @@ static void add_dent(march_solver *solver, const ehd_grid *grid, bool path,
     free(saved);
 }
 
-/* What is left of a dent in a contact whose film pressure hardly moves, in a run of fixed steps. */
+/* Returns the change by a dent after a run of fixed steps, in a contact whose film hardly changes
+ * the pressure. */
 static void carry_dent(double *left, double (*of)(double x), const char *transport,
                        double smoothing, const char *transient) {
     scene of_run = marched_scene(200, 10, "incompressible", 0.01, transient);
@@ -686,8 +690,8 @@ static void carry_dent(double *left, double (*of)(double x), const char *transpo
     }
 }
 
-/* A dent passes unchanged, by the path of the fluid whose speed rises: compare with its shift. The
- * rows smear it. */
+/* Along the path a dent passes unchanged, although the speed rises; its expected position is its
+ * shift. Upwind transport smears it. */
 static void a_dent_passes_unchanged(void **state) {
     static const char transient[] = "end_time: 0.64, fixed_step: 0.02, "
                                     "speed: {law: ramp, from: 1, to: 1.5, duration: 0.64}";
@@ -698,7 +702,7 @@ static void a_dent_passes_unchanged(void **state) {
         carry_dent(left, dent, path ? "path" : "upwind", NAN, transient);
         for (size_t k = 0; k < 603; k++) {
             const double x = -4.01 + 0.01 * (double)k;
-            if (fabs(x - 0.3) > 0.4) continue; // what was in the contact already
+            if (fabs(x - 0.3) > 0.4) continue; // outside, the film was in the contact at the start
             missed[path] = fmax(missed[path], fabs(left[k] - dent(x - 0.8)) / -dent(-0.5));
         }
     }
@@ -710,7 +714,7 @@ static double dent_behind(double x) {
     return dent(x - 1);
 }
 
-/* Attempts of error control, with a dent in the film at the start or none. */
+/* Returns the attempts of error control, with or without a dent in the film at the start. */
 static size_t attempts_with(double (*of)(double x)) {
     const scene usual = along_path(marched_scene(20, 6, "incompressible", 0.01,
                                                  "end_time: 1, tolerance: 1.5e-3, "
@@ -723,19 +727,19 @@ static size_t attempts_with(double (*of)(double x)) {
     return (size_t)(first.march.state.num_steps + first.march.state.num_rejected);
 }
 
-/* What no film at the centre will hold is no error of it: a dent of half a hundredth of the film that
- * leaves behind the centre, beside a load that varies. */
+/* A dent behind the centre, of half a hundredth of the film, does not reach the centre. It must not
+ * be counted as an error, beside a varying load. */
 static void what_passes_by_costs_no_steps(void **state) {
     (void)state;
     assert_int_equal(attempts_with(dent_behind), attempts_with(NULL));
 }
 
-/* Four nodes long. */
+/* Returns a ripple with a wave length of four nodes. */
 static double ripple(double x) {
     return 1e-5 * cos(M_PI_2 * round(x / 0.01)) * exp(-pow((x + 0.5) / 0.12, 2));
 }
 
-/* What the grid can hardly carry is damped, and nothing else damps it. */
+/* The filter damps what the grid can hardly represent; without it nothing does. */
 static void a_ripple_is_damped(void **state) {
     static double left[603];
     (void)state;
@@ -748,9 +752,10 @@ static void a_ripple_is_damped(void **state) {
     }
 }
 
-/* The lubricant that a load step traps passes the centre, three times as thick as the film: 0.092 to
- * 0.095 with fixed steps of 0.0025 on half the grid step, along the path and by the rows. A solution
- * ruptured in the inlet, to which Newton comes on the way, would leave 0.055 of it. */
+/* A load step traps a pocket of lubricant three times as thick as the film, which passes the
+ * centre. With fixed steps of 0.0025 on half the grid step its film is 0.092 to 0.095, along the
+ * path and upwind. A solution with a ruptured inlet, which Newton passes on the way, would leave
+ * 0.055. */
 static void a_trapped_pocket_passes(void **state) {
     double most = 0;
     (void)state;
@@ -764,7 +769,8 @@ static void a_trapped_pocket_passes(void **state) {
     check_close(most, 0.0935, 0.05, 0);
 }
 
-/* Fixed steps as long as the grid's: published rows that carry the films, or the path without a filter. */
+/* Runs with fixed steps equal to the grid's: upwind in the published discretisation, or along the
+ * path without filter. */
 static void run_to_two(marched *run, bool path, double step) {
     char transient[128];
     snprintf(transient, sizeof transient,
@@ -785,8 +791,8 @@ static double film_at(const marched *run, const double *films, double time) {
     return films[k];
 }
 
-/* The path's films are those that the other way of carrying them leads to: by published rows of second
- * order, extrapolated in step and grid, which by themselves are farther off by far. */
+/* Films along the path agree with upwind films of the published discretisation, which have second
+ * order and are extrapolated in step and grid. Without extrapolation these differ much more. */
 static void both_ways_of_carrying_lead_to_one(void **state) {
     const double step = 0.0125;
     double off[2] = {0}, of_rows = 0;
@@ -812,10 +818,10 @@ static void both_ways_of_carrying_lead_to_one(void **state) {
     marched_end(&third);
 }
 
-// ---- what the steps do to the films
+// ---- effect of the time steps on the films
 
-/* Root of the mean square over the second half of a run of fixed steps: what was in the contact at
- * the start has left. */
+/* Returns the root mean square over the second half of a run, when the films of the start have left
+ * the contact. */
 static double mean_of(const double *values, size_t count) {
     double sum = 0;
 
@@ -824,8 +830,8 @@ static double mean_of(const double *values, size_t count) {
     return sqrt(sum);
 }
 
-/* What steps a quarter as long and no filter change of a film of `first` (`better`, of `second`), and
- * what the estimate leaves of it. */
+/* Returns the part of the change that `effect` does not predict. The change is that of a film of
+ * `first` by steps a quarter as long without filter (`better`, of `second`). */
 static double left_of_change(const double *film, const double *better, const double *effect) {
     static double change[MARCHED_STEPS], rest[MARCHED_STEPS];
 
@@ -838,8 +844,8 @@ static double left_of_change(const double *film, const double *better, const dou
     return mean_of(rest, first.count) / mean_of(change, first.count);
 }
 
-/* At the rows and along the path, whose filter's effect is told too; of a point's minimum film, which
- * hardly changes, too much is told. */
+/* Checks the effects with upwind transport and along the path, including the filter's. The minimum
+ * film of a point hardly changes, and its effect is overestimated. */
 static void effects_are_those_of_shorter_steps(void **state) {
     static const char history[] = "load: {law: sine, amplitude: 0.1, period: 1}";
     char of_line[128], of_point[128];
@@ -868,7 +874,7 @@ static void effects_are_those_of_shorter_steps(void **state) {
 
 // ---- steps of any lengths
 
-/* The film of a step of the march that has begun, which is accepted if wanted. */
+/* Returns the film after a step of the march; accepts the step if wanted. */
 static double film_of_step(marched *self, double time, double step, bool accepted) {
     march *run = &self->march;
     const contact_frame frame =
@@ -883,8 +889,8 @@ static double film_of_step(marched *self, double time, double step, bool accepte
     return frame_to_reference(&outcome.scalars, &frame, &self->reference).central_film_thickness;
 }
 
-/* A step of 1e-7 or two, as integrators take them that look for an event, change nothing of the
- * next one. */
+/* Steps of 1e-7, as from an integrator that locates an event, do not change the result of the next
+ * step. */
 static void a_short_step_leaves_the_next_one_as_it_is(void **state) {
     (void)state;
     static const char *const transports[] = {"upwind", "path"};

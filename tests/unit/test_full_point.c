@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The point contact: rows across, and the full model's solutions. */
+/* The point contact: its rows with flow across, and solutions of the full model. */
 #include "tests/unit/check.h"
 #include "tests/unit/dense.h"
 #include "tests/unit/problem.h"
@@ -17,7 +17,7 @@ static void *allocate(size_t count, size_t size) {
 
 // ---- rows
 
-/* A few nodes with everything that rows depend on. */
+/* A few nodes with all fields on which the rows depend. */
 typedef struct patch {
     ehd_contact contact;
     double *pressure, *film, *memory; // [num_nodes], [num_nodes], [NUM_FLUID_ARRAYS, num_nodes]
@@ -55,7 +55,7 @@ static void patch_evaluate(patch *self) {
                   self->pressure, self->film);
 }
 
-/* A row's derivative with respect to the value at a node, which a mirrored stencil may hold
+/* Returns the derivative of a row by the value at a node, which a mirrored stencil may contain
  * twice. */
 static double by_node(const double *by, const reynolds_stencil *stencil, size_t node) {
     double sum = 0;
@@ -64,7 +64,7 @@ static double by_node(const double *by, const reynolds_stencil *stencil, size_t 
     return sum;
 }
 
-/* All derivatives with respect to `values`, which are those that `member` of the rows holds. */
+/* Checks all derivatives of the rows by `values`, which are the film or the pressure. */
 static void check_derivatives(patch *self, double *values, bool of_film) {
     const ehd_grid *grid = &self->contact.grid;
     double *up = allocate(2 * grid->num_inner, sizeof *up), *down = up + grid->num_inner;
@@ -102,7 +102,7 @@ static void row_derivatives(void **state) {
         patch few;
         if (i < 36) {
             contact.grid.discretization = (ehd_discretization)(i / 12);
-        } else { // an Eyring fluid with gradients Sigma of up to 2
+        } else { // an Eyring fluid with gradients Sigma up to 2
             contact.half_width = 1e-4;
             contact.radius = 0.01;
             contact.slide_roll = 0.3;
@@ -119,7 +119,7 @@ static void row_derivatives(void **state) {
     }
 }
 
-/* Pressure and gap that do not vary across: each line's rows are those of a line contact. */
+/* If pressure and gap do not vary across, the rows of each line are those of a line contact. */
 static void rows_without_variation_across_are_the_line_s(void **state) {
     (void)state;
     ehd_contact contact = sample_point("barus", "dowson-higginson", 10, 6, 16, false);
@@ -156,13 +156,14 @@ static void rows_without_variation_across_are_the_line_s(void **state) {
     }
 }
 
-/* Largest residual of a solution of the equation by separation, with nodes `step` apart: an isoviscous
- * flow that leaves across (rate^2 across the film), through a film that varies exponentially along
- * or across. With P = lambda u,
+/* Returns the largest residual of an exact solution, with nodes `step` apart. In an isoviscous
+ * flow, lubricant leaves across (rate^2 across the film), through a film that varies exponentially
+ * along or across. With P = lambda u,
  *
  *     H^3 = e^(g x), u = U int H^-2 dx + e^(b x) cos(rate y):  (H^3 u_x)_x - U H_x = (rate/k)^2 H^3 u_1
  *
- * of the second term u_1 where b (b + g) = (rate/k)^2; and alike across, where nothing is entrained. */
+ * for the second term u_1, where b (b + g) = (rate/k)^2. The solution across is alike, without
+ * entrainment. */
 static double residual_of_solution(ehd_discretization discretization, double k, double step,
                                    bool film_across) {
     const double rate = 2.1, b = 1.7, place = 0.7;
@@ -223,7 +224,7 @@ static ehd_contact contact_of_case(int i, size_t cells, bool half) {
 
 static ehd_status compare_exactly(full_system *system, double tolerance, size_t *iterations,
                                   ehd_error *error) {
-    (void)tolerance; // of an inexact Newton step
+    (void)tolerance; // tolerance of an inexact Newton step; not used
     return compare_linear_solvers(system, 1e-11, iterations, error);
 }
 
@@ -284,7 +285,8 @@ static void half_equals_whole(void **state) {
     }
 }
 
-/* Pressurised: f = 0, P >= 0; else P = 0, Lambda = -f >= 0; everywhere a film, and the load. */
+/* Checks a solution: f = 0 and P >= 0 under pressure, else P = 0 and Lambda = -f >= 0; a positive
+ * film; the load. */
 static void check_solution(const ehd_contact *contact) {
     const full_settings settings = full_default_settings();
     const ehd_grid *grid = &contact->grid;
@@ -315,7 +317,7 @@ static void check_solution(const ehd_contact *contact) {
     check_close(sum * grid->step * grid->step + beyond, 2 * M_PI / 3, 1e-9, 0);
     assert_true(solved.info.complementarity <= 1e-9);
     assert_false(full_is_cut(&solved.state, grid, false));
-    // of a large grid 7 to 12
+    // 7 to 12 on a large grid
     assert_true(solved.info.gmres_iterations <= 15 * solved.info.newton_iterations);
     problem_free(&solved);
     free(rows);
@@ -329,7 +331,7 @@ static void solution_satisfies_the_problem(void **state) {
     }
 }
 
-/* Large grids, whose systems are preconditioned by multigrid. */
+/* Solves on large grids, whose systems are preconditioned by multigrid. */
 static void large_grids_satisfy_the_problem(void **state) {
     (void)state;
     for (int i = 0; i < 2; i++) {
@@ -338,12 +340,12 @@ static void large_grids_satisfy_the_problem(void **state) {
         assert_true(full_is_large(&contact.grid));
         check_solution(&contact);
     }
-    // the grids of trainings and studies are not: their bits are those of the factors
+    // usual grids of trainings and studies count as small and use the factors, so their bits stay the same
     const ehd_contact usual = sample_point("barus", "incompressible", 20, 10, 128, true);
     assert_false(full_is_large(&usual.grid));
 }
 
-/* The converged digits of Venner and Lubrecht's multigrid program, in Moes units
+/* Compares with the converged digits of Venner and Lubrecht's multigrid program, in Moes units
  * (bench_point.c). */
 static void digits_of_the_multigrid_program(void **state) {
     (void)state;
@@ -360,10 +362,10 @@ static void digits_of_the_multigrid_program(void **state) {
     problem_free(&solved);
 }
 
-/* From coarser grids Newton begins near the solution, and its first systems need not be solved
- * well: on 128 cells 5 or 6 iterations with 8 to 9 of GMRES each, where a start from the dry contact
- * takes 13, strict systems 12 each, and systems that are solved too badly a Newton iteration
- * more. */
+/* The start from coarser grids is near the solution, and its first systems may be solved inexactly.
+ * On 128 cells this takes 5 or 6 Newton iterations with 8 to 9 of GMRES each. A start from the dry
+ * contact takes 13, strict systems take 12 of GMRES each, and systems that are solved too badly
+ * take a Newton iteration more. */
 static void fine_grids_take_few_iterations(void **state) {
     (void)state;
     const double moes_M[] = {20, 100}, moes_L[] = {10, 5};
@@ -374,7 +376,8 @@ static void fine_grids_take_few_iterations(void **state) {
         ehd_contact contact =
             sample_point("barus", "dowson-higginson", moes_M[i], moes_L[i], 128, true);
         problem solved;
-        contact.grid.boundary = BOUNDARY_ZERO; // open: 7 and 5 iterations, 44 and 55 of GMRES
+        // the open boundary takes 7 and 5 iterations, 44 and 55 of GMRES
+        contact.grid.boundary = BOUNDARY_ZERO;
         problem_solve_cold(&solved, &contact, &settings);
         newton += solved.info.newton_iterations;
         gmres += solved.info.gmres_iterations;
@@ -384,7 +387,8 @@ static void fine_grids_take_few_iterations(void **state) {
     assert_true(gmres <= 95);
 }
 
-/* Largest difference from the Hertz pressure inside of the dry contact's steep edge. */
+/* Returns the largest difference from the Hertz pressure, away from the steep edge of the dry
+ * contact. */
 static double deviation_from_hertz(double moes_M) {
     const ehd_contact contact = sample_point("barus", "incompressible", moes_M, 0, 96, true);
     const full_settings settings = full_default_settings();
@@ -401,7 +405,8 @@ static double deviation_from_hertz(double moes_M) {
     return worst;
 }
 
-/* Without piezoviscosity and with a thinner and thinner film the pressure becomes the dry one. */
+/* Without piezoviscosity the pressure approaches that of the dry contact as the film becomes
+ * thinner. */
 static void thin_films_approach_hertz(void **state) {
     (void)state;
     double thick = deviation_from_hertz(10), thin = deviation_from_hertz(50),

@@ -14,9 +14,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-// ---- what a solution is
+// ---- properties of a solution
 
-/* The film from pressure and approach, by direct summation. */
+/* Compares the film with direct summation of the pressure. */
 static void check_film(const problem *solved) {
     const ehd_grid *grid = &solved->contact.grid;
     for (size_t k = 0; k < grid->num_nodes; k++) {
@@ -29,7 +29,7 @@ static void check_film(const problem *solved) {
     }
 }
 
-/* With the exit at a node. */
+/* The published discretisation has its exit at a node. */
 static void solution_satisfies_the_problem(void **state) {
     (void)state;
     full_settings settings = full_default_settings();
@@ -46,7 +46,7 @@ static void solution_satisfies_the_problem(void **state) {
         const double *pressure = solved.state.pressure;
         problem_rows(rows, &solved);
         check_film(&solved);
-        // pressurised: f = 0 and P >= 0; cavitated: P = 0 and Lambda = -f >= 0
+        // under pressure: f = 0 and P >= 0; cavitated: P = 0 and Lambda = -f >= 0
         for (size_t k = 1; k < exit; k++) {
             assert_true(pressure[k] >= 0);
             check_close(rows[k - 1].residual, 0, 0, 1e-9 * row_size(&rows[k - 1]));
@@ -73,7 +73,7 @@ static void solution_satisfies_the_problem(void **state) {
     }
 }
 
-/* At x_min = -4.01 no node lies at X = 0; a cubic is met exactly. */
+/* At x_min = -4.01 no node is at X = 0; the interpolation is exact for a cubic. */
 static void scalars_between_nodes(void **state) {
     (void)state;
     ehd_contact contact = sample_contact("barus", "incompressible", 10, 5, 0.04);
@@ -111,7 +111,7 @@ static void solution_is_a_fixed_point(void **state) {
 
 // ---- grids
 
-/* Order of the central film's error, where the boundary nodes keep their places. */
+/* Returns the order of the central film's error, with boundary nodes at fixed places. */
 static double order_in_the_step(ehd_discretization discretization) {
     static const size_t intervals[] = {300, 600, 1200};
     const full_settings settings = full_default_settings();
@@ -147,10 +147,10 @@ static void newton_count_does_not_grow(void **state) {
     }
 }
 
-/* A zone that ends a tenth of a half width too early or too late: the flux says at once where
- * the exit lies, so that Newton takes the iterations that the pressure takes, on coarse and fine
- * grids alike. Measured: 4 or 5. With a flux that is a tenth off they are up to 10, at the
- * smallest step. */
+/* The pressure zone starts a tenth of a half width too short or too long. The flux gives the
+ * place of the exit at once, so Newton takes no more iterations than for the pressure, on coarse
+ * and fine grids. Measured: 4 or 5. With a flux that is 10 % off they are up to 10, at the smallest
+ * step. */
 static void flux_finds_the_exit_at_once(void **state) {
     (void)state;
     static const double steps[] = {0.02, 0.01, 0.005};
@@ -175,8 +175,8 @@ static void flux_finds_the_exit_at_once(void **state) {
     }
 }
 
-/* At a high alpha p_H a full Newton step may lead anywhere: without a search along it this contact
- * takes 354 iterations, most of them in a continuation, and with it 8. */
+/* At a high alpha p_H a full Newton step may lead anywhere. This contact takes 354 iterations
+ * without a line search, most of them in a continuation, and 8 with it. */
 static void steps_are_searched(void **state) {
     (void)state;
     const full_settings settings = full_default_settings();
@@ -188,7 +188,7 @@ static void steps_are_searched(void **state) {
     problem_free(&solved);
 }
 
-// ---- an exit within a node, with the accurate rows
+// ---- an exit within a node, with the accurate discretisation
 
 static ehd_contact accurate_contact(double moes_M, double moes_L, double step) {
     ehd_contact contact = sample_contact("barus", "incompressible", moes_M, moes_L, step);
@@ -209,7 +209,7 @@ static double exit_of(double step) {
     return exit;
 }
 
-/* Measured: 1.055470 and 1.055492. At a node: 1.06 and 1.055. */
+/* Measured exits: 1.055470 and 1.055492. At a node they would be 1.06 and 1.055. */
 static void exit_is_that_of_a_finer_grid(void **state) {
     (void)state;
     check_close(exit_of(0.02), exit_of(0.005), 0, 4e-5);
@@ -217,7 +217,7 @@ static void exit_is_that_of_a_finer_grid(void **state) {
 
 enum { NUM_SWEPT = 21, NUM_COEFFICIENTS = 5 };
 
-/* Largest deviation of values at equal distances from the quartic nearest to them. */
+/* Returns the largest deviation of equidistant values from their least-squares quartic. */
 static double scatter(const double values[NUM_SWEPT]) {
     double matrix[NUM_SWEPT * NUM_COEFFICIENTS], right[NUM_SWEPT], largest = 0;
 
@@ -240,8 +240,8 @@ static double scatter(const double values[NUM_SWEPT]) {
     return largest;
 }
 
-/* While M grows from 20 to 30 the exit passes a node at 1.05. Measured: a scatter of 1.2e-5, and
- * 4 to 6 Newton iterations from one contact to the next; at a node 4e-3. */
+/* While M grows from 20 to 30 the exit passes a node at 1.05. Measured: a deviation of 1.2e-5, and
+ * 4 to 6 Newton iterations from one contact to the next. With exits at nodes it is 4e-3. */
 static void exit_is_smooth_in_the_load(void **state) {
     (void)state;
     const full_settings settings = full_default_settings();
@@ -266,7 +266,7 @@ static void exit_is_smooth_in_the_load(void **state) {
     problem_free(&solved);
 }
 
-/* A result holds pressure and approach: where within the node the exit lies follows from them. */
+/* A result stores pressure and approach; the place of the exit within its node follows from them. */
 static void pressure_holds_the_exit(void **state) {
     (void)state;
     const full_settings settings = full_default_settings();
@@ -291,7 +291,7 @@ static void pressure_holds_the_exit(void **state) {
     }
 }
 
-/* The rows that do not hold the exit are balanced, and it alone is left out. */
+/* Rows before the exit's node are balanced; this node and the cavitated ones are not. */
 static void rows_before_the_exit_hold(void **state) {
     (void)state;
     const ehd_contact contact = accurate_contact(20, 10, 0.01);
@@ -311,7 +311,8 @@ static void rows_before_the_exit_hold(void **state) {
     free(rows);
 }
 
-/* The exact Jacobian: with the cell's row as in the dense system, and quadratic convergence. */
+/* The Jacobian is exact, including the row of the exit cell: it equals the dense one and converges
+ * quadratically. */
 static void the_cell_is_part_of_the_linear_system(void **state) {
     (void)state;
     const ehd_contact contact = accurate_contact(12, 6, 0.04),
@@ -328,9 +329,9 @@ static void the_cell_is_part_of_the_linear_system(void **state) {
     problem_free(&solved);
 }
 
-/* Rounding leaves residuals of 5e-12 on a step so fine: a tolerance below that, as of training, ends
- * where they fall no more. On the grid that it chooses this contact takes 6 iterations so and 47
- * where it waits for one below 1e-12 by chance. */
+/* With so fine a step, round-off leaves residuals of 5e-12. A tolerance below that, as in training,
+ * ends the iteration when they no longer fall. On its default grid this contact takes 6 iterations;
+ * waiting until the residual falls below 1e-12 by chance would take 47. */
 static void rounding_ends_the_iteration(void **state) {
     (void)state;
     full_settings settings = full_default_settings();
@@ -359,8 +360,7 @@ static void not_converged_is_an_outcome(void **state) {
     problem_free(&stopped);
 }
 
-/* Cells far wider than the inlet that builds the film: reported, and not after thousands of
- * steps. */
+/* Cells far wider than the inlet that builds the film are reported, without thousands of steps. */
 static void too_coarse_a_grid_is_an_outcome(void **state) {
     (void)state;
     full_settings settings = full_default_settings();
@@ -451,7 +451,7 @@ static void state_without_memory(void **state) {
     }
 }
 
-/* A solve allocates too: the coarser grids and the continuation's memory. */
+/* A solution allocates memory too, for coarser grids and the continuation. */
 static void solve_without_memory(void **state) {
     (void)state;
     ehd_contact contact = sample_contact("barus", "incompressible", 10, 2, 0.01);
@@ -473,8 +473,8 @@ static void solve_without_memory(void **state) {
 
 // ---- interruption
 
-/* A signal that arrives at the third linear system, which is then not solved: neither for the
- * caller nor by a step of other bits. */
+/* Sends a signal during the third linear system. This system must not be solved, and must not give
+ * a step with other bits. */
 static ehd_status interrupted_gmres(full_system *system, double tolerance, size_t *iterations,
                                     ehd_error *error) {
     static size_t calls;
@@ -519,8 +519,8 @@ static void an_interrupted_linear_system_is_no_step(void **state) {
     program_finish(&self, EHD_OK, &error);
 }
 
-/* Of two valleys the deeper one, whose bottom lies between nodes that are higher than the node at
- * the bottom of the other. */
+/* The film has two valleys. The bottom of the deeper one lies between nodes that are higher than
+ * the node at the bottom of the other. */
 static void the_smallest_film_need_not_be_at_the_smallest_node(void **state) {
     (void)state;
     const ehd_contact contact = sample_contact("barus", "incompressible", 20, 6, 0.05);
@@ -557,7 +557,8 @@ int main(void) {
         cmocka_unit_test(solver_without_memory),
         cmocka_unit_test(state_without_memory),
         cmocka_unit_test(solve_without_memory),
-        cmocka_unit_test(an_interrupted_linear_system_is_no_step), // for good, hence the last one
+        // stays interrupted, so this test is the last
+        cmocka_unit_test(an_interrupted_linear_system_is_no_step),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -8,7 +8,7 @@
 
 enum { NUM_INNER = 10, NUM_PRESSURE = 3 };
 
-/* A basis of which only the sizes are looked at. */
+/* A basis of which only the sizes are used. */
 static const reduced_basis basis = {.grid = {.num_inner = NUM_INNER}, .num_pressure = NUM_PRESSURE};
 
 static ehd_status read_text(given_rows *given, const char *text, ehd_error *error) {
@@ -38,7 +38,7 @@ static void rows_and_weights_are_read(void **state) {
     assert_null(given.factors);
     given_rows_free(&given);
 
-    // other columns, in any order, and the names of model.h5
+    // other columns are ignored, in any order, with the names of model.h5
     assert_int_equal(read_text(&given,
                                "# of mine\nx , row_factor, selected_row\n-1,0.5,2\n"
                                "who,2,7\n\n0,1e-3,3.0\n,1,0\n",
@@ -75,7 +75,8 @@ static void bad_rows_are_refused(void **state) {
     refuses("row,weight\n1,1\n2\n3,1\n", "rows.csv:3: found 1 column, expected 2 as in the header");
 }
 
-/* A file of our own has the axis `row` beside them. */
+/* If a file has several known names, the first in the list is used: our files have the axis `row`
+ * too. */
 static void the_first_known_name_counts(void **state) {
     (void)state;
     given_rows given;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Linear systems of a Newton step: GMRES with a near field against a dense factorisation. */
+/* Linear systems of Newton: GMRES with a near-field preconditioner, against a dense factorisation. */
 #include "fullrun/full_solver.h"
 #include "fullrun/gmres.h"
 #include "tests/unit/check.h"
@@ -38,8 +38,8 @@ static void every_step_equals_dense(void **state) {
     }
 }
 
-/* With the whole kernel kept, the preconditioner is the Jacobian but for a constant that the
- * approach absorbs: two iterations, whatever the contact. */
+/* With the whole kernel the preconditioner is the Jacobian, except for a constant that the approach
+ * compensates. Any contact then takes two iterations. */
 static void whole_kernel_needs_two_iterations(void **state) {
     (void)state;
     full_settings settings = full_default_settings();
@@ -53,9 +53,9 @@ static void whole_kernel_needs_two_iterations(void **state) {
     }
 }
 
-/* The default near field and tolerance: a dozen or two, also where the viscosity spans many
- * decades. On 1201 nodes 18 in the mean (full_default_settings): with a narrower near field or a
- * stricter tolerance there are more, a wider or a looser one is not worth its cost. */
+/* The default near field and tolerance take one or two dozen iterations, also if the viscosity
+ * spans many decades. On 1201 nodes the mean is 18 (full_default_settings). A narrower near field
+ * or a stricter tolerance needs more iterations; a wider or looser one costs more than it saves. */
 static void near_field_preconditions(void **state) {
     (void)state;
     static const char *const lubricants[] = {"barus", "roelands", "no1"};
@@ -90,8 +90,8 @@ static ehd_status watch_iterations(full_system *system, double tolerance, size_t
     return status;
 }
 
-/* Of 19201 nodes a system takes up to 46 iterations, each of which keeps a vector: they have to be
- * allowed, and do not take more memory than it takes. */
+/* On 19201 nodes a system takes up to 46 iterations, each of which stores a vector. The limit must
+ * allow them, and memory must be allocated only when needed. */
 static void vectors_suffice_for_a_fine_grid(void **state) {
     (void)state;
     const ehd_contact contact = sample_contact("barus", "dowson-higginson", 200, 5, 0.0003125);
@@ -116,7 +116,7 @@ static ehd_status compare_kept(full_system *system, double tolerance, size_t *it
     return status;
 }
 
-/* A step in time under a load that has risen by `rise`, from a stationary solution. */
+/* Makes a time step to a load that has risen by `rise`, from a stationary solution. */
 static void step_from_stationary(const ehd_contact *contact, double rise) {
     const double rate = 50;
     const ehd_grid *grid = &contact->grid;
@@ -143,8 +143,8 @@ static void step_from_stationary(const ehd_contact *contact, double rise) {
     free(previous);
 }
 
-/* Factors of the first system of a step precondition the others, whose rows are scaled anew and
- * whose zone of pressure is another one: the solutions are their own, in few iterations a step. */
+/* The factors of the first system of a step precondition its other systems, although their scales
+ * and pressure zones differ. The solutions stay exact, with few iterations. */
 static void factors_serve_the_whole_step(void **state) {
     (void)state;
     const ehd_contact contacts[] = {

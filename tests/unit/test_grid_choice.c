@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The grid of a contact whose scene says nothing of it, or a part. */
+/* Default grids of contacts whose scenes give no grid, or only a part. */
 #include "common/physics/grid_choice.h"
 #include "common/settings/scene_contact.h"
 #include "tests/unit/check.h"
@@ -10,7 +10,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* Of a scene without a grid. */
+/* Returns the contact of a scene without a grid. */
 static ehd_contact contact_in(scene *given, const char *kind, const char *discretization) {
     ehd_contact contact;
 
@@ -28,8 +28,8 @@ static ehd_contact contact_of(const char *kind, const char *discretization, doub
     return contact_in(&given, kind, discretization);
 }
 
-/* Zero at the edge, rising with the power 3/2, and far away the undeformed gap less what grows
- * slower than it. Slopes by differences: Hertz (line) x' = sqrt(x^2 - 1). */
+/* Checks dry gaps: zero at the edge, rising with the power 3/2; far away the undeformed gap minus a
+ * term that grows more slowly. Slopes by differences; Hertz (line): sqrt(x^2 - 1). */
 static void dry_gaps(void **state) {
     (void)state;
     const double d = 1e-6;
@@ -52,7 +52,7 @@ static void dry_gaps(void **state) {
     check_close(contact_point.dry_gap(&shape_round, 100), 5000, 1e-2, 0);
 }
 
-/* Longer for thick films, finer for thin ones; as M and L ask. */
+/* Grids are longer for thick films and finer for thin ones, depending on M and L. */
 static void grids_that_contacts_need(void **state) {
     (void)state;
     static const struct {
@@ -97,8 +97,8 @@ static void narrow_ellipses_are_fine(void **state) {
     }
 }
 
-/* Films that the bodies do not deform have powers of M: of lines H_m is 2.4485/M in Moes numbers (Martin,
- * Engineering 102, 1916), of parabolas it goes with the square of the speed over the load. */
+/* Returns the minimum film. If the bodies are rigid, it is 2.4485/M in Moes numbers for lines
+ * (Martin, Engineering 102, 1916), and proportional to the square of speed over load for parabolas. */
 static double smallest_film(scene *given, const char *kind) {
     const full_settings settings = full_default_settings();
     const ehd_contact contact = contact_in(given, kind, "accurate");
@@ -126,7 +126,7 @@ static void rigid_films(void **state) {
     }
 }
 
-/* Larger of the errors of central and smallest film, over 1 % and 3 %. */
+/* Returns the larger of the errors of central and minimum film, relative to 1 % and 3 %. */
 static double error_on(const ehd_contact *contact, double central, double smallest) {
     const full_settings settings = full_default_settings();
     problem found;
@@ -138,13 +138,13 @@ static double error_on(const ehd_contact *contact, double central, double smalle
                 fabs(films.minimum_film_thickness / smallest - 1) / 0.03);
 }
 
-/* Films of unbounded inlets and steps without end (scenes/studies/default-grid), and parts of the
- * chosen length or times its step that are too little. */
+/* Films of infinitely long inlets and fine steps (scenes/studies/default-grid). `step` and `length`
+ * are factors on the default grid that make it insufficient. */
 typedef struct enough {
     double moes_M, moes_L, central, smallest, step, length;
 } enough;
 
-/* Within 1 and 3 % on the grid that a contact chooses, and not with less. */
+/* Checks that the default grid has errors below 1 and 3 %, and that less is not enough. */
 static void check_just_enough(const char *kind, const enough *of) {
     ehd_contact contact = contact_of(kind, "accurate", of->moes_M, of->moes_L);
     grid_extent less = grid_extent_of(&contact.grid);
@@ -152,13 +152,13 @@ static void check_just_enough(const char *kind, const enough *of) {
     assert_true(error_on(&contact, of->central, of->smallest) < 1);
     less.step *= of->step;
     less.x_min *= of->length;
-    less.y_max *= of->length; // NaN of a line
+    less.y_max *= of->length; // NaN for a line
     contact.grid = grid_choose(&less, &less, &contact.grid);
     assert_true(error_on(&contact, of->central, of->smallest) > 1);
 }
 
-/* A quarter as fine is not enough at small L; the inlet's effect is largest at M = 1, where half of
- * it is too short. */
+/* Four times the step is too coarse at small L. The length matters most at M = 1, where half of it
+ * is too short. */
 static void grids_are_fine_and_wide_enough(void **state) {
     (void)state;
     static const enough cases[] = {{1, 0, 1.28597, 1.20199, 1, 1. / 2},
@@ -168,8 +168,8 @@ static void grids_are_fine_and_wide_enough(void **state) {
         check_just_enough("line", &cases[i]);
 }
 
-/* Of a point contact with zero pressure around it, of low M and L, the load beyond the domain
- * decides: with half of the length the film is off by 1.5 %. Films as below. */
+/* A point contact of low M and L with zero pressure around it is limited by the load beyond the
+ * domain: with half of the length the film is off by 1.5 %. Films are those of the next test. */
 static void points_count_the_load_beyond(void **state) {
     (void)state;
     const double central = 0.26890, smallest = 0.19779;
@@ -186,8 +186,8 @@ static void points_count_the_load_beyond(void **state) {
     assert_true(error_on(&contact, central, smallest) > 1.3);
 }
 
-/* Half of the length is not enough where films are thick, nor twice the step where the spike lies
- * at the centre. */
+/* Half of the length is too short for thick films. Twice the step is too coarse if the pressure
+ * spike is at the centre. */
 static void points_with_the_far_field(void **state) {
     (void)state;
     static const enough cases[] = {{1, 0, 27.14, 27.14, 1, 0.5},
@@ -198,7 +198,7 @@ static void points_with_the_far_field(void **state) {
         check_just_enough("point", &cases[i]);
 }
 
-/* On the published grid, by the published rows, the film is driven to zero. */
+/* With the published grid and discretisation this film would be driven to zero. */
 static void the_thinnest_film_starts_cold(void **state) {
     (void)state;
     const full_settings settings = full_default_settings();
@@ -238,7 +238,7 @@ static void parts_that_are_given_stay(void **state) {
         check_close(found.x_max, given & 2 ? all.x_max : needed.x_max, 0, 1e-12);
         if (given & 1) check_close(found.x_min, all.x_min, 0, 1e-12);
         if (given & 4) check_close(found.step, all.step, 0, 0);
-        // what is not given is as wide and fine as needed, by no more than a step
+        // ends and step that are not given are at least as wide and fine as needed, by less than a step
         assert_true(found.x_min <= (given & 1 ? all.x_min : needed.x_min) + 1e-12);
         assert_true(found.x_min > (given & 1 ? all.x_min : needed.x_min) - found.step);
         assert_true(found.step <= (given & 4 ? all.step : needed.step));
@@ -275,7 +275,7 @@ static void grids_have_an_end(void **state) {
     assert_int_equal(scene_contact(&contact, &given, &error), EHD_OK);
 }
 
-/* A contact takes the grid of a model where its scene says nothing else. */
+/* A contact takes the grid of a model if its scene gives no other one. */
 static void grids_of_models(void **state) {
     (void)state;
     const ehd_grid model = grid_of(-6, 0.01, 801, 1, false, DISCRETIZATION_ACCURATE);
@@ -300,16 +300,16 @@ static void grids_of_models(void **state) {
     contact_take_grid(&contact, &model);
     assert_false(grid_same(&contact.grid, &model));
 
-    // whole or half as the scene says
+    // a whole or half grid as the scene requires
     const ehd_grid whole = grid_of(-3, 0.125, 41, 41, false, DISCRETIZATION_ACCURATE);
     contact_take_grid(&contact, &whole);
     assert_false(grid_same(&contact.grid, &whole));
 
-    // sides that are given lie outwards by less than a step
+    // given sides are rounded outwards by less than a step
     ehd_grid of_point = grid_of(-3, 0.125, 41, 21, true, DISCRETIZATION_ACCURATE);
     contact = contact_of("point", "accurate", 100, 5);
     contact_take_grid(&contact, &of_point);
-    assert_false(grid_same(&contact.grid, &of_point)); // of another boundary
+    assert_false(grid_same(&contact.grid, &of_point)); // it has another boundary
     of_point.boundary = BOUNDARY_OPEN;
     const double sides[] = {2.5, 2.4, 2.3, 2.51};
     for (int i = 0; i < 4; i++) {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Starts from trained solutions: what is quadratic in the place is met where training lies all
- * around, what is affine wherever it spans a plane, and otherwise the nearest one is taken. */
+/* Starts from trained solutions. Fields that are quadratic in the place are exact inside the
+ * training, affine ones wherever the training spans a plane; otherwise the nearest state is used. */
 #include "common/settings/scene.h"
 #include "romrun/online/reduced_solver.h"
 #include "romrun/online/trained_range.h"
@@ -13,7 +13,8 @@
 
 enum { MOST = 7, UNKNOWNS = 2 };
 
-static const double SPACING[2] = {0.14, 0.06}; // of places: ln M, ln(1 + alpha p_H) / 2
+// distances of places in ln M and ln(1 + alpha p_H) / 2
+static const double SPACING[2] = {0.14, 0.06};
 
 typedef struct places {
     reduced_model model;
@@ -27,7 +28,8 @@ static double field(double x, double y, size_t unknown, bool quadratic) {
     return quadratic ? affine + 2 * x * x - 3 * x * y + 0.5 * y * y : affine;
 }
 
-/* States at columns by rows of places, whose coordinates are the fields. */
+/* Makes states on a grid of `columns` by `rows` places; their coordinates are the values of the
+ * fields. */
 static void places_init(places *self, size_t columns, size_t rows, bool quadratic) {
     reduced_states *states = &self->model.states;
     ehd_error error;
@@ -56,7 +58,7 @@ static void places_free(places *self) {
     reduced_state_free(&self->state);
 }
 
-/* The guess at a place in units of the spacing, against the field at another one. */
+/* Compares the guess at one place with the field at another, in units of the spacing. */
 static void check_guess(places *self, const double at[2], const double as[2], bool quadratic) {
     reduced_guess(&self->state, &self->model,
                   (contact_place){.moes_M = exp(SPACING[0] * at[0]),
@@ -80,7 +82,8 @@ static void quadratic_amid_training(void **state) {
     places_free(&self);
 }
 
-/* Also where two rows leave the second derivative open, and outside. */
+/* The guess is exact also where two rows do not determine the second derivative, and outside of the
+ * training. */
 static void affine_where_training_spans_a_plane(void **state) {
     (void)state;
     places self;
@@ -129,8 +132,8 @@ static ehd_lubricant barus(bool compressible) {
     return found;
 }
 
-/* States of two lubricants at the same columns by rows of places, whose coordinates are five times their
- * density's rise above the fields. */
+/* Makes states of two lubricants at the same places; their coordinates are the fields plus five
+ * times the rise of the density. */
 static void places_of_two(places *self, const ehd_lubricant of[2], size_t columns, size_t rows,
                           bool quadratic) {
     const size_t each = columns * rows;
@@ -150,9 +153,10 @@ static void places_of_two(places *self, const ehd_lubricant of[2], size_t column
     }
 }
 
-/* Two lubricants at the same places, of which the compressible one's states are five times its
- * density's rise away: the incompressible contact finds its own field, and without a lubricant it is
- * between both. States of one lubricant alone serve another as if they were its own. */
+/* Two lubricants have states at the same places. Those of the compressible one differ by five times
+ * the rise of its density. The incompressible contact gets its own field. Without a lubricant the
+ * guess lies between both fields. With states of one lubricant only, these are used for another one
+ * unchanged. */
 static void lubricants_are_told_apart(void **state) {
     enum { ALL = 2 * MOST * MOST };
     const ehd_lubricant of[2] = {barus(false), barus(true)};
@@ -177,7 +181,7 @@ static void lubricants_are_told_apart(void **state) {
                       (contact_place){.moes_M = M, .alpha_p_H = pressure});
         assert_true(self.state.coordinates[j] > own + 0.01);
     }
-    // what is known of the incompressible one alone
+    // with the states of the incompressible lubricant only
     states->num_states = ALL / 2;
     for (size_t j = 0; j < UNKNOWNS; j++) {
         reduced_guess(&self.state, &self.model,
@@ -185,7 +189,7 @@ static void lubricants_are_told_apart(void **state) {
         check_close(self.state.coordinates[j],
                     field(SPACING[0] * at[0], SPACING[1] * at[1], j, true), 1e-2, 1e-2);
     }
-    // points are known by their lubricant too
+    // a trained point has the same lubricant too
     ehd_contact contact = {.moes_M = states->moes_M[5],
                            .alpha_p_H = states->alpha_p_H[5],
                            .hertz_pressure = states->alpha_p_H[5] / ALPHA,
@@ -200,8 +204,8 @@ static void lubricants_are_told_apart(void **state) {
     places_free(&self);
 }
 
-/* Where too few states for a quadratic fit are of the contact's lubricant, others still count as what they
- * are: an affine field of two lubricants is met. */
+/* If the contact's lubricant has too few states for a quadratic fit, states of others count with
+ * their own lubricant: an affine field of two lubricants is exact. */
 static void few_states_of_two_lubricants(void **state) {
     enum { COLUMNS = 4, ROWS = 2 };
     const ehd_lubricant of[2] = {barus(false), barus(true)};
@@ -220,10 +224,10 @@ static void few_states_of_two_lubricants(void **state) {
     places_free(&self);
 }
 
-// ---- what the grid does
+// ---- effects of the grid
 
-/* Effects are products of powers of M and of 1 + alpha p_H where these are powers; those of models of
- * before have signs, which mean nothing. */
+/* Effects that are products of powers of M and of 1 + alpha p_H are exact. Older models have signed
+ * effects; the sign is ignored. */
 static void effects_are_powers(void **state) {
     (void)state;
     places self;
@@ -257,7 +261,7 @@ static void effects_that_are_not_known(void **state) {
         reduced_effects(&self.model, (contact_place){.moes_M = M, .alpha_p_H = pressure});
     for (int e = 0; e < NUM_EFFECTS; e++)
         assert_true(isnan(found.of[e]));
-    // an effect that some states do not know, or that is infinite there, comes from the others
+    // if some states have no effect, or an infinite one, the others give it
     for (size_t s = 0; s < states->num_states; s++)
         for (int e = 0; e < NUM_EFFECTS; e++)
             states->effects[s].of[e] = 0.02;
@@ -267,7 +271,7 @@ static void effects_that_are_not_known(void **state) {
     states->effects[nearest + MOST].of[EFFECT_STEP] = 5;
     found = reduced_effects(&self.model, (contact_place){.moes_M = M, .alpha_p_H = pressure});
     check_close(found.of[EFFECT_STEP], 0.02, 1e-9, 0);
-    // but where it is infinite at the nearest, nothing can be said
+    // but if it is infinite at the nearest state, it is infinite
     states->effects[nearest].of[EFFECT_STEP] = INFINITY;
     found = reduced_effects(&self.model, (contact_place){.moes_M = M, .alpha_p_H = pressure});
     assert_true(isinf(found.of[EFFECT_STEP]));
@@ -302,7 +306,7 @@ static void guess_at_a_training_point_is_that_state(void **state) {
         assert_true(reduced.state.exit >= reduced.model.band.lines[0].min_exit);
         assert_true(reduced.state.exit <= reduced.model.band.lines[0].max_exit);
     }
-    // far outside: some trained solution, and an exit within the tables
+    // far outside: a trained solution, and an exit within the tables
     reduced_guess(&reduced.state, &reduced.model, (contact_place){.moes_M = 1e4, .alpha_p_H = 1e3});
     size_t same = 0;
     for (size_t s = 0; s < TRAINED_STATES; s++)
@@ -315,7 +319,7 @@ static void guess_at_a_training_point_is_that_state(void **state) {
     trained_free(&training);
 }
 
-/* Makes the nearest states of a contact's own lubricant lead nowhere. */
+/* Makes the nearest states of a contact's own lubricant useless as starts. */
 static void spoil_nearest(reduced_states *states, const ehd_contact *contact, size_t count) {
     double distance[TRAINED_STATES];
 
@@ -332,7 +336,7 @@ static void spoil_nearest(reduced_states *states, const ehd_contact *contact, si
     }
 }
 
-/* Where a start leads nowhere the next trained solutions are tried, and so is the eleventh. */
+/* If a start fails the next trained solutions are tried, here up to the eleventh. */
 static void goes_on_to_other_starts(void **state) {
     (void)state;
     trained training;
@@ -361,7 +365,7 @@ static void goes_on_to_other_starts(void **state) {
     trained_free(&training);
 }
 
-/* Of models whose contacts have no lubricant. */
+/* for models whose contacts have no lubricant */
 static lubricant_rises no_rises[7];
 
 static bool is_trained_at(const reduced_model *model, double M, double alpha_p_H,
@@ -404,17 +408,17 @@ static void trained_range_is_the_hull(void **state) {
         if (is_trained(&model, points[i].M, points[i].alpha_p_H, 0) != points[i].inside)
             fail_msg("M = %g, alpha p_H = %g: found %d", points[i].M, points[i].alpha_p_H,
                      !points[i].inside);
-    // faster than the training, of which a stationary one allows next to nothing
+    // faster changes than in training; a stationary training allows almost none
     assert_true(is_trained(&model, 15, 3, 9e-4));
     assert_false(is_trained(&model, 15, 3, 0.1));
     rate[3] = 0.1;
     assert_true(is_trained(&model, 15, 3, 0.1));
     assert_false(is_trained(&model, 15, 3, 0.11));
-    // of which the load changed less: the speed did the rest
+    // the load changed more slowly in training; the speed caused the rest
     load_rate[2] = 0.04;
     assert_true(is_trained_at(&model, 15, 3, (frame_rates){.all = 0.1, .load = 0.04}));
     assert_false(is_trained_at(&model, 15, 3, (frame_rates){.all = 0.1, .load = 0.045}));
-    // what lies between points on a line, as where the load alone varies: M goes with alpha p_H squared
+    // the training is a curve, as when only the load varies: M is proportional to alpha p_H squared
     double line[] = {1, 2, 3, 4, 5, 6}, squares[] = {1, 4, 9, 16, 25, 36};
     model.states.alpha_p_H = line;
     model.states.moes_M = squares;
@@ -422,7 +426,7 @@ static void trained_range_is_the_hull(void **state) {
     assert_false(is_trained(&model, 2.5 * 2.5, 2.5001, 0));
     assert_false(is_trained(&model, 6.001 * 6.001, 6.001, 0));
     assert_false(is_trained(&model, 0.999 * 0.999, 0.999, 0));
-    // also where rounding sets them off it
+    // also if round-off moves points off the curve
     double loads[6], off[6];
     for (int i = 0; i < 6; i++) {
         loads[i] = 12 * (0.9 + 0.04 * i);
@@ -434,7 +438,7 @@ static void trained_range_is_the_hull(void **state) {
     assert_false(is_trained(&model, 12 * 1.2, 5.53 * sqrt(1.2), 0));
     assert_false(is_trained(&model, 12 * 0.8, 5.53 * sqrt(0.8), 0));
     model.states.alpha_p_H = line;
-    // a trajectory is a curve, of which a few states are kept
+    // a trajectory is a curve through a few stored states
     model.states.moes_M = line;
     stationary[4] = false;
     assert_true(is_trained(&model, 2.5, 2.5, 0));
@@ -442,14 +446,14 @@ static void trained_range_is_the_hull(void **state) {
     assert_false(is_trained(&model, 6.1, 6.1, 0));
     assert_false(is_trained(&model, 2.5, 2.6, 0));
     assert_false(is_trained(&model, 2.6, 2.5, 0));
-    // a single point and none have no inside
+    // the range of one point, and of none, is empty
     model.states.num_states = 1;
     assert_false(is_trained(&model, 1, 1, 0));
     model.states.num_states = 0;
     assert_false(is_trained(&model, 1, 1, 0));
 }
 
-/* Of a range from M = 1 to 20 and one from 20 to 30: by how much. */
+/* Checks how far contacts are outside of two ranges, from M = 1 to 20 and from 20 to 30. */
 static void outside_the_nearest_range(void **state) {
     (void)state;
     bool stationary[] = {true, true, true, true};
@@ -480,7 +484,7 @@ static void outside_the_nearest_range(void **state) {
             assert_non_null(range);
             for (int i = 0; i < 4; i++) {
                 contact_place place = at[i];
-                // in the plane of the small range, and too much thinned for both
+                // inside the small range, and thinned too much for both
                 place.thinning.sliding = kind == 0 ? 0 : i == 3 ? 0.3 : 0.15;
                 found[r][i] = trained_range_outside(range, NULL, place);
             }
@@ -506,7 +510,7 @@ static const char *judge_place(const reduced_model *model, contact_place place) 
     const char *reason = trained_range_check(range, NULL, place, NULL);
     allocation_fail_at(0);
     assert_ptr_equal(trained_range_check(range, memory, place, NULL), reason);
-    assert_false(allocation_failed()); // it takes none
+    assert_false(allocation_failed()); // no allocation is needed
     range_memory_free(memory);
     trained_range_free(range);
     return reason ? reason : "";
@@ -519,7 +523,7 @@ static const char *judge(const reduced_model *model, double M, double alpha_p_H,
     return judge_place(model, place);
 }
 
-/* A wedge: more thinned at larger M, and a model that no thinned flow has trained. */
+/* Tests a wedge, more thinned at larger M, and a model that was trained without thinned flow. */
 static void trained_range_knows_thinning(void **state) {
     (void)state;
     static const char less[] = "a flow that is thinned less than any in training";
@@ -544,7 +548,7 @@ static void trained_range_knows_thinning(void **state) {
         thinning[s] = (flow_thinning){sliding[s], 0.5};
     for (size_t s = 0; s < 7; s++)
         assert_string_equal(judge(&model, moes_M[s], alpha_p_H[s], sliding[s]), "");
-    // of the slope of the wedge: ln(thinning/0.01) = ln(M/10)
+    // on the slope of the wedge: ln(thinning/0.01) = ln(M/10)
     assert_string_equal(judge(&model, 20, 10, 0.02), "");
     assert_string_equal(judge(&model, 20, 10, 0.02 * (1 + 1e-6)), "");
     assert_string_equal(judge(&model, 20, 10, 0.02 * (1 - 1e-6)), beside);
@@ -553,19 +557,19 @@ static void trained_range_knows_thinning(void **state) {
     assert_string_equal(judge(&model, 10, 10, 0.0099), less);
     assert_string_equal(judge(&model, 10, 10, 0), less);
     assert_string_equal(judge(&model, 9.9, 10, 0.02), plane);
-    // flow of Newtonian fluids, which is what no thinning and one that no film shows are
+    // Newtonian flow: no thinning, or too little to change a film
     for (size_t s = 0; s < 7; s++)
         thinning[s].sliding = 0;
     assert_string_equal(judge(&model, 20, 10, 0), "");
     assert_string_equal(judge(&model, 20, 10, 1e-7), "");
     assert_string_equal(judge(&model, 20, 10, 1.1e-6), more);
-    // both
+    // both in training: Newtonian and thinned flow
     thinning[0].sliding = 0.01;
     assert_string_equal(judge(&model, 10, 5, 0.005), "");
     assert_string_equal(judge(&model, 20, 10, 0.005), beside);
 }
 
-/* The same of what the pressure gradient does. */
+/* Like trained_range_knows_thinning, with thinning by the pressure gradient. */
 static void trained_range_knows_gradients(void **state) {
     (void)state;
     static const char less[] = "a flow that the pressure gradient thins less than any in training";

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Histories of a transient scene: values, kinks and what is refused before any work. */
+/* Histories of a transient scene: values, kinks, and inputs that are refused before any work. */
 #include "common/time/history.h"
 #include "tests/unit/allocation.h"
 #include "tests/unit/check.h"
@@ -22,8 +22,8 @@ static void write_file(const char *name, const char *text) {
 
 // ---- scenes
 
-/* A transient scene to T = 2 with what stands below `transient`; with `approach` in it, of that
- * closure. */
+/* Returns a transient scene to T = 2 with these histories below `transient`. An `approach` among
+ * them sets the closure by approach. */
 static scene scene_of(const char *histories) {
     char text[1024];
     scene of;
@@ -56,7 +56,7 @@ static void refuses_with(ehd_status expected, const char *histories, const char 
         fail_msg("status %d, text \"%s\", expected \"%s\"", status, error.text, part);
 }
 
-/* Along the path a speed may reverse, but not with a reduced model. */
+/* Checks that only reduced models refuse a reversing speed along the path. */
 static void is_refused_by_reduced_models(const char *speed, const char *part) {
     scene of = scene_of(speed);
     ehd_histories *self;
@@ -79,7 +79,7 @@ static double value_at(const ehd_histories *self, int quantity, double time) {
     return value[quantity];
 }
 
-/* The load's factor at some times. */
+/* Compares the load's factor at some times. */
 static void check_load(const char *histories, size_t count, const double *times,
                        const double *expected, double tolerance) {
     ehd_histories *self = accepts(histories);
@@ -95,7 +95,7 @@ static void nothing_varies_without_a_law(void **state) {
     scene of;
     ehd_histories *self;
     (void)state;
-    scene_defaults(&of); // a stationary one
+    scene_defaults(&of); // a stationary scene
     assert_int_equal(histories_init(&self, &of, NULL), EHD_OK);
     for (int i = 0; i < NUM_VARY; i++)
         check_close(value_at(self, i, 7.5), 1, 0, 0);
@@ -120,7 +120,7 @@ static void sine_and_ramp_have_their_values(void **state) {
                (double[]){0.75, 0.5}, 0);
 }
 
-/* A time step that ends at the jump sees the old value. */
+/* A time step that ends at the jump has the old value. */
 static void step_is_continuous_from_the_left(void **state) {
     (void)state;
     check_load("load: {law: step, from: 2, to: 3, at: 0.5}", 4,
@@ -135,7 +135,7 @@ static void tables_are_read_between_their_times(void **state) {
                           "# the end\n2.5,7,5");
     check_load("load: {law: table, file: hat.csv, column: F, interpolation: linear}", 6,
                (double[]){-2, -0.5, 0, 0.25, 1.75, 3}, (double[]){2, 2.5, 3, 2.75, 3.5, 5}, 1e-15);
-    // the natural spline through 0, 1, 0 is 1.5 s - 0.5 s^3 on the first interval
+    // the natural spline through 0, 1, 0 is 1.5 s - 0.5 s^3 in the first interval
     write_file("arc.csv", "T,F\n0,1\n1,2\n2,1\n");
     check_load("load: {law: table, file: arc.csv, column: F}", 6, (double[]){0, 0.5, 1, 1.5, 2, 9},
                (double[]){1, 1.6875, 2, 1.6875, 1, 1}, 1e-15);
@@ -145,8 +145,8 @@ static void tables_are_read_between_their_times(void **state) {
                (double[]){1.5, 2.25, 2.6, 4}, 1e-15);
 }
 
-/* The path of the fluid is the integral of the speed from 0 on: its slope is the speed, by central
- * differences away from kinks, and it does not jump at them. */
+/* Checks the path of the fluid, the integral of the speed from 0 on. Away from kinks its slope, by
+ * central differences, is the speed; at kinks it does not jump. */
 static void check_path(const char *histories) {
     const double step = 1e-4;
     ehd_histories *self = accepts(histories);
@@ -247,7 +247,7 @@ static void the_shortest_time_scale_is_found(void **state) {
                    0.125);
 }
 
-// ---- what is not positive
+// ---- values that are not positive
 
 static void histories_that_reach_zero_are_refused(void **state) {
     (void)state;
@@ -258,7 +258,7 @@ static void histories_that_reach_zero_are_refused(void **state) {
     refuses("modulus: {law: sine, amplitude: 1, period: 4, phase: 3.141592653589793}",
             "transient.modulus: found 0 at T = 1");
     histories_free(accepts("radius: {law: sine, amplitude: 0.999999, period: 1}"));
-    // the trough comes after the end, or would have come before the start
+    // the trough comes after the end, or would be before the start
     histories_free(accepts("load: {law: sine, amplitude: 1.5, period: 4}"));
     refuses("load: {law: sine, amplitude: 1.5, period: 3}", "found -0.299038 at T = 2");
     refuses("radius: {law: ramp, to: 0, duration: 2}", "transient.radius: found 0 at T = 2");
@@ -308,8 +308,8 @@ static void a_reversal_is_refused_but_not_rest(void **state) {
     histories_free(self);
 }
 
-/* All knots are positive. The spline has the bend 1.14 at the inner ones, and so is 0.05 - 1.14/8
- * midway between them. */
+/* All knots are positive. The second derivative of the spline is 1.14 at the inner ones, so it is
+ * 0.05 - 1.14/8 midway between them. */
 static void splines_are_checked_between_their_knots(void **state) {
     (void)state;
     write_file("dip.csv", "T,F\n-1,1\n0,0.05\n1,0.05\n2,1\n");
@@ -318,7 +318,7 @@ static void splines_are_checked_between_their_knots(void **state) {
     refuses("speed: {law: table, file: dip.csv, column: F}", "found -0.0925 at T = 0.5");
     histories_free(accepts("approach: {law: table, file: dip.csv, column: F}"));
     histories_free(accepts("load: {law: table, file: dip.csv, column: F, interpolation: linear}"));
-    // what lies before the start or after the end does not matter
+    // values before the start or after the end do not matter
     write_file("dip.csv", "T,F\n-3,1\n-2,0.05\n-1,0.05\n0,1\n2,1\n3,-1\n");
     histories_free(accepts("load: {law: table, file: dip.csv, column: F}"));
     write_file("dip.csv", "T,F\n0,1\n0.5,-1\n1,1\n2,1\n");
@@ -328,7 +328,7 @@ static void splines_are_checked_between_their_knots(void **state) {
 
 // ---- faults of tables
 
-/* A table of the load as text. */
+/* Refuses a table of the load that is given as text. */
 static void refuses_table(const char *text, const char *part) {
     write_file("bad.csv", text);
     refuses("load: {law: table, file: bad.csv, column: F, interpolation: linear}", part);
@@ -365,13 +365,13 @@ static void bad_csv_tables_are_refused(void **state) {
             "bad.csv: found 2 rows, expected at least 3 (spline)");
 }
 
-/* The time is found by its name alone, wherever it stands and whoever wrote the file. */
+/* The column of time is found by its name, at any place and in files of any program. */
 static void csv_columns_are_found_by_name(void **state) {
     static const char *const texts[] = {
-        ",T,F\n0,0,1\n1,1,2\n2,2,1\n", // an index in front, as pandas writes it
-        "F,T\n1,0\n2,1\n1,2\n",        // the other way round
-        "\xef\xbb\xbf\"t\",\"F\"\r\n\"0\",1\r\n1,\"2\"\r\n2 , 1\r\n", // quotes, as a spreadsheet
-        "time,,F,\n0,x,1,\n1,,2,\n2,y,1,\n",                          // others are not read
+        ",T,F\n0,0,1\n1,1,2\n2,2,1\n", // an index in front, from pandas
+        "F,T\n1,0\n2,1\n1,2\n",        // columns exchanged
+        "\xef\xbb\xbf\"t\",\"F\"\r\n\"0\",1\r\n1,\"2\"\r\n2 , 1\r\n", // quotes, from a spreadsheet
+        "time,,F,\n0,x,1,\n1,,2,\n2,y,1,\n",                          // other columns are not read
         "\"a, \"\"b\"\"\",F,T\n\"1,2\",1,0\n\"\",2,1\n7,1,2\n"};
     (void)state;
     for (size_t i = 0; i < sizeof texts / sizeof *texts; i++) {
@@ -379,7 +379,7 @@ static void csv_columns_are_found_by_name(void **state) {
         check_load("load: {law: table, file: named.csv, column: F}", 3, (double[]){0, 0.5, 1.5},
                    (double[]){1, 1.6875, 1.6875}, 1e-15);
     }
-    // semicolons and tabs where there are no commas outside of quotes; quotes that span lines
+    // semicolons or tabs, if there are no commas outside of quotes; quotes that span lines
     write_file("named.csv", "T;\"F, kN\";F\n0;9;1\n1;9;2\n2;9;1\n");
     check_load("load: {law: table, file: named.csv, column: F}", 2, (double[]){0, 0.5},
                (double[]){1, 1.6875}, 1e-15);

@@ -5,7 +5,7 @@
 
 #include <math.h>
 
-/* Of a cube, of which some corners are given twice. */
+/* Tests a cube, some of whose corners are given twice. */
 static void distances_from_a_cube(void **state) {
     double cube[3 * 10];
     (void)state;
@@ -23,7 +23,7 @@ static void distances_from_a_cube(void **state) {
     assert_true(allocation_failed());
 }
 
-/* Of a segment and of a single point, which have no volume. */
+/* Tests a segment and a single point, which have no volume. */
 static void distances_from_what_is_flat(void **state) {
     const double segment[] = {0, 1, 0, 2}, lone[] = {0.3, 0.4};
     (void)state;
@@ -35,7 +35,7 @@ static void distances_from_what_is_flat(void **state) {
     assert_true(hull_distance(lone, 1, 2, (double[]){0.3, 0.5}) > 1e-2);
 }
 
-/* What an earlier one has left in the memory that is kept does not count. */
+/* Reused memory must not depend on its previous content. */
 static void kept_memory_changes_nothing(void **state) {
     const double segment[] = {0, 1, 0, 2}, places[][2] = {{0.25, 0.5}, {0.25, 0.6}, {1.1, 2.2}};
     double square[2 * 5];
@@ -53,7 +53,8 @@ static void kept_memory_changes_nothing(void **state) {
         assert_true(hull_distance_in(space, segment, 2, 2, places[i]) ==
                     hull_distance(segment, 2, 2, places[i]));
     }
-    assert_true(isinf(hull_distance_in(space, square, 6, 1, places[0]))); // too many
+    // more points than it was created for
+    assert_true(isinf(hull_distance_in(space, square, 6, 1, places[0])));
     hull_space_free(space);
 }
 

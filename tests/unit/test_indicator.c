@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Control rows and what is made of them: where they are chosen, what they are left with, the
- * bound. */
+/* Control rows and the error estimate: choice of the rows, their residuals, the estimate. */
 #include "deimselect/control.h"
 #include "romrun/online/indicator.h"
 #include "tests/unit/allocation.h"
@@ -15,7 +14,7 @@
 #include <string.h>
 
 static trained training;
-static reduced_basis bases[2]; // by deformation_kind
+static reduced_basis bases[2]; // indexed by deformation_kind
 static ehd_error error;
 
 #define check_ok(call) assert_string_equal(((call) == EHD_OK) ? "" : error.text, "")
@@ -42,8 +41,9 @@ enum { NODES = 12, MODES = 2, SELECTED = 3 };
 
 static const size_t selected[SELECTED] = {1, 4, 9};
 
-/* Converged residuals of three states that differ from the modes at nodes 7, 2 and 10, less and
- * less, after an iteration each that is not converged and has all of it at node 5. */
+/* Makes converged residuals of three states that differ from the modes at nodes 7, 2 and 10, by
+ * less and less. Before each of them comes an iteration that is not converged, with its residual at
+ * node 5. */
 static void make_snapshots(double residuals[6][NODES], double modes[MODES][NODES]) {
     const size_t places[] = {7, 2, 10};
 
@@ -74,7 +74,7 @@ static void control_rows_are_where_selected_ones_predict_least(void **state) {
     assert_int_equal(control[0], 7);
     assert_int_equal(control[1], 2);
     assert_int_equal(control[2], 10);
-    // as many as there are converged states, and none of those on trajectories
+    // at most one for each converged state; states on trajectories do not count
     count = 4;
     assert_int_equal(control_choose(control, &count, true, &snapshots, NODES, modes[0], MODES,
                                     selected, SELECTED, &error),
@@ -113,7 +113,7 @@ static void choice_survives_failing_allocations(void **state) {
 static const size_t control_nodes[] = {20, 1, 150, 203, 250, 253, 255, 257, 259};
 enum { NUM_CONTROL = sizeof control_nodes / sizeof *control_nodes };
 
-/* The first residual of a level-i iteration, which is that of its start. */
+/* Keeps the first residual of a level-i iteration, which is that of the start. */
 static ehd_status keep_first(void *context, const double *residual, const double *step,
                              ehd_error *ignored) {
     double *kept = context;
@@ -123,7 +123,7 @@ static ehd_status keep_first(void *context, const double *residual, const double
     return EHD_OK;
 }
 
-/* |D f| over the control rows, from all rows. */
+/* Returns |D f| over the control rows, computed from all rows. */
 static double residual_from_all_rows(const reduced_model *model, const reduced_state *at,
                                      const ehd_contact *contact) {
     const reduced_settings once = {.tolerance = 1e-8, .max_iterations = 1};
@@ -157,7 +157,7 @@ static void control_residual_is_that_of_all_rows(void **state) {
         indicator *self = indicator_create(&model);
         double *z = malloc(model.num_unknowns * sizeof *z);
         assert_true(self && z);
-        // states and contacts that do not belong together, exits on and off a checkpoint
+        // states of other contacts, with exits on and off a checkpoint
         for (size_t s = 0; s < TRAINED_STATES; s++) {
             const ehd_contact *contact = &training.contacts[(s + 5) % TRAINED_STATES];
             const reduced_state at = {.coordinates = z, .exit = model.states.exit[s] + s % 3};
@@ -173,9 +173,9 @@ static void control_residual_is_that_of_all_rows(void **state) {
     }
 }
 
-// ---- bound
+// ---- error estimate
 
-/* Few modes between the training points: neither exact nor far off. */
+/* With few modes, so that results have errors: the estimate follows them. */
 static void bound_follows_the_deviation(void **state) {
     const reduced_settings settings = reduced_default_settings();
     double before = 0;
@@ -231,7 +231,7 @@ static void bound_follows_the_deviation(void **state) {
     }
 }
 
-/* The last least-squares problem of a solver, whose steps it takes by QR. */
+/* The last least-squares problem of a solver and its step, solved by QR. */
 typedef struct problem {
     size_t num_rows, num_columns;
     double matrix[400 * 40], right[400], step[40];
@@ -258,7 +258,7 @@ static ehd_status keep_problem(double *step, void *context, const double *matrix
     return EHD_OK;
 }
 
-/* How the central film changes with the coordinates, in which it is linear. */
+/* Computes the gradient of the central film, which is linear in the coordinates. */
 static void film_gradient(double *gradient, reduced_solver *solver, const reduced_state *at,
                           const ehd_contact *contact, size_t num_columns) {
     const contact_scalars before = reduced_scalars(solver, at, contact);
@@ -272,7 +272,7 @@ static void film_gradient(double *gradient, reduced_solver *solver, const reduce
     }
 }
 
-/* How far each row moves a film: the shortest x with J^T x = gradient. */
+/* Computes how far each row moves a film: the shortest x with J^T x = gradient. */
 static void shortest_cause(double *cause, const problem *last, const double *gradient) {
     double copy[400 * 40];
 
@@ -285,7 +285,7 @@ static void shortest_cause(double *cause, const problem *last, const double *gra
                      0);
 }
 
-/* The deflection's and the pressures' changes with the coordinates, at each node. */
+/* Computes the gradients of pressure and film at each node. */
 static void field_gradients(double *gradients, const reduced_model *model,
                             const reduced_basis *basis, const reduced_state *at) {
     const size_t num_nodes = model->grid.num_nodes, n = model->num_unknowns;
@@ -303,7 +303,7 @@ static void field_gradients(double *gradients, const reduced_model *model,
     free(fields);
 }
 
-/* How far what is left in the rows moves a quantity with this gradient. */
+/* Returns how far the residuals left in the rows move a quantity with this gradient. */
 static double moved(const problem *last, const double *left, const double *gradient) {
     double cause[400], sum = 0;
 
@@ -313,7 +313,8 @@ static double moved(const problem *last, const double *left, const double *gradi
     return sqrt(sum);
 }
 
-/* Of pressures, load and fields as of the central film below; rows add what stands for others. */
+/* Errors of pressures, load and fields follow from the residual of each row, like that of the
+ * central film. `added` are further squared residuals. */
 static void other_errors_are_what_each_row_does(void **state) {
     static problem last;
     (void)state;
@@ -345,7 +346,7 @@ static void other_errors_are_what_each_row_does(void **state) {
             check_ok(reduced_solve(&info, &at, other, contact, NULL, &error));
             for (size_t r = 0; r < last.num_rows; r++)
                 left[r] = last.right[r] + cblas_ddot((int)n, last.matrix + r * n, 1, last.step, 1);
-            added[30] = s == 1 ? 0 : 1e-6; // of the row at node 31
+            added[30] = s == 1 ? 0 : 1e-6; // at the row of node 31
             left[30] = sqrt(left[30] * left[30] + added[30]);
             field_gradients(gradients, &model, &basis, &at);
             for (size_t k = 1; k < at.exit; k++)
@@ -365,7 +366,7 @@ static void other_errors_are_what_each_row_does(void **state) {
                 cblas_daxpy((int)n, model.grid.step / model.kind->load, gradients + k * n, 1,
                             gradient, 1);
             check_close(found.load, moved(&last, left, gradient), 1e-3, 1e-12);
-            // the film of an independent basis has unknowns of its own
+            // the film of an independent basis has its own unknowns
             for (size_t k = 1; k < at.exit && kind; k++)
                 film = fmax(film, moved(&last, left, gradients + (num_nodes + k) * n));
             if (kind) check_close(found.film, film, 1e-3, 0);
@@ -381,7 +382,7 @@ static void other_errors_are_what_each_row_does(void **state) {
     }
 }
 
-/* What least squares leave in each row, times how far the row moves the central film. */
+/* The error of the central film is the residual of each row times its effect on the film. */
 static void film_error_is_what_each_row_does(void **state) {
     static problem last;
     (void)state;
@@ -422,14 +423,14 @@ static void film_error_is_what_each_row_does(void **state) {
             check_close(reduced_film_error(influence, solver, REDUCED_CENTRAL_FILM), sqrt(sum),
                         1e-4, 0);
 
-            // each control row is a selected one as well, whose influence it has
+            // each control row is here also a selected one, and has its influence
             const double *residuals = indicator_control_residuals(self, &at, contact);
             for (size_t r = 0; r < NUM_CONTROL; r++)
                 sum += pow(residuals[r] * influence[control_nodes[r] - 1], 2);
             check_close(indicator_bound(self, solver, &at, contact, &info.scalars),
                         sqrt(sum) / info.scalars.central_film_thickness, 1e-4, 0);
 
-            // a residual that is none, as where a viscosity law ends, is no reason for trust
+            // a residual of NaN, as beyond the limit of a viscosity law, gives an infinite estimate
             double *weight = model.control.weight, kept = weight[0];
             weight[0] = NAN;
             assert_true(isinf(indicator_bound(self, solver, &at, contact, &info.scalars)));
@@ -445,7 +446,7 @@ static void film_error_is_what_each_row_does(void **state) {
     }
 }
 
-/* With all modes and rows a result is off by what the iteration leaves alone. */
+/* With all modes and rows a result differs only by the unfinished iteration. */
 static void what_the_iteration_leaves_is_indicated(void **state) {
     size_t num_ended_early = 0;
     reduced_model model;

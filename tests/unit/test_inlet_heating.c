@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The factor of the inlet's shear heating: its limits, other authors' factors, its range, and what it
- * takes from a contact. */
+/* The factor for shear heating in the inlet: limits, factors of other authors, range, and the
+ * values that it takes from a contact. */
 #include "common/physics/inlet_heating.h"
 #include "tests/unit/check.h"
 #include "tests/unit/sample.h"
@@ -23,8 +23,9 @@ static void falls_from_one(void **unused) {
     check_close(inlet_heating_factor(1, 0.005, 1), 0.934 / 1.68799, 1e-14, 0);
 }
 
-/* Murch and Wilson (1975), as Wilson and Sheu (1983) give it: an inlet analysis in pure rolling that
- * does not know the load. The range of the factor is chosen by it. */
+/* Returns the factor of Murch and Wilson (1975), quoted by Wilson and Sheu (1983): an inlet
+ * analysis in pure rolling that does not depend on the load. The range of our factor follows from
+ * it. */
 static double murch_wilson(double loading) {
     return 1 / (1 + 0.254 * pow(loading, 0.62));
 }
@@ -56,7 +57,7 @@ static void says_where_it_does_not_hold(void **unused) {
     assert_true(isnan(inlet_heating_factor(1, ratio, NAN)));
 }
 
-// ---- of a contact
+// ---- factors of contacts
 
 static scene oil(void) {
     scene given = sample_scene("roelands", "incompressible", NAN, NAN);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Solutions that may be used and solutions that may not, of a line and a point contact. */
+/* Usable and unusable solutions of a line and a point contact. */
 #include "fullrun/judge.h"
 #include "tests/unit/check.h"
 #include "tests/unit/sample.h"
@@ -8,7 +8,7 @@
 
 static char reason[JUDGE_REASON];
 
-/* A dry pressure of the Hertz contact, which ends inside the domain. */
+/* Makes a state with the dry pressure of Hertz, which ends inside the domain. */
 static void make_state(full_state *state, const ehd_contact *contact) {
     const ehd_grid *grid = &contact->grid;
 
@@ -27,7 +27,7 @@ static void check_reason(ehd_status found, const char *expected) {
     assert_string_equal(reason, expected);
 }
 
-/* A WLF oil's law is for at most 11.5 GPa. */
+/* Checks a contact with a WLF oil, whose law is valid up to 11.5 GPa. */
 static void check_contact(const ehd_contact *contact) {
     const size_t centre = grid_central_line(&contact->grid) +
                           (size_t)lround(-contact->grid.x_min / contact->grid.step);
@@ -54,7 +54,7 @@ static void check_contact(const ehd_contact *contact) {
                  "pressure of 13 GPa, expected at most 11.5 GPa, the limit of the wlf law");
     state.pressure[centre] = 1;
 
-    full_state_fill(&state, &contact->grid); // up to the domain's end
+    full_state_fill(&state, &contact->grid); // pressure up to the end of the domain
     check_reason(full_judge(reason, &good, &state, contact),
                  contact->kind->dimensions > 1
                      ? "found the exit boundary outside the domain, expected it before X = 1.375 "
@@ -78,7 +78,7 @@ static void tells_why_a_point_may_not_be_used(void **state) {
     check_contact(&contact);
 }
 
-/* Barus' law has no limit. */
+/* Barus' law has no pressure limit. */
 static void a_law_without_limit_is_never_left(void **state) {
     const ehd_contact contact = sample_contact("barus", "incompressible", 20, 5, 0.05);
     full_state solution;

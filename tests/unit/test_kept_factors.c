@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Steps in time with the factors of an earlier Jacobian. */
+/* Time steps with the factors of an earlier Jacobian. */
 #include "romrun/online/kept_factors.h"
 #include "tests/unit/check.h"
 #include "tests/unit/reduced_problem.h"
@@ -25,12 +25,12 @@ static int tear_down(void **state) {
     return 0;
 }
 
-/* A step in time of a trained contact from its stationary solution, with a previous film that is a
- * little off. */
+/* A time step of a trained contact from its stationary solution, with a slightly different previous
+ * film. */
 typedef struct time_step {
     size_t state;
     double rate;
-    double previous[400]; // of inner nodes
+    double previous[400]; // at inner nodes
 } time_step;
 
 static double previous_film(void *context, size_t node) {
@@ -39,7 +39,8 @@ static double previous_film(void *context, size_t node) {
     return self->previous[node - 1];
 }
 
-/* Solves it, with factors kept for a step `shorter` times as short; 0: with none. */
+/* Solves the step with factors that were kept from a step `shorter` times as short; 0: without
+ * factors. */
 static reduced_info take_time_step(time_step *self, double shorter) {
     const ehd_contact *contact = &training.contacts[self->state];
     reduced_settings settings = reduced_default_settings();
@@ -74,10 +75,10 @@ static reduced_info take_time_step(time_step *self, double shorter) {
     return info;
 }
 
-/* Factors of the same step do as well as a Jacobian of every iteration, those of one that is a
- * sixth of it shorter take a few iterations more. Those of a step a third as long converge with a
- * rate of 0.6, which the second iteration shows: then the Jacobian where the first one leads ends
- * the step, and only one of the iterations was in vain. */
+/* Factors of the same step are as good as a Jacobian in every iteration. Factors of a step that is
+ * shorter by a sixth take a few iterations more. With a step a third as long they would converge at
+ * a rate of 0.6, which the second iteration shows. The solver then uses the Jacobian at the result
+ * of the first iteration, so only one iteration is lost. */
 static void kept_factors_serve_steps_alike(void **state) {
     (void)state;
     for (size_t s = 0; s < TRAINED_STATES; s += 5)
@@ -98,8 +99,10 @@ static void kept_factors_serve_steps_alike(void **state) {
         }
 }
 
-/* Far from the solution rows are linear in the pressures about those where the mobility is what the
- * linear rows had, or the pressure has risen; first about the higher ones of state and last state. */
+/* Far from the solution the mobility in the rows is linear in the pressure. At first it is
+ * linearised about the higher pressure of state and last state. Later, where the pressure has
+ * fallen, it is linearised where the mobility equals that of the linear rows; where it has risen,
+ * at the pressure itself. */
 static void rows_are_linear_about_other_pressures(void **state) {
     const size_t s = 5;
     const scene exponential = sample_scene("barus", "incompressible", 20, 10);
@@ -134,7 +137,7 @@ static void rows_are_linear_about_other_pressures(void **state) {
     memcpy(mobility, system.fluid_memory, num * sizeof *mobility);
     memcpy(slope, system.fluid_memory + num, num * sizeof *slope);
     for (size_t r = 0; r < num_rows; r++) {
-        residual[r] = system.rows[r].residual; // at the state, which moves by 0.1
+        residual[r] = system.rows[r].residual; // at the state; the next lines move it by 0.1
         for (int a = 0; a < NUM_STENCIL; a++)
             if (model->rows.stencils[r].node[a] != NO_NODE)
                 residual[r] += 0.1 * system.rows[r].by_pressure[a] *
@@ -151,10 +154,11 @@ static void rows_are_linear_about_other_pressures(void **state) {
         const double fall = last[q] - nodes.now.pressure[q];
         assert_true(nodes.pressurised[q] && fall > 0 ? about[q] > nodes.now.pressure[q]
                                                      : about[q] == nodes.now.pressure[q]);
-        last[q] = mobility[q] - slope[q] * fmax(fall, 0); // of the linear rows where it has fallen
+        // mobility of the linear rows, where the pressure has fallen
+        last[q] = mobility[q] - slope[q] * fmax(fall, 0);
     }
     system_evaluate(&system, &nodes, 0, contact, NULL, about);
-    for (size_t q = 0; q < num; q++) // below zero the viscosity is constant
+    for (size_t q = 0; q < num; q++) // below zero pressure the viscosity is constant
         if (about[q] > fmax(nodes.now.pressure[q], 0))
             check_close(system.fluid_memory[q], last[q], 1e-9, 0);
     system_free(&system);
@@ -162,7 +166,8 @@ static void rows_are_linear_about_other_pressures(void **state) {
     reduced_problem_free(&reduced);
 }
 
-/* By 0.025 half widths on each line of a point contact, on coarse grids by a node. */
+/* Exits may move by 0.025 half widths on each line of a point contact, and by one node on coarse
+ * grids. */
 static void factors_serve_while_exits_are_near(void **state) {
     size_t at[] = {50, 60}, here[] = {50, 60};
     const kept_factors kept = {.exit = at};

@@ -10,7 +10,7 @@
 #include <string.h>
 
 enum { NUM = 5 };
-static const double PRESSURES[NUM] = {4, 7, 10, 14, 20}; // alpha p_H
+static const double PRESSURES[NUM] = {4, 7, 10, 14, 20}; // values of alpha p_H
 
 static ehd_lubricant oil(const char *law, double alpha, double eta0, const char *density) {
     lubricant_settings settings = sample_scene(law, density, 10, 5).lubricant;
@@ -23,7 +23,7 @@ static ehd_lubricant oil(const char *law, double alpha, double eta0, const char 
     return found;
 }
 
-/* A model of states of one lubricant each, at all pressures, and a calibration. */
+/* A model whose states have one lubricant each, at all pressures, and a calibration. */
 typedef struct sample {
     reduced_model model;
     double alpha_p_H[4 * NUM];
@@ -50,7 +50,7 @@ static void show(sample *self, const ehd_lubricant *of, double alpha_p_H, bool i
         (shown_lubricant){alpha_p_H, lubricant_rises_at(of, alpha_p_H / of->alpha), in_time};
 }
 
-/* The reason, or "". */
+/* Returns the reason, "" if the lubricant is known. */
 static const char *judge(const sample *self, const ehd_lubricant *lubricant, bool in_time) {
     static char text[256];
     known_lubricants *known = known_lubricants_create(&self->model);
@@ -125,7 +125,8 @@ static void lubricants_between_are_known(void **state) {
                         "viscosity law barus with density law incompressible: not in training");
 }
 
-/* A calibration makes lubricants known, stationary scenes for stationary contacts and trajectories in time. */
+/* A calibration makes lubricants known: its stationary scenes for stationary contacts, its
+ * trajectories for transient ones. */
 static void calibrations_make_lubricants_known(void **state) {
     const ehd_lubricant own = oil("roelands", 1.6e-8, 0.06, "dowson-higginson");
     const ehd_lubricant rigid = oil("roelands", 1.6e-8, 0.06, "incompressible");
@@ -142,7 +143,7 @@ static void calibrations_make_lubricants_known(void **state) {
     assert_string_not_equal(judge(&model, &barus, false), "");
 }
 
-/* A model of before, or of a program that does not write them. */
+/* A model of an older version or another program may lack the lubricants of its training. */
 static void lubricants_that_are_not_told_are_not_known(void **state) {
     const ehd_lubricant own = oil("roelands", 1.6e-8, 0.06, "dowson-higginson");
     static const char untold[] =
@@ -157,7 +158,7 @@ static void lubricants_that_are_not_told_are_not_known(void **state) {
     assert_string_equal(judge(&model, &own, false), untold);
 }
 
-/* The last answer is kept, and given for the same lubricant alone. */
+/* The last answer is stored and reused for the same lubricant only. */
 static void one_memory_serves_one_after_the_other(void **state) {
     const ehd_lubricant own = oil("roelands", 1.6e-8, 0.06, "dowson-higginson");
     const ehd_lubricant other = oil("roelands", 1.6e-8, 0.06, "incompressible");

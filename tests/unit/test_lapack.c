@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What LAPACKE returns, as an outcome. */
+/* Translation of return values of LAPACKE. */
 #include "common/algebra/lapack.h"
 #include "tests/unit/check.h"
 
@@ -18,7 +18,7 @@ static void success_says_nothing(void **state) {
     check_close(matrix[0], 2, 1e-15, 0);
 }
 
-/* A matrix that is not definite, one with NaN in it, and an argument that there is not. */
+/* Tries a matrix that is not definite, one with NaN, and an invalid argument. */
 static void what_a_routine_refuses_is_internal(void **state) {
     double indefinite[] = {1, 0, 0, -1}, no_number[] = {NAN, 0, 0, 1};
     (void)state;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Large point contacts, whose work threads share. */
+/* Large point contacts, solved by several threads. */
 #include "fullrun/full_solver.h"
 #include "tests/unit/check.h"
 #include "tests/unit/problem.h"
@@ -8,7 +8,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* Threads change no bit of a large grid's solution, nor how it was found. */
+/* The number of threads changes neither solution nor iterations of a large grid, to the last bit. */
 static void threads_change_no_bit(void **state) {
     (void)state;
     for (int half = 0; half < 2; half++) {
@@ -39,8 +39,8 @@ static void threads_change_no_bit(void **state) {
     }
 }
 
-/* A grid on the way to a large one has the solution that it has alone, by a cycle in place of factors,
- * whose rounding errors differ, and of the same bits with threads. */
+/* A small grid, solved as a stage of a large one, uses a multigrid cycle instead of factors. Its
+ * solution is that of the small grid up to round-off, and equal to the last bit with threads. */
 static void a_small_grid_is_solved_as_a_large_one(void **state) {
     (void)state;
     const ehd_contact contact = sample_point("barus", "dowson-higginson", 20, 10, 96, true);
@@ -63,7 +63,7 @@ static void a_small_grid_is_solved_as_a_large_one(void **state) {
     team_free(settings.threads);
 }
 
-/* A large grid in time, whose rows have each its own previous film. */
+/* Solves a transient step on a large grid, with a previous film for each row. */
 static void large_grids_satisfy_the_problem_in_time(void **state) {
     (void)state;
     const ehd_contact contact = sample_point("barus", "dowson-higginson", 20, 10, 144, true);

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A lubricant law is one entry of a table: the tables of this program have two laws more than
- * those of the library, and with them come their keys in scenes and plans, their help and their
- * errors. */
+/* A lubricant law is one entry of a table. The tables of this program have two more laws than the
+ * library. Their keys in scenes and plans, their help and their errors follow from the entries. */
 #include "common/physics/laws.h"
 #include "common/settings/settings_table.h"
 #include "tests/unit/check.h"
@@ -55,8 +54,7 @@ static const lubricant_law density_elastic = {
     .prepare = elastic_prepare,
     .evaluate = elastic};
 
-/* Two densities with as many keys as a law may have, the last of which are more than a table has
- * room for. */
+/* Two densities with as many keys as a law may have; the last keys exceed the size of a table. */
 #define KEY(key)                                                                                   \
     { key, LAW_OPTIONAL, NULL, "0", 0, 1, "1", "One of many" }
 #define FIVE(key) KEY(key "1"), KEY(key "2"), KEY(key "3"), KEY(key "4"), KEY(key "5")
@@ -127,7 +125,7 @@ static void keys_of_an_added_law_are_settings(void **state) {
     assert_string_equal(text, second);
     free(text);
     free(second);
-    // a plan may vary it by its bare name
+    // a plan may vary it by its short name
     assert_ptr_equal(setting_find_short("slope"), setting_find("lubricant.viscosity.slope"));
 }
 
@@ -186,7 +184,7 @@ static void an_added_law_is_evaluated(void **state) {
     (void)state;
     accepts(&of, linear_law, "law: elastic, fluid: water");
     assert_int_equal(scene_contact(&contact, &of, NULL), EHD_OK);
-    check_close(contact.lubricant.alpha, 2e-9, 0, 0); // the derivative at zero pressure
+    check_close(contact.lubricant.alpha, 2e-9, 0, 0); // derivative at zero pressure
     check_close(contact.hertz_pressure, contact.alpha_p_H / 2e-9, 0, 0);
     lubricant_evaluate(log_eta, log_eta_slope, rho, rho_slope, &contact.lubricant, 1e9, pressure,
                        3);
@@ -215,13 +213,13 @@ static void a_contact_with_an_added_law_is_solved(void **state) {
     problem_solve_cold(&barus, &other, &settings);
     const double film = full_evaluate_scalars(&solved.state, &contact).central_film_thickness;
     const double barus_film = full_evaluate_scalars(&barus.state, &other).central_film_thickness;
-    // a viscosity that rises less makes a thinner film
+    // a viscosity that rises less gives a thinner film
     assert_true(film > 0.5 * barus_film && film < 0.97 * barus_film);
     problem_free(&solved);
     problem_free(&barus);
 }
 
-/* Keys that a table has no room for are no settings, and what is beyond is not touched. */
+/* Keys beyond the size of a table are no settings, and memory beyond the table is not touched. */
 static void a_law_that_there_is_no_room_for_is_refused(void **state) {
     scene of;
     ehd_contact contact;
@@ -240,13 +238,14 @@ static void a_law_that_there_is_no_room_for_is_refused(void **state) {
                                     "expected at most 31");
 }
 
-/* Whether it names a set of constants or is one of them: a law's own need is not shared. */
+/* Returns the need of a set of constants or of one of them, else -1: other needs may differ between
+ * laws. */
 static int role_of(const law_parameter *parameter) {
     return parameter->need == LAW_PRESET || parameter->need == LAW_CONSTANT ? (int)parameter->need
                                                                             : -1;
 }
 
-/* The slots of a key are those of all laws that have it, so all must describe it alike. */
+/* Laws with the same key share its slots, so they must describe it alike. */
 static void laws_agree_on_shared_keys(void **state) {
     const lubricant_law *const *const tables[] = {viscosity_laws, density_laws};
     (void)state;
@@ -273,17 +272,17 @@ static void laws_agree_on_shared_keys(void **state) {
             assert_true((num_presets > 0) == (num_constants > 0));
         }
     assert_int_equal(laws_slot(viscosity_laws, "alpha"), 0);
-    assert_int_equal(laws_slot(viscosity_laws, "eta0"), 1); // alpha of roelands is that of barus
+    assert_int_equal(laws_slot(viscosity_laws, "eta0"), 1); // roelands shares alpha with barus
     assert_int_equal(laws_slot(viscosity_laws, "share"), MAX_LAW_KEYS);
-    // the order of stored scenes: what a law takes from one after it stands with that
+    // the order in stored scenes: a key shared with a later law comes at the earlier law
     static const char *const order[] = {
         "alpha",       "eta0", "reference_temperature", "temperature_coefficient", "preset",
         "temperature", "A1"};
     for (size_t i = 0; i < sizeof order / sizeof *order; i++)
         assert_string_equal(laws_key(viscosity_laws, i)->key, order[i]);
     assert_null(laws_key(viscosity_laws, 15));                // these, seven more of wlf, slope
-    assert_null(laws_default(viscosity_laws, "temperature")); // wlf alone has one
-    assert_false(laws_require(viscosity_laws, "eta0"));       // roelands does
+    assert_null(laws_default(viscosity_laws, "temperature")); // only wlf has a default
+    assert_false(laws_require(viscosity_laws, "eta0"));       // only roelands requires it
     assert_true(laws_require(viscosity_laws, "alpha"));
     char list[16];
     laws_list(list, sizeof list, viscosity_laws, "alpha");

@@ -19,7 +19,7 @@ static double random_number(void) {
     return random_next(&seed) - 0.5;
 }
 
-/* Random [num_rows, COLUMNS] with singular values from 1 down to 1/condition. */
+/* Fills a random matrix [num_rows, COLUMNS] with singular values from 1 down to 1/condition. */
 static void random_matrix(double *matrix, size_t num_rows, double condition) {
     double left[ROWS * COLUMNS], right[COLUMNS * COLUMNS], scales[COLUMNS];
 
@@ -52,7 +52,7 @@ static double norm(const double *vector, size_t length) {
     return cblas_dnrm2((int)length, vector, 1);
 }
 
-/* |matrix x + right| */
+/* Returns |matrix x + right|. */
 static double residual(const double *matrix, const double *x, const double *right,
                        size_t num_rows) {
     double left[ROWS];
@@ -63,7 +63,7 @@ static double residual(const double *matrix, const double *x, const double *righ
     return norm(left, num_rows);
 }
 
-/* argmin |matrix x + right| by LAPACK. */
+/* Computes argmin |matrix x + right| by LAPACK. */
 static void reference(double *x, const double *matrix, const double *right, size_t num_rows) {
     double copy[ROWS * COLUMNS], b[ROWS];
 
@@ -83,7 +83,8 @@ static void solve(double *x, const double *matrix, const double *right, size_t n
     least_squares_free(workspace);
 }
 
-/* A perturbation theory's bound: condition, and its square where the residual is not small. */
+/* The limit is that of perturbation theory: the condition, and its square if the residual is not
+ * small. */
 static void equals_lapack(void **state) {
     (void)state;
     double matrix[ROWS * COLUMNS], right[ROWS], x[COLUMNS], expected[COLUMNS];
@@ -101,9 +102,9 @@ static void equals_lapack(void **state) {
         }
 }
 
-/* With the normal equations the error goes as the square of the condition: 1e-5 at 1e6, up to which
- * they are taken, since their factors are cheap and of use to least_squares_again; at 1e8, where
- * nothing would be left, QR gives 1e-9. */
+/* With the normal equations the error is proportional to the square of the condition, 1e-5 at a
+ * condition of 1e6. Up to there they are used, since their factors are cheap and can be reused by
+ * least_squares_again. At 1e8 they would fail; QR gives 1e-9. */
 static void qr_takes_over_where_normal_equations_fail(void **state) {
     (void)state;
     double matrix[ROWS * COLUMNS], right[ROWS], x[COLUMNS], expected[COLUMNS];
@@ -127,7 +128,7 @@ static void qr_takes_over_where_normal_equations_fail(void **state) {
     least_squares_free(workspace);
 }
 
-/* Columns of very different length are no ill conditioning. */
+/* Columns of very different norm do not make the problem ill-conditioned. */
 static void scales_columns(void **state) {
     (void)state;
     double matrix[ROWS * COLUMNS], right[ROWS], x[COLUMNS], expected[COLUMNS];
@@ -143,7 +144,7 @@ static void scales_columns(void **state) {
         check_close(x[j] * pow(10, 2 * (double)j - 10), expected[j], 1e-10, 1e-12);
 }
 
-/* The other columns are solved as if the zero ones were not there, well conditioned or not. */
+/* The other columns are solved as if there were no zero columns, whatever the condition. */
 static void zero_columns_get_zero(void **state) {
     (void)state;
     double matrix[ROWS * COLUMNS], right[ROWS], x[COLUMNS];
@@ -158,7 +159,7 @@ static void zero_columns_get_zero(void **state) {
         solve(x, matrix, right, ROWS);
         check_close(x[3], 0, 0, 0);
         check_close(x[11], 0, 0, 0);
-        // the best of the others: the gradient vanishes
+        // the solution for the other columns is the best one: the gradient vanishes
         double left[ROWS], gradient[COLUMNS];
         memcpy(left, right, sizeof left);
         cblas_dgemv(CblasRowMajor, CblasNoTrans, ROWS, COLUMNS, 1, matrix, COLUMNS, x, 1, 1, left,
@@ -170,7 +171,7 @@ static void zero_columns_get_zero(void **state) {
     }
 }
 
-/* Columns that are equal to working precision: any minimiser will do. */
+/* If columns are equal to round-off, any minimiser is accepted. */
 static void near_rank_deficiency_is_harmless(void **state) {
     (void)state;
     double matrix[ROWS * COLUMNS], right[ROWS], x[COLUMNS], known[COLUMNS];
@@ -188,8 +189,8 @@ static void near_rank_deficiency_is_harmless(void **state) {
     }
 }
 
-/* With the factors of a matrix near by, iterated to its fixed point, which is the solution for the
- * other one. */
+/* Iterates with the factors of a similar matrix to the fixed point, which is the solution for the
+ * given matrix. */
 static void factors_of_a_neighbour_converge_to_the_solution(void **state) {
     (void)state;
     double matrix[ROWS * COLUMNS], right[ROWS], left[ROWS], expected[COLUMNS], step[COLUMNS];
@@ -215,8 +216,8 @@ static void factors_of_a_neighbour_converge_to_the_solution(void **state) {
     least_squares_free(workspace);
 }
 
-/* What is not determined by the rows would depend on where Newton starts. Columns of zeros need no
- * row. */
+/* With fewer rows than columns the solution would depend on the start of Newton. Columns of zeros
+ * need no row. */
 static void fewer_rows_than_columns_are_refused(void **state) {
     (void)state;
     double matrix[ROWS * COLUMNS], right[ROWS], x[COLUMNS];
@@ -250,7 +251,7 @@ static void not_finite_is_said(void **state) {
         random_vector(right, ROWS);
         matrix[17] = bad[i];
         assert_int_equal(least_squares_solve(x, workspace, matrix, right, ROWS), EHD_NOT_CONVERGED);
-        // in the first column alone, which is not one of zeros
+        // in the first column only, which is not a column of zeros
         random_matrix(matrix, ROWS, 5);
         matrix[COLUMNS] = bad[i];
         assert_int_equal(least_squares_solve(x, workspace, matrix, right, ROWS), EHD_NOT_CONVERGED);
@@ -258,8 +259,8 @@ static void not_finite_is_said(void **state) {
     least_squares_free(workspace);
 }
 
-/* Of a matrix in which no number is finite LAPACK is not asked: it would say on
- * standard output, among what a program prints, that there are no columns. */
+/* LAPACK must not be called for a matrix without finite numbers. It would print a message about
+ * missing columns to standard output, amid the output of the program. */
 static void no_columns_are_left_in_silence(void **state) {
     (void)state;
     const double all[] = {NAN, INFINITY};
@@ -287,7 +288,7 @@ static void no_columns_are_left_in_silence(void **state) {
     least_squares_free(workspace);
 }
 
-/* J (J^T J)^-1 c is the shortest x with J^T x = c. */
+/* Checks that J (J^T J)^-1 c is the shortest x with J^T x = c. */
 static void check_dual(least_squares *workspace, const double *matrix, const double *functional,
                        const double *shown, size_t num_columns) {
     double copy[ROWS * COLUMNS], shortest[ROWS] = {0}, dual[COLUMNS];
@@ -298,7 +299,7 @@ static void check_dual(least_squares *workspace, const double *matrix, const dou
                                    (int)num_columns, shortest, 1),
                      0);
     least_squares_dual(dual, workspace, functional);
-    // many at once
+    // several right sides at once
     double many[3 * COLUMNS];
     for (int k = 0; k < 3; k++)
         for (size_t j = 0; j < COLUMNS; j++)
@@ -319,7 +320,7 @@ static void dual_is_the_shortest_cause(void **state) {
     double x[COLUMNS];
 
     assert_non_null(workspace);
-    // by normal equations and, where these are not safe, by QR
+    // by normal equations and, at the largest condition, by QR
     const double conditions[] = {1, 1e3, 1e9};
     for (int i = 0; i < 3; i++) {
         random_matrix(matrix, ROWS, conditions[i]);
@@ -327,7 +328,7 @@ static void dual_is_the_shortest_cause(void **state) {
         random_vector(functional, COLUMNS);
         assert_int_equal(least_squares_solve(x, workspace, matrix, right, ROWS), EHD_OK);
         check_dual(workspace, matrix, functional, matrix, COLUMNS);
-        // a column of zeros says nothing
+        // a column of zeros is ignored
         for (size_t r = 0; r < ROWS; r++)
             matrix[r * COLUMNS + COLUMNS - 1] = 0;
         assert_int_equal(least_squares_solve(x, workspace, matrix, right, ROWS), EHD_OK);

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Viscosity and density of the laws. How laws are found by name and read from scenes is in
- * test_laws.c. */
+/* Viscosity and density of the laws. Names of laws and their settings are tested in test_laws.c. */
 #include "common/physics/lubricant.h"
 #include "tests/unit/allocation.h"
 #include "tests/unit/check.h"
@@ -26,7 +25,7 @@ static void viscosity_derivative(void **state) {
         ehd_lubricant lubricant = sample_lubricant(sample_lubricants[l]);
         for (double p = 1e7; p < fmin(4.6e9, lubricant.pressure_limit); p *= 1.3) {
             double h = 1e-3 * p, slope;
-            // fourth order
+            // difference of fourth order
             double difference =
                 (8 * (log_viscosity(&lubricant, p + h) - log_viscosity(&lubricant, p - h)) -
                  (log_viscosity(&lubricant, p + 2 * h) - log_viscosity(&lubricant, p - 2 * h))) /
@@ -60,7 +59,7 @@ static void density_values(void **state) {
 
 static void viscosity_values(void **state) {
     (void)state;
-    // ln of eta(1 GPa)/eta(0), worked out apart from this code from their formulas
+    // ln of eta(1 GPa)/eta(0), computed independently from the formulas
     static const double at_giga[] = {20, 12.909806659521264, 13.328407194322661, 9.51454678656911,
                                      10.96611946095047};
     for (int l = 0; l < NUM_SAMPLE_LUBRICANTS; l++) {
@@ -103,8 +102,7 @@ static void wlf_coefficients_and_limits(void **state) {
     }
 }
 
-/* Below its limit a law rises with a finite slope; beyond, it is the value at the limit that
- * counts. */
+/* Below its limit a law rises with a finite slope. Above, the value at the limit is used. */
 static void viscosity_rises_to_its_limit(void **state) {
     (void)state;
     for (int l = 2; l < NUM_SAMPLE_LUBRICANTS; l++) {
@@ -139,8 +137,9 @@ static double fluidity(double pressure, void *lubricant) {
     return exp(-log_viscosity(lubricant, pressure));
 }
 
-/* Table 1 hot and cold, and oils that hardly bear pressure, or turn solid at little: against GSL's
- * adaptive integration, without any memory. */
+/* Checks Table 1 at several temperatures, oils whose viscosity hardly depends on pressure, and oils
+ * that solidify at low pressure. The reference is GSL's adaptive integration. Our own one allocates
+ * no memory. */
 static void alpha_is_the_integral_of_fluidity(void **state) {
     (void)state;
     static const struct {
@@ -177,7 +176,7 @@ static void set_number(lubricant_settings *settings, const char *key, double val
     settings->viscosity.values[laws_slot(viscosity_laws, key)].number = value;
 }
 
-/* An oil of 0.04 Pa s, 2e-8/Pa and 0.03/K at 40 degC, at another temperature. */
+/* Returns an oil with 0.04 Pa s, 2e-8/Pa and 0.03/K at 40 degC, at another temperature. */
 static ehd_lubricant oil_at(const char *law, double temperature) {
     lubricant_settings settings = sample_scene(law, "incompressible", 10, 5).lubricant;
     ehd_lubricant lubricant;
@@ -200,7 +199,7 @@ static void barus_at_a_temperature(void **state) {
     check_close(oil_at("barus", 40).eta0, 0.04, 0, 0);
 }
 
-/* ln eta(p, T) as Roelands (1966) has it, in one formula. */
+/* Returns ln eta(p, T) by the single formula of Roelands (1966). */
 static double roelands_formula(double pressure, double celsius) {
     const double a = log(0.04) + 9.67, z = 2e-8 * 1.96e8 / a, reference = 40 + 273.15 - 138;
     const double s0 = 0.03 * reference / a;
@@ -230,7 +229,7 @@ static void roelands_at_a_temperature(void **state) {
     check_close(oil_at("roelands", 40).temperature_coefficient, 0.03, 1e-14, 0);
 }
 
-/* That of eq. 40 by differences. */
+/* Compares the coefficient with differences of eq. 40. */
 static void wlf_has_a_temperature_coefficient(void **state) {
     const double step = 1e-3; // K
     double log_eta0[3];
@@ -280,9 +279,9 @@ static void bad_lubricants_are_refused(void **state) {
     (void)state;
     static const struct {
         const char *lubricant;
-        const char *key; // of the constant that is spoilt
+        const char *key; // key of the constant that is replaced
         double value;
-        const char *text; // of the error, in part
+        const char *text; // part of the error text
     } cases[] = {
         {"barus", "alpha", NAN, "alpha"},  {"barus", "alpha", -1e-8, "alpha"},
         {"roelands", "alpha", 0, "alpha"}, {"roelands", "eta0", 1e-5, "eta0"},

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The march through time with a solver whose answer is known: the film follows the load by
- * dy/dT = (load - y) / delay, by the same formulas as the contact. */
+/* The march through time with a solver whose solution is known: the film follows the load by dy/dT
+ * = (load - y) / delay, discretised like the contact. */
 #include "common/program/program.h"
 #include "common/time/bdf.h"
 #include "common/time/march.h"
@@ -15,26 +15,28 @@
 
 enum { MOST_STEPS = 20000 };
 
-/* The solver, and what is seen of its work. */
+/* The solver, its faults and counts of its calls. */
 typedef struct follower {
     double delay, first_value;
-    bool by_history; // the load enters; 0 else, so that y = exp(-T/delay)
+    // the load of the history is the right side; else it is zero, so y = exp(-T/delay)
+    bool by_history;
     bdf_ring ring;
     double value[BDF_PREVIOUS + 1];
     double load_of_start;
-    // troubles
-    double fails_after;     // no step beyond this time converges
-    size_t fails_at;        // number of the attempt that does not
-    size_t untrusted_at;    // and of the one that is not to be trusted
-    double indicated_after; // attempts, each indicates so much more of the minimum film; 0: none
-    double noise;           // in each step's error, whatever its length
-    double taken_up;        // by films, after each step
-    double longest_step;    // above it the local error is too large; 0: as it is
-    double hardest_step;    // and above this it does not converge; 0: it does
-    ehd_status breaks_with; // from attempt fails_at on, an error
+    // faults
+    double fails_after;  // no step beyond this time converges
+    size_t fails_at;     // number of the attempt that does not converge
+    size_t untrusted_at; // number of the attempt that is not trusted
+    // added by each attempt to the error estimate of the minimum film; 0: none
+    double indicated_after;
+    double noise;           // added to the error of each step, whatever its length
+    double taken_up;        // error along the path, after each step
+    double longest_step;    // longer steps exceed the tolerance; 0: no limit
+    double hardest_step;    // longer steps do not converge; 0: no limit
+    ehd_status breaks_with; // status of an error from attempt fails_at on
     // counts
     size_t num_attempts, num_accepted, num_restarts;
-    double least_step; // of all attempts
+    double least_step; // shortest of all attempts
     double restart_time[8];
 } follower;
 
@@ -97,7 +99,7 @@ static void restart(void *solver) {
     bdf_ring_restart(&self->ring);
 }
 
-/* With the approach given, the load that belongs to it is not the one asked for. */
+/* Starts; with a given approach the resulting load differs from the expected one. */
 static ehd_status start(march_step *outcome, void *solver, const contact_frame *frame,
                         ehd_error *error) {
     follower *self = solver;
@@ -120,11 +122,11 @@ typedef struct run {
     follower follower;
     march march;
     ehd_histories *histories;
-    size_t count; // of entries
+    size_t count; // number of entries
     double time[MOST_STEPS], step[MOST_STEPS], value[MOST_STEPS], local_error[MOST_STEPS];
     contact_frame last;
-    size_t stop_at;        // entry whose store fails
-    ehd_status stops_with; // with this
+    size_t stop_at;        // number of the entry whose store fails
+    ehd_status stops_with; // status of that failure
 } run;
 
 static ehd_status store(void *sink, const march_step *step, size_t index, ehd_error *error) {
@@ -157,7 +159,7 @@ static scene scene_of(const char *transient) {
     return of;
 }
 
-/* Ready to go on; `self` may be large. */
+/* Prepares a run up to its start. */
 static void run_begin(run *self, const char *transient) {
     scene of = scene_of(transient);
     ehd_error error = {""};
@@ -204,7 +206,7 @@ static double last_of(const run *self, const double *values) {
     return values[self->count - 1];
 }
 
-/* Decay from 1 without a load. */
+/* Runs the decay from 1 without a load. */
 static void run_decay(run *self, const char *transient) {
     run_begin(self, transient);
     self->follower.by_history = false;
@@ -233,7 +235,7 @@ static void fixed_steps_are_of_second_order(void **state) {
         error[i] = fabs(last_of(&first, first.value) - exp(-2));
         assert_int_equal(first.count, 1 + 100 * (1 << i));
         assert_int_equal(first.follower.num_attempts, 100 * (1 << i));
-        for (size_t k = 0; k < first.count; k++) // no drift
+        for (size_t k = 0; k < first.count; k++) // exact multiples, without drift
             check_close(first.time[k], (double)k * first.march.settings.fixed_step, 1e-15, 0);
         run_end(&first);
     }
@@ -241,7 +243,7 @@ static void fixed_steps_are_of_second_order(void **state) {
     check_close(log2(error[1] / error[2]), 2, 0, 0.05);
 }
 
-/* The error of the result goes down with the tolerance as its power 2/3. */
+/* The error of the result is proportional to the tolerance to the power 2/3. */
 static void tolerance_controls_the_error(void **state) {
     (void)state;
     static const char *const transients[] = {"end_time: 3, tolerance: 1e-2",
@@ -263,8 +265,8 @@ static void tolerance_controls_the_error(void **state) {
     check_close(log10((double)count[2] / (double)count[1]), 2. / 3, 0, 0.15);
 }
 
-/* Every step that is accepted has a local error below the tolerance of a step, and the largest come
- * near to it: of steps that are too long for it some are tried, and taken again. */
+/* Every accepted step has a local error below the tolerance, and the largest errors come near to
+ * it. Some steps that are too long are tried and repeated. */
 static void accepted_steps_keep_the_tolerance(void **state) {
     (void)state;
     static const char *const transients[] = {
@@ -285,7 +287,7 @@ static void accepted_steps_keep_the_tolerance(void **state) {
     }
 }
 
-/* The way to the end is cut in two equal steps rather than a whole one and a sliver. */
+/* The last two steps are equal; the last one is not a small rest. */
 static void last_step_is_no_sliver(void **state) {
     (void)state;
     for (int i = 0; i < 20; i++) {
@@ -309,12 +311,12 @@ static void steps_grow_by_two_at_most(void **state) {
         if (k > 1) assert_true(first.step[k] <= 2 * (1 + 1e-9) * first.step[k - 1]);
         longest = fmax(longest, first.step[k]);
     }
-    assert_true(longest > 100 * first.step[1]); // where nothing happens any more
+    assert_true(longest > 100 * first.step[1]); // long steps where nothing changes any more
     assert_true(first.march.state.num_steps < 400);
     run_end(&first);
 }
 
-/* A pulse in a long calm: the steps have to become short again, by rejection. */
+/* A pulse after a long rest: steps have to become short again, by rejection. */
 static void pulse_is_followed(void **state) {
     (void)state;
     run_begin(&first, "end_time: 40, tolerance: 1e-3, load: {law: ramp, from: 1, to: 2, "
@@ -365,7 +367,7 @@ static void kinks_are_hit_exactly(void **state) {
     }
 }
 
-/* After a kink between two multiples of the fixed step, times are multiples again. */
+/* After a kink between two multiples of the fixed step, times are multiples of it again. */
 static void fixed_steps_fall_back_on_multiples(void **state) {
     (void)state;
     run_begin(&first, "end_time: 1, fixed_step: 0.08, "
@@ -379,7 +381,7 @@ static void fixed_steps_fall_back_on_multiples(void **state) {
     run_end(&first);
 }
 
-/* As if so many fixed steps had been made. */
+/* Runs as if `steps_before` fixed steps had been made. */
 static void run_late(run *self, double step, double steps_before, double end_time,
                      const char *history) {
     char transient[256];
@@ -393,7 +395,7 @@ static void run_late(run *self, double step, double steps_before, double end_tim
     assert_int_equal(run_on(self), EHD_OK);
 }
 
-/* However many there have been, and however badly a double holds the step. */
+/* Times stay multiples of the step after many steps, and if the step is not exact as a double. */
 static void fixed_steps_go_on_late_in_time(void **state) {
     static const struct {
         double step, steps_before;
@@ -412,7 +414,7 @@ static void fixed_steps_go_on_late_in_time(void **state) {
     }
 }
 
-/* A kink late in time, where there is one more step. */
+/* A kink after many steps adds one step. */
 static void fixed_steps_fall_back_late_in_time(void **state) {
     (void)state;
     run_late(&first, 0.005, 26214404, 26214604 * 0.005,
@@ -424,8 +426,8 @@ static void fixed_steps_fall_back_late_in_time(void **state) {
     run_end(&first);
 }
 
-/* 3 * 0.3 is below 0.9 by rounding, and 0.7 + 0.2 too: no step from there to the end, or to a
- * multiple. */
+/* By round-off 3 * 0.3 and 0.7 + 0.2 are below 0.9. No additional step must be made from there to
+ * the end or to a multiple. */
 static void times_that_differ_by_rounding_are_one(void **state) {
     static const char *const transients[] = {
         "end_time: 0.9, fixed_step: 0.3",
@@ -443,7 +445,7 @@ static void times_that_differ_by_rounding_are_one(void **state) {
     }
 }
 
-/* A linear table k/30 along the path; its times have so many digits. */
+/* Runs with a linear table at k/30 along the path, whose times have `digits` digits. */
 static void run_thirtieths(int digits) {
     static const ehd_contact line = {.kind = &contact_line,
                                      .approach_length = 1,
@@ -471,7 +473,8 @@ static void rounded_kinks_make_no_slivers(void **state) {
     leave_folder(state);
 }
 
-/* Steps that thousands of kinks cut short are no standstill: from T = 0.1 on by `distance`. */
+/* Runs with thousands of kinks at `distance`, from T = 0.1 on. The short steps must not be taken
+ * for a standstill. */
 static void run_many_kinks(double distance, size_t num_kinks, ehd_transport transport) {
     const ehd_contact line = {.kind = &contact_line,
                               .approach_length = 1,
@@ -501,10 +504,11 @@ static void many_kinks_are_no_standstill(void **state) {
     leave_folder(state);
 }
 
-/* Kinks of several histories, multiples and the end are one up to a thousandth of the step. */
+/* Kinks, multiples of the step and the end count as one time if they are closer than a thousandth
+ * of the step. */
 static void times_closer_than_a_thousandth_of_the_step_are_one(void **state) {
     static const struct {
-        double start, other; // of the ramps
+        double start, other; // start of each ramp
         size_t num_steps;
     } cases[] = {{0.30009, 0.30009, 10},   {0.29991, 0.30009, 10},     {0.30011, 9, 11},
                  {0.29989, 9, 11},         {0.35, 0.35004, 11},        {0.35, 0.3502, 12},
@@ -540,8 +544,8 @@ static void times_closer_than_a_thousandth_of_the_step_are_one(void **state) {
     }
 }
 
-/* Two jumps just before and after a multiple of the step count as one jump, which follows the multiple.
- * A jump that rounding moves to just before the end is left out. */
+/* Two jumps just before and after a multiple of the step count as one jump, which follows the
+ * multiple. A jump that round-off moves to just before the end is left out. */
 static void jumps_beside_multiples_are_one(void **state) {
     (void)state;
     run_begin(&first, "end_time: 1, fixed_step: 0.1, load: {law: step, to: 1.5, at: 0.299999999}, "
@@ -564,7 +568,7 @@ static void jumps_beside_multiples_are_one(void **state) {
     run_end(&first);
 }
 
-/* A jump is a new start: the previous states do not count, and the first step is short again. */
+/* After a jump the previous states are dropped, and the first step is short again. */
 static void jump_restarts(void **state) {
     (void)state;
     run_begin(&first, "end_time: 20, tolerance: 1e-3, load: {law: step, to: 1.5, at: 10}");
@@ -575,7 +579,7 @@ static void jump_restarts(void **state) {
     while (first.time[k] < 10)
         k++;
     check_close(first.time[k], 10, 0, 0);
-    check_close(first.value[k], 1, 1e-12, 0); // still before the jump
+    check_close(first.value[k], 1, 1e-12, 0); // the value before the jump
     check_close(first.step[k + 1], first.march.settings.first_step, 1e-9, 0);
     for (; k < first.count; k++)
         check_close(first.value[k], 1.5 - 0.5 * exp(10 - first.time[k]), 0, 2e-3);
@@ -592,7 +596,7 @@ static void jump_and_fixed_steps(void **state) {
     run_end(&first);
 }
 
-/* A jump where the run ends changes nothing. */
+/* A jump at the end of the run changes nothing. */
 static void jump_at_the_end(void **state) {
     (void)state;
     run_begin(&first, "end_time: 1, tolerance: 1e-3, load: {law: step, to: 1.5, at: 1}");
@@ -611,9 +615,9 @@ static void jump_at_the_start(void **state) {
     run_end(&first);
 }
 
-// ---- attempts that fail
+// ---- failing attempts
 
-/* A step that does not converge is taken again, shorter, from the same states. */
+/* A step that does not converge is repeated with a shorter length, from the same states. */
 static void failed_step_is_taken_again(void **state) {
     (void)state;
     run_begin(&first, "end_time: 1, fixed_step: 0.1");
@@ -638,20 +642,19 @@ static void step_size_underflows(void **state) {
         first.follower.fails_after = 0.52;
         assert_int_equal(run_on(&first), EHD_NOT_CONVERGED);
         assert_non_null(strstr(first.march.reason, "no will"));
-        // or it came nearer and nearer to that time for too long
+        // steps became too short, or there were too many of them
         assert_true(strstr(first.march.reason, "expected above") ||
                     strstr(first.march.reason, "expected them to get further"));
         assert_null(strchr(first.march.reason, '\n'));
         assert_true(first.march.state.time <= 0.52 && first.march.state.time > 0.51);
-        // what was found stands
+        // results until then are kept
         check_close(last_of(&first, first.time), first.march.state.time, 0, 0);
         check_close(last_of(&first, first.value), exp(-first.march.state.time), 0, 1e-2);
         run_end(&first);
     }
 }
 
-/* Steps that the time's own rounding would swallow are not tried, however short the first one
- * was. */
+/* Steps below the round-off of the time are not tried, however short the first step was. */
 static void step_size_ends_above_rounding(void **state) {
     (void)state;
     for (int i = 0; i < 2; i++) {
@@ -661,7 +664,7 @@ static void step_size_ends_above_rounding(void **state) {
         if (i == 0)
             first.follower.fails_after = 0.7; // before the jump
         else
-            first.march.settings.tolerance = 1e-9; // crawls from there on
+            first.march.settings.tolerance = 1e-9; // steps become ever shorter
         if (i == 1) first.follower.fails_after = 1;
         assert_int_equal(run_on(&first), EHD_NOT_CONVERGED);
         assert_non_null(strstr(first.march.reason, "found a step size of "));
@@ -674,7 +677,7 @@ static void step_size_ends_above_rounding(void **state) {
     }
 }
 
-/* Nothing that any step could follow: refused by the local error alone. */
+/* A tolerance that no step can meet: all steps are refused by their local error. */
 static void noise_underflows(void **state) {
     (void)state;
     run_begin(&first, "end_time: 1, tolerance: 1e-3");
@@ -685,8 +688,8 @@ static void noise_underflows(void **state) {
     run_end(&first);
 }
 
-/* Errors that no shorter step makes less: where one is tried and no better, the steps go on; not
- * above what all of them together are asked for. */
+/* If a shorter step does not reduce the error, steps are accepted with it, up to the tolerance of
+ * the whole run. */
 static void steps_stand_above_noise(void **state) {
     (void)state;
     run_begin(&second, "end_time: 1, tolerance: 1e-3");
@@ -706,8 +709,8 @@ static void steps_stand_above_noise(void **state) {
     run_end(&first);
 }
 
-/* Along the path no step is shortened below a quarter of the grid's, nor tried at a length whose
- * error the last one of that length has told. */
+/* Along the path no step is shorter than a quarter of the grid's step. A length whose last step had
+ * too large an error is not tried again. */
 static void steps_along_the_path_stay_at_the_shortest(void **state) {
     (void)state;
     static const ehd_contact line = {.kind = &contact_line,
@@ -725,9 +728,9 @@ static void steps_along_the_path_stay_at_the_shortest(void **state) {
     run_end(&first);
 }
 
-/* Errors that films have taken up make later steps shorter where they are more than eight tolerances:
- * of four times as much each counts fourfold, and steps of an error of third order are 4^(1/3) times
- * shorter. Nothing is known of them where films do not go along the path. */
+/* Errors along the path that exceed eight tolerances shorten later steps. With four times this
+ * value each error counts fourfold, so steps with an error of third order are 4^(1/3) times
+ * shorter. Upwind transport has no such errors. */
 static void what_films_have_taken_up_shortens_steps(void **state) {
     (void)state;
     static const double tolerances[] = {0, 7.9, 32, 32};
@@ -749,10 +752,10 @@ static void what_films_have_taken_up_shortens_steps(void **state) {
     }
     check_close(num_steps[1], num_steps[0], 0, 0);
     check_close(num_steps[2] / num_steps[0], pow(4, 1. / 3), 0.05, 0);
-    check_close(num_steps[3], num_steps[0], 0.15, 0); // by another order of the tolerance
+    check_close(num_steps[3], num_steps[0], 0.15, 0); // the tolerance has another order here
 }
 
-/* After a jump along the path the first step is one of the shortest; without one they are longer. */
+/* Along the path the first step after a jump has about the shortest length; other steps are longer. */
 static void the_step_after_a_jump_along_the_path_is_short(void **state) {
     (void)state;
     static const ehd_contact line = {.kind = &contact_line,
@@ -772,7 +775,7 @@ static void the_step_after_a_jump_along_the_path_is_short(void **state) {
     run_end(&first);
 }
 
-/* Steps that are accepted, but so short that the end is out of reach. */
+/* Steps are accepted, but are too short to reach the end. */
 static void crawling_ends(void **state) {
     (void)state;
     run_begin(&first, "end_time: 1, tolerance: 1e-3");
@@ -783,14 +786,14 @@ static void crawling_ends(void **state) {
     assert_true(first.follower.num_attempts <= 200 && first.march.state.time > 0);
     run_end(&first);
 
-    // fixed ones too, of which only small parts converge
+    // also fixed steps, of which only small parts converge
     run_begin(&first, "end_time: 1, fixed_step: 0.01");
     first.follower.hardest_step = 1e-6;
     assert_int_equal(run_on(&first), EHD_NOT_CONVERGED);
     assert_non_null(strstr(first.march.reason, "expected them to get further"));
     assert_true(first.follower.num_attempts < MOST_STEPS && first.march.state.time > 0);
     run_end(&first);
-    // but not those that are meant to be short
+    // but not steps that are meant to be short
     run_begin(&first, "end_time: 1e-5, fixed_step: 2e-9");
     assert_int_equal(run_on(&first), EHD_OK);
     run_end(&first);
@@ -829,9 +832,9 @@ static void first_untrusted_step_is_kept(void **state) {
     run_end(&first);
 }
 
-// ---- going on
+// ---- continuing
 
-/* Stopped anywhere and gone on from the saved struct: the same bits as in one go. */
+/* A march that is stopped anywhere and continued from its saved struct gives the same bits. */
 static void march_goes_on_from_its_state(void **state) {
     static const char transient[] =
         "end_time: 3, tolerance: 1e-4, load: {law: sine, amplitude: 0.2, "
@@ -878,8 +881,8 @@ static void signal_interrupts(void **state) {
 
 // ---- approach
 
-/* With the approach given the load is an outcome: what the start found is the reference approach,
- * and frames are scaled by the load to be expected. */
+/* With a given approach the load is a result. The approach of the start is the reference approach,
+ * and frames are scaled by the predicted load. */
 static void approach_scales_by_the_load(void **state) {
     (void)state;
     run_begin(&first, "end_time: 1, fixed_step: 0.1, approach: {law: ramp, from: 1, to: 2, "
@@ -903,7 +906,7 @@ static void forecast_of_the_load_is_bounded(void **state) {
     check_close(load_forecast_scale(&of, 1, &grid), 6, 0, 0);
     of.rate = -100;
     check_close(load_forecast_scale(&of, 1, &grid), 1.5, 0, 0);
-    // a rate found in a last step of a thousandth is not followed all the way
+    // the rate of a last step of a thousandth is used for a limited time only
     of = (load_forecast){.load = 3, .scale = 2.9, .rate = 1, .last_step = 1e-3};
     check_close(load_forecast_scale(&of, 1, &grid), 3 + bdf_most_growth * 1e-3, 1e-15, 0);
     // a short step leaves the scale almost as it was
@@ -911,7 +914,7 @@ static void forecast_of_the_load_is_bounded(void **state) {
     check_close(load_forecast_scale(&of, 1e-12, &grid), 2.9, 1e-10, 0);
 }
 
-/* A step is not to be trusted where more is indicated than asked for, of either film. */
+/* A step is untrusted if the error estimate of either film exceeds the accuracy. */
 static void indicated_deviations_are_held_against_the_accuracy(void **state) {
     (void)state;
     const double accuracy[] = {1, 0.0035, 0};
@@ -969,7 +972,7 @@ int main(void) {
         cmocka_unit_test(march_goes_on_from_its_state),
         cmocka_unit_test(approach_scales_by_the_load),
         cmocka_unit_test(forecast_of_the_load_is_bounded),
-        cmocka_unit_test(signal_interrupts), // for good, hence the last one
+        cmocka_unit_test(signal_interrupts), // stays interrupted, so this test is the last
     };
     return cmocka_run_group_tests_name("march", tests, NULL, NULL);
 }

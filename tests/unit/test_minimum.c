@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The minimum of a film between the nodes: exact for quartics along and across a valley. */
+/* The minimum of a film between nodes: exact for quartics along and across a valley. */
 #include "common/physics/minimum.h"
 #include "tests/unit/check.h"
 
 #include <math.h>
 
-/* A film with its minimum 0.3 at a place, in steps from the grid's node (30, 7). */
+/* A film with its minimum 0.3 at a place, given in steps from node (30, 7) of the grid. */
 typedef struct valley {
     ehd_grid grid;
     double along, across, third, fourth;
-    double slant;   // by which the valley moves along from one line to the next
+    double slant;   // shift of the valley along the line, from one line to the next
     size_t missing; // node without a value
 } valley;
 
@@ -57,14 +57,15 @@ static void exact_for_quartics(void **state) {
     }
 }
 
-/* As in the horseshoe of a point contact, whose valley crosses several nodes from line to line. */
+/* The film has a slanting valley, as in the horseshoe of a point contact, which crosses several
+ * nodes from line to line. */
 static void along_a_slanting_valley(void **state) {
     (void)state;
     for (double slant = -4; slant <= 4; slant += 0.5) {
         valley point = valley_at(0.3, -0.4, true);
         point.slant = slant;
         const size_t column = COLUMN + (size_t)lround(0.3 + slant * 0.4 + 10) - 10;
-        const size_t node = LINE * grid_width(&point.grid) + column; // least of its line
+        const size_t node = LINE * grid_width(&point.grid) + column; // lowest of its line
         check_close(minimum_around(&point.grid, node, value_at, &point), 0.3, 1e-13, 0);
     }
 }
@@ -81,7 +82,7 @@ static void of_the_line_where_those_beside_it_are_missing(void **state) {
 
 static void on_the_mirror_line(void **state) {
     (void)state;
-    valley half = valley_at(0.3, -7, true); // the valley's line y = 0 is line 0
+    valley half = valley_at(0.3, -7, true); // the line y = 0 of the valley is line 0
     half.grid = grid_like(&half.grid, -4, 0.1, 61, 11);
     half.grid.half = true;
     check_close(minimum_around(&half.grid, COLUMN, value_at, &half), 0.3, 1e-13, 0);
@@ -94,11 +95,11 @@ static void nodal_where_it_cannot_be_interpolated(void **state) {
 
     line.missing = COLUMN + 2;
     check_close(minimum_of(&line), nodal, 0, 0);
-    edge.grid.inner_x = COLUMN; // the boundary node is the next one
+    edge.grid.inner_x = COLUMN; // the boundary node is next
     check_close(minimum_of(&edge), nodal, 0, 0);
     flat.grid.discretization = DISCRETIZATION_PUBLISHED;
     check_close(minimum_of(&flat), nodal, 0, 0);
-    flat = valley_at(8, 0, false); // a slope: its minimum lies elsewhere
+    flat = valley_at(8, 0, false); // a slope, whose minimum lies elsewhere
     check_close(minimum_of(&flat), value_at(&flat, COLUMN), 0, 0);
 }
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Bases and models as files. */
+/* Files of bases and models. */
 #include "romrun/model/basis_file.h"
 #include "romrun/model/model_file.h"
 #include "romrun/model/weighting.h"
@@ -57,8 +57,7 @@ static void write_basis(const reduced_basis *basis) {
     check_ok(basis_write(basis, &origin, &self, "energy: 1\n", NULL, &error));
 }
 
-/* `weights`: name of the weighting, NULL for a file that does not say what the weights follow
- * from. */
+/* Writes a model. `weights` is the name of the weighting; NULL: the file has none. */
 static void write_weighted(const reduced_model *model, const reduced_basis *basis,
                            const char *weights) {
     double sigmas[TRAINED_STATES];
@@ -93,7 +92,7 @@ static int compare_nodes(const void *a, const void *b) {
     return p < q ? -1 : p > q;
 }
 
-/* The same rows in the order of their nodes, which read models have. */
+/* Builds a model of the same rows in the order of their nodes, which read models have. */
 static void build_in_order(reduced_model *model, const reduced_basis *basis, size_t num_rows) {
     size_t ordered[NUM_ROWS];
 
@@ -116,7 +115,7 @@ static void check_states(const reduced_states *found, const reduced_states *expe
         assert_int_equal(found->exit[s], expected->exit[s]);
 }
 
-/* Opens the file at `path` for writing past our own code, and takes its digest away. */
+/* Opens the file at `path` for direct writing, and removes its digest. */
 static hid_t open_raw(void) {
     hid_t file = H5Fopen(path, H5F_ACC_RDWR, H5P_DEFAULT);
     assert_true(file >= 0);
@@ -220,7 +219,7 @@ static void a_basis_comes_back(void **state) {
         assert_int_equal(found.deformation, basis->deformation);
         assert_int_equal(found.num_pressure, basis->num_pressure);
         assert_int_equal(found.num_deformation, basis->num_deformation);
-        // the file holds inner nodes; pressure is zero at the boundary, and no row lies there
+        // the file has inner nodes; at the boundary the pressure is zero and there are no rows
         size_t first = basis->num_pressure, count = (num_nodes - 2) * first;
         check_close_array(found.pressure + first, basis->pressure + first, count, 0, 0);
         check_close_array(found.pressure, (double[9]){0}, first, 0, 0);
@@ -279,7 +278,7 @@ static void a_model_comes_back(void **state) {
     }
 }
 
-/* Of all modes and of fewer, whatever the rows. */
+/* Checks the control rows of a model with all modes and with fewer, and any number of rows. */
 static void control_rows_come_back(void **state) {
     const size_t nodes[] = {90, 2, 60};
     (void)state;
@@ -337,8 +336,8 @@ static void a_prefix_of_the_rows_is_the_model_of_those_rows(void **state) {
     }
 }
 
-/* The same training with fewer modes gives the same first modes; only where the exit band begins
- * may differ, which shows in the last digits. */
+/* A training with fewer modes gives the same first modes. Only the begin of the exit band may
+ * differ, which changes the last digits. */
 static void a_prefix_of_the_modes_is_the_model_of_those_modes(void **state) {
     (void)state;
     for (int kind = 0; kind < 2; kind++) {
@@ -360,7 +359,7 @@ static void a_prefix_of_the_modes_is_the_model_of_those_modes(void **state) {
     }
 }
 
-/* Weights of the first rows and as many Jacobian modes as there are unknowns. */
+/* Computes weights from the first rows and as many Jacobian modes as there are unknowns. */
 static void expected_weights(double *weights, const reduced_basis *basis, size_t num_rows,
                              size_t num_modes) {
     double sampled[NUM_ROWS * NUM_JACOBIAN_MODES];
@@ -380,7 +379,7 @@ static size_t place_of(const reduced_model *model, size_t node) {
     return r;
 }
 
-/* The whole has the weights that are stored. */
+/* A part of a model has weights of its own; the whole model has the stored weights. */
 static void a_part_is_weighed_by_itself(void **state) {
     const struct {
         model_sizes sizes;
@@ -428,7 +427,7 @@ static void a_part_of_unknown_weights_is_refused(void **state) {
     reduced_model_free(&model);
 }
 
-// ---- what is refused
+// ---- refused files
 
 static void bad_bases_are_refused(void **state) {
     (void)state;
@@ -493,7 +492,7 @@ static void bad_models_are_refused(void **state) {
         patch_integer_attribute(places[i].name, places[i].value);
         model_is_refused(&everything, "found");
     }
-    // an exit needs the two nodes before it in the band
+    // the band must contain two nodes before an exit
     write_model(&model, &bases[1]);
     patch_integer_attribute("least_exit", (long long)model.band.lines[0].begin);
     model_is_refused(&everything, "inside the band");

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Cycles of multigrid on a matrix as it is of a contact: pressure flow both ways in front, what the
- * entrainment carries along the lines behind, and nodes without pressure. */
+/* Multigrid cycles on a matrix like that of a contact: pressure flow in both directions in front,
+ * entrainment along the lines behind, and nodes without pressure. */
 #include "fullrun/multigrid.h"
 
 #include "common/physics/ellipse.h"
@@ -20,7 +20,7 @@ static void add(double *row, int line, int column, double value, bool at_mirror)
     row[(line + 1) * CYCLE_COLUMNS + column + CYCLE_BACK] += value;
 }
 
-/* Flow by pressure, along and, so many times as much, across. */
+/* Adds pressure flow along, and `across` times as much across. */
 static void add_flow(double *row, double across, bool at_mirror) {
     add(row, 0, 0, -2 - 2 * across, at_mirror);
     for (int side = -1; side <= 1; side += 2) {
@@ -29,7 +29,7 @@ static void add_flow(double *row, double across, bool at_mirror) {
     }
 }
 
-/* The upwind difference of a deflection by the nodes around. */
+/* Adds the upwind difference of a deflection by the nodes around. */
 static void add_entrainment(double *row, bool at_mirror) {
     const double kernel[2][2] = {{3, 0.54}, {0.54, 0.21}}, upwind[3] = {1.5, -2, 0.5};
 
@@ -57,7 +57,7 @@ static void fill(multigrid *cycle, const ehd_grid *grid) {
     }
 }
 
-/* y = b - A x with the rows that count. */
+/* Computes y = b - A x with the rows of the unknowns. */
 static void residual(double *y, multigrid *cycle, const double *b, const double *x,
                      const ehd_grid *grid) {
     for (size_t r = 0; r < grid->num_inner; r++) {
@@ -70,8 +70,8 @@ static void residual(double *y, multigrid *cycle, const double *b, const double 
     }
 }
 
-/* Largest error after so many cycles, each for the residual that is left, of a solution between -1
- * and 1. */
+/* Returns the largest error after some cycles, each of which reduces the residual. The solution is
+ * between -1 and 1. */
 static double error_on(ehd_grid grid, size_t cycles) {
     multigrid *cycle = multigrid_create(&grid, NULL);
     const size_t bytes = grid.num_inner * sizeof(double);
@@ -113,7 +113,7 @@ static void small_grids_take_one_cycle(void **state) {
         check_close(error_after(1, 32, half), 0, 0, 1e-12);
 }
 
-/* And so is one that is as narrow, however long, whichever way; its band is as narrow. */
+/* A long and narrow grid, in either direction, is also solved by factors; its band is as narrow. */
 static void narrow_grids_take_one_cycle_and_little_memory(void **state) {
     (void)state;
     const ehd_grid square = grid_with(128, false);
@@ -126,8 +126,8 @@ static void narrow_grids_take_one_cycle_and_little_memory(void **state) {
     assert_true(multigrid_bytes(&square) < 500);
 }
 
-/* An error falls to 0.22 by each cycle of two grids and to 0.35 by one of three; more
- * slowly where the even lines come first. */
+/* Each cycle of two grids reduces the error to 0.22, one of three to 0.35. If the even lines came
+ * first, convergence would be slower. */
 static void cycles_converge_on_any_grid(void **state) {
     (void)state;
     for (size_t cells = 128; cells <= 256; cells *= 2)
@@ -136,8 +136,9 @@ static void cycles_converge_on_any_grid(void **state) {
     assert_true(error_after(8, 128, false) < 1e-4);
 }
 
-/* And where the flow across the lines is much larger, as in narrow ellipses. With grids of every other
- * node of a line the errors of these three are 2e-2, 4e-2 and 1e-3. */
+/* Cycles also converge with much larger flow across the lines, as in narrow ellipses. If the
+ * coarser grids had every second node of a line, the errors of these three would be 2e-2, 4e-2 and
+ * 1e-3. */
 static void cycles_converge_on_narrow_ellipses(void **state) {
     (void)state;
     for (double ellipticity = 0.05; ellipticity < 0.3; ellipticity *= 2) {
@@ -147,7 +148,7 @@ static void cycles_converge_on_narrow_ellipses(void **state) {
     }
 }
 
-/* A line's matrix that no solution has is found. */
+/* A singular matrix of a line is reported. */
 static void singular_lines_are_found(void **state) {
     (void)state;
     const ehd_grid grid = grid_with(128, true);

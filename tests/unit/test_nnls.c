@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Least squares without negative unknowns: by their optimality, and by what they have to be. */
+/* Nonnegative least squares: optimality conditions and known solutions. */
 #include "common/algebra/nnls.h"
 #include "tests/unit/allocation.h"
 #include "tests/unit/check.h"
@@ -14,7 +14,7 @@ enum { ROWS = 60, COLUMNS = 90 };
 
 static ehd_error error;
 
-/* A number of [-1, 1), the same in each run. */
+/* Returns a number of [-1, 1), the same in each run. */
 static double next_number(void) {
     static uint64_t seed = 7;
 
@@ -26,8 +26,8 @@ static void fill(double *values, size_t count, double offset) {
         values[i] = next_number() + offset;
 }
 
-/* Karush, Kuhn and Tucker: no unknown is negative, no column falls, and those in use are level.
- * Returns how many are. */
+/* Checks the Karush-Kuhn-Tucker conditions: no unknown is negative, no column reduces the residual,
+ * and for columns in use the gradient is zero. Returns the number of columns in use. */
 static size_t check_optimal(const double *x, const double *matrix, const double *right, size_t rows,
                             size_t columns) {
     double residual[4 * ROWS], length = cblas_dnrm2((int)rows, right, 1);
@@ -63,11 +63,11 @@ static void solutions_are_optimal(void **state) {
         num_columns += columns[of];
     }
     assert_in_range(num_used, num_columns / 10,
-                    9 * num_columns / 10); // neither bound is all there is
+                    9 * num_columns / 10); // some unknowns are zero and some are not
     free(matrix);
 }
 
-/* A right side of known unknowns gives these, with columns of any length. */
+/* A right side made of nonnegative unknowns gives these, with columns of any norm. */
 static void what_is_not_negative_is_found_again(void **state) {
     double matrix[ROWS * 20], right[ROWS], x[20], expected[20];
     (void)state;
@@ -84,7 +84,7 @@ static void what_is_not_negative_is_found_again(void **state) {
                     1e-9);
 }
 
-/* Of the unit matrix the positive part; of a right side that no column turns to, nothing. */
+/* The unit matrix gives the positive part. A right side that no column points to gives zero. */
 static void simple_ones_are_known(void **state) {
     static const double unit[] = {1, 0, 0, 0, 1, 0, 0, 0, 1}, right[] = {2, -3, 0.5};
     static const double away[] = {-1, -1, -1};
@@ -95,14 +95,14 @@ static void simple_ones_are_known(void **state) {
     check_close_array(x, ((const double[]){2, 0, 0.5}), 3, 1e-15, 0);
     assert_int_equal(nnls_solve(x, unit, away, 3, 3, 0, &error), EHD_OK);
     check_close_array(x, ((const double[]){0, 0, 0}), 3, 0, 0);
-    // two columns, of which the unconstrained solution is (2, -1): the first alone has 1.5
+    // the unconstrained solution of two columns is (2, -1); the first column alone gives 1.5
     assert_int_equal(
         nnls_solve(x, (const double[]){1, 1, 1, 0}, (const double[]){1, 2}, 2, 2, 0, &error),
         EHD_OK);
     check_close_array(x, ((const double[]){1.5, 0}), 2, 1e-15, 0);
 }
 
-/* Columns twice, sums of others, and of zeros. */
+/* Columns may be equal, sums of others, or zero. */
 static void columns_may_depend_on_each_other(void **state) {
     enum { NUM = 40 };
     double matrix[ROWS * NUM], right[ROWS], x[NUM];
@@ -125,7 +125,7 @@ static void columns_may_depend_on_each_other(void **state) {
     }
 }
 
-/* Fewer columns come as near as they are asked to. */
+/* With a looser tolerance fewer columns are used. */
 static void a_tolerance_ends_it_before(void **state) {
     double matrix[ROWS * 50], right[ROWS], x[50];
     size_t last = 0;

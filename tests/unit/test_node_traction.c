@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Derivatives of the sum of shear stresses over the model's nodes, against differences of that
- * sum. */
+/* Derivatives of the sum of shear stresses over the model's nodes, against differences of this sum. */
 #include "deimselect/cubature.h"
 #include "romrun/online/node_traction.h"
 #include "tests/unit/check.h"
@@ -13,7 +12,8 @@
 
 static const double distance = 1e-5;
 
-/* By a coordinate, of a contact whose law leaves nothing behind the last node with pressure. */
+/* Returns the derivative by a coordinate. The law of the contact has no stress behind the last node
+ * with pressure. */
 static double difference(node_state *nodes, double *z, size_t j, const ehd_contact *contact) {
     const contact_scalars scalars = {.load = 1, .exit_position = NAN};
     double sums[2];
@@ -29,7 +29,7 @@ static double difference(node_state *nodes, double *z, size_t j, const ehd_conta
     return (sums[1] - sums[0]) / (2 * distance);
 }
 
-/* For exits of the training and ones between. */
+/* Checks the derivatives for training states with their own exits and shifted ones. */
 static void check_model(const reduced_model *model, const reduced_basis *basis) {
     const size_t n = model->num_unknowns;
     double *gradient = calloc(n, sizeof *gradient), *z = calloc(n, sizeof *z);
@@ -43,7 +43,7 @@ static void check_model(const reduced_model *model, const reduced_basis *basis) 
         ehd_contact contact = sample_contact("barus", "incompressible", 12, 4, basis->grid.step);
         contact.radius = contact.half_width = contact.slide_roll = 1;
         contact.lubricant.shear = laws_find(shear_laws, "limiting");
-        contact.lubricant.shear_constants[0] = contact.lambda; // between both of its limits
+        contact.lubricant.shear_constants[0] = contact.lambda; // between the two limits of the law
         const size_t exit = basis->states.exit[s] - s % 4;
         double largest = 0;
         memcpy(z, basis->states.coordinates + s * n, n * sizeof *z);
@@ -55,7 +55,7 @@ static void check_model(const reduced_model *model, const reduced_basis *basis) 
             largest = fmax(largest, fabs(gradient[j]));
         assert_true(largest > 0);
         for (size_t j = 0; j < n; j++)
-            // 1e-5 by the differences of contact_stress_slopes
+            // contact_stress_slopes is accurate to 1e-5, by differences
             check_close(gradient[j], difference(&nodes, z, j, &contact), 0, 5e-6 * largest);
     }
     arena_free(&memory);

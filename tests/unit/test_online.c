@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The library: opens a model and solves contacts with it. How it takes steps in time is in
+/* The library: opening a model and solving contacts with it. Transient steps are tested in
  * test_online_transient.c. */
 #include "romrun/online/online.h"
 #include "tests/unit/allocation.h"
@@ -57,7 +57,7 @@ static void *solve_many(void *argument) {
     return NULL;
 }
 
-/* Times differ; nothing else may. */
+/* Checks that two runs are equal except for their times. */
 static void check_same_results(const library_run *a, const library_run *b) {
     assert_int_equal(a->status, EHD_OK);
     assert_int_equal(b->status, EHD_OK);
@@ -120,7 +120,7 @@ static void the_library_says_what_it_solved(void **state) {
     assert_int_equal(online_fields(pressure, film, solver, &error), EHD_INTERNAL);
     assert_non_null(strstr(error.text, "expected online_prepare_fields before"));
     check_ok(online_prepare_fields(model, &error));
-    check_ok(online_prepare_fields(model, &error)); // once more
+    check_ok(online_prepare_fields(model, &error)); // a second call is harmless
     check_ok(online_solve(&result, solver, &contact, &error));
     assert_string_equal(result.reason, "");
     check_ok(online_fields(pressure, film, solver, &error));
@@ -136,7 +136,7 @@ static void the_library_says_what_it_solved(void **state) {
     check_close(effects.of[EFFECT_STEP], 0.02, 1e-12, 0);
     assert_true(isnan(effects.of[EFFECT_STEP_MINIMUM]) && isnan(effects.of[EFFECT_INLET]));
 
-    // a pressure beyond the end of the viscosity law, seen by the solver and on the whole grid
+    // a pressure beyond the limit of the viscosity law, found by the solver and on the whole grid
     contact.lubricant.pressure_limit =
         0.98 * result.scalars.central_pressure * contact.hertz_pressure;
     online_result beyond = result;
@@ -146,7 +146,7 @@ static void the_library_says_what_it_solved(void **state) {
     assert_int_equal(beyond.status, EHD_NOT_CONVERGED);
     assert_non_null(strstr(beyond.reason, "beyond the limit of the viscosity law"));
     contact.lubricant.pressure_limit = INFINITY;
-    // one that is not a number, or below zero by more than rounding
+    // a pressure that is NaN, or negative by more than round-off
     const double strange[] = {NAN, -1.1e-3, -0.9e-3};
     for (size_t i = 0; i < 3; i++) {
         online_result judged = result;
@@ -155,12 +155,12 @@ static void the_library_says_what_it_solved(void **state) {
         assert_int_equal(judged.status, i < 2 ? EHD_NOT_CONVERGED : EHD_OK);
     }
 
-    // outside of what was trained: solved, and said
+    // outside of the trained range: solved, but untrusted
     contact_set_moes(&contact, 25, 3);
     check_ok(online_solve(&result, solver, &contact, &error));
     assert_int_equal(result.status, EHD_UNTRUSTED);
     assert_non_null(strstr(result.reason, "trained range"));
-    // another grid
+    // a different grid is refused
     const ehd_grid *grid = &training.set.grid;
     contact.grid = grid_like(grid, grid->x_min, grid->step, grid->inner_x + 1, 1);
     assert_int_equal(online_solve(&result, solver, &contact, &error), EHD_DATA);
@@ -177,7 +177,7 @@ static void the_library_says_what_it_solved(void **state) {
     assert_null(online_solver_free(NULL));
 }
 
-// ---- what may end the host
+// ---- effects on the host process
 
 enum { NUM_CONTACTS = 8 };
 
@@ -187,7 +187,7 @@ typedef struct fields_run {
     ehd_status status;
 } fields_run;
 
-/* All that a thread may ask of a model. */
+/* Makes all calls that a thread may make with a model. */
 static void *use_all(void *argument) {
     fields_run *run = argument;
     const size_t num_nodes = training.set.grid.num_nodes;
@@ -229,7 +229,8 @@ static void handler_of_host(const char *reason, const char *file, int line, int 
     fail_msg("%s:%d: %s (%d)", file, line, reason, code);
 }
 
-/* GSL calls a handler, by default one that ends the process; it is the host's. */
+/* GSL calls a handler on errors, which by default ends the process. The library must keep the
+ * handler of the host. */
 static void the_process_keeps_what_it_has_set(void **state) {
     static const char text[] = "contact: line\nregime: stationary\nmoes: {M: 12, L: 3}\n"
                                "lubricant: {viscosity: {law: wlf, preset: no1}}\n";
@@ -253,7 +254,7 @@ static void the_process_keeps_what_it_has_set(void **state) {
     assert_ptr_equal(gsl_set_error_handler(before), handler_of_host);
 }
 
-/* Two threads at once, and one alone, give the same bits. */
+/* Two threads together and one thread alone give the same bits. */
 static void a_loaded_model_calls_no_library_that_may_end_the_process(void **state) {
     (void)state;
     for (int kind = 0; kind < 2; kind++) {
@@ -322,7 +323,7 @@ static void fields_are_those_of_the_file_that_was_opened(void **state) {
     rows_model_write(&bases[1], rows, NUM_ROWS, path);
     for (int other = 0; other < 2; other++) {
         check_ok(online_open(&model, path, NULL, &error));
-        // another model under the same name, with the same rows of fewer modes
+        // another model replaces the file, with the same rows and fewer modes
         reduced_basis fewer = bases[1];
         fewer.num_pressure--;
         if (other) rows_model_write(&fewer, rows, NUM_ROWS, path);

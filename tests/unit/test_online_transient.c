@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The stepping interface of the library, as the force element of somebody else's integrator. */
+/* Time steps by the library, as a force element of an integrator of another program. */
 #include "common/time/path_filter.h"
 #include "fullrun/full_march.h"
 #include "podbuild/bases.h"
@@ -18,7 +18,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A contact whose load swings by 10 %; steps are a power of two, so that times are exact. */
+/* A contact whose load varies by 10 %. Steps are a power of two, so that times are exact. */
 static const char scene_of_training[] =
     "contact: line\nregime: transient\nmoes: {M: 12, L: 4}\n"
     "lubricant: {viscosity: {law: barus, alpha: 2e-8}, density: {law: dowson-higginson}}\n"
@@ -28,12 +28,12 @@ static const double STEP = 0.015625;
 // along the path the training begins with shorter steps
 enum { NUM_STEPS = 128, MOST_STATES = NUM_STEPS + 8 };
 
-static size_t num_modes; // of pressure and of deformation
+static size_t num_modes; // number of pressure modes and of deformation modes
 static scene given;
 static ehd_contact reference;
 static ehd_histories *histories;
 static online_model *models[2];                               // coupled, independent
-static double full_exit[MOST_STATES], full_time[MOST_STATES]; // of the training
+static double full_exit[MOST_STATES], full_time[MOST_STATES]; // from the training
 static size_t num_states;
 static ehd_error error;
 
@@ -134,7 +134,7 @@ static online_model *make_model(const snapshot_set *set, deformation_kind kind, 
     return opened;
 }
 
-/* `transport`: how the films are carried, on a grid of `step`. */
+/* Trains with a transport of films on a grid of `step`. */
 static int set_up(void **state, const char *transport, double step, size_t modes) {
     training self;
     char path[128], text[1024];
@@ -151,7 +151,7 @@ static int set_up(void **state, const char *transport, double step, size_t modes
     training_init(&self);
     training_run(&self);
     models[0] = make_model(&self.set, DEFORMATION_COUPLED, path);
-    check_ok(online_prepare_transient(models[0], &error)); // before the file is another one
+    check_ok(online_prepare_transient(models[0], &error)); // before the file is replaced
     models[1] = make_model(&self.set, DEFORMATION_INDEPENDENT, path);
     check_ok(online_prepare_transient(models[1], &error));
     full_march_free(self.march);
@@ -184,7 +184,7 @@ static online_transient *create(const online_model *model) {
     return contact;
 }
 
-/* What the trained history says at a time, with the load given. */
+/* Returns the conditions of the training at a time, with a given load. */
 static online_conditions conditions_at(double time) {
     double values[NUM_VARY];
 
@@ -206,7 +206,7 @@ static online_state start(online_transient *contact) {
     return state;
 }
 
-/* One step along the history, not accepted. */
+/* Makes a step along the history without accepting it. */
 static online_state step_from(online_transient *contact, double time, double step) {
     const online_conditions conditions = conditions_at(time + step);
     online_state state;
@@ -215,7 +215,7 @@ static online_state step_from(online_transient *contact, double time, double ste
     return state;
 }
 
-/* Goes on along the history; states[i] is what came of the i-th step. */
+/* Makes accepted steps along the history; states[i] is the result of the i-th one. */
 static void go(online_state *states, online_transient *contact, size_t first, size_t count) {
     for (size_t i = 0; i < count; i++) {
         states[i] = step_from(contact, (double)(first + i) * STEP, STEP);
@@ -253,13 +253,13 @@ static bool is_path(void) {
 
 #define for_both_models for (size_t m = 0; m < 2; m++)
 
-// ---- what a step is
+// ---- steps
 
-/* The exit lies within a node where the full model has it, step by step. By whole nodes it would be
+/* The exit lies within a node where the full model has it, in every step. An exit at nodes would be
  * off by up to a step of the grid, and jump. */
 static void the_exit_moves_as_in_the_full_model(void **unused) {
     (void)unused;
-    const double near = is_path() ? 0.1 : 0.03; // of a step of the grid
+    const double near = is_path() ? 0.1 : 0.03; // in steps of the grid
     for_both_models {
         online_transient *contact = create(models[m]);
         online_state state = start(contact);
@@ -273,7 +273,7 @@ static void the_exit_moves_as_in_the_full_model(void **unused) {
     }
 }
 
-/* The conditions stay, so does the state. */
+/* Under constant conditions the state is constant. */
 static void a_constant_contact_stays(void **unused) {
     (void)unused;
     for_both_models {
@@ -324,7 +324,8 @@ static void a_step_can_be_repeated(void **unused) {
 
 // ---- steps of any lengths
 
-/* Conditions with a sinusoidal load, or with an approach that varies as much as under this load. */
+/* Returns conditions with a sinusoidal load, or with an approach that varies as much as under this
+ * load. */
 static online_conditions conditions_of(double time, bool by_approach, double approach) {
     online_conditions conditions = conditions_at(time);
 
@@ -339,8 +340,8 @@ typedef struct any_steps {
     bool by_approach;
     double approach, time;
     double *saved;
-    size_t num_rejected, num_parts;    // of all steps
-    double most_central, most_minimum; // differences from small steps
+    size_t num_rejected, num_parts;    // totals over all steps
+    double most_central, most_minimum; // largest differences from small steps
 } any_steps;
 
 static online_state any_step(any_steps *self, double time, double step) {
@@ -351,8 +352,8 @@ static online_state any_step(any_steps *self, double time, double step) {
     return state;
 }
 
-/* The state in small equal steps from the one that is saved; leaves the contact there. False: one
- * of them does not converge, as of 300,000 of 1e-9 one did not. */
+/* Makes small equal steps from the saved state and restores it; *state is the last result. Returns
+ * false if a step does not converge; of 300,000 steps of 1e-9 one did not. */
 static bool goes_in_small_steps(any_steps *self, online_state *state, double step, size_t parts) {
     const double part = step / (double)parts;
     bool converged = true;
@@ -366,7 +367,7 @@ static bool goes_in_small_steps(any_steps *self, online_state *state, double ste
     return converged;
 }
 
-/* Differences of the films over the central one. */
+/* Differences of the films, relative to the central film. */
 typedef struct differences {
     double central, minimum;
 } differences;
@@ -385,9 +386,9 @@ static double off(const online_state *found, const online_state *expected) {
     return fmax(of.central, of.minimum);
 }
 
-/* Takes a step of a random length, of 1e-9 to 1 of the time in which the load swings, or shorter
- * ones until one is accepted, as an integrator with a tolerance does; from a saved state on, and
- * after small ones. */
+/* Takes a step of random length, 1e-9 to 1 of the period of the load. Like an integrator with a
+ * tolerance it tries shorter ones until one is accepted. Compares the result with that of small
+ * steps. */
 static void take_any_step(any_steps *self, uint64_t *seed, double tolerance) {
     const double shortest = 1e-9, most_parts = 16;
     double step = pow(shortest, random_next(seed));
@@ -406,7 +407,8 @@ static void take_any_step(any_steps *self, uint64_t *seed, double tolerance) {
             const differences of = differences_of(&state, &expected);
             self->most_central = fmax(self->most_central, of.central);
             self->most_minimum = fmax(self->most_minimum, of.minimum);
-            // the tolerance is on the central film; the minimum film is at most 5.0e-3 off in 50,000 steps along the path
+            // the tolerance is for the central film; the minimum film was at most 5.0e-3 off in
+            // 50,000 steps along the path
             if (of.central > tolerance || of.minimum > (is_path() ? 6 : 1) * tolerance)
                 fail_msg(
                     "T = %g: found a step of %g off by %.3g and %.3g with a local error of %.3g",
@@ -454,7 +456,7 @@ static void steps_may_have_any_lengths(void **unused) {
 /* An integrator that locates an event may take a step of 1e-7. The step after it has the same result as without it. */
 static void a_short_step_leaves_the_next_one_as_it_is(void **unused) {
     (void)unused;
-    // right after the start a short step is not passing, and the least squares leave a larger error
+    // just after the start a short step is a state of its own, and least squares leave a larger error
     const double near = is_path() ? 1e-4 : 1e-6;
     for_both_models {
         online_state states[10];
@@ -494,7 +496,7 @@ static online_state at_approach(online_transient *contact, double approach, doub
     return state;
 }
 
-/* Bodies start apart, touch and part again. A saved state tells whether they are apart. */
+/* Bodies start apart, touch and part again. A saved state contains whether they are apart. */
 static void a_contact_is_lost_and_regained(void **unused) {
     (void)unused;
     const double step = 0.02, stroke = 1, middle = -0.6;
@@ -602,7 +604,8 @@ typedef struct bouncing {
 
 static const double BOUNCING_MASS = 0.0138, BOUNCING_WEIGHT = 0.3;
 
-/* A step of the trapezoidal rule, not accepted: secants for the position whose force leads there. */
+/* Makes a step of the trapezoidal rule, not accepted: the secant method finds the position that
+ * fits its force. */
 static bool find_position(online_state *state, const bouncing *self, double step) {
     const double half = step * step / (4 * BOUNCING_MASS), near = 1e-10;
     const double drift =
@@ -615,18 +618,18 @@ static bool find_position(online_state *state, const bouncing *self, double step
         if (state->status == EHD_NOT_CONVERGED) return false;
         defect = position - drift - half * state->scalars.load;
         if (fabs(defect) < near) {
-            state->scalars.rigid_approach = position; // least squares leave 1e-9 of it
+            state->scalars.rigid_approach = position; // least squares change it by 1e-9
             return true;
         }
         if (trial > 0) slope = (before - defect) / correction;
-        if (!(fabs(slope) > 0.05)) slope = 1; // behind a force that has set in
+        if (!(fabs(slope) > 0.05)) slope = 1; // behind a sudden rise of the force
         correction = defect / slope;
         position -= correction;
     }
     return false;
 }
 
-/* Goes on by 0.01, or where that does not converge by a half, a quarter … of it. Returns the impulse. */
+/* Makes a step of 0.01 or, if that does not converge, of 1/2, 1/4 … of it. Returns the impulse. */
 static double bounce_on(bouncing *self) {
     double step = 0.01;
     online_state state;
@@ -657,7 +660,7 @@ static void a_bouncing_mass_gets_the_impulse_of_the_force(void **unused) {
     for (size_t i = 0; i < count; i++) {
         double impulse = 0, sum = 0;
         self.position =
-            0.05 + 0.15 * random_next(&seed); // nearer there may be a contact under a light load
+            0.05 + 0.15 * random_next(&seed); // nearer, a contact under a light load could exist
         self.velocity = self.force = 0;
         check_close(at_approach(self.contact, self.position, 0).scalars.load, 0, 0, 0);
         for (bool was = false; self.force > 0 || !was; was = was || self.force > 0) {
@@ -690,7 +693,7 @@ static online_conditions changed(online_conditions at, int by, double change) {
     return at;
 }
 
-/* The step repeated with conditions beside, per unit of these. */
+/* Returns central differences by one condition, from the repeated step. */
 static contact_scalars difference(online_transient *contact, online_conditions at, int by) {
     online_state sides[2];
     contact_scalars found = {.load = 0};
@@ -714,7 +717,8 @@ static online_derivatives differentiate(online_transient *contact, online_direct
     return found;
 }
 
-/* Differences have the noise of iterations, and an exit that passes a node in one of them. */
+/* Checks derivatives; differences contain errors of the iterations, and sometimes an exit that
+ * passes a node. */
 static void check_tangent(online_transient *contact, const online_conditions *at) {
     const bool by_load = isnan(at->approach);
     const online_direction held = {by_load ? 0 : NAN, by_load ? NAN : 0, 0, 0, 0};
@@ -783,8 +787,9 @@ static void derivatives_leave_the_contact_as_it_is(void **unused) {
     }
 }
 
-/* Under a load that swings slowly by a little, the approach is A sin wT + w B cos wT: where the swing is zero,
- * rising and falling, it is off by +-w B, on top by A. BDF2 misses 0.2 % of that. */
+/* Under a slow and small oscillation of the load the approach is A sin wT + w B cos wT. At its
+ * zeros, rising and falling, the approach differs by +-w B, at its maximum by A. BDF2 has an error
+ * of 0.2 %. */
 static void the_stationary_response_is_that_to_a_slow_swing(void **unused) {
     (void)unused;
     enum { A_QUARTER = 20, NUM = 8 * A_QUARTER };
@@ -811,12 +816,13 @@ static void the_stationary_response_is_that_to_a_slow_swing(void **unused) {
             (approach[8 * A_QUARTER] - approach[6 * A_QUARTER]) / (2 * swing * frequency);
         check_close(response.stiffness, -1 / A, 1e-3, 0);
         check_close(response.damping, B / (A * A), 5e-3, 0);
-        assert_true(response.damping_bound < 1e-3 * response.damping); // trained in time
+        // the model was trained on transients
+        assert_true(response.damping_bound < 1e-3 * response.damping);
         online_transient_free(contact);
     }
 }
 
-/* Without a step there is nothing to accept. */
+/* Accepting twice, or without a step, has no effect. */
 static void a_step_counts_once(void **unused) {
     (void)unused;
     online_transient *once = create(models[0]), *often = create(models[0]);
@@ -847,7 +853,7 @@ static void after_a_jump_the_past_does_not_count(void **unused) {
     assert_true(state.local_error > 0);
     online_restart(contact);
     state = step_from(contact, 10 * STEP, STEP);
-    check_close(state.local_error, 0, 0, 0); // one previous state tells none
+    check_close(state.local_error, 0, 0, 0); // needs more than one previous state
     online_transient_free(contact);
 }
 
@@ -866,14 +872,14 @@ static void fields_are_those_of_the_accepted_state(void **unused) {
         double load = 0;
         start(contact);
         go(states, contact, 0, 10);
-        step_from(contact, 10 * STEP, 4 * STEP); // does not count
+        step_from(contact, 10 * STEP, 4 * STEP); // not accepted
         check_ok(online_transient_fields(pressure, film, contact, &error));
         const online_state *last = &states[9];
-        double width = last->half_width, film_scale = width * width; // radius 1
+        double width = last->half_width, film_scale = width * width; // the radius is 1
         for (size_t k = 0; k < grid->num_nodes; k++)
             load += pressure[k] * grid->step;
         check_close(load / reference.kind->load * width * width, last->scalars.load, 1e-9, 0);
-        // of an independent basis too it is the deflection of the pressure, not that of its modes
+        // also with an independent basis this is the deflection of the pressure, not its modes
         check_close(film[centre] * film_scale, last->scalars.central_film_thickness,
                     m == 0 ? 1e-9 : 1e-6, 0);
         // p_H / p_H,ref = load / half width
@@ -903,12 +909,12 @@ static void a_saved_state_goes_on_to_the_bit(void **unused) {
         check_ok(online_restore(one, saved, &error));
         go(found, one, before, count);
         check_all_same(found, expected, count);
-        // in a fresh one, with steps that do not count around it
+        // in a new object, with steps around it that are not accepted
         check_ok(online_restore(other, saved, &error));
         step_from(other, (double)before * STEP, 2 * STEP);
         go(found, other, before, count);
         check_all_same(found, expected, count);
-        // the state saved there once more is the same
+        // a state that is restored and saved again is equal
         check_ok(online_restore(one, saved, &error));
         double *again = calloc(online_saved_size(one), sizeof *again);
         assert_non_null(again);
@@ -922,7 +928,8 @@ static void a_saved_state_goes_on_to_the_bit(void **unused) {
     }
 }
 
-/* Saved at any step of the start and of kept factors that are renewed, and after steps shorter than the grid's. */
+/* A state can be saved at any step of the start, of renewed kept factors, and after steps shorter
+ * than the grid's. */
 static void any_state_can_be_saved(void **unused) {
     (void)unused;
     for_both_models {
@@ -972,12 +979,12 @@ static void no_state_is_refused(void **unused) {
     start(contact);
     go(states, contact, 0, 5);
     online_save(saved, contact);
-    for (size_t i = 0; i < 4; i++) { // time, load, load rate, number of states
+    for (size_t i = 0; i < 4; i++) { // time, load, rate of the load, number of states
         memcpy(wrong, saved, size * sizeof *saved);
         wrong[i] = NAN;
         assert_int_equal(online_restore(contact, wrong, &error), EHD_DATA);
         assert_non_null(strstr(error.text, "saved state: found"));
-        // and what may be half of it is not gone on from
+        // a state that was restored in part is not continued from
         assert_int_equal(online_step(&state, contact, &conditions, STEP, &error), EHD_INTERNAL);
     }
     check_ok(online_restore(contact, saved, &error));
@@ -997,7 +1004,7 @@ typedef struct element {
     online_state states[THREAD_STEPS];
 } element;
 
-/* Only ehdrom calls: cmocka's checks are not for threads. */
+/* Makes steps in a thread, without cmocka's checks, which are not thread-safe. */
 static void *run_element(void *argument) {
     element *self = argument;
     ehd_error own = {""};
@@ -1041,7 +1048,7 @@ static void two_threads_agree_with_one(void **unused) {
     }
 }
 
-// ---- beside march_run
+// ---- comparison with march_run
 
 typedef struct march_trace {
     march_step steps[MOST_STATES];
@@ -1086,7 +1093,7 @@ static void march_run_takes_the_same_steps(void **unused) {
                         0);
             check_close(state.scalars.rigid_approach, expected.rigid_approach, 0, 0);
             check_close(state.scalars.load, expected.load, 0, 0);
-            if (!is_path()) // there it has the march's own factor
+            if (!is_path()) // along the path the march uses its own factor
                 check_close(state.local_error, step->local_error, 0, 0);
             assert_int_equal(state.iterations, step->iterations);
         }
@@ -1097,10 +1104,10 @@ static void march_run_takes_the_same_steps(void **unused) {
 
 // ---- approach and force
 
-/* The approaches of a run with the load given lead to that load. */
+/* Makes steps with the approaches of a run under a given load, which must give this load. */
 static void follow_approach(const online_state *by_load, online_transient *contact, bool known,
                             double tolerance) {
-    const size_t before = known ? 0 : 10; // until the load's rate is known
+    const size_t before = known ? 0 : 10; // until the rate of the load is known
     online_state states[10];
 
     start(contact);
@@ -1120,7 +1127,7 @@ static void follow_approach(const online_state *by_load, online_transient *conta
     }
 }
 
-/* In frames of its own a contact on this coarse grid differs a little more. */
+/* With frames of its own a contact on this coarse grid differs a little more. */
 static void the_approach_gives_the_load_back(void **unused) {
     (void)unused;
     for_both_models {
@@ -1150,7 +1157,7 @@ static void a_start_from_an_approach_finds_its_load(void **unused) {
             conditions.approach = by_load.scalars.rigid_approach;
             check_ok(online_transient_start(&by_approach, contact, &conditions, &error));
             assert_int_not_equal(by_approach.status, EHD_NOT_CONVERGED);
-            // least squares weigh another closure; outside of the training they leave more
+            // least squares with another closure leave other errors, larger ones outside of the training
             const double near = fabs(load - 1) < 0.1 ? 1e-6 : load > 0.8 && load < 1.6 ? 1e-4 : 0.1;
             check_close(by_approach.scalars.load, load, near, 0);
             check_close(by_approach.half_width, sqrt(load), near, 0);
@@ -1163,7 +1170,7 @@ static void a_start_from_an_approach_finds_its_load(void **unused) {
     assert_true(num_found > 20);
 }
 
-// ---- what is refused or not trusted
+// ---- refused or untrusted inputs
 
 static void conditions_out_of_range_are_refused(void **unused) {
     (void)unused;
@@ -1201,7 +1208,7 @@ static void conditions_out_of_range_are_refused(void **unused) {
         if (cases[i].step == STEP)
             assert_int_equal(online_transient_start(&found, contact, &cases[i].conditions, &error),
                              EHD_DATA);
-        online_accept(contact); // nothing was solved
+        online_accept(contact); // no step to accept
     }
     go(&found, contact, 1, 1);
     go(&expected, undisturbed, 1, 1);
@@ -1276,7 +1283,8 @@ static void a_step_allocates_nothing(void **unused) {
     }
 }
 
-/* From the object to its end, and whatever is asked of it: HDF5, FFTW and GSL may end the process. */
+/* HDF5, FFTW and GSL may end the process, so no call may use them, from the creation of the object
+ * to its end. */
 static void a_prepared_model_calls_no_library_that_may_end_the_process(void **unused) {
     (void)unused;
     const size_t num_nodes = reference.grid.num_nodes;
@@ -1351,7 +1359,7 @@ int main(void) {
         cmocka_unit_test(memory_may_fail),
     };
 
-    // the stationary contact, for which it does not matter how films are carried
+    // tests of the stationary contact, which does not depend on the transport
     const struct CMUnitTest of_upwind[] = {
         cmocka_unit_test(the_stationary_response_is_that_to_a_slow_swing),
         cmocka_unit_test(a_start_from_an_approach_finds_its_load),

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Steps by two reduced models in turn, one for small loads and one for large ones. With every node as a
- * mode both are the same, so that what changes from one to the other has to be nothing. */
+/* Steps by two reduced models in turn, one for small and one for large loads. With a mode for every
+ * node both models are equal, so a change of the model must not change the result. */
 #include "romrun/online/parts_march.h"
 #include "tests/unit/marching.h"
 
@@ -30,7 +30,7 @@ static int tear_down(void **state) {
     return 0;
 }
 
-/* Trained for the training's loads times a factor. */
+/* Returns a basis that is trained for the training's loads times a factor. */
 static reduced_basis part_basis(const trained *of, deformation_kind kind, const double *weight,
                                 double load) {
     reduced_basis nodes = marching_nodes(of, kind, weight);
@@ -45,7 +45,7 @@ static reduced_basis part_basis(const trained *of, deformation_kind kind, const 
     return nodes;
 }
 
-/* Models of either part, or of one alone in all loads, and what they left behind at each step. */
+/* Models of both parts, or of one part for all loads, and the results of each step. */
 typedef struct run {
     reduced_basis bases[2];
     marching parts[2];
@@ -77,8 +77,8 @@ static void keep(run *self, const march_step *step, size_t i) {
     self->part[i] = parts_march_attempted(self->march);
 }
 
-/* The contact has M = 12; of the training's loads 8 to 20 the low part is of 5 to 12.4 and the high one of
- * 11.2 to 28. */
+/* Starts a run of a contact with M = 12. The training's loads are 8 to 20, so the low part covers M
+ * = 5 to 12.4 and the high one 11.2 to 28. */
 static void run_init(run *self, const trained *of, deformation_kind kind, const double *weight,
                      size_t num_parts, bool path) {
     const double loads[] = {0.62, 1.4};
@@ -111,7 +111,7 @@ static void run_free(run *self) {
     }
 }
 
-/* Steps `from` … `to`. */
+/* Makes the steps `from` … `to`. */
 static void go_on(run *self, size_t from, size_t to) {
     for (size_t i = from; i <= to; i++) {
         const contact_frame frame = frame_at_step(self, (double)i);
@@ -135,12 +135,12 @@ static void check_parts(const trained *of, deformation_kind kind, const double *
     check_close_array(both->film, one->film, NUM_STEPS + 1, of_film, 0);
     check_close_array(both->least_film, one->least_film, NUM_STEPS + 1, of_least, 0);
     check_close_array(both->exit, one->exit, NUM_STEPS + 1, of_film, 0);
-    // which begins deepest in the range of the high part, stays with it in what both know, and comes back
+    // starts well inside the high part, keeps it in the common range, and returns to it
     assert_int_equal(both->part[0], HIGH);
     assert_int_equal(both->part[13], HIGH);
-    assert_int_equal(both->part[26], HIGH); // 0.98
+    assert_int_equal(both->part[26], HIGH); // load 0.98
     assert_int_equal(both->part[38], LOW);
-    assert_int_equal(both->part[50], LOW); // 1
+    assert_int_equal(both->part[50], LOW); // load 1
     assert_int_equal(both->part[NUM_STEPS], HIGH);
     assert_int_equal(parts_march_num_handed(both->march), 2);
     assert_int_equal(parts_march_num_handed(one->march), 0);
@@ -170,7 +170,7 @@ static void of_a_point_contact(void **state) {
                 2e-2);
 }
 
-/* An attempt by another part that is not accepted changes nothing of what follows. */
+/* A rejected attempt by another part does not change the following steps. */
 static void attempts_that_are_not_accepted(void **state) {
     (void)state;
     run *plain = malloc(sizeof *plain), *tried = malloc(sizeof *tried);
@@ -194,7 +194,7 @@ static void attempts_that_are_not_accepted(void **state) {
     free(tried);
 }
 
-/* From any step on, by either part, another object makes the same bits. */
+/* From any step on, by either part, another object continues with the same bits. */
 static void saved_and_restored(void **state) {
     (void)state;
     run *whole = malloc(sizeof *whole), *other = malloc(sizeof *other);
@@ -230,7 +230,7 @@ static void saved_and_restored(void **state) {
     free(other);
 }
 
-/* A frame a step after the start, of a load or, where it is given, of an approach. */
+/* Returns a frame one step after the start, with a load or, unless NaN, with an approach. */
 static contact_frame frame_of(const run *self, double load, double approach) {
     contact_frame frame =
         frame_at(self->parts[0].reference.kind, STEP, (double[]){load, 1, 1, 1}, approach);
@@ -239,11 +239,11 @@ static contact_frame frame_of(const run *self, double load, double approach) {
     return frame;
 }
 
-/* Where the approach is given the load that a part is chosen by is a guess, and what it turns out to be may
- * lie in the range of another. */
+/* With a given approach a part is chosen by a predicted load. The resulting load may lie in the
+ * range of the other part. */
 static void by_the_load_that_an_approach_leads_to(void **state) {
     (void)state;
-    const double light = 0.9, guess = 0.95; // of the low part alone, and of the high one too
+    const double light = 0.9, guess = 0.95; // in the low part only; in the high one too
     run *self = malloc(sizeof *self);
     march_step step = {.status = EHD_OK};
 
@@ -264,7 +264,7 @@ static void by_the_load_that_an_approach_leads_to(void **state) {
     assert_int_equal(parts_march_attempted(self->march), LOW);
     check_close(step.scalars.load * guess, light, 0, 1e-3);
 
-    // and of a start
+    // also at a start
     frame = frame_of(self, light, NAN);
     check_ok(solver->start(&step, solver->self, &frame, &error));
     approach = frame_to_reference(&step.scalars, &frame, &self->parts[0].reference).rigid_approach;
@@ -277,7 +277,8 @@ static void by_the_load_that_an_approach_leads_to(void **state) {
     free(self);
 }
 
-/* Pressures that the modes of the next part do not have would lift all of its film. */
+/* Pressure that the modes of the next part cannot represent would change its whole film, so the
+ * mean film is kept. */
 static void a_handed_film_is_as_thick_in_the_mean(void **state) {
     (void)state;
     const ehd_contact contact = marching_contact(&trained_on.line, 12, true);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The reduced march along the path of the fluid, of lines and points. */
+/* The reduced march along the path of the fluid, for lines and points. */
 #include "common/physics/minimum.h"
 #include "fullrun/full_march.h"
 #include "tests/unit/marching.h"
@@ -9,17 +9,17 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { STATE = 6 }; // of the training, with which a march starts
+enum { STATE = 6 }; // training state with which a march starts
 
 static const double STEP = 0.02;
 
-/* A training and its bases; of a point contact half the grid. */
+/* A training and its bases; for a point contact on half the grid. */
 typedef struct problem {
     trained training;
-    reduced_basis basis, nodes; // every node a mode of its own
+    reduced_basis basis, nodes; // `nodes`: every node is a mode
 } problem;
 
-enum { LINE, POINT, OPEN_POINT, NUM_PROBLEMS }; // 121 nodes; 33 by 17, the same
+enum { LINE, POINT, OPEN_POINT, NUM_PROBLEMS }; // 121 nodes; 33 by 17 nodes; as many
 
 static problem problems[NUM_PROBLEMS];
 static ehd_error error;
@@ -38,7 +38,7 @@ static int set_up(void **state) {
         self->nodes = identity_basis(&self->training.set, DEFORMATION_COUPLED, self->basis.weight);
         reduced_states *const both[] = {&self->basis.states, &self->nodes.states};
         for (int i = 0; i < 2; i++)
-            both[i]->rate[0] = both[i]->load_rate[0] = INFINITY; // as fast as any
+            both[i]->rate[0] = both[i]->load_rate[0] = INFINITY; // any rate is inside the training
         for (size_t l = 0; l < self->basis.states.num_lines; l++)
             if (grid_is_inner_line(&self->nodes.grid, l))
                 self->nodes.states.exit[l] = grid_width(&self->nodes.grid) - 2;
@@ -56,8 +56,8 @@ static int tear_down(void **state) {
     return 0;
 }
 
-/* Load and speed swing, so that a step's path does, and radius and modulus by `others`; T counts from
- * where all are 1. */
+/* Returns a frame in which load and speed oscillate, and with them the path of a step, as do radius
+ * and modulus with the amplitude `others`. At T = 0 all factors are 1. */
 static contact_frame frame_of_all(const marching *self, double time, double swing, double others) {
     const double phase = 2 * M_PI * time / 0.5;
     const double values[] = {1 + 0.1 * swing * sin(phase), 1 + 0.3 * swing * sin(phase),
@@ -83,7 +83,7 @@ static void marching_init(marching *self, const problem *from, bool full_rank, b
     assert_int_not_equal(self->last.status, EHD_NOT_CONVERGED);
 }
 
-/* The start again, with bounds of the films' deviations. */
+/* Starts again, with error estimates of the films. */
 static void indicate_bounds(marching *self) {
     const contact_frame start = frame_after(self, 0, 1);
 
@@ -98,7 +98,8 @@ static void step_on(march_step *last, const march_solver *solver, const contact_
     solver->accept(solver->self);
 }
 
-/* Iterations of twenty steps with a tolerance of the steps, and the central film behind them. */
+/* Returns the iterations of twenty steps with a tolerance of the steps, and the central film at
+ * their end. */
 static size_t iterations_with(double *film, double tolerance) {
     const size_t num_steps = 20;
     marching self;
@@ -116,7 +117,8 @@ static size_t iterations_with(double *film, double tolerance) {
     return all - before;
 }
 
-/* Iterations leave less of the film than the steps, and are fewer. */
+/* With a tolerance of the steps there are fewer iterations; they change the film less than the
+ * steps' errors do. */
 static void a_tolerance_of_the_steps_saves_iterations(void **state) {
     (void)state;
     const double tolerance = 1.5e-3;
@@ -145,7 +147,8 @@ static void constant_conditions_keep_the_stationary_state(void **state) {
     }
 }
 
-/* As in the full model: repeated, shorter, by the march, and the states before stay. */
+/* A step whose film is far from its prediction is refused, as in the full model. The march repeats
+ * it with a shorter length; the previous states stay. */
 static void a_film_far_from_its_prediction_is_not_taken(void **state) {
     (void)state;
     for (size_t p = 0; p < NUM_PROBLEMS; p++) {
@@ -169,9 +172,9 @@ static void a_film_far_from_its_prediction_is_not_taken(void **state) {
     }
 }
 
-/* With every node as a mode of its own, steps are those of the full model: nearly, since the full
- * one also filters what is left of pressures that an exit cuts, and products of filtered fields.
- * */
+/* Compares steps of a basis with a mode for each node with the full model. They are nearly equal,
+ * since the full model also filters remainders of pressures cut at an exit, and products of
+ * filtered fields. */
 static void march_as_the_full_model(const problem *of, bool compressible, double others,
                                     size_t num_steps, double central, double minimum) {
     const double bound = of->basis.grid.inner_lines > 1 ? 1e-3 : 1e-6;
@@ -195,12 +198,12 @@ static void march_as_the_full_model(const problem *of, bool compressible, double
         check_close(self.last.scalars.central_film_thickness, film, central, 0);
         check_close(self.last.scalars.minimum_film_thickness, step.scalars.minimum_film_thickness,
                     minimum, 0);
-        // on so coarse a grid the reduced model looks at four nodes less before the exit
+        // on this coarse grid the reduced model leaves out four nodes more before the exit
         assert_true(self.last.local_error <= 1.1 * step.local_error);
         assert_true(self.last.local_error >= 0.2 * step.local_error);
-        // no row is left anything
+        // the residuals of all rows vanish
         assert_true(self.last.indicated < bound);
-        // behind the reduced model's margin at the exit nothing is told
+        // inside its margin at the exit the reduced model reports no errors
         assert_true(self.last.taken_up <= 1.5 * step.taken_up);
         assert_true(self.last.taken_up >= 0.6 * step.taken_up);
         effects += step.effect * step.effect;
@@ -209,7 +212,7 @@ static void march_as_the_full_model(const problem *of, bool compressible, double
         most = fmax(most, film);
     }
     assert_true(most > 1.04 * least);
-    // as they are carried in splines of other places
+    // the effects differ, since they are carried by splines at other places
     assert_true(effects > 0 && sqrt(off / effects) < (of == &problems[OPEN_POINT] ? 0.5 : 0.25));
     full_march_free(full);
     marching_free(&self);
@@ -223,21 +226,21 @@ static void full_rank_marches_as_the_full_model(void **state) {
     }
 }
 
-/* As far as the models agree with films carried by the rows: splines differ at the ends of the
- * grid, and where the exits move out, from the fifteenth step on, the reduced model's lag by a
- * node. */
+/* The agreement is that of the models with upwind transport. Splines differ at the ends of the
+ * grid. From the fifteenth step on, where exits move outwards, those of the reduced model are
+ * behind by a node. */
 static void so_does_a_point(void **state) {
     (void)state;
     for (int others = 0; others < 2; others++) {
         march_as_the_full_model(&problems[POINT], false, 0.004 * others, 10, 1e-5, 2e-4);
         march_as_the_full_model(&problems[POINT], true, 0.004 * others, 10, 1e-5, 2e-4);
     }
-    // here the exit at Y = 0 moves in the third step, and the full model filters what it cuts
+    // here the exit at Y = 0 moves in the third step, and the full model filters the pressure that it cuts
     march_as_the_full_model(&problems[OPEN_POINT], false, 0, 10, 1e-3, 3e-3);
     march_as_the_full_model(&problems[OPEN_POINT], true, 0, 10, 1e-3, 3e-3);
 }
 
-/* Half of a point contact stands for all of it, exits included. */
+/* Half of a point contact gives the same results as the whole, including exits. */
 static void the_half_marches_as_the_whole(void **state) {
     (void)state;
     const problem *half = &problems[OPEN_POINT];
@@ -271,8 +274,8 @@ static bool is_on_the_way(const ehd_grid *grid, size_t row) {
     return grid_x(grid, k) > -1 && grid_x(grid, k) < 0.1 && fabs(grid_y(grid, k)) < 0.1;
 }
 
-/* Where rows on the way to the centre are few, the error is told at nodes: with one of them left
- * it is no less than that of all rows. */
+/* Checks the local error of a model with few rows on the way to the centre, which is evaluated at
+ * nodes. With one of these rows left it is not less than with all rows. */
 static void check_error_of_few_rows(const problem *of) {
     const ehd_grid *grid = &of->basis.grid;
     size_t *rows = calloc(grid->num_inner, sizeof *rows), num_rows = 0, on_the_way = 0;
@@ -293,7 +296,7 @@ static void check_error_of_few_rows(const problem *of) {
         step_on(&all.last, &all.solver, &frame, STEP);
         step_on(&few.last, &few.solver, &frame, STEP);
         assert_true(few.last.local_error >= 0.8 * all.last.local_error);
-        // the few modes of a line, stationary ones, do not carry a film where no row asks them to
+        // the few stationary modes of a line do not carry a film where no row forces them to
         assert_true(of == &problems[LINE] || few.last.local_error <= 1.25 * all.last.local_error);
         largest = fmax(largest, all.last.local_error);
     }
@@ -305,13 +308,13 @@ static void check_error_of_few_rows(const problem *of) {
 
 static void few_rows_tell_the_error_of_all(void **state) {
     (void)state;
-    for (size_t p = 0; p < OPEN_POINT; p++) // there the exit moves too soon to tell
+    for (size_t p = 0; p < OPEN_POINT; p++) // with the open boundary the exit moves too soon
         check_error_of_few_rows(&problems[p]);
 }
 
-/* The few modes of stationary states are off where the contact varies, to path 0.5. What they then
- * miss in the inlet is indicated of the centre when that fluid is there, 0.85 farther, and no
- * longer once it has gone on. */
+/* The few modes of stationary states have errors while the contact varies, up to path 0.5. An error
+ * in the inlet appears in the estimate of the centre when that fluid arrives there, 0.85 farther,
+ * and disappears when it has left. */
 static void what_is_indicated_comes_with_the_fluid(void **state) {
     (void)state;
     double before = 0, there = 0, after = 0;
@@ -333,8 +336,8 @@ static void what_is_indicated_comes_with_the_fluid(void **state) {
     marching_free(&self);
 }
 
-/* A load that jumps up fills the outlet, to where the grid ends, which training had too: it is no exit
- * at the edge of what was trained. */
+/* A load that jumps up fills the outlet, up to the end of the grid. The training had such exits
+ * too, so this exit is not at the edge of the training. */
 static void an_exit_may_lie_at_the_end_of_the_grid(void **state) {
     (void)state;
     const double step = 1e-3;
@@ -346,7 +349,7 @@ static void an_exit_may_lie_at_the_end_of_the_grid(void **state) {
     frame.path = step;
     self.solver.restart(self.solver.self);
     step_on(&self.last, &self.solver, &frame, step);
-    assert_true(self.last.scalars.exit_position > 1.9); // of 2
+    assert_true(self.last.scalars.exit_position > 1.9); // the grid ends at 2
     assert_string_equal(self.last.reason, "");
     assert_int_equal(self.last.status, EHD_OK);
     marching_free(&self);
@@ -356,8 +359,8 @@ static double film_in(const void *context, size_t node) {
     return ((const double *)context)[node];
 }
 
-/* A dip of the film before the band, as one passes the centre in time, is as deep as all nodes say,
- * not those alone that rows need. */
+/* A transient dip of the film in front of the band is found with the depth from all nodes, not only
+ * from those that rows need. */
 static void a_dip_is_found_between_the_needed_nodes(void **state) {
     (void)state;
     enum { EVERY = 5, BEGIN = 30 };
@@ -378,7 +381,7 @@ static void a_dip_is_found_between_the_needed_nodes(void **state) {
     double *z = calloc(num, sizeof *z);
     assert_non_null(z);
     for (size_t i = 0; i < TRAINED_STATES * TRAINED_STATES; i++) {
-        // no solutions, but sums of them
+        // sums of solutions
         const size_t a = i / TRAINED_STATES, b = i % TRAINED_STATES;
         const double *of_a = self.model.states.coordinates + a * num;
         const double *of_b = self.model.states.coordinates + b * num;
@@ -388,7 +391,7 @@ static void a_dip_is_found_between_the_needed_nodes(void **state) {
         contact_scalars scalars = reduced_scalars(reduced_march_inner(self.march), &at, contact);
         fields_of(pressure, film, &at, &self.model, self.splines.fields.pressure);
         size_t lowest = BEGIN, deepest = BEGIN;
-        double least = INFINITY; // of all dips, as the full model has it
+        double least = INFINITY; // minimum of all dips, as in the full model
         for (size_t k = BEGIN; k < at.exit; k++) {
             if (film[k] < film[lowest]) lowest = k;
             if (film[k] > film[k - 1] || film[k] > film[k + 1]) continue;
@@ -405,19 +408,20 @@ static void a_dip_is_found_between_the_needed_nodes(void **state) {
         check_close(scalars.minimum_position, grid_x(grid, deepest), 0, 1e-12);
         check_close(scalars.minimum_film_thickness, least, 1e-9, 0);
     }
-    assert_true(num_dips > 10 && num_missed > 5); // the parabola through needed nodes
-    assert_true(num_other > 0);                   // that are not those of the lowest node
+    // the parabola through needed nodes is too inaccurate
+    assert_true(num_dips > 10 && num_missed > 5);
+    assert_true(num_other > 0); // the deepest dip is not always at the lowest node
     free(z);
     free(pressure);
     free(film);
     marching_free(&self);
 }
 
-/* A load that comes back into the trained range: no step is to be trusted before the last film of
- * outside has gone from the edge of the contact to the exit. */
+/* A load returns to the trained range. No step is trusted until the last film from outside the
+ * range has passed from the edge of the contact to the exit. */
 static void a_doubtful_film_is_doubtful_until_it_has_left(void **state) {
     (void)state;
-    enum { MIDDLE = 7 }; // of the training: M = 15, L = 4
+    enum { MIDDLE = 7 }; // training state with M = 15, L = 4
     const problem *of = &problems[LINE];
     ehd_contact contact = of->training.contacts[MIDDLE];
     double last_outside = 0, first_trusted = NAN, farthest = 0;
@@ -427,7 +431,7 @@ static void a_doubtful_film_is_doubtful_until_it_has_left(void **state) {
     contact.smoothing = 2 * contact.grid.step;
     const contact_frame start = frame_at(contact.kind, 0, (double[]){1.4, 1, 1, 1}, NAN);
     marching_start(&self, &contact, &of->basis, &start);
-    assert_int_equal(self.last.status, EHD_UNTRUSTED); // M = 21, of 20
+    assert_int_equal(self.last.status, EHD_UNTRUSTED); // M = 21, trained up to 20
     for (size_t i = 1; i <= 160; i++) {
         const double time = (double)i * STEP, load = 1.4 - 0.2 * fmin(time / 0.4, 1);
         contact_frame frame = frame_at(contact.kind, time, (double[]){load, 1, 1, 1}, NAN);
@@ -449,8 +453,8 @@ static void a_doubtful_film_is_doubtful_until_it_has_left(void **state) {
     marching_free(&self);
 }
 
-/* A step repeated, or taken after one of another length, and a march restored into another object
- * have the same bits. */
+/* Checks that a repeated step, also after a step of another length, and a march restored into
+ * another object have the same bits. */
 static void check_same_bits(const problem *of) {
     marching self, restored;
     march_step one, again;

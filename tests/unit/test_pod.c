@@ -10,13 +10,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Reproducible numbers in [-1, 1). */
+/* Returns reproducible numbers in [-1, 1). */
 static double next_random(void) {
     static uint64_t seed = 1;
     return 2 * random_next(&seed) - 1;
 }
 
-/* Snapshots whose singular values fall by `decay` from one to the next, roughly. */
+/* Returns snapshots whose singular values decrease by about the factor `decay`. */
 static double *graded_snapshots(size_t num_states, size_t num_nodes, double decay) {
     const size_t num_terms = num_states < num_nodes ? num_states : num_nodes;
     double *snapshots = calloc(num_states * num_nodes, sizeof *snapshots);
@@ -47,7 +47,7 @@ static void check_orthonormal(const pod_basis *basis, double tolerance) {
         }
 }
 
-/* Sum over all snapshots of the squared distance to the basis. */
+/* Returns the sum over all snapshots of the squared distance to the basis. */
 static double projection_error(const pod_basis *basis, const double *snapshots, size_t num_states) {
     const size_t num_nodes = basis->num_nodes;
     double sum = 0.0;
@@ -86,10 +86,10 @@ static void exact_small_example(void **state) {
     check_close_array(basis.modes, ((double[]){0.6, 0.8, 0, 0, 0, 1}), 6, 1e-14, 1e-14);
     pod_free(&basis);
     assert_null(basis.modes);
-    pod_free(&basis); // once more does no harm
+    pod_free(&basis); // freeing twice is harmless
 }
 
-/* A snapshot matrix of each shape, many modes, against LAPACK's SVD of the whole matrix. */
+/* Compares the POD of a snapshot matrix with LAPACK's SVD of the whole matrix. */
 static void compare_with_dgesdd(size_t num_states, size_t num_nodes) {
     const size_t num_values = num_states < num_nodes ? num_states : num_nodes;
     double *snapshots = graded_snapshots(num_states, num_nodes, 0.5);
@@ -143,7 +143,7 @@ static void equals_dgesdd_when_square(void **state) {
     compare_with_dgesdd(30, 30);
 }
 
-/* Eckart and Young: what is left of the snapshots is the energy of the modes left out. */
+/* The projection error of the snapshots is the energy of the omitted modes (Eckart and Young). */
 static void energy_left_out_is_that_of_the_singular_values(void **state) {
     (void)state;
     const size_t num_states = 40, num_nodes = 150;
@@ -185,7 +185,7 @@ static void chooses_the_smallest_number_for_an_energy(void **state) {
     assert_int_equal(modes_chosen(snapshots, 3, 4, 4.99 / 21), 2);
     assert_int_equal(modes_chosen(snapshots, 3, 4, 5.01 / 21), 1);
     assert_int_equal(modes_chosen(snapshots, 3, 4, 1.0), 1);
-    // nothing may be left out, but the second of these two is noise
+    // no energy may be left out, but the second mode is round-off
     assert_int_equal(modes_chosen((double[]){1, 1, 1, 1, 1 + 1e-16, 1}, 2, 3, 0.0), 1);
 }
 
@@ -199,7 +199,7 @@ static void does_not_depend_on_scale(void **state) {
     }
 }
 
-/* The Gram matrix would lose what is below 1e-8 of the first. */
+/* The Gram matrix would lose singular values below 1e-8 of the first. */
 static void finds_modes_far_below_the_first(void **state) {
     (void)state;
     const double small = 1e-13;
@@ -290,13 +290,13 @@ static void refuses_bad_input(void **state) {
     check_refused((double[]){1, 2, INFINITY, 1}, 2, 2, one, "state 1 at node 0");
 }
 
-/* Three directions: (1, 0, 0, 0), 1e-3 off it, and one across, of which the others
- * tell nothing. */
+/* Tests three directions: (1, 0, 0, 0), one that is 1e-3 off it, and one orthogonal to both, on
+ * which the others have no information. */
 static void tells_what_the_others_leave_out(void **state) {
     const double snapshots[] = {1, 0, 0, 0, 1, 1e-3, 0, 0, 0, 0, 3, 4};
     const pod_settings settings = {.num_modes = 3};
     pod_basis basis;
-    double distance[3], coordinates[3 * 5]; // a coordinate more is of the approach
+    double distance[3], coordinates[3 * 5]; // one more coordinate is the approach
     (void)state;
     assert_int_equal(pod_build(&basis, snapshots, 3, 4, &settings, NULL), EHD_OK);
     for (size_t s = 0; s < 3; s++)

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Which candidates are trained on next: corners of a region, and the worst that lie apart. */
+/* The choice of the next training points: corners of a region, and the worst candidates that lie
+ * apart. */
 #include "snapgen/point_choice.h"
 #include "tests/unit/allocation.h"
 #include "tests/unit/check.h"
@@ -31,8 +32,7 @@ static void corners_of_a_grid_are_its_four(void **state) {
         assert_true(contains(corners, 4, (size_t[]){0, 4, 20, 24}[i]));
 }
 
-/* Points on a circle are all corners; where some distance outside is allowed, as many as it
- * takes. */
+/* All points on a circle are corners. With an allowed distance outside, a few corners are enough. */
 static void corners_of_a_circle_follow_the_tolerance(void **state) {
     enum { COUNT = 360 };
     double places[COUNT][RANGE_AXES] = {{0}};
@@ -54,7 +54,7 @@ static void corners_of_a_circle_follow_the_tolerance(void **state) {
         point_choice_corners(corners, (const double(*)[RANGE_AXES])places, COUNT, 0.025), 16);
 }
 
-/* A skewed grid of 3 by 3 by 3 with one more corner, where the last coordinate varies too. */
+/* Tests a skewed grid of 3 by 3 by 3 with one more corner; the last coordinate varies too. */
 static void corners_of_a_body_span_it(void **state) {
     double places[28][RANGE_AXES];
     size_t corners[28], call = 0, count;
@@ -72,7 +72,7 @@ static void corners_of_a_body_span_it(void **state) {
     assert_int_equal(count, 9);
     for (size_t i = 0; i < 9; i++)
         assert_true(contains(corners, 9, (size_t[]){0, 2, 6, 8, 18, 20, 24, 26, 27}[i]));
-    do { // no memory
+    do { // failing allocations
         allocation_fail_at(call);
         count = point_choice_corners(corners, (const double(*)[RANGE_AXES])places, 28, 1e-9);
         if (!allocation_failed()) break;
@@ -94,10 +94,10 @@ static void corners_of_few_points(void **state) {
     assert_int_equal(corners[1], 2);
 }
 
-// ---- worst
+// ---- the worst candidates
 
-/* Twelve candidates on a line from 0 to 11, of which the first and the last are taken; the second
- * coordinate is the same for all. */
+/* Twelve candidates on a line from 0 to 11, of which the first and the last are already taken. The
+ * second coordinate is equal for all. */
 enum { NUM_LINE = 12 };
 static tree_point line_points[NUM_LINE];
 static bool line_taken[NUM_LINE];
@@ -122,14 +122,13 @@ static void check_choice(const candidates *from, size_t most, const size_t *expe
         assert_int_equal(chosen[i], expected[i]);
 }
 
-/* Next to the worst others are nearly as bad, but the second one is found elsewhere. */
+/* Candidates beside the worst are nearly as bad, but the second choice is elsewhere. */
 static void the_worst_come_first_and_apart(void **state) {
     const double indicated[] = {99, 1, 2, 7, 9, 8, 2, 1, 1, 3, 2, 99};
     const candidates from = make_line(indicated, 0);
     (void)state;
 
-    // 4 is 4 away from what is taken: then 9, which is 2 away from that, then 2, which is 2 from 0
-    // and 4
+    // 4 has the distance 4 from the taken ones; then 9 has 2 from 11, then 2 has 2 from 0 and 4
     check_choice(&from, 3, (size_t[]){4, 9, 2}, 3);
 }
 
@@ -138,14 +137,14 @@ static void what_is_good_enough_or_taken_is_left(void **state) {
     const candidates from = make_line(indicated, 2.5);
     (void)state;
 
-    // as near as need be, but no others; 3 is nearer to what is taken than 5
+    // all that are not good enough, and no others; 3 is nearer to the taken ones than 5
     check_choice(&from, NUM_LINE, (size_t[]){4, 9, 3, 5}, 4);
     const candidates none = make_line(indicated, 9);
     check_choice(&none, NUM_LINE, NULL, 0);
 }
 
-/* A bad one next to a chosen one is taken too where no other is as bad, however near it lies; the
- * same place is not. */
+/* A bad candidate beside a chosen one is also taken if no other is as bad, even if very near. One
+ * at the same place is not. */
 static void near_ones_are_taken_the_same_is_not(void **state) {
     const double indicated[] = {99, 1, 1, 1, 9, 8, 1, 1, 1, 1, 1, 99};
     const candidates from = make_line(indicated, 2);
@@ -157,7 +156,7 @@ static void near_ones_are_taken_the_same_is_not(void **state) {
     check_choice(&from, NUM_LINE, (size_t[]){4}, 1);
 }
 
-/* Without any knowledge the plane is filled evenly. */
+/* Without any error estimate the points are spread evenly. */
 static void the_unknown_is_filled_evenly(void **state) {
     double indicated[NUM_LINE];
     (void)state;
@@ -176,13 +175,13 @@ static void what_has_a_number_comes_every_second_time(void **state) {
                               INFINITY, INFINITY, 1, 1,        1,        99};
     (void)state;
 
-    // 6 is furthest from all; of the numbers 7 is the worst that is far enough from it
+    // 6 is farthest from all; of those with an estimate 7 is the worst that is far enough from it
     check_choice(&from, 2, (size_t[]){6, 3}, 2);
     const candidates more = make_line(unknown, 0);
     check_choice(&more, 4, (size_t[]){6, 2, 1, 9}, 4);
 }
 
-/* Other lubricants at the same place are other points. */
+/* Candidates with other lubricants at the same place are different points. */
 static void families_are_far_from_each_other(void **state) {
     const double indicated[] = {99, 1, 2, 7, 9, 8, 2, 1, 1, 3, 2, 99};
     const candidates from = make_line(indicated, 0);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Threads over a tree: every point once, after its parent, with any number of workers. */
+/* Threads on a tree: each point is solved once, after its parent, with any number of workers. */
 #include "common/training/pool.h"
 #include "tests/unit/allocation.h"
 #include "tests/unit/check.h"
@@ -11,21 +11,21 @@
 
 enum { NUM_POINTS = 40, NONE = -1 };
 
-/* What the tasks note down. `lock` is for what solve touches, as the pool guards only the rest. */
+/* Records of the tasks. `lock` protects data of `solve`; the pool protects the rest. */
 typedef struct notes {
     pthread_mutex_t lock;
     const size_t *parent;
     int started[NUM_POINTS], solved[NUM_POINTS], finished[NUM_POINTS];
     int begun, ended;
     int inside;        // threads in `start` or `finish`
-    int failing_point; // NONE
+    int failing_point; // NONE: no point fails
     bool failing_begin;
-    int max_begun;   // workers that memory is there for; 0: all
-    bool too_late;   // those without it begin when all is done
-    int num_refused; // solutions that are refused memory
+    int max_begun;   // number of workers with enough memory; 0: all
+    bool too_late;   // workers without memory begin when all is done
+    int num_refused; // number of solutions whose memory is refused
     bool repeatable;
     bool wrong_order;
-    int sum[NUM_POINTS]; // point + sum of the parent
+    int sum[NUM_POINTS]; // number of the point + sum of its parent
 } notes;
 
 static bool all_solved(notes *self) {
@@ -94,7 +94,7 @@ static ehd_status finish(void *shared, void *worker, size_t point, size_t parent
     return EHD_OK;
 }
 
-/* Binary heap: the parent of k is (k-1)/2. */
+/* Makes a binary heap: the parent of k is (k-1)/2. */
 static void make_tree(size_t parent[NUM_POINTS], size_t order[NUM_POINTS]) {
     for (size_t i = 0; i < NUM_POINTS; i++)
         parent[i] = i == 0 ? NO_PARENT : (i - 1) / 2;
@@ -160,7 +160,7 @@ static ehd_status do_nothing(void *shared, void *worker, size_t point, size_t pa
     return EHD_OK;
 }
 
-/* Neither parents nor an order nor anything for a thread. */
+/* Solves points without parents, without an order and without data of threads. */
 static void test_a_plain_list(void **state) {
     int finished[NUM_POINTS] = {0};
     const pool_work work = {.num_points = NUM_POINTS,
@@ -184,8 +184,8 @@ static ehd_status count_up(void *shared, void *worker, size_t point, size_t pare
     return EHD_OK;
 }
 
-/* A million points, which a search from the first one for each of them would take many minutes for: without parents, and
- * in a thousand chains from one root. */
+/* Solves a million points, without parents and in a thousand chains from one root. If each point
+ * were searched from the first one, this would take many minutes. */
 static void test_many_points(void **state) {
     const size_t num_points = 1000000;
     size_t *parent = test_malloc(num_points * sizeof *parent), count = 0;
@@ -257,13 +257,13 @@ static void check_all_solved_once(const notes *noted) {
     }
 }
 
-/* With memory for some workers these do it all. */
+/* Workers with enough memory do all of the work. */
 static void test_workers_without_memory_leave_the_work_to_others(void **state) {
     (void)state;
     for (int enough = 1; enough < 7; enough++) {
         notes noted = new_notes();
         noted.max_begun = (enough - 1) % 3 + 1;
-        noted.too_late = enough > 3; // which the others do not wait for
+        noted.too_late = enough > 3; // the others do not wait for these
         assert_int_equal(run(&noted, 4, NULL, NULL), EHD_OK);
         check_all_solved_once(&noted);
     }
@@ -286,7 +286,7 @@ static void test_the_last_worker_says_that_there_is_no_memory(void **state) {
         assert_int_equal(run(&noted, (size_t)num_workers, NULL, &error), EHD_MEMORY);
         assert_non_null(strstr(error.text, "found no memory"));
     }
-    // what cannot be repeated is not
+    // a solution that cannot be repeated fails
     notes noted = new_notes();
     noted.num_refused = 1;
     assert_int_equal(run(&noted, 4, NULL, NULL), EHD_MEMORY);
@@ -295,12 +295,12 @@ static void test_the_last_worker_says_that_there_is_no_memory(void **state) {
 static void test_no_memory(void **state) {
     ehd_status status;
     (void)state;
-    for (size_t call = 1; call < 6; call++) { // call 0 is the test's own
+    for (size_t call = 1; call < 6; call++) { // call 0 is of the test itself
         notes noted = new_notes();
         allocation_fail_at(call);
         status = run(&noted, 2, NULL, NULL);
         assert_true(allocation_failed());
-        // without a list of threads the caller's own one works
+        // without memory for the list of threads the caller's thread works alone
         assert_int_equal(status, call < 5 ? EHD_MEMORY : EHD_OK);
     }
 }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Previous states in the present frame, and the equation in time that is made of them. */
+/* Previous states in the current frame, and the equation in time made from them. */
 #include "common/physics/deflection.h"
 #include "common/physics/reynolds.h"
 #include "common/time/bdf.h"
@@ -13,9 +13,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* An previous state whose film and pressure are smooth functions of X, without elasticity: film
- * without gap and pressure vanish with two derivatives at the grid's ends, as a natural spline
- * wants it. */
+/* A previous state with smooth film and pressure, without elasticity. Film without gap, and
+ * pressure, vanish with two derivatives at the ends of the grid, as natural splines require. */
 typedef struct carried {
     ehd_contact reference;
     previous_carrier carrier;
@@ -58,7 +57,7 @@ static void carried_free(carried *self) {
     free(self->mass);
 }
 
-/* Whether a place lies on the grid with its boundary nodes. */
+/* Checks whether a place lies on the grid or its boundary nodes. */
 static bool is_on_grid(const ehd_grid *grid, double x, double y) {
     double last = fabs(grid_y(grid, grid->num_nodes - 1));
 
@@ -70,8 +69,8 @@ static double density_at(const ehd_contact *contact, double pressure, double her
     return lubricant_density(&contact->lubricant, pressure * hertz);
 }
 
-/* Largest deviation of the mass from that at the physical places where the fluid was, a path farther
- * upstream, where they are on the grid. */
+/* Returns the largest error of the mass, compared with the physical place of the fluid before, a
+ * path upstream. Places outside of the grid are left out. */
 static double carry_error(const ehd_contact *reference, size_t i, size_t j, double path) {
     const double *then_factor = factors[i], *now_factor = factors[j];
     const contact_frame then = frame_of_case(reference->kind, i);
@@ -82,7 +81,7 @@ static double carry_error(const ehd_contact *reference, size_t i, size_t j, doub
     const ehd_grid *grid = &reference->grid;
     now.path = then.path + path;
     carry(&self, &now);
-    // physical: half widths of the reference, films a_ref^2 / R_ref
+    // physical quantities in units of the reference: half width, and a_ref^2 / R_ref for films
     double a_then = pow(then_factor[0] * then_factor[2] / then_factor[3], power);
     double a_now = pow(now_factor[0] * now_factor[2] / now_factor[3], power);
     double hertz = then_factor[0] / pow(a_then, reference->kind->dimensions), largest = 0;
@@ -101,7 +100,7 @@ static double carry_error(const ehd_contact *reference, size_t i, size_t j, doub
     return largest;
 }
 
-/* A pure change of frame moves no lubricant: the error is that of cubic splines, of fourth
+/* A change of the frame alone moves no lubricant; the error is that of cubic splines, of fourth
  * order. */
 static void change_of_frame_keeps_the_physical_film(void **state) {
     (void)state;
@@ -118,7 +117,7 @@ static void change_of_frame_keeps_the_physical_film(void **state) {
                 for (size_t j = kind; j < NUM_FACTORS; j += 1 + 2 * kind) {
                     const contact_frame then = frame_of_case(reference->kind, i),
                                         now = frame_of_case(reference->kind, j);
-                    // most places would lie beyond the grid of a point contact, which takes long
+                    // a point contact whose frame grows much has most places outside of the grid, which takes long
                     if (kind > 0 && frame_stretch(&now, &then) > 1.1) continue;
                     double coarse = carry_error(&reference[0], i, j, 0);
                     double fine = carry_error(&reference[1], i, j, 0);
@@ -146,7 +145,7 @@ static void compare_in_the_same_frame(const ehd_contact *reference) {
     carried_free(&self);
 }
 
-/* The same frame: every node is met, and the mass is rho H to the last digits. */
+/* In an unchanged frame places are nodes, and the mass is rho H to round-off. */
 static void same_frame_changes_nothing(void **state) {
     (void)state;
     const ehd_contact line = sample_contact("barus", "dowson-higginson", 20, 8, 0.05);
@@ -157,8 +156,8 @@ static void same_frame_changes_nothing(void **state) {
     compare_in_the_same_frame(&half);
 }
 
-/* A rigid plug goes along the path of the fluid, either way: where its film lies between nodes with the
- * error of cubic splines, and where it comes from node to node to the last digits. */
+/* A rigid plug moves along the path of the fluid, in either direction. Between nodes its film has
+ * the error of cubic splines; if it moves from node to node, only round-off. */
 static void a_rigid_plug_is_shifted(void **state) {
     (void)state;
     const double paths[] = {0.37, -0.73};
@@ -176,9 +175,9 @@ static void a_rigid_plug_is_shifted(void **state) {
             const double coarse = carry_error(&reference[0], 0, 0, paths[way]);
             const double fine = carry_error(&reference[1], 0, 0, paths[way]);
             assert_true(coarse > 1e-9 && coarse < (kind > 0 ? 3e-5 : 3e-6));
-            assert_true(fine < coarse / 6); // by places between nodes
+            assert_true(fine < coarse / 6); // the error of splines
         }
-        // the frame too has changed
+        // the frame changes too
         assert_true(carry_error(&reference[1], 0, 1, paths[0]) < 1e-5);
         const double step = reference[0].grid.step;
         assert_true(carry_error(&reference[0], 0, 0, 17 * step) < 1e-14);
@@ -186,7 +185,7 @@ static void a_rigid_plug_is_shifted(void **state) {
     }
 }
 
-/* Deflection at a place by a sum over the nodes of the whole grid. */
+/* Returns the deflection at a place by a sum over the nodes of the whole grid. */
 static double deflection_by_hand(const ehd_contact *reference, const double *pressure, double x,
                                  double y) {
     const ehd_grid *grid = &reference->grid;
@@ -211,7 +210,7 @@ static void look_beyond_the_grid(const ehd_contact *reference, size_t least_beyo
     carried_init(&self, reference, &then);
     full_state *film = &self.state.state;
 
-    // at the grid's ends hardly any, as of a contact
+    // little pressure at the ends of the grid, as in a contact
     for (size_t k = 0; k < grid->num_nodes; k++)
         film->pressure[k] *= exp(-2 * (pow(grid_x(grid, k), 2) + pow(grid_y(grid, k), 2)));
     film->rigid_approach = 0.4;
@@ -234,7 +233,7 @@ static void look_beyond_the_grid(const ehd_contact *reference, size_t least_beyo
     carried_free(&self);
 }
 
-/* Beyond the grid: the film of the pressure itself, which a wider grid has as nodes. */
+/* Outside of the grid the film is computed from the pressure, as at the nodes of a wider grid. */
 static void growing_contact_looks_beyond_the_grid(void **state) {
     (void)state;
     const ehd_contact line = sample_contact("barus", "dowson-higginson", 20, 8, 0.05);
@@ -247,7 +246,7 @@ static void growing_contact_looks_beyond_the_grid(void **state) {
 
 // ---- a manufactured solution in time
 
-/* Load, speed, radius and modulus at a time, all varying. */
+/* Fills load, speed, radius and modulus at a time; all of them vary. */
 static void wanted_factors(double *factor, double time) {
     factor[0] = 1 + 0.2 * sin(1.1 * time);
     factor[1] = 1 + 0.3 * cos(0.7 * time);
@@ -263,7 +262,7 @@ static contact_frame wanted_frame(double time) {
     return frame;
 }
 
-/* Physical film and pressure, in units of the reference. */
+/* Return physical film and pressure, in units of the reference. */
 static double wanted_film(double x, double time) {
     return 0.7 + 0.15 * sin(1.3 * x + 0.7 * time) + 0.1 * sin(time);
 }
@@ -277,7 +276,7 @@ static double wanted_mass(const ehd_contact *reference, double x, double time) {
            density_at(reference, wanted_pressure(x, time), reference->hertz_pressure);
 }
 
-/* First derivative from five values around, a distance h apart. */
+/* Returns the first derivative from five values at a distance h. */
 static double slope_of(const double *value, double h) {
     return (8 * (value[3] - value[1]) - (value[4] - value[0])) / (12 * h);
 }
@@ -301,7 +300,8 @@ static double wanted_flow(const ehd_contact *reference, double x, double time) {
            slope_of(value, h);
 }
 
-/* The Reynolds equation in the physical frame, apart from any moving one. */
+/* Returns the residual of the Reynolds equation in the physical frame, independent of moving
+ * frames. */
 static double physical_residual(const ehd_contact *reference, double x, double time) {
     const double h = 1e-3;
     double flow[5], mass[5], factor[4];
@@ -323,7 +323,7 @@ static void set_wanted(carried *self, double time) {
     }
 }
 
-/* The previous masses' sum by the formula, in frame `now`. */
+/* Computes the sum of previous masses by the formula, in the frame `now`. */
 static void add_previous(double *sum, carried *self, const bdf_formula *formula,
                          const contact_frame *now, const double *time, size_t num_previous) {
     size_t num_inner = self->reference.grid.num_inner;
@@ -337,18 +337,18 @@ static void add_previous(double *sum, carried *self, const bdf_formula *formula,
     }
 }
 
-/* Away from the ends, where splines are natural and the first row's entrainment is of first
- * order. */
+/* Checks whether x is away from the ends, where splines are natural and the first row's entrainment
+ * has first order. */
 static bool is_inside(double x) {
     return x > -2.5 && x < 1;
 }
 
 typedef struct manufactured_error {
-    double rate;     // of d(rho h)/dT alone
-    double residual; // of the whole equation
+    double rate;     // error of d(rho h)/dT
+    double residual; // error of the whole equation
 } manufactured_error;
 
-/* Largest errors at one time, in the physical frame. */
+/* Returns the largest errors at one time, in the physical frame. */
 static manufactured_error manufactured(double grid_step, const double *lengths,
                                        size_t num_previous) {
     contact_frame now = wanted_frame(1.3);
@@ -402,8 +402,9 @@ static void scale_steps(double *scaled, const double *lengths, double factor) {
         scaled[i] = factor * lengths[i];
 }
 
-/* The rate of change at fixed physical places while load, speed, radius and modulus change: of
- * second order in the step, variable or not, and of first order from one previous state. */
+/* The rate of change at fixed physical places, while load, speed, radius and modulus change, has
+ * second order in the step, with equal and variable steps. From one previous state it has first
+ * order. */
 static void rate_is_of_second_order(void **state) {
     (void)state;
     static const double lengths[][3] = {{0.1, 0.1, 0.1}, {0.1, 0.05, 0.1}, {0.05, 0.1, 0.2}};
@@ -421,7 +422,7 @@ static void rate_is_of_second_order(void **state) {
         }
 }
 
-/* The whole equation, grid and step refined together. */
+/* The whole equation has second order if grid and step are refined together. */
 static void equation_is_of_second_order(void **state) {
     (void)state;
     static const double lengths[] = {0.1, 0.07, 0.1};

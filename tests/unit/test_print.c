@@ -26,8 +26,8 @@ static int set_up(void **state) {
 
 #define check_ok(call) assert_string_equal(((call) == EHD_OK) ? "" : error.text, "")
 
-/* A result of so many times, of a point contact or (one line) of a line contact. Pressures are 100
- * times the time's index, 10 times the line's and once the node's. */
+/* Writes a result with num_times times, of a point contact or (one line) a line contact. A pressure
+ * is 100 times the index of its time, plus 10 times that of its line, plus that of its node. */
 static void write_result(size_t num_times, size_t num_lines) {
     const double times[] = {0, 0.1}, lines[] = {0, 0.5}, nodes[] = {-1, 0, 1. / 3};
     const double scalar[] = {0.1, NAN};
@@ -58,7 +58,7 @@ static void write_result(size_t num_times, size_t num_lines) {
     check_ok(artefact_finish(&file, &error));
 }
 
-/* What is printed of these names, NULL at the end; free(). */
+/* Returns the printed text for these names (NULL at the end); free it. */
 static char *printed(ehd_status expected, const char *const *names) {
     artefact *file = NULL;
     char *text = NULL;
@@ -94,7 +94,7 @@ static void a_line_for_each_entry(void **state) {
     write_result(2, 1);
     check_printed("time,load,status\n0,0.1,3\n0.1,nan,9223372036854775807\n", "time", "load",
                   "status");
-    check_printed("load\n0.1\nnan\n", "load"); // one axis leads no line
+    check_printed("load\n0.1\nnan\n", "load"); // a single axis gives no leading column
     check_printed("x\n-1\n0\n0.3333333333333333\n", "x");
 }
 
@@ -143,7 +143,7 @@ static void names_that_are_not_there_and_other_axes_are_refused(void **state) {
     (void)state;
     write_result(1, 1);
     check_refused("found no pressur, expected one of: time x pressure central_film", "pressur");
-    check_refused("moes_M", "load", "y"); // of a point contact only
+    check_refused("moes_M", "load", "y"); // only of a point contact
     check_refused("found no a?b,", "a\nb");
     check_refused("found no nothing", "");
     check_refused("found pressure and load of different axes", "load", "pressure");
@@ -151,8 +151,8 @@ static void names_that_are_not_there_and_other_axes_are_refused(void **state) {
     check_refused("found load and x of different axes", "load", "x");
 }
 
-/* A result in SI units: half width 2, film unit 3, time unit 4, load 5, Hertz pressure 6, and frames
- * that grow by the time's index. */
+/* Writes a result in SI units: half width 2, film unit 3, time unit 4, load 5, Hertz pressure 6,
+ * and frames that grow with the index of the time. */
 static void write_units(bool with_frames) {
     const struct {
         const char *name;
@@ -197,7 +197,7 @@ static void units_follow_from_the_rows(void **state) {
                   "0,3,6,3,5,2,2,1,7\n2,6,12,6,10,20,4,2,8\n",
                   "time", "central_film_thickness", "central_pressure", "rigid_approach", "load",
                   "contact_half_width", "exit_position", "residual_norm", "status");
-    // fields and their places in the frame of their time
+    // fields and places are in the frame of their time
     check_printed("time [s],x [m],pressure [Pa]\n0,-2,6\n0,2,12\n\n2,-20,1800\n2,20,2400\n",
                   "pressure");
     check_printed("step [m],moes_M,contact\n1,6,line\n", "step", "moes_M", "contact");
@@ -233,8 +233,8 @@ static void tells_what_there_is(void **state) {
     free(text);
 }
 
-/* Leaves file.h5.partial as a run does that stops early: complete is 0, and what is on the axis may
- * be ahead of it by an entry, or short of it by one. */
+/* Leaves file.h5.partial like a run that stops early: `complete` is 0, and fields may have one
+ * entry more or less than the axis. */
 static void leave_unfinished(size_t num_times) {
     const double nodes[] = {-1, 0, 1}, times[] = {0, 0.5, 1}, loads[] = {1, 2};
     const int64_t counts[] = {5, 6};
@@ -294,7 +294,7 @@ static void write_bytes(const char *bytes, size_t size) {
 
 static void damaged_data_are_no_silent_end(void **state) {
     (void)state;
-    const double value = 101; // a pressure: its checksum finds the flipped bit
+    const double value = 101; // a pressure whose flipped bit its checksum finds
     size_t size;
 
     write_result(2, 1);
@@ -309,14 +309,14 @@ static void damaged_data_are_no_silent_end(void **state) {
     free(text);
 }
 
-/* HDF5 1.10 itself does not free all that it has read of a damaged file. */
+/* Ignores leaks of HDF5 1.10, which leaks memory that it has read from damaged files. */
 const char *__lsan_default_suppressions(void);
 const char *__lsan_default_suppressions(void) {
     return "leak:libhdf5";
 }
 
-/* Whatever byte of a finished or unfinished file is another one: no crash, and no other outcome
- * than these. */
+/* Any wrong byte in a finished or unfinished file leads to no crash, and to one of the statuses
+ * below. */
 static void any_byte_may_be_wrong(void **state) {
     const char *const names[] = {"time", "load", "status", "history", "moes_M", "contact"};
     const size_t length = strlen(path);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Products, Cholesky factors and QR of matrices of all sizes around those of blocks, against
- * sums by definition. */
+/* Products, Cholesky factors and QR of matrices of all sizes near multiples of blocks, against sums
+ * by definition. */
 #include "common/algebra/cholesky.h"
 #include "common/algebra/product.h"
 #include "common/algebra/qr.h"
@@ -21,8 +21,8 @@ static void fill(double *numbers, size_t count) {
         numbers[i] = sin((double)(i * i));
 }
 
-/* Each entry is the product of its columns, whatever blocks they fall into, and nothing behind the
- * last one is touched. */
+/* Each entry is the product of two columns, in any block. Memory behind the last entry is not
+ * touched. */
 static void gram_is_the_product_of_columns(void **state) {
     const double guard = 17;
     (void)state;
@@ -56,8 +56,8 @@ static void not_finite_columns_show(void **state) {
             assert_true(isnan(gram[j * n + i]) == (i == bad || j == bad));
 }
 
-/* C + factor A B with A by rows and by columns, in a part of a larger array that keeps the
- * rest. */
+/* Adds factor A B to C, with A by rows and by columns, in a part of a larger array whose rest must
+ * not change. */
 static void matrix_product(void **state) {
     static double left[LONG * MOST], found[30 * (MOST + 3)], expected[30 * (MOST + 3)];
     const size_t inner[] = {0, 1, 16, 300, LONG};
@@ -125,12 +125,12 @@ static void sums_of_vectors(void **state) {
         }
         for (size_t i = 0; i < n; i++)
             reversed += a[n - 1 - i] * b[i];
-        assert_true(dot(a, b, n) == sum); // small integers
+        assert_true(dot(a, b, n) == sum); // small integers are exact
         assert_true(dot_reversed(a, b, n) == reversed);
     }
 }
 
-/* Also of numbers whose squares are out of range. */
+/* Norms are also right if the squares of the numbers are out of range. */
 static void norms(void **state) {
     const double sizes[] = {1, 1e-170, DBL_MIN, 1e160, 1e300};
     (void)state;
@@ -143,7 +143,7 @@ static void norms(void **state) {
     assert_true(isnan(vector_norm((const double[]){NAN, 1e300}, 2)));
 }
 
-/* A = J^T J + 1 and A x = b of all sizes. */
+/* Checks the factors of A = J^T J + 1 and solutions of A x = b of all sizes. */
 static void cholesky_solves(void **state) {
     double x[MOST], solution[MOST];
     (void)state;
@@ -201,7 +201,7 @@ static void qr_is_least_squares(void **state) {
         }
 }
 
-/* Of columns whose squares underflow or overflow too. */
+/* Factorises columns whose squares underflow or overflow. */
 static void qr_is_that_of_any_size(void **state) {
     static const double sizes[] = {1e-300, 1e-200, 1e-160, 1e-150, 1e150, 1e160, 1e200, 1e300};
     enum { ROWS = 7, COLUMNS = 3 };

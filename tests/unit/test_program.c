@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The manners of all programs, tried in child processes, because they read argv and exit. */
+/* Behaviour common to all programs, tested in child processes, because programs read argv and exit. */
 #include "common/program/program.h"
 #include "tests/unit/check.h"
 
@@ -15,7 +15,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-// ---- a program to try
+// ---- a program for the tests
 
 typedef struct own_options {
     size_t jobs;
@@ -45,7 +45,7 @@ static const program_options options = {.options = own_rows,
 // ---- children
 
 typedef struct outcome {
-    int code; // exit code, or -signal
+    int code; // exit code, or the negative signal number
     char out[16384];
     char err[16384];
 } outcome;
@@ -53,7 +53,7 @@ typedef struct outcome {
 static outcome child;
 static char *child_arguments[32]; // ends with NULL
 
-/* What a child does after program_start; returns what its main would. */
+/* Runs in a child after program_start; returns the exit code of its main. */
 typedef int body(program *self);
 
 static int finish_well(program *self) {
@@ -79,7 +79,7 @@ static void run_in_child(body *act) {
     exit(act(&self));
 }
 
-/* Runs the child with stdout to `out_path` (NULL: kept) and fills `child`. */
+/* Runs the child with standard output into `out_path` (NULL: into `child`) and fills `child`. */
 static void run_to(const char *out_path, body *act) {
     FILE *out = out_path ? fopen(out_path, "w") : tmpfile(), *err = tmpfile();
     int status = 0;
@@ -111,7 +111,8 @@ static void run_list(body *act, const char *const *arguments) {
     run_to(NULL, act);
 }
 
-/* One line that starts with "trial: " and `start` on stderr, nothing on stdout, exit 64. */
+/* Expects one line on standard error that starts with "trial: " and `start`, no output, and exit
+ * code 64. */
 static void expect_misuse(const char *start) {
     const char *newline = strchr(child.err, '\n');
     if (child.code != EHD_USAGE || strncmp(child.err, "trial: ", 7) != 0 ||
@@ -284,17 +285,18 @@ static int finish_without_text(program *self) {
     return program_finish(self, EHD_UNTRUSTED, &error);
 }
 
-/* Of each kind of character that controls something; other texts stay as they are. */
+/* All kinds of control characters are replaced; other texts do not change. */
 static void foreign_text_is_printable(void **state) {
     static const char *const texts[][2] = {
         {"plain, \302\265m, \342\202\254, \360\237\230\200", NULL},
         {"", NULL},
         {"\033[31m\r\n\t\b\177", "?[31m?????"},
-        {"\302\200\302\233\302\237\302\240", "???\302\240"},          // C1, a hard space
-        {"\342\200\250\342\200\251\342\200\256\342\201\246", "????"}, // lines, directions
-        {"\342\200\247\342\200\257\342\201\245\342\201\252", NULL},   // beside these
-        {"\233\377\302", "???"},                                      // no UTF-8
-        {"\300\200\340\200\200\355\240\200", "????????"},             // overlong, a surrogate
+        {"\302\200\302\233\302\237\302\240", "???\302\240"}, // C1 controls; a no-break space
+        // line separators, direction marks
+        {"\342\200\250\342\200\251\342\200\256\342\201\246", "????"},
+        {"\342\200\247\342\200\257\342\201\245\342\201\252", NULL}, // neighbours of these
+        {"\233\377\302", "???"},                                    // no UTF-8
+        {"\300\200\340\200\200\355\240\200", "????????"}, // overlong encodings, a surrogate
         {"\357\277\276\357\277\277\357\277\275", "??\357\277\275"}};
     (void)state;
     for (size_t i = 0; i < sizeof texts / sizeof *texts; i++) {
@@ -379,11 +381,11 @@ static void messages_heed_quiet_and_verbose(void **state) {
 static int show_time_left(program *self) {
     progress shown;
     progress_start(&shown, self, 120);
-    shown.started -= 100; // as if it had run for a while
+    shown.started -= 100; // makes it appear to have run for 100 s
     progress_show(&shown, 40, "a");
     progress_show(&shown, 41, "too early for another line");
     shown.last_shown -= 3;
-    shown.started -= 500; // which the next ones take
+    shown.started -= 500; // time that the next points have taken
     progress_show(&shown, 119, "near the end");
     shown.last_shown -= 3;
     shown.advanced -= 500;
@@ -408,7 +410,7 @@ static void progress_tells_the_time_left(void **state) {
                         "trial: 60/120 c, 280.6 h left\n");
 }
 
-// ---- surroundings
+// ---- environment
 
 static int check_surroundings(program *self) {
     char number[32];
@@ -421,7 +423,7 @@ static int check_surroundings(program *self) {
 
 static void numbers_keep_their_point(void **state) {
     (void)state;
-    setenv("LC_ALL", "C.UTF-8", 1); // the one that every system has besides C
+    setenv("LC_ALL", "C.UTF-8", 1); // besides C the only locale of every system
     assert_non_null(setlocale(LC_ALL, ""));
     run(check_surroundings, "a.yml", "-o", "r.h5");
     setlocale(LC_ALL, "C");
@@ -443,7 +445,7 @@ static int raise_twice(program *self) {
     return program_finish(self, EHD_OK, NULL);
 }
 
-/* A child of the child, which closes its standard files, finds none of them free. */
+/* Checks that a program started without standard files opens no file in their place. */
 static int open_first(program *self) {
     static const char *const words[] = {"trial", "a.yml", "-o", "r.h5"};
     program again;

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What follows from a pressure that is cut at the exit: tables at checkpoints against plain sums.
- * How they are moved from exit to exit is in test_reduced_solver.c and, of a point contact,
+/* Tables of a pressure that is cut at the exit: at checkpoints, against direct sums. Moving the
+ * tables from exit to exit is tested in test_reduced_solver.c and, for point contacts, in
  * test_reduced_point.c. */
 #include "common/physics/deflection.h"
 #include "romrun/model/reduced_cut.h"
 #include "tests/unit/check.h"
 #include "tests/unit/trained.h"
 
-/* K V_p with V_p cut at an exit, at one node, by a plain sum. */
+/* Returns K V_p at one node, with V_p cut at an exit, by a direct sum. */
 static double dense_deflection(const reduced_basis *basis, size_t exit, size_t node, size_t mode) {
     double sum = 0;
 
@@ -27,7 +27,7 @@ static double dense_load(const reduced_basis *basis, size_t exit, size_t mode) {
     return sum;
 }
 
-/* One entry of the cut table by definition. */
+/* Returns an entry of the cut table by its definition. */
 static double dense_cut(const reduced_model *model, const reduced_basis *basis, size_t exit,
                         size_t row, size_t mode) {
     double sum = 0;
@@ -60,7 +60,7 @@ static void cut_tables_equal_plain_sums(void **state) {
             assert_int_equal(reduced_model_checkpoint(&model, &exit), c);
             const size_t last = exit + model.checkpoints.stride - 1;
             assert_int_equal(reduced_model_checkpoint(&model, &last), c);
-            if (c % 4 && c + 1 < model.checkpoints.num) continue; // plain sums are slow
+            if (c % 4 && c + 1 < model.checkpoints.num) continue; // direct sums are slow
             const double *cut = model.checkpoints.cut + c * model.cut.num_rows * num_pressure;
             for (size_t row = 0; row < model.cut.num_rows;
                  row += row + 4 < model.cut.num_rows ? 3 : 1)
@@ -78,8 +78,8 @@ static void cut_tables_equal_plain_sums(void **state) {
     trained_free(&training);
 }
 
-/* Checkpoints of a point contact that differ take 400 MB at most, and one beyond. The tables
- * counted here are much larger than those filled: the band of an independent basis has none. */
+/* The different checkpoints of a point contact take 400 MB at most, plus one more. The band of an
+ * independent basis has no film table, so the sizes counted here are much larger than those filled. */
 static void memory_bounds_the_checkpoints_of_a_point(void **state) {
     enum { LINES = 2, COLUMNS = 20, STATES = 12 };
     (void)state;

@@ -8,11 +8,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { STATE = 6 }; // of the training, with which a march starts
+enum { STATE = 6 }; // training state with which a march starts
 
 static const double STEP = 0.01;
 
-static trained training; // 33 by 17 nodes, half of them
+static trained training; // 33 by 17 nodes, which are half of a grid
 static reduced_basis basis, whole_basis;
 static ehd_error error;
 
@@ -35,7 +35,7 @@ static int tear_down(void **state) {
     return 0;
 }
 
-/* Every node a mode of its own, and exits that may lie farther out than in training. */
+/* Returns a basis with a mode for every node, whose exits may lie farther out than in training. */
 static reduced_basis nodes_basis(void) {
     reduced_basis nodes = identity_basis(&training.set, DEFORMATION_COUPLED, basis.weight);
     size_t last = grid_width(&nodes.grid) - 2, inner = grid_lines(&nodes.grid) - 1;
@@ -49,7 +49,7 @@ static contact_frame frame_under(double load, double time) {
     return frame_at(&contact_point, time, (double[]){load, 1, 1, 1}, NAN);
 }
 
-/* Started under the load of the reference. */
+/* Starts under the load of the reference. */
 static void marching_init(marching *self, const reduced_basis *of) {
     const contact_frame frame = frame_under(1, 0);
 
@@ -57,8 +57,7 @@ static void marching_init(marching *self, const reduced_basis *of) {
     assert_int_equal(self->last.status, EHD_OK);
 }
 
-/* An accepted step; contacts that change are none of training, which is not what is looked at
- * here. */
+/* Makes an accepted step. It may be untrusted, because changing contacts were not trained. */
 static void step_to(marching *self, double load, double time) {
     const contact_frame frame = frame_under(load, time);
 
@@ -103,9 +102,8 @@ static void constant_conditions_keep_the_stationary_state(void **state) {
     marching_free(&self);
 }
 
-/* With every node as a mode of its own a step is one of the full model, given the same history and
- * the same exits, which by what is noise for either may differ by a node (under a load of
- * 1.05). */
+/* With a mode for every node a step equals one of the full model with the same history and exits.
+ * Below the noise of both models exits may differ by a node (under a load of 1.05). */
 static void a_step_of_full_rank_is_one_of_the_full_model(void **state) {
     (void)state;
     reduced_basis nodes = nodes_basis();
@@ -159,8 +157,7 @@ static void a_step_of_full_rank_is_one_of_the_full_model(void **state) {
     free(previous);
 }
 
-/* Nor do several steps differ by more than the splines do at the ends of the grid, which is wider
- * here. */
+/* Several steps differ only by the splines at the ends of the grid, which is wider here. */
 static void full_rank_marches_as_the_full_model(void **state) {
     (void)state;
     reduced_basis nodes = nodes_basis();
@@ -192,7 +189,7 @@ static void full_rank_marches_as_the_full_model(void **state) {
     reduced_basis_free(&nodes);
 }
 
-/* A model has one zone of pressure a line. */
+/* A reduced model has one zone of pressure a line, so a second zone is reported. */
 static void a_gap_that_closes_behind_the_exit_is_told(void **state) {
     (void)state;
     reduced_basis nodes = nodes_basis();
@@ -208,14 +205,14 @@ static void a_gap_that_closes_behind_the_exit_is_told(void **state) {
             assert_int_not_equal(self.last.status, EHD_NOT_CONVERGED);
             self.solver.accept(self.solver.self);
             const bool told = strstr(self.last.reason, "a second zone of pressure");
-            assert_true(told == (grows && i > 1)); // the first step may be a jump's
+            assert_true(told == (grows && i > 1)); // the first step may follow a jump
         }
         marching_free(&self);
     }
     reduced_basis_free(&nodes);
 }
 
-/* Both march 20 steps, with films this close at every one; `also` (or NULL) is asked after each. */
+/* Compares the films of 20 steps of two bases; `also` (or NULL) is called after each step. */
 static void check_march_alike(const reduced_basis *first, const reduced_basis *second,
                               double central, double minimum,
                               void (*also)(const marching *, const marching *)) {
@@ -236,19 +233,19 @@ static void check_march_alike(const reduced_basis *first, const reduced_basis *s
     marching_free(&other);
 }
 
-/* In a frame that gets wider and narrower, which looks beside the grid. Both are as far apart as
- * modes of stationary contacts are from contacts in time. */
+/* The frame grows and shrinks, so places lie beside the grid. The difference of both bases is that
+ * of stationary modes from transient contacts. */
 static void an_independent_basis_marches_as_the_coupled_one(void **state) {
     (void)state;
     reduced_basis own_films;
 
     trained_basis(&own_films, &training, DEFORMATION_INDEPENDENT, 0, 0);
-    // from the full model the one is 8e-3 off, the other 2e-3; with zero pressure around 1e-3, 1e-3
+    // errors against the full model: 8e-3 and 2e-3; with zero pressure around: 1e-3 and 1e-3
     check_march_alike(&own_films, &basis, 1.2e-2, 1e-2, NULL);
     reduced_basis_free(&own_films);
 }
 
-/* The whole grid's second half of the lines is the half. */
+/* Checks that the second half of the whole grid's lines has the exits of the half. */
 static void check_half_of_exits(const marching *half, const marching *whole) {
     const size_t *exits = reduced_march_state(half->march, NULL).exits;
     const size_t *both = reduced_march_state(whole->march, NULL).exits;
@@ -262,7 +259,7 @@ static void the_half_marches_as_the_whole(void **state) {
     check_march_alike(&basis, &whole_basis, 1e-9, 1e-9, check_half_of_exits);
 }
 
-/* In another object of the same model, to the last bit. */
+/* A march restored into another object of the same model continues with the same bits. */
 static void a_restored_march_goes_on_as_the_saved_one(void **state) {
     (void)state;
     marching saved, restored;
@@ -287,7 +284,7 @@ static void a_restored_march_goes_on_as_the_saved_one(void **state) {
     marching_free(&restored);
 }
 
-/* On any line, the last state's. */
+/* The exit of any line of the last state is checked. */
 static void saved_exits_outside_of_the_band_are_refused(void **state) {
     (void)state;
     marching self;
@@ -314,7 +311,7 @@ static void saved_exits_outside_of_the_band_are_refused(void **state) {
     marching_free(&self);
 }
 
-/* A model is run as it was trained. */
+/* A model must be used with the transport and smoothing of its training. */
 static void another_carriage_is_refused(void **state) {
     reduced_basis nodes = nodes_basis();
     reduced_march *created;
@@ -336,7 +333,7 @@ static void another_carriage_is_refused(void **state) {
                      EHD_DATA);
     assert_string_equal(error.text,
                         "transient.smoothing: found 0.1, expected 0.2, as in the model's training");
-    self.reference.smoothing = NAN; // that of the training
+    self.reference.smoothing = NAN; // NaN: the smoothing of the training
     check_ok(reduced_march_create(&created, &self.model, &self.splines, &self.reference,
                                   &strict_settings, &error));
     reduced_march_free(created);

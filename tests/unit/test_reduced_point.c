@@ -43,7 +43,7 @@ static int tear_down(void **state) {
 
 // ---- helpers
 
-/* The film is the deflection of the pressure. */
+/* Checks that the film is the deflection of the pressure, with gap and approach. */
 static void check_deflection(const double *film, const double *pressure, const reduced_basis *basis,
                              double rigid_approach) {
     const size_t num_nodes = basis->grid.num_nodes;
@@ -59,7 +59,7 @@ static void check_deflection(const double *film, const double *pressure, const r
     free(expected);
 }
 
-/* The solution is the full solver's, everywhere, and so are its exit line and scalars. */
+/* Checks that solution, exit line and scalars are those of the full solver. */
 static void check_is_training_state(const reduced_problem *self, const reduced_basis *basis,
                                     const trained *training, size_t s, double tolerance) {
     const snapshot_set *set = &training->set;
@@ -81,9 +81,9 @@ static void check_is_training_state(const reduced_problem *self, const reduced_b
     free(pressure);
 }
 
-/* On a grid as coarse as this two neighbouring exit lines may both be consistent: signs of pressure
- * and multiplier are right on both, and the films differ by 5e-6 or less. Of these states the full
- * solver took the other one. */
+/* Returns whether a state has two solutions. On so coarse a grid two neighbouring exit lines may
+ * both be consistent: signs of pressure and multiplier are right on both, and the films differ by
+ * 5e-6 or less. For these states the full solver found the other one. */
 static bool has_two_exits(size_t s) {
     return s == 1 || s == 2 || s == 4 || s == 9;
 }
@@ -113,7 +113,7 @@ static void full_rank_reproduces_the_full_model(void **state) {
     check_full_rank(DEFORMATION_INDEPENDENT, 6); // more than a thousand unknowns
 }
 
-/* Started near by; on the whole grid and on the half of it. */
+/* Starts near the solution, on the whole grid and on half of it. */
 static void a_basis_with_the_solution_finds_it(void **state) {
     (void)state;
     for (int b = 0; b < NUM_BASES; b++) {
@@ -137,7 +137,7 @@ static void a_basis_with_the_solution_finds_it(void **state) {
     }
 }
 
-/* The full model's solutions are symmetric, and the half finds the same ones. */
+/* The full model's solutions are symmetric, and half of the grid gives the same ones. */
 static void half_is_half_of_the_whole(void **state) {
     (void)state;
     for (size_t s = 0; s < TRAINED_STATES; s++) {
@@ -152,7 +152,7 @@ static void half_is_half_of_the_whole(void **state) {
 
 // ---- the exit line
 
-/* K V_p with V_p cut at an exit line, at one node, by a plain sum over the whole plane. */
+/* Returns K V_p at one node, with V_p cut at an exit line, by a direct sum over the whole plane. */
 static double dense_deflection(const reduced_basis *basis, const size_t *exit, size_t node,
                                size_t mode) {
     const ehd_grid *grid = &basis->grid;
@@ -172,7 +172,7 @@ static double dense_deflection(const reduced_basis *basis, const size_t *exit, s
     return sum;
 }
 
-/* The same everywhere, by FFT, on a deformation mode. */
+/* Returns the product of this deflection with a deformation mode, computed by FFT. */
 static double projected_deflection(const reduced_basis *basis, const size_t *exit, size_t row,
                                    size_t mode) {
     const ehd_grid *grid = &basis->grid;
@@ -210,7 +210,8 @@ static double dense_cut(const reduced_model *model, const reduced_basis *basis, 
                : projected_deflection(basis, exit, row, mode);
 }
 
-/* The same with tables of what the modes deflect at a list of nodes, [count, num_pressure]. */
+/* Compares tables of the deflections by modes at a list of nodes, [count, num_pressure], with
+ * direct sums. */
 static void check_films(const double *films, const size_t *nodes, size_t count,
                         const reduced_basis *basis, const size_t *exit) {
     for (size_t q = 0; q < count; q += 7)
@@ -227,7 +228,7 @@ static void check_cut(const double *cut, const reduced_model *model, const reduc
                         1e-11, 1e-11);
 }
 
-/* Rows all over the grid, some of them at exits. */
+/* Returns rows all over the grid, some of them at exits. */
 static size_t *some_rows(size_t *count, const ehd_grid *grid) {
     size_t *rows = malloc(grid->num_inner * sizeof *rows);
 
@@ -263,7 +264,7 @@ static void cut_tables_equal_plain_sums(void **state) {
                         control->needed_node, control->num_needed, basis,
                         model->checkpoints.exit + c * model->band.num_lines);
 
-        // lines to and fro of a checkpoint, more nodes than a block has
+        // exits before and behind a checkpoint, with more nodes than a block has
         cut_run *runs = malloc(model->band.num_lines * sizeof *runs);
         double *work =
             malloc(CUT_BLOCK * (model->cut.num_rows + model->num_pressure) * sizeof *work);
@@ -284,8 +285,8 @@ static void cut_tables_equal_plain_sums(void **state) {
     }
 }
 
-/* An exit line apart from the solution's by a column or two on each line is found back: the
- * full-rank model has pressure behind it whose sign tells. */
+/* An exit line that is off by a column on each line is corrected: the full-rank model has pressure
+ * behind it, whose sign shows the error. */
 static void exit_lines_are_found(void **state) {
     (void)state;
     const size_t s = 6;
@@ -294,7 +295,7 @@ static void exit_lines_are_found(void **state) {
 
     reduced_problem_init(&reduced, &basis, NULL, 0, &strict_settings);
     const reduced_states *states = &basis.states;
-    for (size_t apart = 0; apart < 3; apart += 2) { // one back, one on
+    for (size_t apart = 0; apart < 3; apart += 2) { // one column back, one on
         size_t n = reduced.model.num_unknowns;
         memcpy(reduced.state.coordinates, states->coordinates + s * n, n * sizeof(double));
         reduced_state_set_exits(&reduced.state, &reduced.model,
@@ -308,8 +309,8 @@ static void exit_lines_are_found(void **state) {
     reduced_basis_free(&basis);
 }
 
-/* Looked for on every other line the exit lies in the middle in between, and the film hardly
- * differs. */
+/* If the exit is searched on every second line only, it is interpolated between them, and the film
+ * hardly changes. */
 static void exits_between_lines_are_interpolated(void **state) {
     (void)state;
     const size_t s = 6;
@@ -338,7 +339,8 @@ static void exits_between_lines_are_interpolated(void **state) {
     reduced_problem_free(&reduced);
 }
 
-/* Neighbours of one M are a line: between those of two a fit must not take them for a plane. */
+/* Neighbours of one M lie on a line; a fit to the neighbours of two such lines must not be taken
+ * for a plane. */
 static void a_start_beside_a_row_of_neighbours_is_near_it(void **state) {
     (void)state;
     reduced_states *states;
@@ -357,7 +359,7 @@ static void a_start_beside_a_row_of_neighbours_is_near_it(void **state) {
         most = fmax(most, states->coordinates[s * n]);
     }
     const double extent = most - least;
-    // at many places, for rounding hides the line from the factorisation at some of them only
+    // at many places, because round-off hides the line from the factorisation only at some of them
     for (double M = 20.1; M < 20.6; M += 0.1)
         for (double pressure = 8.03; pressure < 8.5; pressure += 0.01) {
             reduced_guess(&reduced.state, &reduced.model,
@@ -368,9 +370,9 @@ static void a_start_beside_a_row_of_neighbours_is_near_it(void **state) {
     reduced_problem_free(&reduced);
 }
 
-/* Beside the boundary lines, of which the band has nothing: with the only checkpoint's table
- * followed by numbers that would spoil all that they enter, exits there move to where they
- * belong. */
+/* Exits on lines beside the boundary lines, for which the band has no nodes, must not read behind
+ * the table of the only checkpoint. The numbers there are NaN, and the exits must still move to
+ * their places. */
 static void exits_beside_the_boundary_need_nothing_behind_the_band(void **state) {
     (void)state;
     for (int g = 0; g < 2; g++) {
@@ -403,7 +405,8 @@ static void exits_beside_the_boundary_need_nothing_behind_the_band(void **state)
     }
 }
 
-/* Each line's exits lie in its band with the nodes that rows there and beside need. */
+/* The band of each line contains its exits and the nodes that rows at exits of this line and its
+ * neighbours need. */
 static void the_band_has_what_rows_at_exits_need(void **state) {
     (void)state;
     for (int g = 0; g < 2; g++) {

@@ -43,7 +43,7 @@ static void solve_from_neighbour(reduced_problem *self, size_t s) {
     reduced_problem_solve(self, &training.contacts[s]);
 }
 
-/* Pressure and film on the whole grid, from the definition: modes cut at the exit, then K. */
+/* Computes pressure and film on the whole grid by definition: modes cut at the exit, then K. */
 static void full_fields(double *pressure, double *film, const reduced_problem *self,
                         const reduced_basis *basis) {
     const ehd_grid *grid = &basis->grid;
@@ -70,7 +70,7 @@ static void full_fields(double *pressure, double *film, const reduced_problem *s
     deflection_free(deflection);
 }
 
-/* Of coupled bases those are the fields of the library, whatever the exits of the state are. */
+/* Checks that coupled bases give the same fields by the library, for any exit of the state. */
 static void check_fields(const reduced_problem *self, const reduced_basis *basis) {
     const size_t num_nodes = basis->grid.num_nodes;
     double *both = calloc(4 * num_nodes, sizeof *both);
@@ -90,7 +90,7 @@ static double *fields(void) {
     return memory;
 }
 
-/* The solution is the full solver's, everywhere. */
+/* Checks that the solution is that of the full solver, at all nodes. */
 static void check_is_training_state(const reduced_problem *self, const reduced_basis *basis,
                                     size_t s, double tolerance) {
     size_t num_nodes = basis->grid.num_nodes;
@@ -106,7 +106,7 @@ static void check_is_training_state(const reduced_problem *self, const reduced_b
     free(pressure);
 }
 
-/* A fixed order of 1 … count that is none of the obvious ones. */
+/* Returns 1 … count in a fixed irregular order. */
 static size_t *shuffled_nodes(size_t count) {
     size_t *nodes = malloc(count * sizeof *nodes);
     unsigned long long random = 12345;
@@ -139,8 +139,8 @@ static void full_rank_reproduces_the_full_model(void **state) {
     reduced_basis_free(&basis);
 }
 
-/* Started near by and with its exit: a start with an exit behind it may stay there for a node or
- * some, since such a basis has no pressure there whose sign could tell (moving_the_exit_…). */
+/* Starts near the solution with its exit. From an exit behind it the exit might stay a node or some
+ * too far, because this basis has no pressure there whose sign would show it (moving_the_exit_…). */
 static void a_basis_with_the_solution_finds_it(void **state) {
     (void)state;
     for (int kind = 0; kind < 2; kind++) {
@@ -174,7 +174,7 @@ static void all_rows_in_any_order_are_level_i(void **state) {
             solve_from_neighbour(&level_i, s);
             solve_from_neighbour(&level_n, s);
             assert_int_equal(level_n.state.exit, level_i.state.exit);
-            // of 22, the last of which is as small as the rounding of the rows' order
+            // about 22 iterations; the last change is as small as the round-off from the order of the rows
             assert_in_range(level_n.info.iterations + 1, level_i.info.iterations,
                             level_i.info.iterations + 2);
             check_close(level_n.info.scalars.central_film_thickness,
@@ -190,7 +190,7 @@ static void all_rows_in_any_order_are_level_i(void **state) {
     free(nodes);
 }
 
-/* Least squares by LAPACK, or none. */
+/* Solves least squares by LAPACK, or fails. */
 typedef struct other_solver {
     size_t calls, fails_at;
 } other_solver;
@@ -217,7 +217,7 @@ static ehd_status solve_otherwise(double *step, void *context, const double *mat
     return EHD_OK;
 }
 
-/* The same problem with the model's own and with another linear solver. */
+/* One problem, solved with the model's own linear solver and with another one. */
 typedef struct two_ways {
     other_solver other;
     reduced_basis small;
@@ -255,7 +255,7 @@ static void another_linear_solver_may_be_put_in(void **state) {
         check_close(with_other->info.scalars.central_film_thickness,
                     own->info.scalars.central_film_thickness, 1e-11, 0);
     }
-    // that it cannot be solved is an outcome
+    // a system that cannot be solved ends without convergence
     ways.other = (other_solver){.fails_at = 2};
     reduced_neighbour(
         &with_other->state, &with_other->model,
@@ -268,7 +268,8 @@ static void another_linear_solver_may_be_put_in(void **state) {
     two_ways_free(&ways);
 }
 
-/* Steps far too long, which is damped, and then far too short; least squares from then on. */
+/* Returns first a step that is far too long and is damped, then one that is far too short, then
+ * least squares. */
 static ehd_status overshoot(double *step, void *context, const double *matrix, const double *right,
                             size_t num_rows, size_t num_unknowns) {
     other_solver *self = context;
@@ -279,7 +280,7 @@ static ehd_status overshoot(double *step, void *context, const double *matrix, c
     return status;
 }
 
-/* Convergence is not told by what a damped step would have been. */
+/* The rate of convergence must not be computed from the undamped length of a damped step. */
 static void a_damped_step_shows_no_rate(void **state) {
     (void)state;
     two_ways ways;
@@ -296,7 +297,7 @@ static void a_damped_step_shows_no_rate(void **state) {
     two_ways_free(&ways);
 }
 
-/* What a truncated basis costs: its own training states, to its accuracy. */
+/* Truncated bases reproduce their training states to the truncation error. */
 static void truncated_bases_stay_near(void **state) {
     (void)state;
     for (int kind = 0; kind < 2; kind++) {
@@ -326,12 +327,10 @@ static void truncated_bases_stay_near(void **state) {
     }
 }
 
-/* From each trained solution to each of the others, with the published rows: damping and the
- * exit's longest stride bring all there. (With the accurate ones 8 of 144, all to the lightest
- * load with the most viscous lubricant, end in another minimum of the residual.) Measured: 850
- * iterations, none lost; with a pressure change of 1 a step 893 and 2 lost, of 0.1 863 and 4
- * lost; with exits that move by 0.02 half widths an iteration 842 and 1 lost, by 0.2 843 and
- * none. */
+/* Starts from each trained solution for each other one, with the published discretisation. Damping
+ * and the longest stride of the exit make all of them converge, with 850 iterations. (With the
+ * accurate discretisation 8 of 144 end in another minimum of the residual, all at the lightest load
+ * with the most viscous lubricant.) */
 static void any_trained_solution_leads_to_any_other(void **state) {
     (void)state;
     const reduced_settings settings = reduced_default_settings();
@@ -359,7 +358,7 @@ static void any_trained_solution_leads_to_any_other(void **state) {
     trained_free(&published);
 }
 
-// ---- an exit within a node, with the accurate rows
+// ---- an exit within a node, with the accurate discretisation
 
 static const deformation_kind both_kinds[] = {DEFORMATION_COUPLED, DEFORMATION_INDEPENDENT};
 
@@ -404,7 +403,7 @@ static void thinned_full_rank_reproduces_the_full_model(void **state) {
     (void)state;
 
     check_full_rank(trained_init_thinned);
-    // which is another flow: at the thickest film by a tenth
+    // thinning changes the flow: the thickest film by a tenth
     trained_init_thinned(&thinned, 0.04);
     trained_init_accurate(&newtonian, 0.04);
     assert_true(thinned.set.central_film_thickness[2] <
@@ -413,8 +412,8 @@ static void thinned_full_rank_reproduces_the_full_model(void **state) {
     trained_free(&newtonian);
 }
 
-/* With a large stress of Eyring's the film is the Newtonian one, with a small one it is not. Of a fluid
- * whose mobility is exponential, which has no need of one between the nodes. */
+/* A large Eyring stress gives the Newtonian film, a small one does not. The mobility of this fluid
+ * is exponential, so none is needed between the nodes. */
 static void thinned_solutions_have_the_newtonian_limit(void **state) {
     (void)state;
     trained thinned;
@@ -441,7 +440,7 @@ static void thinned_solutions_have_the_newtonian_limit(void **state) {
     trained_free(&thinned);
 }
 
-/* The last row of a least-squares problem, which is the cell's. */
+/* The last row of a least-squares problem, that of the exit cell. */
 typedef struct last_row {
     double matrix[TRAINED_STATES * 4], right;
 } last_row;
@@ -457,8 +456,8 @@ static ehd_status keep_last_row(double *step, void *context, const double *matri
     return EHD_NOT_CONVERGED;
 }
 
-/* Where the exit lies is found anew from the flux each time, so that the row's residual depends on
- * the coordinates alone. Exits at a checkpoint and behind one. */
+/* The exit is computed from the flux each time, so the residual of its row depends only on the
+ * coordinates. Exits are at a checkpoint and behind one. */
 static void the_cell_s_row_equals_finite_differences(void **state) {
     (void)state;
     trained accurate;
@@ -500,7 +499,7 @@ static void the_cell_s_row_equals_finite_differences(void **state) {
     trained_free(&accurate);
 }
 
-/* A whole least-squares problem. */
+/* A complete least-squares problem. */
 enum { MOST_UNKNOWNS = TRAINED_STATES * 4, MOST_ROWS = 200 };
 typedef struct whole_problem {
     double matrix[MOST_ROWS * MOST_UNKNOWNS], right[MOST_ROWS];
@@ -519,7 +518,7 @@ static ehd_status keep_problem(double *step, void *context, const double *matrix
     return EHD_NOT_CONVERGED;
 }
 
-/* Of flows that the sliding thins, the cell's row included. */
+/* Checks all rows of flows that are thinned by sliding, including the row of the exit cell. */
 static void thinned_rows_equal_finite_differences(void **state) {
     (void)state;
     trained thinned;
@@ -564,10 +563,9 @@ static void thinned_rows_equal_finite_differences(void **state) {
 
 // ---- the exit's moves
 
-/* Newton that starts with a wrong exit moves it node by node and in strides, with a rank-k update
- * of the tables each time. What is reported at the end comes from the updated tables; it must be
- * what the final state gives by definition, and the solution must not depend on where the exit
- * began. */
+/* From a wrong exit Newton moves it node by node and in strides, each with a rank-k update of the
+ * tables. The reported results come from the updated tables. They must be those of the final state
+ * by definition, and independent of the first exit. */
 static void moving_the_exit_equals_rebuilding(void **state) {
     (void)state;
     enum { STATE = 4 };
@@ -607,7 +605,7 @@ static void moving_the_exit_equals_rebuilding(void **state) {
     free(pressure);
 }
 
-/* Contacts whose exit lies where the tables do not reach: whatever comes out, it stays inside. */
+/* The exit of these contacts lies beyond the tables, and must stay inside them. */
 static void the_exit_stays_inside_the_tables(void **state) {
     (void)state;
     const double moes_M[] = {2, 4, 5, 6, 7, 300};
@@ -633,7 +631,7 @@ static void the_exit_stays_inside_the_tables(void **state) {
     }
 }
 
-// ---- what is reported
+// ---- reported results
 
 static void minimum_film_is_that_of_the_fields(void **state) {
     (void)state;
@@ -649,7 +647,7 @@ static void minimum_film_is_that_of_the_fields(void **state) {
             full_fields(pressure, film, &reduced, basis);
             check_close(reduced.info.scalars.minimum_film_thickness,
                         trained_least_film(film, &basis->grid), 1e-11, 0);
-            // all nodes are needed ones; of other coordinates only the band's pressures are
+            // all nodes are needed ones here; for other coordinates only pressures in the band count
             reduced_pressures range = reduced_pressure_range(reduced.solver, &reduced.state);
             double least = 0, largest = 0;
             for (size_t k = 0; k < num_nodes; k++) {
@@ -692,7 +690,7 @@ static ehd_status observe_first(void *context, const double *residual, const dou
     return EHD_OK;
 }
 
-/* One iteration from z with a given exit: what the observer sees, and where it leads. */
+/* Makes one iteration from z with a given exit; stores the observed system and the new state. */
 static void iterate_once(observation *seen, reduced_problem *self, const double *z, size_t exit,
                          const ehd_contact *contact) {
     seen->count = 0;

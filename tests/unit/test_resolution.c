@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Estimates of what domain and step do to a solution, against solutions on wider and finer
+/* Estimated effects of domain and step on a solution, against solutions on longer domains and finer
  * grids. */
 #include "fullrun/resolution.h"
 
@@ -9,7 +9,7 @@
 
 #include <math.h>
 
-/* A cold solution; free with full_state_free. */
+/* Computes a cold solution; free with full_state_free. */
 static void solve(full_state *state, const ehd_contact *contact) {
     const full_settings settings = full_default_settings();
     full_solver *solver;
@@ -50,7 +50,7 @@ static double central_film(const ehd_contact *contact) {
     return films_of(contact).central;
 }
 
-/* An estimate that is a bound of what it estimates, by no more than a factor. */
+/* Checks that an estimate is an upper bound of the effect, by no more than `factor`. */
 static void check_bound(double estimated, double effect, double factor) {
     assert_true(estimated >= fabs(effect));
     assert_true(estimated <= factor * fabs(effect));
@@ -63,8 +63,8 @@ static void set_inlet(ehd_contact *contact, double x_min) {
                             contact->grid.discretization);
 }
 
-/* From -4 on, against an inlet from -32 on. With little load the tail's own load counts, and the
- * minimum film changes by more than the central one or by less. */
+/* Compares an inlet from -4 on with one from -32 on. Under light loads the load of the missing
+ * inlet matters, and the minimum film changes by more or less than the central one. */
 static void inlet_effect_is_what_a_long_inlet_does(void **state) {
     (void)state;
     static const struct {
@@ -87,8 +87,9 @@ static void inlet_effect_is_what_a_long_inlet_does(void **state) {
     }
 }
 
-/* The load of the missing inlet falls with the square of its beginning's distance, so that half as
- * long an inlet has four times the effect, on thick films as of the rigid isoviscous contact. */
+/* The load of the missing inlet is inversely proportional to the square of the inlet's length. So
+ * an inlet of half the length has four times the effect, also with thick films such as of the rigid
+ * isoviscous contact. */
 static void inlet_effect_of_a_thick_film(void **state) {
     (void)state;
     static const double cases[][2] = {{0.5, -32}, {1, -16}};
@@ -101,12 +102,12 @@ static void inlet_effect_of_a_thick_film(void **state) {
             film[k] = central_film(&contact);
         }
         check_close(effect[0] / effect[1], 4, 0.1, 0);
-        // twice as long an inlet leaves a quarter
+        // doubling the length leaves a quarter of the effect
         check_bound(effect[0], 4. / 3 * (film[1] / film[0] - 1), 1.35);
     }
 }
 
-/* A point contact on a domain from -length on, half as wide to either side. */
+/* Returns a point contact on a domain from -length on, with sides at half of the length. */
 static ehd_contact point_from(double moes_M, double moes_L, double length, double step) {
     ehd_contact contact = sample_point("barus", "incompressible", moes_M, moes_L, 24, true);
 
@@ -116,13 +117,13 @@ static ehd_contact point_from(double moes_M, double moes_L, double length, doubl
     return contact;
 }
 
-/* Against the films on long domains, whose effect goes with one over their length; on the grid of
- * twice the step, on which it is estimated. The minimum film's is a bound. */
+/* Compares with the limit of long domains, whose effect is inversely proportional to their length,
+ * on grids of twice the step, where it is estimated. That of the minimum film is a bound. */
 static void inlet_effect_of_a_point_contact(void **state) {
     (void)state;
     static const struct {
-        double moes_M, moes_L, central; // largest estimate over effect
-        double minimum[2];              // bounds of the same
+        double moes_M, moes_L, central; // largest ratio of estimate to effect
+        double minimum[2];              // bounds of the ratio for the minimum film
     } cases[] = {{10, 0, 1.35, {1, 10}}, {6, 0, 1.35, {1, 2.5}}, {15, 1, 1.35, {1, 10}}};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         const double lengths[] = {6, 24, 48}, M = cases[i].moes_M, L = cases[i].moes_L;
@@ -141,8 +142,8 @@ static void inlet_effect_of_a_point_contact(void **state) {
     }
 }
 
-/* With the far field around, of a domain from -length on, three quarters as wide to either
- * side. */
+/* Returns a point contact with far field on a domain from -length on, with sides at three quarters
+ * of the length. */
 static ehd_contact open_point_from(double moes_M, double moes_L, double length, double step,
                                    bool half) {
     ehd_contact contact = sample_point("barus", "incompressible", moes_M, moes_L, 24, half);
@@ -154,8 +155,8 @@ static ehd_contact open_point_from(double moes_M, double moes_L, double length, 
     return contact;
 }
 
-/* Against the film on a domain of twice the length, on the grid of twice the step; the estimate is from
- * four times the step. With zero around these effects are 30 to 100 times as large. */
+/* Compares with the film on a domain of twice the length, on grids of twice the step; the estimate
+ * uses four times the step. With zero pressure around, these effects are 30 to 100 times as large. */
 static void inlet_effect_of_an_open_point_contact(void **state) {
     (void)state;
     // M, L, length, step
@@ -191,8 +192,8 @@ static ehd_contact in_size(ehd_contact contact) {
     return contact;
 }
 
-/* Of the rolling resistance, against an inlet from -24 on and a domain of three times the length: at
- * least what it is off, and not four times that. */
+/* The estimate for the rolling resistance is between one and four times the effect. References: an
+ * inlet from -24 on, and a domain of three times the length. */
 static void inlet_effect_of_the_rolling(void **state) {
     (void)state;
     static const double lines[][2] = {{5, 10}, {10, 2.5}, {40, 10}}; // M, L
@@ -216,7 +217,7 @@ static void inlet_effect_of_the_rolling(void **state) {
     }
 }
 
-/* Against the extrapolation from two finer grids. */
+/* Compares with the extrapolation from two finer grids. */
 static void step_effect_is_what_a_fine_step_does(void **state) {
     (void)state;
     static const double cases[][2] = {{12, 12}, {40, 5}, {100, 2.5}, {20, 0}};
@@ -237,14 +238,15 @@ static void step_effect_is_what_a_fine_step_does(void **state) {
     }
 }
 
-/* The same of the minimum film, and of the accurate rows: what they do to the central film falls by
- * 70 at M = 100, L = 20, more than with the third power up to which the estimate counts; with the
- * first at M = 5, by where the zero before the inlet lies; with both, of unlike sign, at M = 20. */
+/* Estimates for the minimum film and the accurate discretisation. At M = 100, L = 20 the error of
+ * the central film falls by a factor of 70, faster than the third order that the estimate assumes
+ * at most. At M = 5 it falls with first order, because of the place of zero pressure before the
+ * inlet. At M = 20 both errors occur, with opposite signs. */
 static void step_effects_are_of_the_right_size(void **state) {
     (void)state;
     static const struct {
         ehd_discretization discretization;
-        double moes_M, moes_L, central, minimum; // largest estimate over effect
+        double moes_M, moes_L, central, minimum; // largest ratio of estimate to effect
     } cases[] = {
         {DISCRETIZATION_PUBLISHED, 40, 5, 1.5, 3}, {DISCRETIZATION_PUBLISHED, 100, 10, 1.5, 3},
         {DISCRETIZATION_ACCURATE, 5, 20, 2, 4},    {DISCRETIZATION_ACCURATE, 20, 5, 2, 30},
@@ -266,7 +268,7 @@ static void step_effects_are_of_the_right_size(void **state) {
     }
 }
 
-/* The rows of points are of second order, and the far field moves outwards with the step. */
+/* The rows of points have second order, and the far field begins farther out with a larger step. */
 static void step_effect_of_a_point_contact(void **state) {
     (void)state;
     static const double cases[][2] = {{3, 0}, {10, 5}, {20, 0}}; // M, L
@@ -282,7 +284,7 @@ static void step_effect_of_a_point_contact(void **state) {
     }
 }
 
-/* Films F (1 + c h^p) on steps h, 2h, 4h. */
+/* Makes films F (1 + c h^p) on steps h, 2h, 4h. */
 static void make_films(double films[3], double limit, double error, double order) {
     for (int g = 0; g < 3; g++)
         films[g] = limit * (1 + error * exp2(g * order));
@@ -296,7 +298,7 @@ static void orders_of_manufactured_films(void **state) {
         for (double error = -0.01; error <= 0.01; error += 0.02) {
             make_films(films, 0.3, error, order);
             check_close(full_observed_order(films), order, 1e-10, 0);
-            // exact within the bounds; beyond them what second order makes of the coarsest change
+            // exact for orders from 1 to the assumed one; else the largest change, with second order
             const double change = fabs(films[0] - films[1]) / films[0];
             const double exact = fabs(0.3 / films[0] - 1);
             const double found = full_step_effect(films, 2, 1);
@@ -320,20 +322,20 @@ static void films_without_an_order(void **state) {
     assert_true(isnan(full_observed_order(no_third)));
     check_close(full_step_effect(to_and_fro, 2, 0.04), 0.03, 1e-12, 0);
     check_close(full_step_effect(no_third, 2, 0.04), 0.03, 1e-12, 0);
-    // large changes allow no estimate
+    // too large changes allow no estimate
     assert_true(isinf(full_step_effect(to_and_fro, 2, 0.02)));
     assert_true(isinf(full_step_effect(no_third, 2, 0.02)));
     assert_true(isinf(full_step_effect(alone, 2, 1)));
-    // the finest two agree though the third is far off: second order leaves 0.12 / 4 / 3
+    // the finest two agree although the third is far off: by second order the error is 0.12 / 4 / 3
     check_close(full_step_effect(by_chance, 2, 0.02), 0.01, 1e-6, 0);
     check_close(full_step_effect(by_chance, 3, 0.02), 0.12 / 8 / 7, 1e-6, 0);
-    // half way, of the finer change or of what second order leaves of the coarser one
+    // half of the larger one: the finer change, or the coarser one reduced by second order
     check_close(full_step_effect(across, 2, 0.001), 0.005, 1e-12, 0);
     check_close(full_step_effect((const double[]){1, 1.01, 0.77}, 2, 0.001), 0.03, 1e-12, 0);
 }
 
-/* With the published rows: the accurate ones alternate before a spike that the grid does not resolve,
- * so that it is one node wide on both grids. */
+/* Uses the published discretisation. In the accurate one, pressures alternate before a spike that
+ * the grid does not resolve, so the spike is one node wide on both grids. */
 static void nodes_grow_with_the_grid(void **state) {
     (void)state;
     const ehd_contact coarse =
@@ -350,7 +352,7 @@ static void nodes_grow_with_the_grid(void **state) {
     assert_int_equal(estimate(&smooth).spike_nodes, 0);
 }
 
-/* A grid that just resolves the film: twice its step does not. */
+/* On a grid that just resolves the film, twice the step does not resolve it. */
 static void too_coarse_to_tell(void **state) {
     (void)state;
     ehd_contact contact = sample_contact("barus", "incompressible", 1000, 0, 0.01);
@@ -359,14 +361,14 @@ static void too_coarse_to_tell(void **state) {
     assert_true(isinf(resolution.effects.of[EFFECT_STEP_MINIMUM]));
     assert_true(isnan(resolution.order));
     assert_true(isfinite(resolution.effects.of[EFFECT_INLET]));
-    // twice the step has another solution: the central film is 6 %, the minimum film 36 % off
+    // twice the step gives a different solution: the central film is 6 %, the minimum film 36 % off
     contact = sample_contact("barus", "incompressible", 1000, 10, 0.02);
     resolution = estimate(&contact);
     assert_true(isinf(resolution.effects.of[EFFECT_STEP]));
     assert_true(isinf(resolution.effects.of[EFFECT_STEP_MINIMUM]));
 }
 
-/* An even number of nodes, and one for which no coarser node lies at X = 0. */
+/* Tries an even number of nodes, and one for which no node of the coarser grid lies at X = 0. */
 static void any_number_of_nodes(void **state) {
     (void)state;
     ehd_contact contact = sample_contact("barus", "incompressible", 12, 8, 0.01);
@@ -405,8 +407,8 @@ static void estimate_without_memory(void **state) {
     }
 }
 
-/* Coarser grids of a point contact may reach farther to the sides than the grid does; of half of it
- * they do as of all. */
+/* Coarser grids of a point contact may extend farther to the sides than the grid. Half and whole
+ * contacts must agree. */
 static void half_and_whole_say_the_same(void **state) {
     (void)state;
     for (size_t cells = 48; cells <= 54; cells += 2) {

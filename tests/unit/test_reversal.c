@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The full model with an entrainment that slows down, rests and reverses. */
+/* The full model with an entrainment that slows down, stops and reverses. */
 #include "tests/unit/marched.h"
 
 #include <math.h>
@@ -9,7 +9,8 @@
 static marched first, second, third;
 static ehd_error error;
 
-/* M = 20, L = 6, or M = 20, L = 5 of a point, on a grid that is flooded on both sides. */
+/* Returns a line with M = 20, L = 6, or a point with M = 20, L = 5, on a grid flooded on both
+ * sides. */
 static scene scene_of(bool point, const char *transient) {
     scene of = point ? marched_point(transient)
                      : marched_scene(20, 6, "dowson-higginson", 0.05, transient);
@@ -29,8 +30,8 @@ static void check_same_values(const double *a, const double *b, size_t count, do
         check_close(a[i], b[i], tolerance, 0);
 }
 
-/* Largest difference of the last film of a march from the mirror image of another's, relative to
- * the central film, for |X| up to 1.2. */
+/* Returns the largest difference of the last film of a march from the mirror image of another,
+ * relative to the central film, for |X| up to 1.2. */
 static double off_mirror(const marched *self, const marched *other) {
     const ehd_grid *grid = &self->reference.grid;
     const size_t width = grid_width(grid);
@@ -45,14 +46,14 @@ static double off_mirror(const marched *self, const marched *other) {
     return largest / last_of(self, self->film);
 }
 
-/* A speed below zero is the mirror image of one above, on a grid that need not be symmetric, from
- * the start on. */
+/* A negative speed gives the mirror image of a positive one, from the start on. The grid need not
+ * be symmetric. */
 static void negative_speeds_are_mirror_images(void **state) {
     static const char *const transients[] = {
         "end_time: 1, fixed_step: 0.02, load: {law: sine, amplitude: 0.2, period: 0.5}, "
         "start_speed: 1",
         "end_time: 1, fixed_step: 0.05, approach: {law: sine, amplitude: 0.05, period: 1}",
-        // longer, and rounding becomes another choice of steps
+        // longer runs would choose other steps because of round-off
         "end_time: 0.15, tolerance: 1e-4, load: {law: sine, amplitude: 0.2, period: 0.5}"};
     (void)state;
     for (int i = 0; i < 4; i++) {
@@ -84,13 +85,13 @@ static void negative_speeds_are_mirror_images(void **state) {
     }
 }
 
-/* By 2.5 half widths, more than the way through the contact: what does not leave it is not
- * forgotten. */
+/* The fluid moves by 2.5 half widths, more than the length of the contact. Otherwise the film of
+ * the start would remain in it. */
 static const char to_and_fro[] = "fixed_step: 0.04, "
                                  "speed: {law: sine, mean: 0, amplitude: 1, period: 8, "
                                  "phase: 1.5707963267948966}";
 
-/* The exits lie on the side that the entrainment leads to. */
+/* Checks that exits lie on the side to which the entrainment leads. */
 static void check_exits(const marched *self) {
     for (size_t k = 1; k < self->count; k++) {
         const double speed = cos(2 * M_PI * self->time[k] / 8);
@@ -99,7 +100,7 @@ static void check_exits(const marched *self) {
     }
 }
 
-/* Half a period later everything is the mirror image, once the start is forgotten. */
+/* Half a period later all fields are the mirror image, when the start has no more effect. */
 static void half_a_period_later_is_the_mirror_image(void **state) {
     char transient[256];
     (void)state;
@@ -110,7 +111,7 @@ static void half_a_period_later_is_the_mirror_image(void **state) {
             if (point) of.transient.fixed_step = 0.0625;
             marched_all(half ? &second : &first, &of);
         }
-        const size_t period = second.count - first.count; // half of one
+        const size_t period = second.count - first.count; // number of steps in half a period
         for (size_t k = first.count - period; k < first.count; k++) {
             check_close(second.film[k + period], first.film[k], 1e-3, 0);
             check_close(second.least_film[k + period], first.least_film[k], 3e-3, 0);
@@ -122,8 +123,8 @@ static void half_a_period_later_is_the_mirror_image(void **state) {
     }
 }
 
-/* Each interval with pressure ends at an exit, on the side that the entrainment leads to; what is
- * noise does not. */
+/* Each interval with pressure ends at an exit, on the side to which the entrainment leads. Noise
+ * has no exit. */
 static void every_interval_has_an_exit(void **state) {
     (void)state;
     const ehd_grid grid = grid_of(-2, 0.25, 17, 1, false, DISCRETIZATION_ACCURATE);
@@ -149,13 +150,13 @@ static void every_interval_has_an_exit(void **state) {
         of.ruptured[k] = k % 2 == 0;
         of.pressure[k] = (double)(k % 2);
     }
-    full_list_exits(exits, &of, &grid, false); // the farthest downstream
+    full_list_exits(exits, &of, &grid, false); // the exits farthest downstream
     for (size_t i = 0; i < GRID_EXITS; i++)
         check_close(exits[i], grid_x(&grid, 18 - 2 * i), 0, 0);
     full_state_free(&of);
 }
 
-/* Half of a point contact stands for all of it. */
+/* Half of a point contact gives the same results as the whole. */
 static void half_is_whole(void **state) {
     (void)state;
     scene of = scene_of(true, "end_time: 3, fixed_step: 0.1, speed: {law: sine, mean: 0, "
@@ -182,8 +183,8 @@ static void half_is_whole(void **state) {
     marched_end(&second);
 }
 
-/* From rest: the start is the stationary film of another speed, of either direction, or a dry
- * contact. A period later it does not matter which. */
+/* A start at rest is the stationary film of another speed, in either direction, or a dry contact.
+ * After a period all of them give the same film. */
 static void starts_from_rest(void **state) {
     static const char rest[] = "end_time: 12, fixed_step: 0.04, "
                                "speed: {law: sine, mean: 0, amplitude: 1, period: 8}";
@@ -213,7 +214,8 @@ static void starts_from_rest(void **state) {
     marched_end(&first);
 }
 
-/* Through a reversal and back, error control: repeated attempts and a restored march have the same bits. */
+/* Error control through a reversal and back: repeated attempts and a restored march have the same
+ * bits. */
 static void repeated_and_restored_steps_have_the_same_bits(void **state) {
     (void)state;
     const scene of = scene_of(false, "end_time: 3.4, tolerance: 1e-3, speed: {law: sine, mean: 0, "
@@ -245,7 +247,7 @@ static void repeated_and_restored_steps_have_the_same_bits(void **state) {
     marched_end(&first);
 }
 
-/* An outlet that is too short is told on either side. */
+/* A short outlet is reported on either side. */
 static void a_short_outlet_is_not_to_be_trusted(void **state) {
     (void)state;
     for (int backwards = 0; backwards < 2; backwards++) {
@@ -255,7 +257,7 @@ static void a_short_outlet_is_not_to_be_trusted(void **state) {
         of.grid.x_max = backwards ? 2.5 : 1.15;
         of.transient.start_speed = backwards ? -1 : 1;
         marched_begin(&first, &of);
-        // squeezed by half the load more
+        // squeezed by an additional half of the load
         const contact_frame frame =
             frame_at(&contact_line, 0.05, (double[]){1.5, of.transient.start_speed, 1, 1}, NAN);
         const march_solver *solver = &first.march.solver;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Rows of the Reynolds equation and their derivatives. Those across a point contact's lines are in
- * test_full_point.c. */
+/* Rows of the Reynolds equation and their derivatives. Flow across the lines of point contacts is
+ * tested in test_full_point.c. */
 #include "common/physics/eyring_flow.h"
 #include "common/physics/reynolds.h"
 #include "common/physics/traction.h"
@@ -14,7 +14,7 @@
 static const char *const densities[] = {"incompressible", "dowson-higginson"};
 enum { NUM_DENSITIES = 2 };
 
-enum { NUM_NODES = 14 }; // of a small grid, boundary nodes included
+enum { NUM_NODES = 14 }; // number for a small grid, with boundary nodes
 
 /* A small grid with all its stencils and fluid. */
 typedef struct small_problem {
@@ -38,7 +38,7 @@ static void small_rows(reynolds_row *rows, small_problem *small, double entrainm
                   &fluid, small->pressure, small->film);
 }
 
-/* Derivative of the residuals with respect to `*value`, a pressure or film of `small`. */
+/* Computes the derivative of the residuals by `*value`, a pressure or film of `small`. */
 static void difference(double *derivative, small_problem *small, double *value) {
     reynolds_row up[NUM_NODES - 2], down[NUM_NODES - 2];
     double kept = *value, h = 1e-5 * kept;
@@ -52,8 +52,7 @@ static void difference(double *derivative, small_problem *small, double *value) 
         derivative[r] = (up[r].residual - down[r].residual) / (2 * h);
 }
 
-/* The analytic derivative with respect to the value at `node`; zero where it is not in the
- * stencil. */
+/* Returns the analytic derivative by the value at `node`; zero if it is not in the stencil. */
 static double by_node(const double *by, const reynolds_stencil *stencil, size_t node) {
     for (int a = 0; a < NUM_STENCIL; a++)
         if (stencil->node[a] == node) return by[a];
@@ -90,8 +89,8 @@ static void check_row_derivatives(const ehd_contact *contact) {
     }
 }
 
-/* The same contact with a flow that the sliding thins: of an Eyring stress by which the rate in the
- * middle is `rate` times as large as where thinning begins. */
+/* Returns the contact with a flow that the sliding thins. Its Eyring stress makes the rate of shear
+ * in the middle `rate` times that at which thinning begins. */
 static ehd_contact thinned(ehd_contact contact, double rate) {
     contact.grid.discretization = DISCRETIZATION_ACCURATE;
     contact.half_width = 1e-4;
@@ -110,7 +109,7 @@ static void row_derivatives(void **state) {
             ehd_contact contact = sample_contact(sample_lubricants[l], densities[d / 2], 5, 6, 0.1);
             if (d % 2) contact.grid.discretization = DISCRETIZATION_ACCURATE;
             check_row_derivatives(&contact);
-            // and with gradients Sigma of up to 0.3, 6 and 60
+            // with gradients Sigma of up to 0.3, 6 and 60
             const double largest[] = {0.3, 6, 60};
             for (int i = 0; i < 3; i++) {
                 contact = thinned(contact, 3);
@@ -122,7 +121,8 @@ static void row_derivatives(void **state) {
         }
 }
 
-/* As the stress of the law grows the rows become those of the Newtonian flow, with its square. */
+/* As the Eyring stress grows, the rows approach those of the Newtonian flow, with the square of the
+ * stress. */
 static void thinned_rows_have_the_newtonian_limit(void **state) {
     (void)state;
     const ehd_contact contact = sample_contact("roelands", densities[1], 5, 6, 0.1);
@@ -149,8 +149,8 @@ static void thinned_rows_have_the_newtonian_limit(void **state) {
     check_close(off[1], off[0] / 100, 0.02, 0);
 }
 
-/* Where the pressure is one, or nearly, links have the Newtonian mobility times the thinning at the stress
- * there. */
+/* With equal pressures, or nearly, a link has the Newtonian mobility times the thinning at the
+ * stress there. */
 static void thinned_links_are_of_the_stress_there(void **state) {
     (void)state;
     for (int d = 0; d < NUM_DENSITIES; d++) {
@@ -181,8 +181,8 @@ static void thinned_links_are_of_the_stress_there(void **state) {
     }
 }
 
-/* Neighbouring rows share the flux of the half node between them; with entrainment from the front
- * as from behind, in any order and alone. */
+/* Neighbouring rows share the flux of the half node between them. Any order of rows, and single
+ * rows, give the same result, with entrainment in both directions. */
 static void rows_do_not_depend_on_those_beside(void **state) {
     const size_t shuffled[] = {4, 3, 5, 6, 0, 1, 11, 10, 8, 9, 2, 7};
     ehd_contact contact = sample_contact("no1", densities[1], 5, 6, 0.1);
@@ -216,7 +216,7 @@ static void rows_do_not_depend_on_those_beside(void **state) {
     }
 }
 
-/* Near the limits of floating point: nodes whose mobility is zero let nothing through. */
+/* Near the limits of floating point a node with zero mobility has no flow. */
 static void rows_are_finite_at_any_viscosity(void **state) {
     (void)state;
     ehd_contact contact = sample_contact("barus", "dowson-higginson", 1000, 20, 0.1);
@@ -238,9 +238,10 @@ static void rows_are_finite_at_any_viscosity(void **state) {
     }
 }
 
-/* Largest residual, on 16 refine intervals, of a film H = 1/(1.5 + X/2) whose flux is 0.4
- * everywhere: with a Barus law the reduced pressure (1 - exp(-a P))/(a lambda) has the derivative
- * (H - 0.4)/H^3, a polynomial. Inner rows only: near the inlet rows are of lower order. */
+/* Returns the largest residual, on 16 refine intervals, of a film H = 1/(1.5 + X/2) with the flux
+ * 0.4 everywhere. With a Barus law the reduced pressure (1 - exp(-a P))/(a lambda) then has the
+ * derivative (H - 0.4)/H^3, a polynomial. Only inner rows are compared, because rows near the inlet
+ * have lower order. */
 static double residual_of_constant_flux(ehd_discretization discretization, size_t refine) {
     ehd_contact contact = sample_contact("barus", "incompressible", 2, 6, 0.1);
     const size_t count = 16 * refine, num_nodes = count + 3;
@@ -278,11 +279,11 @@ static void order_of_a_constant_flux(void **state) {
         double accurate = residual_of_constant_flux(DISCRETIZATION_ACCURATE, refine) /
                           residual_of_constant_flux(DISCRETIZATION_ACCURATE, 2 * refine);
         assert_true(published > 3.2 && published < 4.5); // second order
-        assert_true(accurate > 12 && accurate < 20);     // fourth
+        assert_true(accurate > 12 && accurate < 20);     // fourth order
     }
 }
 
-/* int mobility dP from one pressure to another, by `count` equal links. */
+/* Returns int mobility dP between two pressures, by `count` equal links. */
 static double reduced_change(const ehd_contact *contact, double before, double after,
                              size_t count) {
     const reynolds_stencil stencil = {.node = {[NODE_HERE] = 0, [NODE_AHEAD] = 1}};
@@ -299,8 +300,8 @@ static double reduced_change(const ehd_contact *contact, double before, double a
     return sum;
 }
 
-/* Links are exact where viscosity is exponential in the pressure, else of fourth order in the
- * difference. A compressible one is of second, the density changing little. */
+/* Links are exact if the viscosity is exponential in the pressure, else they have fourth order in
+ * the difference. With compressibility they have second order, with a small factor. */
 static void order_of_the_reduced_pressure(void **state) {
     (void)state;
     for (size_t l = 0; l < NUM_SAMPLE_LUBRICANTS; l++) {
@@ -316,7 +317,7 @@ static void order_of_the_reduced_pressure(void **state) {
     }
 }
 
-/* Whatever the pressures of an iterate: the flow is never against them. */
+/* For any pressures, the flow has the direction of the pressure drop. */
 static void flow_follows_the_pressures(void **state) {
     (void)state;
     for (size_t l = 0; l < NUM_SAMPLE_LUBRICANTS; l++) {
@@ -341,7 +342,7 @@ static void first_row_has_no_second_node_back(void **state) {
     assert_int_equal(second.node[NODE_BACK2], 0);
 }
 
-/* Isoviscous, so that both terms can be written down exactly, discretisation included. */
+/* In an isoviscous contact both terms can be computed exactly, including the discretisation. */
 static void manufactured_rows(void **state) {
     (void)state;
     ehd_contact contact = sample_published(sample_contact("barus", "dowson-higginson", 10, 0, 0.1));
@@ -359,7 +360,7 @@ static void manufactured_rows(void **state) {
     for (size_t r = 0; r < NUM_NODES - 2; r++)
         check_close(rows[r].residual, 0, 0, 1e-11 / lambda);
 
-    // film linear: H^3 of the half nodes' means gives 3 H^2 H' + H'^3 h^2
+    // linear film: H^3 from the means at half nodes gives 3 H^2 H' + H'^3 h^2
     for (size_t k = 0; k < NUM_NODES; k++)
         small.film[k] = 0.6 + film_slope * grid_x(&small.contact.grid, k);
     small_rows(rows, &small, 0.5);
@@ -369,7 +370,7 @@ static void manufactured_rows(void **state) {
         check_close(rows[r].residual, flow / lambda - 0.5 * film_slope, 1e-11, 1e-10);
     }
 
-    // film constant, pressure quadratic
+    // constant film, quadratic pressure
     for (size_t k = 0; k < NUM_NODES; k++) {
         small.film[k] = 0.6;
         small.pressure[k] = 2 + curvature * pow(grid_x(&small.contact.grid, k), 2);
@@ -381,7 +382,7 @@ static void manufactured_rows(void **state) {
 
 // ---- squeeze
 
-/* Rows of a small grid at some pressure and film, with a squeeze term. */
+/* Evaluates rows of a small grid with a squeeze term. */
 static void squeezed_rows(reynolds_row *rows, const ehd_contact *contact,
                           const reynolds_squeeze *squeeze, const double *pressure,
                           const double *film) {
@@ -396,7 +397,7 @@ static void squeezed_rows(reynolds_row *rows, const ehd_contact *contact,
     reynolds_rows(rows, &grid, 0.8, squeeze, stencils, NUM_NODES - 2, &fluid, pressure, film);
 }
 
-/* rate rho H + previous, at the row's own node only. */
+/* Checks the term rate rho H + previous, which affects only the row's own node. */
 static void check_squeeze_derivatives(const ehd_contact *contact) {
     double pressure[NUM_NODES], film[NUM_NODES], previous[NUM_NODES - 2];
     reynolds_row rows[NUM_NODES - 2], steady[NUM_NODES - 2], up[NUM_NODES - 2], down[NUM_NODES - 2];
@@ -429,7 +430,7 @@ static void check_squeeze_derivatives(const ehd_contact *contact) {
             double slope = (up[k - 1].residual - down[k - 1].residual) / (2 * h);
             check_close(of_film ? row->by_film[NODE_HERE] : row->by_pressure[NODE_HERE], slope,
                         1e-6, 1e-7);
-            // the neighbours' rows know nothing of it
+            // rows of the neighbours do not contain it
             for (int a = 0; a < NUM_STENCIL; a++)
                 if (a != NODE_HERE) {
                     check_close(row->by_film[a], steady[k - 1].by_film[a], 0, 0);

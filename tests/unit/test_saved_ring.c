@@ -5,7 +5,7 @@
 #include <math.h>
 #include <string.h>
 
-/* A solver whose states are two numbers, and which refuses a negative one. */
+/* A solver whose states are two numbers, and which refuses negative ones. */
 typedef struct counter {
     bdf_ring ring;
     contact_frame frames[BDF_STATES];
@@ -47,7 +47,7 @@ static void take_step(counter *self, double time, double least) {
     bdf_ring_accept(&self->ring, time, least);
 }
 
-/* After `count` steps: the state of time T is {T, -T}. */
+/* Returns a solver after `count` steps; the state of time T is {T, -T}. */
 static counter after_steps(int count) {
     counter self = {.ring = bdf_ring_empty()};
 
@@ -89,13 +89,13 @@ static void a_passing_state_comes_back(void **state) {
     const double times[] = {5.25, 5, 4};
     for (size_t i = 0; i < 3; i++)
         check_close(after.states[bdf_ring_accepted(&after.ring, i + 1)][0], times[i], 0, 0);
-    // where none may be
+    // a ring without room for a passing state refuses it
     saved_states without = states;
     without.num_states = BDF_PREVIOUS;
     assert_int_equal(ring_restore(&after.ring, &after, saved, &without, &error), EHD_DATA);
     for (int i = 0; i < 2; i++) {
         saved[1] = i == 0 ? 0.5 : 1;
-        if (i == 1) saved[0] = 2; // no passing state behind two others
+        if (i == 1) saved[0] = 2; // a passing state needs more than two others
         assert_int_equal(ring_restore(&after.ring, &after, saved, &states, &error), EHD_DATA);
         assert_int_equal(after.ring.num_previous, 0);
     }
@@ -124,7 +124,7 @@ static void a_state_that_is_refused_leaves_none(void **state) {
     (void)state;
 
     ring_save(saved, &before.ring, &states, &before);
-    saved[2 + NUM_FRAME + 2 + NUM_FRAME] = -1; // of the second one
+    saved[2 + NUM_FRAME + 2 + NUM_FRAME] = -1; // in the second state
     assert_int_equal(ring_restore(&after.ring, &after, saved, &states, &error), EHD_DATA);
     assert_int_equal(after.ring.num_previous, 0);
 }

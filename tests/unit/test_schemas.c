@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The pages in schemas/ show the tables that the code works with, and the tables make sense.
- * UPDATE_SCHEMAS=1 in the environment writes the tables into the pages first; that of scene.md is
- * written by test_settings. */
+/* Checks that the pages in schemas/ show the tables of the code, and that the tables are
+ * consistent. With UPDATE_SCHEMAS=1 in the environment the tables are written into the pages first;
+ * test_settings does that for scene.md. */
 #include "common/artefact/artefact.h"
 #include "tests/unit/check.h"
 
@@ -12,7 +12,7 @@
 static const char begin_mark[] = "<!-- table -->\n";
 static const char end_mark[] = "<!-- end -->\n";
 
-/* "ehdrom-result" has the page "schemas/result.md". */
+/* Returns the page of a schema: "schemas/result.md" for "ehdrom-result". */
 static void page_path(char path[128], const artefact_schema *schema) {
     snprintf(path, 128, "schemas/%s.md", schema->name + strlen("ehdrom-"));
 }
@@ -38,7 +38,7 @@ static char *table_of(const artefact_schema *schema) {
     return text;
 }
 
-/* Splits the page in place: what stands before, between and after the marks. */
+/* Splits the page in place into the text before, between and after the marks. */
 static void split_page(char *page, char **table, char **rest, const char *path) {
     char *begin = strstr(page, begin_mark);
     char *end = begin ? strstr(begin, end_mark) : NULL;
@@ -120,7 +120,7 @@ static void check_axes(const artefact_schema *schema, const artefact_field *fiel
     if (field->type == ARTEFACT_TEXT) fail_msg("%s: %s: text", schema->name, field->name);
 }
 
-/* A scale names attributes with SI units of the same table, and a frame along one axis. */
+/* Checks a scale: it has attributes with SI units of the same table, and a frame along one axis. */
 static void check_scale(const artefact_schema *schema, const char *name, const char *units,
                         const artefact_scale *scale) {
     if (!scale) return;

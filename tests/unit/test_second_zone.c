@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A gap that closes behind the exit, where a second zone of pressure builds up. */
+/* A gap that closes behind the exit, in which a second zone of pressure builds up. */
 #include "tests/unit/marched.h"
 
 #include <math.h>
@@ -8,7 +8,7 @@
 static marched first, second;
 static ehd_error error;
 
-/* A line whose radius grows by a ramp from 1 on. */
+/* Returns a line whose radius grows from 1 by a ramp. */
 static scene growing(double moes_M, double step, double x_min, double x_max, const char *speed,
                      double radius, double duration, const char *steps) {
     char transient[512];
@@ -23,9 +23,9 @@ static scene growing(double moes_M, double step, double x_min, double x_max, con
     return of;
 }
 
-// ---- the zone against a quadrature of its own
+// ---- the zone against a separate quadrature
 
-/* A gap that closes: X^2/2, or that beside a dry contact, over which films lie. */
+/* A gap that closes: X^2/2, or the gap beside a dry contact, plus a film. */
 typedef struct closing {
     double lambda, growth, speed, film;
     bool dry_contact;
@@ -59,7 +59,8 @@ static void integrate(double *pressure, const closing *of, double begin, double 
 
 /* Finds the zone in which P is zero at the end too, and its pressure. Returns where the zone begins. */
 static double find_zone(double *pressure, const closing *of, double end, size_t num) {
-    double low = 1.01, high = 2 * of->speed / of->growth; // negative behind, positive before
+    // the last pressure is positive from low, negative from high
+    double low = 1.01, high = 2 * of->speed / of->growth;
 
     for (int i = 0; i < 60; i++) {
         const double begin = (low + high) / 2;
@@ -83,8 +84,8 @@ static double sum_of(const double *pressure, double begin, double end, size_t nu
 enum { PLACES = 200000 };
 static double pressures[PLACES + 1];
 
-/* Pressure and place of the second zone, and what flows out of its end: that is what the gap squeezes
- * out. */
+/* Pressure and place of the second zone agree with the quadrature. The flow out of its end is what
+ * the gap squeezes out. */
 static void the_zone_is_that_of_a_closing_gap(void **state) {
     (void)state;
     const double duration = 0.5, growth = 0.4;
@@ -108,7 +109,7 @@ static void the_zone_is_that_of_a_closing_gap(void **state) {
 
     while (full_has_pressure(last, zone))
         zone--;
-    assert_true(grid_x(grid, zone) > 1.5); // apart from the contact's own
+    assert_true(grid_x(grid, zone) > 1.5); // separate from the zone of the contact
     check_close(grid_x(grid, zone), begin, 0, 0.1);
     for (size_t k = zone; k < grid->num_nodes; k++) {
         const double place = (grid_x(grid, k) - begin) / (end - begin) * PLACES;
@@ -118,7 +119,7 @@ static void the_zone_is_that_of_a_closing_gap(void **state) {
     }
     assert_true(worst < 0.03 * most && most > 1e-5);
 
-    // flow out of the end, by the last node's pressure
+    // flow out of the end, from the pressure of the last node
     const size_t k = grid->num_nodes - 2;
     double slope, squeezed = 0;
     for (double x = begin + 5e-4; x < end; x += 1e-3) {
@@ -132,8 +133,8 @@ static void the_zone_is_that_of_a_closing_gap(void **state) {
 
 // ---- marches
 
-/* From a slow forward motion to a backward one, while the radius grows: there is no end of a zone in
- * time. */
+/* The speed changes from slow forward to backward motion while the radius grows, so the zone never
+ * ends in time. */
 static void a_growing_radius_does_not_stop_the_march(void **state) {
     (void)state;
     for (int i = 0; i < 3; i++) {
@@ -147,7 +148,8 @@ static void a_growing_radius_does_not_stop_the_march(void **state) {
     }
 }
 
-/* The zone begins as early on a fine grid as on a coarse one, whose single nodes it violates more. */
+/* The zone begins at the same time on a fine and on a coarse grid. On the coarse grid it violates
+ * single nodes more. */
 static void the_zone_does_not_depend_on_the_grid(void **state) {
     double load[2] = {0};
     (void)state;
@@ -193,7 +195,7 @@ static void loads_are_those_of_a_parabola(void **state) {
         const double lacks = load - sum_of(pressures, start, ends[i], PLACES);
         assert_true(told.beyond * whole > 0.95 * lacks && told.beyond * whole < 2 * lacks);
     }
-    // a gap that opens, and one that fluid passes too fast to be squeezed
+    // an opening gap, and one that fluid passes too fast to be squeezed
     assert_true(isinf(frame_closing_gap(&opens, &before, &first.reference, 4).begin));
     assert_true(frame_closing_gap(&now, &before, &first.reference, begins / 2).beyond == 0);
     marched_end(&first);
@@ -214,7 +216,7 @@ static void a_zone_that_the_domain_cuts_off_is_not_to_be_trusted(void **state) {
             const contact_frame frame =
                 frame_at(&contact_line, 0.05 * k, (double[]){1, speed, 1 + 0.1 * 0.05 * k, 1}, NAN);
             assert_int_equal(solver->attempt(&step, solver->self, &frame, 0.05, &error), EHD_OK);
-            // of one step that is a jump's nothing is told
+            // a single step after a jump reports nothing
             assert_int_equal(step.status, k > 1 && !jumps ? EHD_UNTRUSTED : EHD_OK);
             if (step.status)
                 assert_non_null(strstr(step.reason, backwards ? "(grid.x_min)" : "(grid.x_max)"));

@@ -14,7 +14,7 @@ static double next_random(uint64_t *seed) {
     return 2 * random_next(seed) - 1;
 }
 
-/* [num_modes, num_nodes], random and orthonormal. */
+/* Returns random orthonormal modes [num_modes, num_nodes]. */
 static double *random_basis(size_t num_modes, size_t num_nodes, uint64_t seed) {
     const int modes = (int)num_modes, nodes = (int)num_nodes;
     double *basis = malloc(num_modes * num_nodes * sizeof *basis);
@@ -48,19 +48,19 @@ static void joint_hand_worked_example(void **state) {
     const double jacobian_modes[] = {0, 0.6, 0.8, 0, -0.8, 0.6};
     const selection_bases bases = {
         .num_nodes = 3, .num_modes = {2, 2}, .modes = {residual_modes, jacobian_modes}};
-    // first: sums of squares 0.36, 1, 0.64. Second: a_f = 3/4, a_J = -4/3, hence the residuals
-    // (-5/4, 0, 0) and (0, 0, 5/3), so that the Jacobian basis decides
+    // first row: sums of squares 0.36, 1, 0.64; second row: a_f = 3/4, a_J = -4/3, so the residuals are (-5/4, 0, 0)
+    // and (0, 0, 5/3), and the Jacobian basis decides
     size_t rows[2];
     assert_int_equal(selection_joint(rows, &bases, 2, NULL), EHD_OK);
     check_rows(rows, (size_t[]){1, 2}, 2);
-    // with the residual basis twice, the other row follows
+    // with the residual basis twice, the other row is next
     const selection_bases twice = {
         .num_nodes = 3, .num_modes = {2, 2}, .modes = {residual_modes, residual_modes}};
     assert_int_equal(selection_joint(rows, &twice, 2, NULL), EHD_OK);
     check_rows(rows, (size_t[]){1, 0}, 2);
 }
 
-/* phi of Fig. A1 from scratch: least squares on the selected rows by dgelsd. */
+/* Computes phi of Fig. A1 directly: least squares on the selected rows by dgelsd. */
 static void naive_residual(double *residual, const double *modes, size_t num_nodes, size_t size,
                            const size_t *rows) {
     const double *next = modes + size * num_nodes;
@@ -125,7 +125,7 @@ static void joint_equals_solving_from_scratch(void **state) {
     }
 }
 
-/* Pivoting by Gram-Schmidt: the column that is longest after the earlier ones are projected out. */
+/* Pivots by Gram-Schmidt: the next row is the longest column after projecting out the earlier ones. */
 static void naive_pivoted_qr(size_t *rows, const selection_bases *bases, size_t num_rows) {
     const size_t num_nodes = bases->num_nodes, num_first = bases->num_modes[0];
     const size_t num_modes = num_first + bases->num_modes[1];
@@ -173,9 +173,9 @@ static void pivoted_qr_takes_the_longest_remaining_row(void **state) {
     free(jacobian_modes);
 }
 
-/* log of S of a basis sampled at the rows (s_opt.c), its determinant by singular values; with
- * fewer rows than modes by those that are not zero, as where a vanishing ridge is taken away
- * again. */
+/* Returns log S of a basis sampled at the rows (s_opt.c), with the determinant from singular
+ * values. With fewer rows than modes only the nonzero ones count, which is the limit of a small
+ * ridge divided out. */
 static double naive_log_s(const double *modes, size_t num_modes, size_t num_nodes,
                           const size_t *rows, size_t num_rows) {
     double *sampled = malloc(num_rows * num_modes * sizeof *sampled);
@@ -197,7 +197,7 @@ static double naive_log_s(const double *modes, size_t num_modes, size_t num_node
     return sum / (double)num_modes;
 }
 
-/* The row that makes S of both bases largest, every determinant from scratch. */
+/* Returns the row that maximises S of both bases, with all determinants computed anew. */
 static size_t naive_s_opt_row(const selection_bases *bases, size_t *rows, size_t num_rows) {
     size_t best = bases->num_nodes;
     double largest = -INFINITY;
@@ -230,7 +230,7 @@ static void s_opt_takes_the_row_of_the_largest_determinant(void **state) {
         size_t rows[NUM_ROWS], expected[NUM_ROWS];
         assert_int_equal(selection_s_opt(rows, &bases, NUM_ROWS, NULL), EHD_OK);
         check_distinct(rows, NUM_ROWS, NUM_NODES);
-        // before there are as many rows as modes the ridge must be small, and above rounding
+        // with fewer rows than modes the ridge must be small, but above round-off
         for (size_t n = (NUM_MODES + 1) / 2; n < NUM_ROWS; n++) {
             memcpy(expected, rows, n * sizeof *rows);
             assert_int_equal(rows[n], naive_s_opt_row(&bases, expected, n));
@@ -297,8 +297,7 @@ static void all_nodes_can_be_selected(void **state) {
     free(jacobian_modes);
 }
 
-/* Two bases that never act on the same node: a row taken for one is a row of zeros for the
- * other. */
+/* Two bases that never act on the same node: a row selected for one is zero in the other. */
 static void survives_singular_systems(void **state) {
     (void)state;
     enum { NUM_NODES = 40, HALF = NUM_NODES / 2, NUM_ROWS = 16 };
@@ -314,13 +313,13 @@ static void survives_singular_systems(void **state) {
     for (const selection_method *method = selection_methods; method->name; method++) {
         size_t rows[NUM_ROWS];
         assert_int_equal(method->select(rows, &bases, NUM_ROWS, NULL), EHD_OK);
-        // NaN compares as not larger, which would give row 0 again and again
+        // comparisons with NaN are false, so row 0 would be selected repeatedly
         check_distinct(rows, NUM_ROWS, NUM_NODES);
     }
     free(small);
 }
 
-/* Unit vectors: what one basis cannot see must not disturb the order in which it is needed. */
+/* Bases of unit vectors: rows that are zero in one basis must not disturb the order of the other. */
 static void skips_what_a_zero_row_leaves_open(void **state) {
     (void)state;
     // residual basis e0, e1, e2; Jacobian basis 0.9 e3, 0.9 e4, 0.9 e5
@@ -336,7 +335,7 @@ static void skips_what_a_zero_row_leaves_open(void **state) {
     check_rows(rows, (size_t[]){0, 1, 2}, 3);
 }
 
-/* Where no row has an error left, any row will do, but not the same one again. */
+/* If no error is left, any row may follow, but none twice. */
 static void goes_on_when_nothing_is_left_to_explain(void **state) {
     (void)state;
     const double modes[12] = {0, 1, 0, 0}; // two modes of zeros follow

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Scene and plan files: what is accepted, what is refused, and with which words. */
+/* Scene and plan files: accepted and refused inputs, and the texts of errors. */
 #include "common/settings/scene.h"
 #include "common/settings/settings_table.h"
 #include "tests/unit/allocation.h"
@@ -35,7 +35,7 @@ static ehd_status parse(scene *of, const char *text, ehd_error *error) {
     return scene_parse(of, text, strlen(text), "s.yml", NULL, 0, error);
 }
 
-/* The text is refused with EHD_DATA and one line that contains `part`. */
+/* Checks that the text is refused with EHD_DATA and one line that contains `part`. */
 static void refuses(const char *text, const char *part) {
     scene of;
     ehd_error error = {""};
@@ -44,7 +44,7 @@ static void refuses(const char *text, const char *part) {
         fail_msg("status %d, text \"%s\", expected \"%s\"", status, error.text, part);
 }
 
-/* The good scene with one line added, or with `key` set. */
+/* Checks that the good scene is refused with one more line. */
 static void refuses_line(const char *line, const char *part) {
     char text[1024];
     snprintf(text, sizeof text, "%s%s\n", good, line);
@@ -65,7 +65,7 @@ static void refuses_grid(const char *grid, const char *part) {
     refuses_line(line, part);
 }
 
-/* With the grid of the paper where nothing else is given. */
+/* Checks that a grid is refused in the published discretisation. */
 static void refuses_published(const char *grid, const char *part) {
     char line[256];
     snprintf(line, sizeof line, "discretization: published\ngrid: {%s}", grid);
@@ -184,7 +184,7 @@ static void names_missing_keys(void **state) {
     refuses("contact: line\nregime: stationary\nphysical: {load: 1e5, radius: 0.01, speed: 1}\n"
             "lubricant.viscosity: {law: barus, alpha: 2e-8}\n",
             "found 3 of its 5 keys, expected also physical.modulus, physical.viscosity");
-    // the law has a viscosity
+    // the law has a viscosity of its own
     refuses("contact: line\nregime: stationary\nphysical: {load: 1e5, radius: 0.01, speed: 1}\n"
             "lubricant.viscosity: {law: wlf, preset: no1}\n",
             "found 3 of its 4 keys, expected also physical.modulus");
@@ -369,24 +369,24 @@ static void refuses_grids_that_do_not_fit(void **state) {
     refuses_grid("x_min: -4, x_max: 2, step: 0.000001",
                  "grid.step: found 1e-06, which makes 6000001 nodes");
     refuses_grid("x_min: -4, x_max: 2.00001, step: 0.005", "expected a whole number of steps");
-    // the published ends and step count as given
+    // given ends and a given step must have a whole number of steps in the published discretisation
     refuses_published("x_max: 2.00001", "expected a whole number of steps from -4 to 2.00001");
     refuses_published("step: 0.007", "expected a whole number of steps from -4 to 2, such as");
     refuses_published("step: 0.000001", "grid.step: found 1e-06, which makes 6000001 nodes");
-    // the nearest whole number, 24, would make the step too wide
+    // with the nearest number, 24, the step would be too large
     refuses_grid("x_min: -4, x_max: 2.04, step: 0.25", "such as with 0.2516");
     // in binary 5.6 is not exactly 2800 times 0.002, but within the tolerance
     snprintf(text, sizeof text, "%sgrid: {x_min: -4, x_max: 1.6, step: 0.002}\n", good);
     accepts(&of, text);
     snprintf(text, sizeof text, "%sgrid: {x_min: -4, x_max: 2, step: 0.25}\n", good);
     accepts(&of, text);
-    // an end that is not given is chosen so that steps fit
+    // an end that is not given is chosen to fit the step
     snprintf(text, sizeof text, "%sgrid: {x_max: 2.00001, step: 0.007}\n", good);
     accepts(&of, text);
     assert_true(isnan(of.grid.x_min));
 }
 
-/* `change` is one --set of a good point contact. */
+/* Checks that a good point contact is refused with one more --set. */
 static void refuses_point(const char *change, const char *part) {
     const char *const overrides[] = {"contact=point",    "grid.x_min=-4", "grid.x_max=2",
                                      "grid.step=0.0625", "grid.y_max=3",  change};
@@ -403,7 +403,7 @@ static void a_point_contact_has_lines(void **state) {
     ehd_error error;
     (void)state;
     assert_int_equal(scene_parse(&of, good, strlen(good), "s.yml", overrides, 1, &error), EHD_OK);
-    assert_true(isnan(of.grid.step) && isnan(of.grid.y_max)); // chosen by M and L
+    assert_true(isnan(of.grid.step) && isnan(of.grid.y_max)); // chosen from M and L
     assert_int_equal(of.grid.half, 1);
     assert_int_equal(scene_parse(&of, good, strlen(good), "s.yml", overrides, 3, &error), EHD_OK);
     assert_int_equal(of.grid.half, 0);
@@ -438,7 +438,7 @@ static void overrides_come_after_the_file(void **state) {
     refuses_set("lubricant.viscosity.law=barus", "expected none with the law barus");
 }
 
-/* A key of the file can be unset, so that another law can be chosen. */
+/* A key of the file can be removed, so that another law can be chosen. */
 static void overrides_without_a_value_unset(void **state) {
     static const char *const barus[] = {
         "lubricant.viscosity.preset=", "lubricant.viscosity.law=barus",
@@ -450,14 +450,14 @@ static void overrides_without_a_value_unset(void **state) {
     snprintf(text, sizeof text, "%sgrid.step: 0.01\n", good);
     assert_int_equal(scene_parse(&of, text, strlen(text), "s.yml", barus, 5, &error), EHD_OK);
     assert_string_equal(of.lubricant.viscosity.law, "barus");
-    assert_true(isnan(of.grid.step)); // by M and L again
+    assert_true(isnan(of.grid.step)); // from M and L again
     accepts(&plain, "contact: line\nregime: stationary\nmoes: {M: 12, L: 12}\nlubricant:\n"
                     "  viscosity: {law: barus, alpha: 2e-8}\n  density: {law: dowson-higginson}\n");
     char *expected = scene_text(&plain), *found = scene_text(&of);
     assert_string_equal(found, expected);
     free(expected);
     free(found);
-    // the way out stands in the error, where it is one
+    // the error names the remedy, if there is one
     refuses_set("lubricant.viscosity.law=barus",
                 "s.yml:5: lubricant.viscosity.preset: found a value, expected none with the law "
                 "barus (--set lubricant.viscosity.preset= unsets it)");
@@ -490,7 +490,7 @@ static void scene_set_sets_one_key(void **state) {
     assert_int_equal(scene_validate(&of, "here", &error), EHD_OK);
     of.grid.x_max = 1;
     assert_int_equal(scene_validate(&of, "here", &error), EHD_DATA);
-    of.grid.x_max = NAN; // by M and L
+    of.grid.x_max = NAN; // chosen from M and L
     assert_int_equal(scene_validate(&of, "here", &error), EHD_OK);
     of.moes.L = NAN;
     assert_int_equal(scene_validate(&of, "here", &error), EHD_DATA);
@@ -522,7 +522,7 @@ static void text_round_trips(void **state) {
     check_close(again.physical.viscosity, 4.000000000000001e-2, 0, 0);
     assert_non_null(strstr(text, "hertz_pressure: 700000000\n"));
     assert_non_null(strstr(text, "grid.step: 0.007\n"));
-    assert_null(strstr(text, "grid.x")); // by M and L
+    assert_null(strstr(text, "grid.x")); // chosen from M and L
     assert_non_null(strstr(text, "output.fields: true\n"));
     assert_null(strstr(text, "moes"));
     free(text);
@@ -538,7 +538,7 @@ static void refuses_files_that_cannot_be_read(void **state) {
     assert_int_equal(scene_read(&of, folder, NULL, 0, &error), EHD_NOINPUT);
     assert_non_null(strstr(error.text, "found a folder, expected a file"));
     assert_int_equal(scene_read(&of, "", NULL, 0, &error), EHD_NOINPUT);
-    // what might never end or never begin
+    // files whose reading might never end or never begin
     assert_int_equal(scene_read(&of, "/dev/zero", NULL, 0, &error), EHD_NOINPUT);
     assert_non_null(strstr(error.text, "found no regular file"));
     assert_int_equal(mkfifo(path_of("pipe.yml"), 0600), 0);
@@ -570,7 +570,7 @@ static const char moving[] = "contact: line\n"
                              "moes: {M: 120, L: 10}\n"
                              "lubricant: {viscosity: {law: barus, alpha: 1e-8}}\n";
 
-/* The transient scene with text added. */
+/* Checks that the transient scene is refused with the added text. */
 static void refuses_moving(const char *added, const char *part) {
     char text[1024];
     snprintf(text, sizeof text, "%s%s", moving, added);
@@ -670,7 +670,7 @@ static void refuses_keys_that_regime_and_closure_lack_or_ignore(void **state) {
                    "transient.approach.at: found a value, expected none with the closure load");
     refuses_moving("closure: approach\ntransient: {end_time: 1, load: {law: step, to: 1, at: 1}}\n",
                    "transient.load.law: found a value, expected none with the closure approach");
-    // closure approach alone is no transient
+    // the closure `approach` alone does not make a scene transient
     scene of;
     char text[512];
     snprintf(text, sizeof text, "%sclosure: approach\napproach: 0.1\n", good);
@@ -701,7 +701,7 @@ static void refuses_keys_that_a_history_lacks_or_ignores(void **state) {
                    "transient.load.period: found a value");
     refuses_moving("transient: {end_time: 1, load: {law: ramp, to: 1, duration: 1, file: f}}\n",
                    "transient.load.file: found a value");
-    // of another quantity, so that one law cannot speak for all
+    // each quantity has its own law
     refuses_moving("transient: {end_time: 1, load: {law: sine, amplitude: 0.1, period: 1},\n"
                    "            speed: {period: 1}}\n",
                    "s.yml:6: transient.speed.period: found a value");
@@ -764,7 +764,7 @@ static void transient_text_round_trips(void **state) {
     free(second);
 }
 
-/* What is stored of stationary scenes, and identifies them, has no word about time. */
+/* The stored text of a stationary scene, which identifies it, has no transient keys. */
 static void stationary_text_knows_no_time(void **state) {
     static const char expected[] = "contact: line\n"
                                    "regime: stationary\n"
@@ -784,7 +784,7 @@ static void stationary_text_knows_no_time(void **state) {
     free(text);
 }
 
-/* Of points with the accurate rows; lines have none. */
+/* The boundary is open for points in the accurate discretisation; lines have no boundary. */
 static void the_default_boundary_is_open(void **state) {
     static const char point[] = "contact: point\nregime: stationary\nmoes: {M: 12, L: 5}\n"
                                 "lubricant: {viscosity: {law: barus, alpha: 2e-8}}\n";
@@ -803,7 +803,7 @@ static void the_default_boundary_is_open(void **state) {
     assert_string_equal(of.boundary, "zero");
 }
 
-/* Lines and points, stationary and in time, from a file or by hand. */
+/* The default applies to lines and points, stationary and transient, from a file or a program. */
 static void the_default_discretization_is_accurate(void **state) {
     char text[1024];
     scene of;
@@ -822,7 +822,8 @@ static void the_default_discretization_is_accurate(void **state) {
     assert_string_equal(of.discretization, "published");
 }
 
-/* Texts of a scene or a plan as versions before 0.3.0 kept them. */
+/* Stored texts of scenes and plans of versions before 0.3.0 have no discretization, which means the
+ * published one. */
 static void kept_text_without_a_discretization_is_of_the_published_one(void **state) {
     static const struct {
         const char *kept, *now;
@@ -867,7 +868,7 @@ static void files_are_relative_to_the_file_that_names_them(void **state) {
     snprintf(expected, sizeof expected, "%s/deep/cam.csv", folder);
     assert_int_equal(scene_read(&of, path_of("deep/scene.yml"), NULL, 0, &error), EHD_OK);
     assert_string_equal(of.transient.vary[VARY_LOAD].file, beside);
-    // the working folder for --set and from memory, whatever the name says
+    // the working folder for --set and for texts in memory, whatever their name
     assert_int_equal(scene_read(&of, path_of("deep/scene.yml"), override, 1, &error), EHD_OK);
     assert_string_equal(of.transient.vary[VARY_LOAD].file, "set.csv");
     assert_int_equal(scene_parse(&of, text, strlen(text), "deep/s.yml", NULL, 0, &error), EHD_OK);
@@ -906,7 +907,7 @@ static void plan_varies_histories(void **state) {
     assert_non_null(
         strstr(of.text, "# point 2\ntransient.end_time: 3\ntransient.load.period: 1\n"));
     plan_free(&of);
-    // stationary points beside trajectories, and texts that tell points apart
+    // stationary points beside trajectories, and texts that differ between points
     accepts_plan(&of, "groups:\n"
                       "- scene: {contact: line, regime: stationary, moes: {M: 12, L: 12},\n"
                       "          lubricant: {viscosity: {law: wlf, preset: no1}}}\n"
@@ -924,7 +925,7 @@ static void plan_varies_histories(void **state) {
 
 // ---- the table
 
-/* All conditions name choices of rows that come before, so that defaults are filled in order. */
+/* Conditions name choices of earlier rows, so that defaults can be filled in order. */
 static void conditions_of_the_table_are_valid(void **state) {
     (void)state;
     for (const setting *row = scene_settings(); row->key; row++)
@@ -950,7 +951,7 @@ static void defaults_of_the_table_are_valid(void **state) {
         assert_true(strlen(row->key) < MAX_KEY);
         if (row->default_value)
             assert_int_equal(scene_set(&of, row->key, row->default_value, "", &error), EHD_OK);
-        // texts are as short as the scene's strings, with their zero
+        // choices fit into the strings of the scene, with their zero byte
         const char *choice = row->choices;
         for (size_t length; choice && (length = strcspn(choice, "|")) > 0;) {
             assert_true(length < row->size);
@@ -959,7 +960,8 @@ static void defaults_of_the_table_are_valid(void **state) {
     }
 }
 
-/* UPDATE_SCHEMAS=1 in the environment writes the table into the page. */
+/* Compares with the page; with UPDATE_SCHEMAS=1 in the environment it writes the table into the
+ * page. */
 static void schema_page_shows_the_table(void **state) {
     char *printed = NULL, page[32768];
     size_t length = 0;
@@ -995,7 +997,7 @@ static size_t count(const char *text, const char *part) {
     return found;
 }
 
-/* Every key once; those of the histories, which are alike, once for all of them. */
+/* The help has every key once; the keys that all histories share appear once for all of them. */
 static void help_shows_every_key(void **state) {
     static const char histories[] = "\n  transient.<load|speed|radius|modulus|approach>";
     char *printed = NULL, shown[MAX_KEY + 8];
@@ -1056,8 +1058,9 @@ static void plan_combines_a_grid(void **state) {
     assert_null(of.points);
 }
 
-/* Two settings between bounds, times two densities: corners first, each bound met exactly, edges, and
- * inside no gap larger than a few times what as many points of a grid would leave. */
+/* The region has two settings between bounds, and two densities. Points are corners first, then
+ * edges that meet each bound exactly, then inner points. No gap inside is more than a few times
+ * larger than in a grid of as many points. */
 static void plan_fills_a_region(void **state) {
     enum { CANDIDATES = 400, EDGES = 4 * (CANDIDATES / 4 / 4) };
     double gap = 0;
@@ -1086,7 +1089,7 @@ static void plan_fills_a_region(void **state) {
                         here->moes.L == 4);
         }
     }
-    // M by its logarithm, L, which may be 0, as it is
+    // M by its logarithm; L, which may be 0, by its value
     for (double u = 0.05; u < 1; u += 0.05)
         for (double v = 0.05; v < 1; v += 0.05) {
             double nearest = INFINITY;
@@ -1125,7 +1128,7 @@ static void plan_checks_a_region(void **state) {
                  "Pa, written without the unit");
 }
 
-/* The groups of another plan, within further bounds, and with more candidates. */
+/* The plan has the groups of another plan, with further bounds and more candidates. */
 static void plan_is_part_of_another(void **state) {
     plan whole, of;
     (void)state;
@@ -1150,7 +1153,7 @@ static void plan_is_part_of_another(void **state) {
     assert_int_equal(of.num_points, unvaried + 80);
     check_close_array(of.where[0].bounds[WHERE_MOES_M], ((double[]){10, 20}), 2, 0, 0);
     plan_free(&of);
-    // without more bounds it is the whole
+    // without further bounds it is the whole plan
     accepts_plan(&of, "part_of: whole.yml\n");
     assert_string_equal(of.text, whole.text);
     plan_free(&of);
@@ -1163,8 +1166,8 @@ static void plan_is_part_of_another(void **state) {
                  "groups: found an unknown key, expected part_of");
 }
 
-/* A line makes sines and ramps of each quantity and of each pair, and steps of the speed, between the
- * bounds, and of nothing else that the scene varies. */
+/* A line `histories` makes sines and ramps of each quantity and of each pair, and steps of the
+ * speed, between the bounds. No other quantity of the scene varies. */
 static void plan_makes_histories(void **state) {
     enum { OF_LOAD = 4, OF_SPEED = 6, OF_PAIR = 6, STEPS_OF_LOAD = 2, STEPS_OF_PAIR = 3 };
     size_t counts[3] = {0}, both = 0;
@@ -1178,7 +1181,7 @@ static void plan_makes_histories(void **state) {
         const transient_settings *here = &of.points[i].scene.transient;
         size_t num_varying = 0;
         check_close(here->end_time, 2.5, 0, 0);
-        assert_string_equal(here->vary[VARY_RADIUS].law, "constant"); // a sine of the scene
+        assert_string_equal(here->vary[VARY_RADIUS].law, "constant"); // the scene has a sine
         for (int q = VARY_LOAD; q <= VARY_SPEED; q++) {
             const history_settings *law = &here->vary[q];
             const double low = q == VARY_LOAD ? 0.8 : 0.7, high = q == VARY_LOAD ? 1.1 : 1.3;
@@ -1445,7 +1448,7 @@ static void plan_keeps_the_first_of_equal_points(void **state) {
     plan_free(&of);
 }
 
-/* The text of a plan of one group. */
+/* Returns the text of a plan of one group. */
 static char *text_of_plan(const char *group) {
     char yaml[256];
     plan of;
@@ -1499,7 +1502,7 @@ static void same_plan(const plan *found, const plan *expected) {
     }
 }
 
-/* Of all kinds of settings, quoted texts among them, some of which a later point does not have. */
+/* The plan has all kinds of settings, quoted texts among them; later points lack some of them. */
 static void plan_is_read_back_from_its_text(void **state) {
     plan written, found;
     char text[1024], *more;
@@ -1518,13 +1521,13 @@ static void plan_is_read_back_from_its_text(void **state) {
                            "- {scene: scene.yml, vary: {M: [9]}, where: {moes_M: [0.1, 10]}}\n"
                            "- {scene: scene.yml, vary: {M: [9]}}\n");
     assert_int_equal(written.num_points, 13);
-    // what a group does not bound its line does not name, as before there were such bounds
+    // a group's line contains only its bounds, as in versions without such bounds
     assert_non_null(strstr(written.text, "# group 2, alpha_p_H from 0 to 1\n"));
     assert_non_null(strstr(written.text, "# group 4, alpha_p_H from -inf to inf\n"));
     assert_int_equal(plan_parse(&found, written.text, "s.h5", &error), EHD_OK);
     same_plan(&found, &written);
     plan_free(&found);
-    // as training sets add to it
+    // lines that training sets add
     assert_true(asprintf(&more, "%s# shard 1/1\n# cold\n", written.text) > 0);
     assert_int_equal(plan_parse(&found, more, "s.h5", &error), EHD_OK);
     same_plan(&found, &written);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Natural cubic splines against GSL's. */
+/* Natural cubic splines, compared with GSL's. */
 #include "common/algebra/spline.h"
 #include "tests/unit/allocation.h"
 #include "tests/unit/check.h"

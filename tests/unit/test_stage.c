@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Stages of a pipeline: which is the present one, and how long the others take. */
+/* Stages of a pipeline: the current one, and the time of the others. */
 #include "common/program/stage.h"
 
 #include "common/program/program.h"
@@ -55,7 +55,7 @@ static void test_position(void **state) {
     assert_int_equal(stage_at("training").number, 1);
     assert_int_equal(stage_at("b-basis").number, 5);
     assert_int_equal(stage_at("b-rows").total, 6);
-    // by itself, and what does not read as stages
+    // a stage that is not in the list, and texts that are no stages
     assert_null(stage_at("c-basis").names);
     setenv("EHDROM_STAGES", "file", 1);
     assert_null(stage_here().names);
@@ -63,7 +63,7 @@ static void test_position(void **state) {
     assert_null(stage_here().names);
 }
 
-/* The next one only where it has that name: models need not be checked. */
+/* The next stage counts only if it has this name: models may be left unchecked. */
 static void test_next(void **state) {
     stage self = stage_at("a-rows");
     (void)state;
@@ -76,7 +76,7 @@ static void test_next(void **state) {
     self = stage_at("a-basis");
     stage_next(&self, "check");
     assert_int_equal(self.number, 2);
-    stage_next(&self, "ows"); // not behind a "-"
+    stage_next(&self, "ows"); // needs a name after the "-"
     assert_int_equal(self.number, 2);
 }
 
@@ -85,7 +85,7 @@ static void test_left(void **state) {
     bool at_least = true;
     (void)state;
 
-    // nothing is known
+    // no times are known
     assert_true(isnan(stage_left(&at_least, &self, 5, true)));
     assert_false(at_least);
     write_file(
@@ -93,20 +93,20 @@ static void test_left(void **state) {
     check_close(stage_left(&at_least, &self, 5, true), 54325, 0, 1e-9);
     assert_false(at_least);
     assert_true(isnan(stage_left(&at_least, &self, NAN, true)));
-    // a part of the present one: as long as that takes, but never less than is known
+    // a part of the current stage: at least its known time
     self.started = program_seconds() - 3;
     check_close(stage_left(&at_least, &self, 1, false), 54324, 0, 0.5);
     check_close(stage_left(&at_least, &self, NAN, false), 54324, 0, 0.5);
     check_close(stage_left(&at_least, &self, 6, false), 54326, 0, 0.5);
-    // one that is known to take that at least
+    // one stage whose time is known only as a lower bound
     write_file("a-rows 20 0\na-check 300 1\nb-basis 4000 0\nb-rows 50000 0\n");
     check_close(stage_left(&at_least, &self, 5, true), 54325, 0, 1e-9);
     assert_true(at_least);
     assert_true(isnan(stage_left(&at_least, &self, 5, false)));
-    // one of which nothing is known
+    // one stage of unknown time
     write_file("a-rows 20 0\na-check 300 1\nb-rows 50000 0\n");
     assert_true(isnan(stage_left(&at_least, &self, 5, true)));
-    // a program by itself
+    // a program outside of a pipeline
     unsetenv("EHDROM_STAGES");
     self = stage_here();
     assert_true(isnan(stage_left(&at_least, &self, 5, true)));
@@ -119,7 +119,7 @@ static void test_kept(void **state) {
 
     write_file("training 99 0\na-basis 7 0\na-rows 20 0\n");
     stage_expect(&self, "rows", 30);
-    stage_expect(&self, "basis", 5); // of later stages only
+    stage_expect(&self, "basis", 5); // for later stages only
     read_file(text);
     assert_string_equal(text,
                         "training 99 0\na-basis 7 0\na-rows 30 1\nb-basis 5 1\nb-rows 30 1\n");
@@ -128,7 +128,7 @@ static void test_kept(void **state) {
     read_file(text);
     assert_string_equal(
         text, "training 99 0\na-basis 1.23e+03 0\na-rows 30 1\nb-basis 5 1\nb-rows 30 1\n");
-    // where nothing can be written nothing happens
+    // if the file cannot be written, nothing happens
     setenv("EHDROM_STAGES", "no/such/folder a b", 1);
     self = stage_here();
     stage_end(&self);
@@ -140,7 +140,7 @@ static void test_kept(void **state) {
     assert_int_equal(self.number, 0);
 }
 
-/* What a progress line adds. */
+/* Checks the text that a stage adds to a progress line. */
 static void test_shown(void **state) {
     program here = {.name = "trial", .stage = stage_at("a-check")};
     FILE *errors = tmpfile();
@@ -160,7 +160,7 @@ static void test_shown(void **state) {
     shown.more = true;
     shown.rest = 5;
     progress_show(&shown, 2, "c");
-    shown.rest = NAN; // of which nothing is known
+    shown.rest = NAN; // unknown time
     progress_show(&shown, 4, "d");
     dup2(kept, STDERR_FILENO);
     close(kept);

@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-// shares of the error of the first root and of the distance, as podbuild has them
+// shares of the error for the first root and for the distance, as in podbuild
 static const double OMEGA = 0.9, LOCAL = 0.05;
 
 static double *numbers(size_t count) {
@@ -19,7 +19,7 @@ static double *numbers(size_t count) {
     return values;
 }
 
-/* Orthonormal rows [num, length] in random directions. */
+/* Returns orthonormal rows [num, length] in random directions. */
 static double *random_rows(size_t num, size_t length, uint64_t seed) {
     double *rows = numbers(num * length), *scales = numbers(num);
     for (size_t i = 0; i < num * length; i++) {
@@ -34,8 +34,8 @@ static double *random_rows(size_t num, size_t length, uint64_t seed) {
     return rows;
 }
 
-/* Snapshots of known singular values: seven tenths each of the one before, over noise of 1e-9 in all
- * directions. */
+/* Snapshots with known singular values: each is seven tenths of the one before, with noise of 1e-9
+ * in all directions. */
 typedef struct known {
     size_t num_snapshots, num_nodes;
     double *snapshots; // [num_snapshots, num_nodes]
@@ -66,7 +66,7 @@ static void known_free(known *self) {
     free(self->values);
 }
 
-/* A hump that travels once over the nodes: each block has directions of its own. */
+/* Returns a hump that travels once over the nodes; each block has directions of its own. */
 static double *travelling_snapshots(size_t num_snapshots, size_t num_nodes) {
     double *snapshots = numbers(num_snapshots * num_nodes);
     for (size_t s = 0; s < num_snapshots; s++)
@@ -94,7 +94,7 @@ static ehd_status stream(pod_basis *basis, stream_error *bound, const double *sn
     return status;
 }
 
-/* |S - S Pᵀ P|, after Gram and Schmidt row by row. */
+/* Returns |S - S Pᵀ P|, by Gram-Schmidt row by row. */
 static double distance_to(const pod_basis *basis, const double *snapshots, size_t num_snapshots) {
     const int num_nodes = (int)basis->num_nodes;
     double *rest = numbers(basis->num_nodes), sum = 0;
@@ -126,8 +126,8 @@ static void check_orthonormal(const pod_basis *basis) {
                         i == j ? 1 : 0, 0, 1e-13);
 }
 
-/* The error stays within what is stated, that within what is asked for, with no more modes than the
- * direct SVD needs for what the distance leaves of the first root's share. */
+/* The error is below its stated bound, and the bound below the allowed error. There are no more
+ * modes than a direct SVD needs for the share of the first root less the distance. */
 static void error_is_within_the_bound(void **state) {
     (void)state;
     enum { NUM_SNAPSHOTS = 900, NUM_NODES = 150 };
@@ -169,7 +169,7 @@ static void error_is_within_the_bound(void **state) {
     known_free(&all);
 }
 
-/* With next to nothing left out, what the direct SVD finds. */
+/* If almost nothing is left out, the result is that of a direct SVD. */
 static void little_left_out_equals_the_direct_svd(void **state) {
     (void)state;
     enum { NUM_SNAPSHOTS = 1000, NUM_NODES = 201, NUM_MODES = 40 };
@@ -195,8 +195,9 @@ static void little_left_out_equals_the_direct_svd(void **state) {
     free(snapshots);
 }
 
-/* Room for fewer directions than come, but for more than are worth keeping: weak ones give way, within
- * their share of the energy. Without enough of it the stream ends. */
+/* The limit of directions is below their number, but above the number that needs to be kept. Weak
+ * directions are dropped, within their share of the energy. With too low a limit the stream ends
+ * with an error. */
 static void weak_directions_give_way(void **state) {
     (void)state;
     enum { NUM_SNAPSHOTS = 900, NUM_NODES = 150 };
@@ -207,7 +208,7 @@ static void weak_directions_give_way(void **state) {
     stream_error found;
     ehd_error error;
 
-    // the first snapshots are weaker than all together and leave out less: they come in blocks of one
+    // the first snapshots have less energy than all together and may leave out less; they come in blocks of one
     stream_settings tight = settings_for(energy, 4, 40);
     tight.local_energy = 1e-14;
     assert_int_equal(
@@ -237,7 +238,7 @@ static void the_same_snapshots_give_the_same_bits(void **state) {
     pod_basis one, other;
     stream_error found;
     ehd_error error;
-    // room for more directions than there are changes nothing
+    // a limit above the number of directions changes nothing
     assert_int_equal(stream(&one, &found, snapshots, NUM_SNAPSHOTS, NUM_NODES,
                             settings_for(1e-13, 32, 80), wanted, &error),
                      EHD_OK);
@@ -255,7 +256,7 @@ static void the_same_snapshots_give_the_same_bits(void **state) {
 
 static void exact_rank_is_found(void **state) {
     (void)state;
-    // (1,2,0,0,2)/3 and (0,0,3,4,0)/5 times 3 and 5; 400 snapshots of each, and zeros between them
+    // rows (1,2,0,0,2)/3 and (0,0,3,4,0)/5 times 3 and 5; 400 snapshots of each, and zeros between them
     double *snapshots = numbers(1200 * 5);
     for (size_t s = 0; s < 800; s++)
         memcpy(snapshots + 5 * (s + s / 2),
@@ -318,13 +319,13 @@ static void survives_failing_allocations(void **state) {
         stream_error found;
         ehd_error error;
         allocation_fail_at(call);
-        // with directions that give way
+        // with weak directions that are dropped
         const ehd_status status =
             stream(&basis, &found, all.snapshots, 40, 12, (stream_settings){1e-4, 0.1, 4, 9},
                    (pod_settings){.discarded_energy = 0.2}, &error);
         failed = allocation_failed();
         if (!status) truncated = found.truncated;
-        // that the modes are not made shorter is no failure
+        // without memory to shorten the array, the modes stay as they are
         if (!(failed && status == EHD_OK && basis.modes))
             assert_int_equal(status, failed ? EHD_MEMORY : EHD_OK);
         assert_true((status == EHD_OK) == (basis.modes != NULL));

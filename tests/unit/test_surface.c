@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A waviness, a dent or a table on one of the surfaces: its heights, where they may be, and what a
- * film makes of them. */
+/* A waviness, a dent or a table on one of the surfaces: its heights, the places where it may be,
+ * and its effect on films. */
 #include "common/time/surface.h"
 
 #include "common/settings/scene_contact.h"
@@ -17,7 +17,7 @@
 
 static ehd_error error;
 
-/* Gives a scene a surface: "kind=dent", "depth=0.1", …, NULL at the end. */
+/* Gives a scene a surface by settings "kind=dent", "depth=0.1", …, with NULL at the end. */
 static void give(scene *of, const char *const *settings) {
     char key[64];
 
@@ -32,7 +32,7 @@ static void give(scene *of, const char *const *settings) {
 
 #define WITH(...) ((const char *const[]){__VA_ARGS__, NULL})
 
-/* A surface on a line from -4 to 2, in steps of 0.05. */
+/* Returns a surface on a line from -4 to 2, in steps of 0.05. */
 static ehd_surface *surface_of(ehd_contact *reference, const char *const *settings) {
     scene of = marched_scene(20, 5, "incompressible", 0.05, "end_time: 1");
     ehd_surface *self;
@@ -59,7 +59,7 @@ static void a_dent_has_the_shape_of_its_formula(void **state) {
     ehd_contact reference;
     ehd_surface *self = surface_of(
         &reference, WITH("kind=dent", "depth=0.07", "radius=0.2", "position=-5", "speed=0.5"));
-    const contact_frame frame = frame_at_path(&reference, 1, 9); // its middle is at -0.5
+    const contact_frame frame = frame_at_path(&reference, 1, 9); // the dent's centre is at -0.5
     check_close(surface_position(self, 9), -0.5, 1e-15, 0);
     check_close(surface_height(self, &frame, -0.5, 0), depth, 1e-14, 0);
     for (double x = -1.4; x < 0.5; x += 0.0371) {
@@ -90,7 +90,7 @@ static void a_waviness_ends_where_it_is(void **state) {
         if (behind > 0 && behind < 0.5) assert_true(fabs(found) <= fabs(height));
     }
     surface_free(self);
-    // from the other side
+    // a surface with negative speed comes from the other side
     self =
         surface_of(&reference, WITH("kind=sine", "amplitude=0.02", "wavelength=0.5", "speed=-1"));
     check_close(surface_position(self, 0), 2.05, 1e-14, 0);
@@ -99,7 +99,7 @@ static void a_waviness_ends_where_it_is(void **state) {
     surface_free(self);
 }
 
-/* The physical height and place are the same in any frame. */
+/* Physical height and place do not depend on the frame. */
 static void a_surface_keeps_its_size_as_the_contact_grows(void **state) {
     (void)state;
     ehd_contact reference;
@@ -119,8 +119,8 @@ static void a_table_is_a_spline_through_its_rows(void **state) {
     ehd_contact reference;
     FILE *file = fopen("heights.csv", "w");
     assert_non_null(file);
-    fputs(",x,height\n", file);     // an index in front, as pandas writes it
-    for (int i = -20; i <= 20; i++) // with what rounding leaves at the ends
+    fputs(",x,height\n", file);     // an index in front, from pandas
+    for (int i = -20; i <= 20; i++) // with round-off at the ends
         fprintf(file, "%d,%.17g,%.17g\n", i + 20, 0.02 * i,
                 abs(i) == 20 ? 5e-25 : 0.03 * pow(1 - i * i / 400., 3));
     fclose(file);
@@ -135,7 +135,7 @@ static void a_table_is_a_spline_through_its_rows(void **state) {
     surface_free(self);
 }
 
-/* A dent's heights on a grid of x and y, which is not uniform across. */
+/* Writes the heights of a dent on a grid of x and y, which is not uniform across. */
 static void write_dent(const char *name, double aside) {
     FILE *file = fopen(name, "w");
     assert_non_null(file);
@@ -172,9 +172,9 @@ static void a_table_may_be_a_grid(void **state) {
             check_close(found, exact, 0, 4e-5);
             steepest = fmax(steepest, fabs(beside - found) / 1e-7);
         }
-    assert_true(steepest > 0.09 && steepest < 0.12); // it does not jump from line to line
+    assert_true(steepest > 0.09 && steepest < 0.12); // no jumps between lines
     surface_free(self);
-    // half a contact has no room for one aside
+    // half a contact cannot have a dent at one side
     give(&of, WITH("file=aside.csv"));
     assert_int_equal(surface_init(&self, &of, &reference, &error), EHD_DATA);
     assert_non_null(strstr(error.text, "aside.csv: found another height at -y than in row 1"));
@@ -185,7 +185,7 @@ static void a_table_may_be_a_grid(void **state) {
     surface_free(self);
 }
 
-/* The same physical dent, round, in a contact that is wider than long. */
+/* The dent is round, with a given physical size, in a contact that is wider than long. */
 static void a_dent_is_round_in_an_ellipse(void **state) {
     (void)state;
     ehd_contact reference;
@@ -201,11 +201,11 @@ static void a_dent_is_round_in_an_ellipse(void **state) {
     assert_int_equal(scene_contact(&reference, &of, &error), EHD_OK);
     assert_int_equal(surface_init(&self, &of, &reference, &error), EHD_OK);
     check_close(surface_height(self, &frame, 0.1, 0), along, 1e-13, 0);
-    check_close(surface_height(self, &frame, 0, 0.05), along, 1e-13, 0); // Y in b
+    check_close(surface_height(self, &frame, 0, 0.05), along, 1e-13, 0); // Y is in units of b
     surface_free(self);
 }
 
-// ---- what is refused
+// ---- refused surfaces
 
 static void check_refused(const char *expected, const char *const *settings) {
     scene of = marched_scene(20, 5, "incompressible", 0.05, "end_time: 1");
@@ -219,7 +219,7 @@ static void check_refused(const char *expected, const char *const *settings) {
     if (!strstr(error.text, expected)) fail_msg("found %s, expected %s", error.text, expected);
 }
 
-/* A file of this text, as a setting. */
+/* Writes the text into a file; returns the setting for it. */
 static const char *table_of(const char *text) {
     FILE *file = fopen("table.csv", "w");
     assert_non_null(file);
@@ -239,7 +239,7 @@ static void check_unseen(const char *expected, const char *const *settings) {
         fail_msg("found %s, expected %s", error.text, expected);
 }
 
-/* On steps of 0.05 from -4 to 2. */
+/* The grid extends from -4 to 2 in steps of 0.05. */
 static void what_the_grid_does_not_see_is_refused(void **state) {
     (void)state;
     check_unseen("", WITH("kind=sine", "amplitude=0.01", "wavelength=0.2"));
@@ -255,7 +255,7 @@ static void what_the_grid_does_not_see_is_refused(void **state) {
                  WITH("kind=dent", "depth=0.1", "radius=0.1", "speed=0", "position=2.5"));
     check_unseen("surface.position: found -4.5",
                  WITH("kind=dent", "depth=0.1", "radius=0.1", "speed=0", "position=-4.5"));
-    // one that moves comes in from there
+    // a moving surface may start outside of the grid
     check_unseen("", WITH("kind=dent", "depth=0.1", "radius=0.1", "position=-4.5"));
 }
 
@@ -274,7 +274,7 @@ static void what_cannot_be_is_refused(void **state) {
                   WITH("kind=file", table_of("x,h\n0,0\n1,1\n1,1\n2,0\n"), "column=h"));
 }
 
-/* Where the scene says how fast both surfaces are. */
+/* If the scene gives the speeds of both surfaces, the surface's speed must be one of them. */
 static void it_is_on_one_of_the_surfaces(void **state) {
     (void)state;
     static const char *const speeds[] = {"speed=1.2", "speed=0.8", "speed=1"};
@@ -299,7 +299,7 @@ static void the_start_is_smooth(void **state) {
         surface_of(&reference, WITH("kind=dent", "depth=1", "radius=0.1", "position=-4.42"));
     const contact_frame here = frame_at_path(&reference, 1, 0),
                         larger = frame_at_path(&reference, 1.1, 0);
-    // the first node is at -4.05, the dent ends 0.36 from its middle
+    // the first node is at -4.05, and the dent ends 0.36 from its centre
     assert_int_equal(surface_check_start(self, &here, &reference.grid, &error), EHD_OK);
     assert_int_equal(surface_check_start(self, &larger, &reference.grid, &error), EHD_DATA);
     assert_non_null(strstr(error.text,
@@ -310,8 +310,8 @@ static void the_start_is_smooth(void **state) {
 
 // ---- steps
 
-/* None is longer than half a length of the surface while it is on the grid, and none ends behind
- * where it comes in. */
+/* Steps are at most half a length of the surface while it is on the grid, and do not end behind its
+ * arrival. */
 static void steps_see_it_come(void **state) {
     (void)state;
     ehd_contact reference;
@@ -339,11 +339,11 @@ static void steps_see_it_come(void **state) {
     surface_free(self);
 }
 
-// ---- marches. Large: not for the stack.
+// ---- marches; these are too large for the stack
 
 static marched first, second;
 
-/* Along the path, with fixed steps. */
+/* Returns a scene with transport along the path. */
 static scene along_path(double step, const char *transient) {
     scene of = marched_scene(20, 5, "dowson-higginson", step, transient);
     scene_set(&of, "transport", "path", NULL, NULL);
@@ -351,7 +351,7 @@ static scene along_path(double step, const char *transient) {
     return of;
 }
 
-/* As long as what has come in is flat, and after. */
+/* A dent of depth zero changes no bit, before and after its arrival. */
 static void heights_of_zero_change_no_bit(void **state) {
     (void)state;
     static const char *const transports[] = {"upwind", "path"};
@@ -374,8 +374,8 @@ static void heights_of_zero_change_no_bit(void **state) {
     }
 }
 
-/* Where nothing flows but with the surfaces, and these stay as they are, a dent that moves with the
- * fluid keeps rho H along its path: that of an earlier state is the present one to rounding. */
+/* The fluid moves as a plug between constant surfaces. A dent that moves with it keeps rho H along
+ * its path, so the mass of an earlier state equals the current one to round-off. */
 static void a_plug_takes_its_dent_along(void **state) {
     (void)state;
     static const char *const densities[] = {"incompressible", "dowson-higginson"};
@@ -388,7 +388,7 @@ static void a_plug_takes_its_dent_along(void **state) {
             previous_carrier carrier;
             previous_state plug;
             scene_set(&of, "transport", "path", NULL, NULL);
-            // so narrow that no spline could carry it
+            // too narrow for any spline
             give(&of, WITH("kind=dent", "depth=0.5", "radius=0.05", "position=-5"));
             assert_int_equal(scene_contact(&reference, &of, &error), EHD_OK);
             assert_int_equal(surface_init(&surface, &of, &reference, &error), EHD_OK);
@@ -425,7 +425,7 @@ static void a_plug_takes_its_dent_along(void **state) {
         }
 }
 
-/* Film at a place in the middle of the contact, cubic between the nodes. */
+/* Returns the film at a place in the middle of the contact, cubic between nodes. */
 static double film_at(const marched *self, double x) {
     const ehd_grid *grid = &self->reference.grid;
     const full_state *state = full_march_state(self->full, NULL);
@@ -437,8 +437,8 @@ static double film_at(const marched *self, double x) {
            (s + 1) * s * (s - 2) / 2 * film[1] + (s + 1) * s * (s - 1) / 6 * film[2];
 }
 
-/* In pure rolling what a dent makes of a heavily loaded film passes the middle unchanged: there
- * nothing but the surfaces moves the fluid. */
+/* In pure rolling a film shaped by a dent passes the middle of a heavily loaded contact unchanged,
+ * because only the surfaces move the fluid there. */
 static void a_dented_film_passes_the_middle_as_it_is(void **state) {
     (void)state;
     scene of = marched_scene(100, 10, "incompressible", 0.02, "end_time: 4.1, fixed_step: 0.02");
@@ -447,7 +447,7 @@ static void a_dented_film_passes_the_middle_as_it_is(void **state) {
     marched_all(&first, &of);
     of.transient.end_time = 4.7;
     marched_all(&second, &of);
-    // the dent's middle is at -0.7 and -0.1, and the film is 0.017 thick
+    // the dent's centre is at -0.7 and -0.1, and the film is 0.017 thick
     check_close(surface_position(first.surface, 4.1), -0.7, 1e-12, 0);
     double deepest = 0;
     for (double x = -0.2; x <= 0.2; x += 0.01) {
@@ -459,18 +459,18 @@ static void a_dented_film_passes_the_middle_as_it_is(void **state) {
     marched_end(&second);
 }
 
-/* When the start and the end of a waviness have left, it does not matter where that was. */
+/* When start and end of a waviness have left the contact, the place of its end has no effect. */
 static void a_waviness_forgets_its_end(void **state) {
     (void)state;
     scene of = along_path(0.05, "end_time: 9, fixed_step: 0.05");
     give(&of, WITH("kind=sine", "amplitude=0.005", "wavelength=0.5", "position=-4.05"));
     marched_all(&first, &of);
-    give(&of, WITH("position=-5.05")); // two waves more
+    give(&of, WITH("position=-5.05")); // two waves farther away
     marched_all(&second, &of);
     const size_t count = first.count;
     double least = INFINITY, most = 0;
     assert_int_equal(count, second.count);
-    for (size_t k = count - 10; k < count; k++) { // a wave
+    for (size_t k = count - 10; k < count; k++) { // one wave
         check_close(second.film[k], first.film[k], 1e-5, 0);
         least = fmin(least, first.film[k]);
         most = fmax(most, first.film[k]);
@@ -480,8 +480,8 @@ static void a_waviness_forgets_its_end(void **state) {
     marched_end(&second);
 }
 
-/* A dent that starts far away comes all the same, with error control, and is gone through in steps
- * that it allows; where it starts makes no difference. */
+/* With error control a dent that starts far away passes with the steps that it requires. Its start
+ * has no effect on the result. */
 static void a_dent_from_far_away_is_met(void **state) {
     (void)state;
     scene of = along_path(0.05, "end_time: 6");
@@ -555,8 +555,8 @@ static const full_state *last_of(const marched *self) {
     return full_march_state(self->full, NULL);
 }
 
-/* Under constant conditions nothing changes, of lines and points, forwards and backwards, where the
- * load or the approach is given. */
+/* A resting surface is part of the start: under constant conditions nothing changes, for lines and
+ * points, in both directions, with a given load or approach. */
 static void one_at_rest_is_part_of_the_start(void **state) {
     const struct {
         bool point;
@@ -594,8 +594,8 @@ static void one_at_rest_is_part_of_the_start(void **state) {
     }
 }
 
-/* Where viscosity lets no oil flow under pressure, the film is the same everywhere. So the surface is
- * pressed flat: a waviness of wavenumber k by a pressure of k times its height (Johnson, Contact
+/* Under pressure the viscosity is so high that the film is equal everywhere, so the surface is
+ * pressed flat. A waviness of wavenumber k needs a pressure of k times its height (Johnson, Contact
  * Mechanics, 13.2: u' = 2 p/(E* k), here Delta = P/k). */
 static void a_waviness_at_rest_is_pressed_flat(void **state) {
     (void)state;
@@ -617,7 +617,7 @@ static void a_waviness_at_rest_is_pressed_flat(void **state) {
     marched_end(&second);
 }
 
-/* One that moves a 5000th as fast as the fluid is as good as at rest. */
+/* A surface that moves at 1/5000 of the fluid's speed gives the result of one at rest. */
 static void one_that_hardly_moves_is_as_at_rest(void **state) {
     (void)state;
     scene of = marched_scene(10, 3, "dowson-higginson", 0.05, "end_time: 1, fixed_step: 1");
@@ -626,7 +626,7 @@ static void one_that_hardly_moves_is_as_at_rest(void **state) {
     marched_all(&first, &of);
     marched_end(&first);
     const double at_rest = first.film[first.count - 1], lowest = first.least_film[first.count - 1];
-    // from -2.95 to -0.8
+    // the dent moves from -2.95 to -0.8
     scene_set(&of, "surface.speed", "0.0002", NULL, NULL);
     scene_set(&of, "surface.position", "-2.95", NULL, NULL);
     scene_set(&of, "transient.end_time", "10750", NULL, NULL);
@@ -638,7 +638,7 @@ static void one_that_hardly_moves_is_as_at_rest(void **state) {
     marched_end(&first);
 }
 
-/* Backwards over a dent is the mirror image of forwards over the mirrored one. */
+/* Motion backwards over a dent is the mirror image of motion forwards over the mirrored dent. */
 static void starts_at_rest_have_mirror_images(void **state) {
     (void)state;
     scene of = marched_scene(20, 6, "dowson-higginson", 0.05, "end_time: 0.5, fixed_step: 0.25");
@@ -656,7 +656,7 @@ static void starts_at_rest_have_mirror_images(void **state) {
     }
     marched_end(&first);
     marched_end(&second);
-    // where the fluid rests too it is put on the dry contact
+    // if the fluid rests too, the surface is added to the dry contact
     of.transient.start_speed = 0;
     of.transient.start_film = 0.2;
     of.surface.position = 0;

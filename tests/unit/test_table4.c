@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The acceptance test of the full model: Table 4 of Maier, Hager, Hetzler and Seemann (2015),
- * column "Full", every printed digit, from cold starts. */
+ * column "Full". Cold starts must give every printed digit. */
 #include "fullrun/full_solver.h"
 #include "tests/unit/check.h"
 #include "tests/unit/sample.h"
@@ -23,7 +23,7 @@ static const struct {
     {"no3", 600, 6, 3.25, 0.00130920},
 };
 
-/* The paper's two grids: lower loaded n = 1201, higher loaded n = 3001. */
+/* Returns the step of the paper's grids: n = 1201 for low loads, n = 3001 for high ones. */
 static double step_of(double moes_M) {
     return moes_M < 50 ? 0.005 : 0.002;
 }

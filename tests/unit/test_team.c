@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Threads that share a list: every part once, by whoever is free, and the same sums with any number. */
+/* Threads that share a list: each part is done once, by any free thread; sums do not depend on
+ * their number. */
 #include "common/program/team.h"
 #include "tests/unit/allocation.h"
 #include "tests/unit/check.h"
@@ -12,7 +13,7 @@
 
 enum { MOST_THINGS = 1000, MOST_MEMBERS = 7 };
 
-/* What is done to each thing, and what each part had. */
+/* Counts of work for each thing, and the results of each part. */
 typedef struct notes {
     size_t done[MOST_THINGS];
     team_part parts[MOST_THINGS];
@@ -38,7 +39,7 @@ static double sum_of(const notes *self, size_t num_parts) {
     return sum;
 }
 
-/* Works of all lengths one after the other, so that threads come late to some. */
+/* Works on lists of all lengths in succession, so that threads are late for some of them. */
 static void everything_is_done_once(void **state) {
     (void)state;
     for (size_t members = 0; members <= MOST_MEMBERS; members++) {
@@ -74,7 +75,7 @@ static double seconds(void) {
     return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
 
-/* Waits until all members are in it, or for a long time. */
+/* Waits until all members have arrived, or for a minute. */
 static void meet(void *context, const team_part *part) {
     atomic_size_t *met = context;
     const double end = seconds() + 60;

@@ -53,13 +53,13 @@ static void mode_is_that_of_the_basis(void **state) {
     free(weight);
 }
 
-/* Norms of the rows that it is called with. */
+/* Number and norms of the rows of a least-squares problem. */
 typedef struct norms {
     size_t num_rows;
     double least, most;
 } norms;
 
-/* In the place of a least-squares solver: of the Reynolds rows, all but the closure. */
+/* Replaces the least-squares solver; records the Reynolds rows, which are all but the closure. */
 static ehd_status look(double *step, void *context, const double *matrix, const double *right,
                        size_t num_rows, size_t num_unknowns) {
     norms *self = context;
@@ -73,7 +73,7 @@ static ehd_status look(double *step, void *context, const double *matrix, const 
     return EHD_NOT_CONVERGED;
 }
 
-/* Norms of all rows of the basis with its weight, at training solution s. */
+/* Returns the norms of all rows of the weighted basis, at training solution s. */
 static norms norms_at(size_t s) {
     const size_t num_unknowns = basis.states.num_unknowns;
     norms seen = {0, INFINITY, 0};
@@ -99,7 +99,7 @@ static void row_norm_gives_unit_rows(void **state) {
     (void)state;
     const size_t s = 4;
     double *before = basis.weight, *weight = malloc(basis.grid.num_nodes * sizeof *weight);
-    // of all training solutions only this one's contact is known
+    // only the contact of this training solution is given
     assert_int_equal(test_weight_row_norm(weight, &basis, &training.contacts[s], 1, NULL), EHD_OK);
     basis.weight = weight;
     const norms seen = norms_at(s), other = norms_at(s + 3);
@@ -111,7 +111,7 @@ static void row_norm_gives_unit_rows(void **state) {
     assert_true(other.most > 1.01);
 }
 
-/* Over all training solutions the mean square of each row is one, so that no row is longer than the
+/* Over all training solutions the mean square of each row is one. So no row is longer than the
  * square root of their number, and some are longer than one. */
 static void row_norm_is_the_mean_of_all_solutions(void **state) {
     (void)state;
@@ -126,7 +126,7 @@ static void row_norm_is_the_mean_of_all_solutions(void **state) {
         first = basis.states.exit[s] < first ? basis.states.exit[s] : first;
     }
     basis.weight = before;
-    // rows that an exit takes away count no more than the last one that none does
+    // rows behind some exits have no larger weight than the last row before all of them
     for (size_t k = first; k < basis.grid.num_nodes; k++)
         assert_true(weight[k] <= weight[first - 1]);
     free(weight);

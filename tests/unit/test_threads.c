@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Repeatability of the library, whose caller says how many threads OpenBLAS has (the programs keep
- * it at one): the same bits again with one thread, and with two the same to a tolerance. */
+/* Repeatability of the library, whose caller chooses the number of OpenBLAS threads (the programs
+ * use one). One thread gives the same bits again; two threads differ by less than a tolerance. */
 #include "common/program/openblas.h"
 #include "common/program/program.h"
 #include "fullrun/full_solver.h"
@@ -24,22 +24,21 @@ static double *numbers(size_t count) {
     return values;
 }
 
-/* Uniform on -0.5 … 0.5, always the same ones. */
+/* Returns reproducible uniform numbers on -0.5 … 0.5. */
 static double noise(uint64_t *seed) {
     return random_next(seed) - 0.5;
 }
 
-// ---- what is repeated: each fills `result` with `count` numbers and leaves the tolerance to its
-// caller
+// ---- repeated computations: each fills `result` with `count` numbers
 
 typedef struct repeated {
     const char *name;
     size_t count;
     void (*run)(double *result);
-    double tolerance; // of two threads against one, relative to the largest number
+    double tolerance; // difference of two threads from one, relative to the largest number
 } repeated;
 
-/* Pressure of a cold start, then its approach. */
+/* Computes pressure and approach of a cold start. */
 static void run_full(double *result) {
     const full_settings settings = full_default_settings();
     ehd_contact contact = sample_contact("barus", "dowson-higginson", 40, 12, 0.005);
@@ -58,7 +57,7 @@ static void run_full(double *result) {
     full_solver_free(solver);
 }
 
-/* Travelling humps: singular values, and the snapshots as the modes give them back. */
+/* Computes singular values of travelling humps, and the projected snapshots. */
 static void run_pod(double *result) {
     const pod_settings settings = {.num_modes = NUM_MODES};
     double *snapshots = numbers(NUM_STATES * NUM_NODES);
@@ -73,7 +72,7 @@ static void run_pod(double *result) {
         }
     assert_int_equal(pod_build(&basis, snapshots, NUM_STATES, NUM_NODES, &settings, NULL), EHD_OK);
     memcpy(result, basis.singular_values, NUM_MODES * sizeof(double));
-    // modes of near values may turn among themselves, their projector stays
+    // modes with close singular values may rotate; their projector does not change
     for (size_t s = 0; s < NUM_STATES; s++)
         for (size_t m = 0; m < NUM_MODES; m++)
             for (size_t k = 0; k < NUM_NODES; k++)
@@ -89,7 +88,7 @@ static void run_pod(double *result) {
     free(coordinates);
 }
 
-/* The system of one online iteration. */
+/* Solves a system like that of an online iteration. */
 static void run_least_squares(double *result) {
     least_squares *workspace = least_squares_create(NUM_ROWS, NUM_COLUMNS);
     double *matrix = numbers(NUM_ROWS * NUM_COLUMNS), *right = numbers(NUM_ROWS);
@@ -139,13 +138,13 @@ static void one_thread_gives_the_same_bits(void **state) {
     }
 }
 
-// ---- threads of the caller's
+// ---- threads of the caller
 
 enum { NUM_CALLERS = 3, NUM_CALLS = 10000, ORDER = 40, HEIGHT = 60 };
 
 static double triangle[ORDER * ORDER], right[HEIGHT * ORDER];
 
-/* What takes work space of OpenBLAS: a triangular system and a product. */
+/* Makes calls that use work space of OpenBLAS: a triangular system and a product. */
 static void call_blas(double *solved, double *product) {
     memcpy(solved, right, sizeof right);
     cblas_dtrsm(CblasColMajor, CblasRight, CblasLower, CblasTrans, CblasUnit, HEIGHT, ORDER, 1,
@@ -154,7 +153,7 @@ static void call_blas(double *solved, double *product) {
                 right, HEIGHT, 0, product, HEIGHT);
 }
 
-/* Returns how often a result was another one. */
+/* Returns the number of results that differ from the expected one. */
 static void *call_often(void *expected) {
     double *found = numbers(HEIGHT * (ORDER + HEIGHT));
     size_t *bad = calloc(1, sizeof *bad);
@@ -194,7 +193,7 @@ static void several_threads_may_call_openblas(void **state) {
 static void two_threads_agree_with_one(void **state) {
     (void)state;
 #ifdef __SANITIZE_THREAD__
-    skip(); // OpenBLAS is not built with it: how its own threads wait for one another is not seen
+    skip(); // OpenBLAS is not built with it, so the synchronisation of its threads is not visible
 #endif
     for (size_t p = 0; p < NUM_PARTS; p++) {
         double *one = run_with(&parts[p], 1), *two = run_with(&parts[p], 2);

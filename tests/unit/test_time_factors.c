@@ -83,7 +83,7 @@ static void test_a_step_with_a_tiny_bound_decides_no_factor(void **state) {
     const double central = mean_of(&before, central_of), minimum = mean_of(&before, minimum_of);
     samples[77].deviation[REDUCED_CENTRAL_FILM] = samples[77].deviation[REDUCED_MINIMUM_FILM] =
         1.1e-4;
-    samples[77].bounds = (film_bounds){1e-8, 0, 1e-8}; // factors of 33000 without floors
+    samples[77].bounds = (film_bounds){1e-8, 0, 1e-8}; // without floors the factors would be 33000
     const film_factors after = fit_that_covers();
     assert_true(after.central <= 6 && after.minimum <= 6);
     assert_true(mean_of(&after, central_of) < 1.5 * central);

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What rows and a moving exit do to the films in time. */
+/* Transient error estimates of the films, from residuals of rows and from a moving exit. */
 #include "romrun/online/time_indicator.h"
 #include "tests/unit/marching.h"
 
 #include <math.h>
 #include <stdlib.h>
 
-enum { STATE = 6 }; // of the training
+enum { STATE = 6 }; // a training state
 
 static trained training; // 121 nodes
 static reduced_basis basis;
@@ -43,8 +43,8 @@ static double local_of(reduced_film film) {
     return time_indicator_local(&indicator, film, 0.1);
 }
 
-/* To 1/e of it while the fluid goes from the minimum to the exit; what comes adds up; a step that is
- * repeated does so from the accepted state. */
+/* An error decreases to 1/e while the fluid moves from the minimum to the exit. New errors are
+ * added. A repeated step starts from the accepted state. */
 static void what_rows_do_leaves_through_the_exit(void **state) {
     const contact_scalars scalars = {.central_film_thickness = 0.1,
                                      .minimum_film_thickness = 0.08,
@@ -59,7 +59,7 @@ static void what_rows_do_leaves_through_the_exit(void **state) {
     time_indicator_add_local(&indicator, some, &scalars, NULL, &first);
     time_indicator_keep(&indicator);
     time_indicator_add_local(&indicator, unknown, &scalars, &first, &second);
-    check_close(local_of(REDUCED_CENTRAL_FILM), 0.1, 0, 0); // all of it
+    check_close(local_of(REDUCED_CENTRAL_FILM), 0.1, 0, 0); // an unknown error counts as 100 %
     for (int i = 0; i < 2; i++) {
         time_indicator_add_local(&indicator, some, &scalars, &first, &second);
         check_close(local_of(REDUCED_CENTRAL_FILM), 1e-4 * (1 + exp(-1)), 1e-12, 0);
@@ -72,8 +72,8 @@ static void what_rows_do_leaves_through_the_exit(void **state) {
     check_close(local_of(REDUCED_MINIMUM_FILM), 0, 0, 0);
 }
 
-/* What arose in the constriction does not stay because the film is lowest in a dip far before it since,
- * nor does what arose in the dip leave with what comes to the constriction later. */
+/* An error decays over the path from the place where it arose to the exit. Errors of the
+ * constriction and of a dip far before it decay independently, wherever the minimum lies later. */
 static void what_rows_do_leaves_from_where_it_arose(void **state) {
     const contact_scalars outlet = {.central_film_thickness = 0.1,
                                     .minimum_film_thickness = 0.08,
@@ -105,8 +105,8 @@ static size_t row_at(size_t node) {
     return row;
 }
 
-/* A row that least squares have is theirs; one that an exit has passed since counts with the influence
- * and the weight of the nearest one that they have. */
+/* A row of the least squares counts there. A row that an exit has passed since has the influence
+ * and weight of the nearest row of the least squares. */
 static void rows_that_an_exit_has_passed_count(void **state) {
     const row_set *rows = &at_rest.model.rows;
     const reduced_state at = reduced_march_state(at_rest.march, NULL);
@@ -115,7 +115,7 @@ static void rows_that_an_exit_has_passed_count(void **state) {
 
     assert_non_null(influence);
     time_indicator_place(&indicator, &at);
-    assert_int_equal(indicator.num_at_exit, 2); // kept factors reach no node far on this grid
+    assert_int_equal(indicator.num_at_exit, 2); // on this grid kept factors reach no farther
     const size_t before = indicator.node[indicator.num_nodes];
     assert_int_equal(before, at.exit - 1);
     indicator.residual[indicator.num_nodes] = 0.5;

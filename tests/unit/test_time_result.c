@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Results that grow in time: written, followed, killed, resumed and read. */
+/* Transient results: writing, following, killing, resuming and reading. */
 #include "common/output/time_result.h"
 
 #include "common/output/result.h"
@@ -23,8 +23,8 @@
 enum { NUM_NODES = 123, NUM_INNER = 121, RESTART_SIZE = 700, FIELDS_EVERY = 3 };
 
 static size_t restart_size;
-static const char *model; // of the run, NULL: none
-static scene given;       // only its tables count
+static const char *model; // model of the run; NULL: none
+static scene given;       // only its tables are used
 
 static ehd_contact contact; // 121 inner nodes
 static char path[128], partial[160];
@@ -51,9 +51,9 @@ static int set_up(void **state) {
 
 // ---- killing between writes
 
-/* HDF5 writes through these functions too. With a limit, the process is killed in the write that
- * comes after so many others, of which only the part on its first page gets into the file, as when
- * the kernel ends a write between two pages. */
+/* HDF5 also writes through these functions. With a limit, the process is killed after `writes_left`
+ * writes, during the next one. Only the part of it on the first page is written, as when the kernel
+ * ends a write between two pages. */
 static long writes_left = -1; // negative: no limit
 
 int ftruncate(int descriptor, off_t size) {
@@ -74,7 +74,7 @@ ssize_t pwrite(int descriptor, const void *bytes, size_t size, off_t offset) {
     return syscall(SYS_pwrite64, descriptor, bytes, size, offset);
 }
 
-// ---- a run whose every number is known
+// ---- a run with known values
 
 static double field_at(size_t index, size_t node) {
     return (double)index + 1e-3 * (double)node;
@@ -92,7 +92,7 @@ static double time_at(size_t index) {
     return 0.25 * (double)index;
 }
 
-/* The exits of an entry. */
+/* Returns the exits of an entry. */
 static const double *exits_at(size_t index) {
     static double exits[GRID_EXITS];
 
@@ -217,7 +217,7 @@ static void check_field(artefact *file, const char *name, size_t num_times, doub
     }
 }
 
-/* The finished file says all that was appended. */
+/* Checks that the finished file contains all appended entries. */
 static void check_result(size_t num_times, bool with_fields) {
     static const artefact_schema *const schemas[] = {&schema_result, NULL};
     time_series series;
@@ -260,8 +260,7 @@ static void grows_and_reads_back(void **state) {
     check_result(num_times, true);
 }
 
-/* Where films are carried along their paths a line has any number of exits, the farthest downstream
- * first. */
+/* Along the path a line has any number of exits, stored from the farthest downstream on. */
 static void all_exits_are_stored(void **state) {
     (void)state;
     static const artefact_schema *const schemas[] = {&schema_result, NULL};
@@ -315,7 +314,7 @@ static void summary_is_stored(void **state) {
     artefact_close(&file);
 }
 
-/* Those with a number a time, and the time itself. */
+/* Returns the number of fields with one number for each time, including the time itself. */
 static size_t num_scalars(void) {
     size_t count = 1;
     for (const artefact_field *field = schema_result.fields; field->name; field++)
@@ -366,7 +365,7 @@ static void stationary_is_one_time(void **state) {
     time_series_free(&series);
 }
 
-/* Changes one value of a finished file past our own code. */
+/* Changes one value of a finished file directly. */
 static void patch_time(size_t index, double value) {
     const hsize_t first[1] = {index}, count[1] = {1};
     hid_t file = H5Fopen(path, H5F_ACC_RDWR, H5P_DEFAULT);
@@ -448,7 +447,7 @@ static void memory_failures(void **state) {
     for (allocation_fail_at(call = 0);; allocation_fail_at(++call)) {
         status = time_series_read(&series, path, &contact_line, &error);
         if (!allocation_failed()) break;
-        // a scale whose name cannot be read is taken for one with values
+        // a field whose name cannot be read counts as one with values
         if (!status) check_series(&series, 2);
         time_series_free(&series);
     }
@@ -460,8 +459,8 @@ static void memory_failures(void **state) {
 
 // ---- following
 
-/* What a follower does: asks the axis for its length, and then finds as much of every field.
- * Returns that length. */
+/* Acts as a follower: reads the length of the time axis and checks that every field has as many
+ * entries. Returns the length. */
 static size_t follow(hid_t file) {
     static const char *const names[] = {"central_film_thickness", "status", "time_step",
                                         "pressure"};
@@ -532,7 +531,7 @@ static void followed_while_it_grows(void **state) {
         pause();
     }
     assert_int_equal(read(ends[0], &byte, 1), 1);
-    alarm(60); // in case the child does not get there
+    alarm(60); // in case the child fails
     hid_t file = open_to_follow();
     while (seen < num_times) {
         size_t length = follow(file);
@@ -552,7 +551,7 @@ static void followed_while_it_grows(void **state) {
 
 // ---- killing and resuming
 
-/* Entries from `first` on, a checkpoint after each second one, and once again, so that both slots
+/* Appends entries from `first` on, with two checkpoints after each second entry, so that both slots
  * may have the same number of entries. */
 static void run(artefact *file, size_t first, size_t num_times) {
     for (size_t i = first; i < num_times; i++) {
@@ -562,7 +561,8 @@ static void run(artefact *file, size_t first, size_t num_times) {
     }
 }
 
-/* Killed in the write `kill_at` of those after entry `first`. False when it came through. */
+/* Kills a run in write number `kill_at` after entry `first`. Returns false if the run finished
+ * before. */
 static bool killed_run(size_t first, size_t num_times, long kill_at) {
     int outcome = 0;
 
@@ -581,8 +581,8 @@ static bool killed_run(size_t first, size_t num_times, long kill_at) {
     return false;
 }
 
-/* Wherever the run is killed, all up to a checkpoint is there, at most one checkpoint is lost, and
- * the rest can be added. Returns the number of kills. */
+/* Kills a run at every `stride`-th write. All entries up to a checkpoint must be there, at most one
+ * checkpoint may be lost, and the rest can be added. Returns the number of kills. */
 static size_t kill_and_resume(size_t first, size_t num_times, long stride) {
     size_t num_entries = 0, least = first, kills = 0;
     artefact *file = NULL;
@@ -597,7 +597,7 @@ static size_t kill_and_resume(size_t first, size_t num_times, long stride) {
         check_result(num_times, true);
         unlink(path);
     }
-    unlink(partial); // of the run that came through
+    unlink(partial); // left by the run that finished
     assert_true(least + 2 >= num_times);
     return kills;
 }
@@ -616,7 +616,7 @@ static void kill_at_a_new_chunk(void **state) {
     assert_true(kill_and_resume(252, 258, 7) > 15); // a chunk holds 255 scalars
 }
 
-/* Three entries, two of them before the checkpoint; the file is closed politely. */
+/* Writes three entries, two of them before the checkpoint, and closes the file regularly. */
 static void interrupted_run(void) {
     artefact *file = start(true);
 
@@ -670,7 +670,7 @@ static void resume_refuses_another_run(void **state) {
     check_refused(try_resume(&file, &num_entries, "scene"), EHD_DATA, "restart_entry");
     restart_size = RESTART_SIZE;
     const ehd_grid own = contact.grid;
-    // as many nodes, but elsewhere
+    // an equal number of nodes at other places
     contact.grid =
         grid_of(own.x_min - own.step, own.step, own.inner_x, 1, false, own.discretization);
     check_refused(try_resume(&file, &num_entries, "scene"), EHD_DATA,
@@ -719,7 +719,7 @@ static void resume_refuses_other_inputs(void **state) {
                   "result.h5.partial: found a run with another model than /tmp/");
     check_refused(EHD_DATA, EHD_DATA, "second.h5 is now");
     assert_null(file);
-    // also where that makes it of another size
+    // also if the other model has restart data of another size
     restart_size = 699;
     check_refused(try_resume(&file, &num_entries, "scene"), EHD_DATA, "another model");
     restart_size = RESTART_SIZE;
@@ -756,7 +756,7 @@ static void resume_and_damage(void **state) {
     size_t num_entries = 0;
     artefact *file = NULL;
 
-    // a field after the checkpoint is written again
+    // fields after the checkpoint are written again
     file = start(true);
     run(file, 0, 7);
     artefact_close(&file);

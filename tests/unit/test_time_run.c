@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Runs in time that end early, are resumed, and then report what an uninterrupted one does; with a
- * solver whose films are known. */
+/* Transient runs that end early and are resumed must report the same as an uninterrupted run. The
+ * films of the solver are known. */
 #include "common/output/time_run.h"
 
 #include "common/output/time_result.h"
@@ -22,15 +22,15 @@ enum { NEVER = 0, TEXT = 8192 };
 
 static const double ATTEMPT_SECONDS = 2e-3;
 
-// ---- the solver: 0.1 a step to T = 1, all that is peculiar lies in the first half
+// ---- the solver: steps of 0.1 to T = 1; special events lie in the first half
 
 typedef struct stub_solver {
     double time, new_time;
-    size_t num_attempts;   // of this process
-    size_t before;         // those of earlier processes, saved
-    size_t interrupted_at; // attempt, of all of them
+    size_t num_attempts;   // number in this process
+    size_t before;         // number in earlier processes, saved
+    size_t interrupted_at; // number of the attempt, over all processes
     bool interrupted_at_start, fails_at_start;
-    double fails_from; // T
+    double fails_from; // time T
 } stub_solver;
 
 static stub_solver stub;
@@ -125,7 +125,7 @@ static void effort(double *rows, double *linear, double *exit_part, const void *
     *exit_part = NAN;
 }
 
-// ---- a run, in a process of its own because an interruption lasts
+// ---- a run, in a separate process because an interruption cannot be undone
 
 static char path[128], partial[160], out_path[128], scene_path[128], err_path[128];
 static char out[TEXT], err[TEXT];
@@ -189,7 +189,7 @@ static void slurp(char text[TEXT], const char *name) {
     fclose(stream);
 }
 
-/* Returns the exit code; fills `out` and `err`. */
+/* Runs in a child process; returns its exit code and fills `out` and `err`. */
 static int run(bool resume, bool written) {
     int outcome = 0;
 
@@ -206,7 +206,7 @@ static int run(bool resume, bool written) {
     return WEXITSTATUS(outcome);
 }
 
-/* Takes the line that starts so out of a text, because seconds differ. */
+/* Removes the line with this start from a text, because its seconds differ between runs. */
 static void drop_line(char text[TEXT], const char *start_of_it) {
     char *line = strstr(text, start_of_it);
     assert_non_null(line);
@@ -233,7 +233,7 @@ static void check_contains(const char *text, const char *part) {
     if (!strstr(text, part)) fail_msg("found \"%s\", expected in it \"%s\"", text, part);
 }
 
-/* Interrupted at each attempt in turn, and once more two attempts later. */
+/* Interrupts at each attempt in turn, and again two attempts later. */
 static void resumed_reports_what_an_uninterrupted_run_does(void **state) {
     (void)state;
     char whole_out[TEXT], whole_err[TEXT];
@@ -318,7 +318,7 @@ static void an_early_end_is_told(void **state) {
     check_contains(err, "not converged: found a step size of");
     assert_true(access(path, F_OK) != 0);
 
-    // so does a run that is resumed and comes no further
+    // a resumed run that gets no further reports the same
     assert_int_equal(run(true, true), EHD_NOT_CONVERGED);
     check_contains(out, line);
     check_contains(out, "smallest film           0.1");

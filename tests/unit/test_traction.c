@@ -46,18 +46,18 @@ static void laws_have_their_limits(void **state) {
         const double film = 0.1;
         set_shear(&contact, "newtonian", NAN, NAN);
         const double newton = contact_shear_stress(&contact, pressure, film, 0);
-        // eta0 (u1 - u2)/h in units of p_H
+        // the Newtonian stress eta0 (u1 - u2)/h, in units of p_H
         check_close(newton,
                     contact.lambda / 12 * slope * 0.1 / film * viscosity_ratio(&contact, pressure),
                     1e-14, 0);
-        // far above its stresses every law is Newton's
+        // far below its characteristic stress every law is Newtonian
         set_shear(&contact, "eyring", 1e6 * newton * hertz, NAN);
         check_close(contact_shear_stress(&contact, pressure, film, 0), newton, 1e-12, 0);
         set_shear(&contact, "carreau", 1e7 * newton * hertz, 0.5);
         check_close(contact_shear_stress(&contact, pressure, film, 0), newton, 1e-12, 0);
         set_shear(&contact, "limiting", 1e6 * newton / pressure, NAN);
         check_close(contact_shear_stress(&contact, pressure, film, 0), newton, 1e-6, 0);
-        // at them, by their definition: the rate of shear that belongs to the stress
+        // near this stress, by definition of the laws: the rate of shear for a given stress
         const double tau0 = newton * hertz / 3, viscous = newton * hertz;
         set_shear(&contact, "eyring", tau0, NAN);
         double stress = contact_shear_stress(&contact, pressure, film, 0) * hertz;
@@ -71,15 +71,15 @@ static void laws_have_their_limits(void **state) {
         check_close(stress, viscous * pow(1 + 9, (0.4 - 1) / 2), 1e-13, 0);
         set_shear(&contact, "carreau", tau0, 1);
         check_close(contact_shear_stress(&contact, pressure, film, 0), newton, 1e-14, 0);
-        // the faster surface drags, whichever it is
+        // the sign of the sliding determines the sign of the stress
         contact.slide_roll = -0.1;
         check_close(contact_shear_stress(&contact, pressure, film, 0), -newton, 1e-14, 0);
         contact.slide_roll = 0.1;
     }
 }
 
-/* In closed form: Newton's by the viscosity's slope, an Eyring fluid's by asinh, and one at its
- * limit. */
+/* Checks the slopes against closed forms: Newtonian by the slope of the viscosity, Eyring by asinh,
+ * and at a limiting stress. */
 static void slopes_are_those_of_the_laws(void **state) {
     (void)state;
     ehd_contact contact = with_sliding(sample_contact("barus", "incompressible", 20, 8, 0.05), 0.1);
@@ -105,7 +105,7 @@ static void slopes_are_those_of_the_laws(void **state) {
     }
 }
 
-/* A viscosity of hundreds of decades overflows nothing. */
+/* A viscosity over hundreds of decades does not overflow. */
 static void stresses_stay_finite(void **state) {
     (void)state;
     ehd_contact contact =
@@ -122,7 +122,7 @@ static void stresses_stay_finite(void **state) {
 
 // ---- integrals
 
-/* A plug of constant film and pressure, wider than the dry contact: all in closed form. */
+/* A plug of constant film and pressure, wider than the dry contact, has closed-form results. */
 static void plug_of_constant_film(void **state) {
     (void)state;
     const double film = 0.07, pressure = 0.6;
@@ -148,7 +148,7 @@ static void plug_of_constant_film(void **state) {
         const traction_sums beyond = contact_traction_beyond(&contact, &scalars);
         const double here = -contact.lambda / 12 * slope * 0.3 / film;
         const double stress = here * viscosity_ratio(&contact, pressure);
-        // behind the last node the stress goes over to that of no pressure within a step
+        // behind the last node the stress changes within a step to that without pressure
         double force = stress * cells * grid_cell(grid), ends = 0;
         for (size_t r = 0; r < grid->num_inner; r++) {
             const size_t k = grid_node_of_row(grid, r);
@@ -167,7 +167,7 @@ static void plug_of_constant_film(void **state) {
     }
 }
 
-/* Where the exit lies within the last cell, of stresses that vary linearly there: exact. */
+/* The exit lies within the last cell; the result is exact for stresses that vary linearly there. */
 static void exit_within_a_cell(void **state) {
     (void)state;
     ehd_contact contact = with_sliding(sample_contact("barus", "incompressible", 20, 0, 0.0625), 1);
@@ -181,7 +181,7 @@ static void exit_within_a_cell(void **state) {
     for (double place = 0; place <= 1; place += 0.25) {
         const contact_scalars scalars = {.load = 1, .exit_position = 1 + place * grid->step};
         const contact_traction found = contact_traction_of(&contact, p, h, &scalars);
-        // from half a step before the first inner node on, which counts whole
+        // from half a step before the first inner node, whose cell counts completely
         const double length = 1 + place * grid->step - grid->x_min + grid->step / 2;
         const double within = contact.lambda / 12 * slope / 0.1 * length;
         const double beyond = contact_traction_beyond(&contact, &scalars).friction;
@@ -191,7 +191,8 @@ static void exit_within_a_cell(void **state) {
     free(h);
 }
 
-/* Wherever the film rises with the pressure, the surfaces are pushed back by the same force. */
+/* Half the difference of the stresses on both surfaces is the friction; half their sum is the
+ * negative rolling resistance within the grid. */
 static void stresses_on_both_surfaces(void **state) {
     (void)state;
     ehd_contact contact =
@@ -221,8 +222,8 @@ static void stresses_on_both_surfaces(void **state) {
     free(on[1]);
 }
 
-/* The mean over the dry contact is of second order in the step, wherever its edge lies between nodes: of
- * stresses 1/(1 + X^2) and 1 - r^2/2. */
+/* The mean over the dry contact has second order in the step, wherever its edge lies between nodes.
+ * The stresses are 1/(1 + X^2) and 1 - r^2/2. */
 static void mean_over_the_area(void **state) {
     (void)state;
     for (int dimensions = 1; dimensions <= 2; dimensions++)
@@ -255,8 +256,8 @@ static void mean_over_the_area(void **state) {
 
 // ---- beyond the grid
 
-/* The tail before a rigid parabola agrees with Martin's closed form (1916), X = sqrt(2 H0) tan(theta),
- * wherever the tail begins and whatever the flow is. */
+/* The inlet before the grid of a rigid parabola agrees with Martin's closed form (1916), X = sqrt(2
+ * H0) tan(theta), for any length of the grid and any flow. */
 static void inlet_of_a_rigid_line(void **state) {
     (void)state;
     for (int i = 0; i < 3; i++)
@@ -277,7 +278,7 @@ static void inlet_of_a_rigid_line(void **state) {
             const double at_first = approach + first * first / 2;
             check_close(found.friction,
                         contact.lambda / 12 * slope * 0.3 * (once + 0.025 / at_first), 1e-5, 0);
-            // backwards all of it lies behind
+            // with reversed entrainment this inlet lies behind
             contact.grid =
                 grid_like(&contact.grid, -first - 99 * 0.05 + 2 * first - 0.05, 0.05, 100, 1);
             contact.entrainment = -0.7;
@@ -287,8 +288,8 @@ static void inlet_of_a_rigid_line(void **state) {
         }
 }
 
-/* Around points and ellipses, by a second rule: rings of equal parts of ln r around the grid's cells, of
- * the pressure less that at the rim in the same direction. */
+/* The surroundings of points and ellipses, by another rule: rings of equal parts of ln r around the
+ * cells of the grid, with the pressure minus that at the rim in the same direction. */
 static void around_a_point(void **state) {
     (void)state;
     const double ellipticities[] = {1, 0.5, 3}, approach = -0.4;
@@ -324,7 +325,8 @@ static void around_a_point(void **state) {
         }
         const contact_scalars scalars = {.rigid_approach = approach};
         const traction_sums found = contact_traction_beyond(&contact, &scalars);
-        check_close(found.rolling, rolling, 2e-3, 0); // P at the rim counts within the grid too
+        // the pressure at the rim counts within the grid too
+        check_close(found.rolling, rolling, 2e-3, 0);
         check_close(found.friction, friction, 2e-3, 0);
     }
 }
@@ -350,8 +352,8 @@ static contact_traction traction_from(double x_min, const char *kind, double M, 
     return found;
 }
 
-/* The rolling resistance does not depend on where the grid begins; without what lies before it 5 % of a
- * line's and a third of a point's would be missing. */
+/* The rolling resistance does not depend on the begin of the grid. Without the inlet before it, 5 %
+ * of a line's resistance and a third of a point's would be missing. */
 static void hardly_depends_on_the_domain(void **state) {
     (void)state;
     const double line = traction_from(-24, "line", 10, 5, 0.02).rolling_resistance;
@@ -362,7 +364,7 @@ static void hardly_depends_on_the_domain(void **state) {
     check_close(traction_from(-6, "point", 20, 5, 0.125).rolling_resistance, point, 1.5e-3, 0);
 }
 
-/* The gradient beside the boundary is that of the far field: stresses go on smoothly. */
+/* The gradient beside the boundary includes the far field, so stresses are smooth there. */
 static void stresses_beside_the_boundary(void **state) {
     (void)state;
     full_settings settings = full_default_settings();
@@ -386,7 +388,7 @@ static void stresses_beside_the_boundary(void **state) {
 
 // ---- energy
 
-/* int dP/rho, of which the pressures' power is made up in a barotropic fluid. */
+/* Returns int dP/rho, the pressure's work in a barotropic fluid. */
 static double specific_work(const ehd_contact *contact, double pressure) {
     enum { PARTS = 64 };
     double sum = 0;
@@ -400,8 +402,8 @@ static double specific_work(const ehd_contact *contact, double pressure) {
     return sum * pressure / PARTS;
 }
 
-/* What the pressure flow dissipates, eps |grad P|^2/rho, by the rows of the Reynolds operator at
- * rest: sum by parts of the mobilities' fluxes times the differences of the pressures. */
+/* Returns the dissipation of the pressure flow, eps |grad P|^2/rho, from the rows of the Reynolds
+ * operator at rest: summed by parts, fluxes of the mobilities times differences of the pressure. */
 static double dissipated(const problem *solved) {
     const ehd_contact *contact = &solved->contact;
     const ehd_grid *grid = &contact->grid;
@@ -430,7 +432,7 @@ static double dissipated(const problem *solved) {
     return sum;
 }
 
-/* What the shear flow of the sliding dissipates, eta (u1 - u2)^2/h: of a film that is Newtonian. */
+/* Returns the dissipation of the shear flow, eta (u1 - u2)^2/h, in a Newtonian film. */
 static double sheared(const problem *solved, const ehd_contact *sliding) {
     const ehd_grid *grid = &sliding->grid;
     const double speed = slope * sliding->slide_roll;
@@ -441,22 +443,22 @@ static double sheared(const problem *solved, const ehd_contact *sliding) {
         const double *pressure = solved->state.pressure + k, *film = solved->state.film + k;
         if (!(pressure[0] > 0)) continue;
         sum += grid_load_weight(grid, k) * viscosity_ratio(sliding, pressure[0]) / film[0];
-        // a point contact ends at the next node, where there is no pressure; lines end before it
+        // the shear zone of a point contact ends at the next node without pressure, that of a line before it
         if (!(pressure[1] > 0) && sliding->kind->dimensions == 2)
             sum += grid_load_weight(grid, k) / 2 / film[1];
     }
     return sum * sliding->lambda / 12 * speed * speed / slope;
 }
 
-/* In pure rolling all that the surfaces put in goes into the pressure flow, and the moment of the
- * pressures is what the tangential stresses of both surfaces make up. Where they slide, which the film
- * does not see, the rest goes into the shear flow. */
+/* In pure rolling the power of the surfaces is dissipated by the pressure flow, and the moment of
+ * the pressure equals that of the tangential stresses on both surfaces. With sliding, which does
+ * not change this film, the rest of the power is dissipated by the shear flow. */
 static void energy_and_moment(void **state) {
     (void)state;
     static const struct {
         const char *viscosity, *density;
         double M, L, step;
-        size_t cells;       // of a point contact
+        size_t cells;       // number for a point contact
         double ellipticity; // 1: round
     } cases[] = {{"barus", "incompressible", 10, 5, 0.0025, 0, 1},
                  {"roelands", "incompressible", 10, 4, 0.005, 0, 1},
@@ -489,7 +491,7 @@ static void energy_and_moment(void **state) {
         const traction_sums around = contact_traction_beyond(&contact, &scalars);
         const double within = dissipated(&solved);
         check_close(slope * (within + around.rolling) / contact.kind->load, found.power, 1e-4, 0);
-        // on surfaces that slide so slowly that both parts count
+        // surfaces that slide so slowly that both parts matter
         ehd_contact sliding = with_sliding(contact, 1);
         const double rolled = found.power * contact.kind->load;
         sliding.slide_roll = -sqrt(rolled / (sheared(&solved, &sliding) +
@@ -506,8 +508,8 @@ static void energy_and_moment(void **state) {
     }
 }
 
-/* What a film dissipates whose flow is thinned, from the profile of its velocities by quadrature: the
- * stress times the rate of shear, half way between nodes, in units of p_H u_m a. */
+/* Returns the dissipation of a thinned flow from the quadrature of its velocity profile: stress
+ * times rate of shear, half way between nodes, in units of p_H u_m a. */
 static double dissipated_by_profile(const problem *solved) {
     enum { PARTS = 400 };
     const ehd_contact *contact = &solved->contact;
@@ -540,8 +542,8 @@ static double dissipated_by_profile(const problem *solved) {
     return sum;
 }
 
-/* Where the flow is thinned too, friction and rolling are of the same flow: what the surfaces put in is
- * what the film dissipates. */
+/* With a thinned flow, friction and rolling belong to the same flow: the power of the surfaces is
+ * the dissipation of the film. */
 static void energy_of_a_thinned_flow(void **state) {
     (void)state;
     const double slides[] = {0.01, 1}, stresses[] = {5e-4, 2e-3};
@@ -562,7 +564,7 @@ static void energy_of_a_thinned_flow(void **state) {
         const double outside = contact.slide_roll * beyond.friction + slope * beyond.rolling;
         check_close((dissipated_by_profile(&solved) + outside) / contact.kind->load, found.power,
                     1e-3, 0);
-        // which the stress without the gradient would not be
+        // this would not hold for the stress without the gradient
         ehd_contact newtonian = contact;
         newtonian.lubricant.thinning_stress = 0;
         const contact_traction without =

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The table of sizes of a model: which are measured, how, and which one is taken. */
+/* The table of model sizes: their choice, their measurement, and the choice of one by accuracy. */
 #include "common/artefact/artefact.h"
 #include "romrun/calibrate/accuracy.h"
 #include "romrun/calibrate/calibration.h"
@@ -20,7 +20,7 @@ static ehd_error error;
 
 #define check_ok(call) assert_string_equal(((call) == EHD_OK) ? "" : error.text, "")
 
-/* A model of all modes and rows of the small training. */
+/* Writes a model with all modes and rows of the small training. */
 static int set_up(void **state) {
     reduced_basis basis;
 
@@ -55,7 +55,7 @@ static void check_ladder(size_t modes, size_t deformation, size_t rows, const mo
 }
 
 static void the_ladder_goes_from_ten_modes_to_all(void **state) {
-    // 10 sqrt(2)^k, in the end 10 2^(k/4), and 50 rows are fewer than twice 28 modes
+    // modes are 10 sqrt(2)^k, at the end 10 2^(k/4); 50 rows are fewer than twice 28 modes
     const model_sizes coupled[] = {{10, 0, 12}, {10, 0, 15}, {10, 0, 20}, {10, 0, 30}, {10, 0, 50},
                                    {14, 0, 17}, {14, 0, 21}, {14, 0, 28}, {14, 0, 42}, {14, 0, 50},
                                    {17, 0, 21}, {17, 0, 26}, {17, 0, 34}, {17, 0, 50}, {20, 0, 24},
@@ -70,7 +70,7 @@ static void the_ladder_goes_from_ten_modes_to_all(void **state) {
     check_ladder(11, 5, 11, square, 2);
 }
 
-/* Every size of a ladder is one that a model has, whatever its own. */
+/* Every size of a ladder is available in its model, for any size of the model. */
 static void every_position_can_be_opened(void **state) {
     (void)state;
     for (size_t modes = 1; modes < 130; modes++)
@@ -136,7 +136,7 @@ static void the_cheapest_that_is_good_enough(void **state) {
         assert_int_equal(trade_is_dominated(&table, i, false), dominated[i]);
 }
 
-/* Each regime chooses by its own numbers. */
+/* Stationary and transient scenes are chosen by their own measurements. */
 static void in_time_it_may_be_another(void **state) {
     trade_position positions[] = {measured(1e-3, 1, 0), measured(1e-2, 2, 0)};
     const trade_table table = {9, 1, 2, positions, {0}};
@@ -153,7 +153,7 @@ static void in_time_it_may_be_another(void **state) {
     assert_int_equal(trade_cheapest(&table, 1e-2, true), 2);
 }
 
-/* The minimum film counts as the central one does. */
+/* The minimum film counts like the central one. */
 static void the_worse_film_is_the_price(void **state) {
     trade_position position = measured(1e-3, 2, 0);
     (void)state;
@@ -163,7 +163,8 @@ static void the_worse_film_is_the_price(void **state) {
     check_close(trade_price_of(&position, false).deviation, 2e-3, 0, 0);
 }
 
-/* A size with false spikes is passed over; where all have some, the least. */
+/* A size with a wrong pressure spike is not chosen; if all sizes have one, the one with the least
+ * is. */
 static void pressures_may_be_off_three_times_as_much(void **state) {
     trade_position positions[] = {measured(1e-3, 1, 0), measured(1e-3, 2, 0), measured(1e-3, 3, 0)};
     const trade_table table = {100, 0, 3, positions, {0}};
@@ -179,7 +180,8 @@ static void pressures_may_be_off_three_times_as_much(void **state) {
     assert_int_equal(trade_cheapest(&table, 5e-4, false), 3);
 }
 
-/* With an indicator, what it says of 90 % of the scenes. */
+/* If error estimates exist, the estimate that 90 % of the scenes meet is used instead of the worst
+ * deviation. */
 static void an_indicator_takes_the_place_of_the_worst(void **state) {
     trade_position positions[] = {measured(1e-3, 2, 0), measured(1e-1, 1, 3),
                                   measured(1e-9, 0.5, 3)};
@@ -218,8 +220,8 @@ static double indicated_with(const double *deviations, const double *bounds, siz
     return trade_indicated(trade_indicator_factor(deviations, bounds, count), shape, bound);
 }
 
-/* Where linear influences end deviations are (1 + 1e3 bound) bound and less: the fit finds it, and small
- * bounds do not take the factor of the large one. */
+/* For large errors, where linear influences are too small, deviations are up to (1 + 1e3 bound)
+ * bound. The fit finds this, and small bounds do not get the factor of the large one. */
 static void a_factor_grows_with_the_bound(void **state) {
     enum { NUM = 9 };
     double bounds[NUM], deviations[NUM];
@@ -233,13 +235,14 @@ static void a_factor_grows_with_the_bound(void **state) {
         const double found = indicated_with(deviations, bounds, NUM, false, bounds[i]);
         check_close(found, 2 * (1 + 1e3 * bounds[i]) * bounds[i], 1e-5, 0);
     }
-    // beyond the scenes the largest factor holds, and a bound that is none stays so
+    // above the bounds of the scenes the largest factor is used; infinite and NaN bounds stay so
     check_close(indicated_with(deviations, bounds, NUM, false, 1), 2 * 101, 1e-5, 0);
     assert_true(isinf(indicated_with(deviations, bounds, NUM, false, INFINITY)));
     assert_true(isnan(indicated_with(deviations, bounds, NUM, false, NAN)));
 }
 
-/* Ratios that do not rise with the bound: the largest holds for all. No scenes: nothing to go by. */
+/* If ratios do not increase with the bound, the largest one is used for all. Without scenes the
+ * shape is the default. */
 static void a_factor_may_be_the_same_for_all(void **state) {
     const double bounds[] = {1e-6, 0, 1e-5, INFINITY, 1e-3};
     const double deviations[] = {3e-6, 1, 1e-5, 1, 5e-4};
@@ -252,7 +255,7 @@ static void a_factor_may_be_the_same_for_all(void **state) {
     assert_memory_equal(&none, &plain_shape, sizeof none);
 }
 
-/* One exit that is a node off, which no bound tells, does not make all others bad. */
+/* An exit that is off by a node, which no bound shows, does not increase all other estimates. */
 static void an_offset_takes_what_no_bound_tells(void **state) {
     enum { NUM = 9 };
     double bounds[NUM], deviations[NUM];
@@ -270,8 +273,8 @@ static void an_offset_takes_what_no_bound_tells(void **state) {
     }
 }
 
-/* No scene of the calibration deviates by more than one offset: what is indicated of others grows all the same, to first
- * order with the bound, by the largest ratio where that is less. */
+/* If the deviations of all scenes of the calibration are at most one offset, estimates still grow
+ * with the bound: with first order, or by the largest ratio where this is less. */
 static void no_offset_is_a_ceiling(void **state) {
     enum { NUM = 9 };
     double bounds[NUM] = {0}, deviations[NUM] = {0};
@@ -291,7 +294,7 @@ static void no_offset_is_a_ceiling(void **state) {
     }
 }
 
-/* Each scene is covered with the margin, whatever they are. */
+/* The estimate of every scene exceeds its deviation by the margin, for random bounds. */
 static void scenes_are_covered_whatever_the_bound(void **state) {
     enum { NUM = 30 };
     double bounds[NUM], deviations[NUM];
@@ -309,7 +312,7 @@ static void scenes_are_covered_whatever_the_bound(void **state) {
     }
 }
 
-// ---- what is asked for by --accuracy
+// ---- choice by --accuracy
 
 static void accuracy_chooses_the_fastest_and_the_best(void **state) {
     trade_position positions[] = {measured(1e-1, 1, 0), measured(1e-2, 2e-3, 0),
@@ -358,8 +361,8 @@ static void accuracy_goes_by_the_steps_in_time(void **state) {
                         "m.h5: found a calibration without trajectories, expected some");
 }
 
-/* With an indicator the fastest of the sizes that most trajectories are indicated well with, at least
- * half of them. */
+/* With error estimates, the fastest of the sizes is chosen whose estimates meet the accuracy on the
+ * most trajectories, and on at least half of them. */
 static void accuracy_goes_by_the_most_trajectories(void **state) {
     trade_position positions[] = {measured(1e-3, 1, 0), measured(1e-3, 2, 0), measured(1e-3, 3, 0)};
     const trade_table table = {9, 10, 3, positions, {0}};
@@ -370,7 +373,8 @@ static void accuracy_goes_by_the_most_trajectories(void **state) {
         positions[i].sizes = (model_sizes){10 + i, 0, 20 + 2 * i};
         positions[i].factor_in_time = 1;
         positions[i].step_seconds = 1e-4 * (double)(i + 1);
-        for (int k = 0; k < NUM_TIME_PARTS; k++) // 60, 80 and 80 % to 1e-3, jumps are lost
+        // 60, 80 and 80 % of the trajectories meet 1e-3, the others are lost
+        for (int k = 0; k < NUM_TIME_PARTS; k++)
             positions[i].indicated_in_time[k] = k > (i == 0 ? 1 : 3) ? 1 : 1e-3 / (double)(i + 1);
     }
     assert_int_equal(trade_cheapest(&table, 1e-3, true), 1);
@@ -381,14 +385,14 @@ static void accuracy_goes_by_the_most_trajectories(void **state) {
     check_ok(accuracy_choose(&choice, &table, 1e-3, true, "m.h5", &error));
     assert_non_null(strstr(choice.note, "films were indicated to be at most so far off: 0.001 on "
                                         "80 % of 10 trajectories, in 0.2 ms a step"));
-    // a smaller accuracy is judged step by step
+    // if no size meets the accuracy, steps are checked one by one
     check_ok(accuracy_choose(&choice, &table, 1e-4, true, "m.h5", &error));
     assert_memory_equal(&choice.fastest, &positions[2].sizes, sizeof choice.fastest);
     assert_string_equal(choice.note,
                         "12 pressure modes, 24 rows, the most accurate of 3 sizes: on half of 10 "
                         "trajectories its films were indicated to be at most 0.000333 off, more "
                         "than that; each step is judged by its own");
-    // fewer lost trajectories count before more that are well indicated, and both before time
+    // fewer lost trajectories count first, then more accurate ones, then time
     positions[0].num_lost = positions[2].num_lost = 2;
     positions[1].num_lost = 3;
     assert_int_equal(trade_cheapest(&table, 1e-3, true), 2);
@@ -399,7 +403,7 @@ static void accuracy_goes_by_the_most_trajectories(void **state) {
     assert_false(trade_is_dominated(&table, 1, true));
     positions[1].indicated_in_time[0] = 1e-3;
     assert_true(trade_is_dominated(&table, 1, true));
-    // the most accurate one is so on all parts, of which lost ones are 1
+    // the most accurate size is best over all parts; lost trajectories count as 1
     for (int k = 0; k < NUM_TIME_PARTS; k++) {
         positions[1].indicated_in_time[k] = 5e-4;
         positions[2].indicated_in_time[k] = k > 0 ? 1 : 1e-4;
@@ -410,7 +414,7 @@ static void accuracy_goes_by_the_most_trajectories(void **state) {
     assert_int_equal(accuracy_choose(&choice, &table, 1e-3, true, "m.h5", &error), EHD_DATA);
 }
 
-/* The limit that a refusal names is one that can be asked for, whatever its digits. */
+/* The limit in an error message is one that can be requested, whatever its digits. */
 static void accuracy_names_what_it_can_give(void **state) {
     trade_position position = measured(0, 1, 0);
     const trade_table table = {9, 0, 1, &position, {0}};
@@ -460,12 +464,12 @@ static void a_promise_is_kept_or_the_result_flagged(void **state) {
         assert_non_null(strstr(result.reason, cases[i].words));
     }
     check_close(accuracy_tolerance(1e-2), 2e-4, 1e-12, 0);
-    check_close(accuracy_tolerance(1e-12), 1e-8, 0, 0); // as without --accuracy
+    check_close(accuracy_tolerance(1e-12), 1e-8, 0, 0); // the tolerance without --accuracy
 }
 
 // ---- measuring
 
-/* Full solutions of the training itself, some of which are said to be other than they are. */
+/* Uses full solutions of the training; some of them get other values. */
 static void a_full_model_deviates_by_what_it_is_told(void **state) {
     const double film = 1.25, pressure = 0.8;
     const size_t num_nodes = training.set.grid.num_nodes;
@@ -605,7 +609,7 @@ static void a_table_comes_back(void **state) {
     assert_int_equal(found.positions[1].num_failures, 7);
     assert_true(isnan(found.positions[1].seconds));
     trade_free(&found);
-    // it is still a model
+    // the file is still a model
     check_ok(online_open(&model, calibrated, &(part_sizes){{positions[0].sizes}}, &error));
     assert_int_equal(online_describe(model).rows, 20);
     online_close(model);

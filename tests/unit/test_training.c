@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What is kept of points that an earlier run has solved. */
+/* Points that an earlier run has solved. */
 #include "fullrun/training.h"
 #include "tests/unit/allocation.h"
 #include "tests/unit/check.h"
@@ -12,7 +12,7 @@ enum { NUM_POINTS = 3 };
 
 static ehd_error error;
 
-/* One that a file tells twice is kept once. */
+/* A point that appears twice in a file is stored once. */
 static void a_point_is_kept_once(void **state) {
     (void)state;
     const ehd_contact contact = sample_contact("barus", "dowson-higginson", 12, 4, 0.05);

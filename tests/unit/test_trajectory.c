@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What training on trajectories leaves behind: compressed snapshots that stand for all steps, and a
- * few states kept as they are. */
+/* Results of training on trajectories: compressed snapshots of all steps, and a few states that are
+ * kept unchanged. */
 #include "fullrun/full_march.h"
 #include "podbuild/compress.h"
 #include "podbuild/pod.h"
@@ -23,7 +23,7 @@ static const char usual_scene[] =
     "grid: {x_min: -4, x_max: 2, step: 0.05}\n"
     "transient: {end_time: 1, fixed_step: 0.01, load: {law: sine, amplitude: 0.2, period: 1}}\n";
 
-/* The scene with several values of one key. */
+/* Makes a training set of the scene with several values of one key. */
 static void make_set(training_set *set, const char *vary) {
     FILE *file = fopen("scene.yml", "w");
     plan given;
@@ -49,7 +49,7 @@ static void train(trajectories *trained, const training_set *set, size_t num_wor
     if (trajectories_train(trained, &caller, set, num_workers, &error)) fail_msg("%s", error.text);
 }
 
-// ---- the same steps, all of them
+// ---- all steps of the trajectories
 
 typedef struct all_steps {
     full_march *full;
@@ -99,7 +99,7 @@ static void add_trajectory(all_steps *steps, const trajectory_scene *of) {
     histories_free(histories);
 }
 
-/* Part of the snapshots' energy outside of the first `rank` rows' span. */
+/* Returns the part of the snapshots' energy outside of the span of the first `rank` rows. */
 static double energy_outside(const all_steps *steps, const compressed_set *set, size_t rank) {
     double outside = 0, energy = 0;
     double *rest = calloc(steps->num_nodes, sizeof *rest);
@@ -121,7 +121,7 @@ static double energy_outside(const all_steps *steps, const compressed_set *set, 
     return outside / energy;
 }
 
-/* What is left of two trajectories after compression is the SVD of all their steps in one piece. */
+/* The compressed snapshots of two trajectories have the SVD of all their steps in one piece. */
 static void compression_is_the_svd_of_all_steps(void **state) {
     (void)state;
     training_set set;
@@ -145,7 +145,7 @@ static void compression_is_the_svd_of_all_steps(void **state) {
     assert_int_equal(trained.num_steps, steps.count);
     assert_int_equal(trained.num_failed, 0);
     assert_int_equal(trained.second.rank, 0);
-    // fewer than the snapshots, and nothing of them is lost
+    // fewer rows than snapshots, and no energy is lost
     assert_true(compressed->rank < steps.count && compressed->rank > 20);
     double energy = compressed->energy, first = whole.singular_values[0];
     assert_true(compressed->energy_discarded <= 3e-22 * energy);
@@ -153,7 +153,7 @@ static void compression_is_the_svd_of_all_steps(void **state) {
     for (size_t i = 0; i < compressed->rank; i++)
         check_close(compressed->singular_values[i], whole.singular_values[i], 1e-4, 1e-11 * first);
     check_close(compressed->singular_values[0], first, 1e-13, 0);
-    // the span of the first modes: what they leave out is what the singular values say
+    // the energy outside of the span of the first modes follows from the singular values
     for (size_t rank = 1; rank < 25; rank += 4) {
         double outside = 0;
         for (size_t i = rank; i < whole.num_singular_values; i++)
@@ -166,12 +166,12 @@ static void compression_is_the_svd_of_all_steps(void **state) {
     training_set_free(&set);
 }
 
-/* Threads and the order in which they finish change nothing. */
+/* Number and order of threads change no bit. */
 static void workers_change_no_bit(void **state) {
     (void)state;
     training_set set;
     trajectories one, two;
-    // the first one takes longest, so that the others wait for it
+    // the first trajectory takes longest, so the others wait for it
     make_set(&set, "transient.end_time: [1, 0.1, 0.2]");
     train(&one, &set, 1);
     train(&two, &set, 3);
@@ -192,7 +192,7 @@ static void workers_change_no_bit(void **state) {
     training_set_free(&set);
 }
 
-/* One that does not reach its end, on so coarse a grid, is counted; nothing of it is kept. */
+/* A trajectory that fails, on so coarse a grid, is counted, and none of its steps is kept. */
 static void failed_trajectory_leaves_nothing(void **state) {
     (void)state;
     training_set set, alone;
@@ -225,8 +225,8 @@ static ehd_contact reference_contact(void) {
     return contact;
 }
 
-/* A march of given loads and exits in equal steps to T = 1. Frames are scaled by loads that are
- * near only, as where the approach is given. */
+/* Considers a march with given loads and exits, in equal steps to T = 1. Frames are scaled by
+ * approximate loads, as with a given approach. */
 static void consider_all(kept_states *kept, const ehd_contact *reference, size_t count,
                          const double *load, const size_t *exit) {
     for (size_t k = 0; k < count; k++) {
@@ -256,13 +256,13 @@ static void extremes_are_kept(void **state) {
         exit[k] = 50;
     }
     exit[33] = 40;
-    exit[34] = 40; // the first of equals is kept
+    exit[34] = 40; // the first of equal extremes is kept
     exit[77] = 61;
     load[222] = 1; // a sudden change
     assert_int_equal(kept_states_init(&kept, NODES, 1, 1, NULL), EHD_OK);
     consider_all(&kept, &reference, COUNT, load, exit);
     assert_int_equal(kept.num_times, KEPT_TIMES);
-    for (size_t i = 0; i < KEPT_TIMES; i++) { // the first step from a regular time on
+    for (size_t i = 0; i < KEPT_TIMES; i++) { // the first step at or after a regular time
         double wanted = (double)i / (KEPT_TIMES - 1);
         assert_true(kept.states[i].time >= wanted - 1e-12 &&
                     kept.states[i].time < wanted + 1. / (COUNT - 1));
@@ -285,7 +285,7 @@ static void extremes_are_kept(void **state) {
     kept_states_free(&kept);
 }
 
-/* Fewer steps than places: the last state stands in for what is missing. */
+/* With fewer steps than places the last state fills the rest. */
 static void few_steps_fill_all_places(void **state) {
     (void)state;
     ehd_contact reference = reference_contact();

@@ -10,7 +10,8 @@
 
 enum { NUM_SMALL = 5, NUM_LARGE = 60 };
 
-/* Points 0, 1, 2, 3 at 0, 1, 2, 10 on a line, the second the easiest; the last is alone. */
+/* Points at 0, 1, 2, 10 on a line, of which the second is the easiest, and a single point of
+ * another family. */
 static const tree_point small[NUM_SMALL] = {
     {0, {0, 5}, 2}, {0, {1, 5}, 1}, {0, {2, 5}, 3}, {0, {10, 5}, 4}, {1, {1, 5}, 9}};
 
@@ -21,7 +22,7 @@ static void assert_numbers(const size_t *found, const size_t *expected, size_t c
 
 static void test_hand_worked(void **state) {
     const size_t expected_parent[] = {1, NO_PARENT, 1, 2, NO_PARENT};
-    const size_t expected_order[] = {1, 2, 0, 3, 4}; // heights 1 3 2 1 1
+    const size_t expected_order[] = {1, 2, 0, 3, 4}; // heights are 1 3 2 1 1
     const size_t expected_walk[] = {1, 0, 2, 3, 4};
     size_t parent[NUM_SMALL], order[NUM_SMALL], walk[NUM_SMALL];
     (void)state;
@@ -34,7 +35,7 @@ static void test_hand_worked(void **state) {
     assert_numbers(walk, expected_walk, NUM_SMALL);
 }
 
-/* The second coordinate counts as much as the first, whatever its unit. */
+/* Both coordinates have the same weight, whatever their units. */
 static void test_scaled(void **state) {
     const tree_point points[] = {
         {0, {0, 0}, 0}, {0, {1, 0}, 1}, {0, {0.6, 500}, 1}, {0, {0, 1000}, 1}};
@@ -52,7 +53,7 @@ static void make_large(tree_point points[NUM_LARGE]) {
         points[i] = (tree_point){i % 3, {a, 40 * b}, hypot(a - 0.5, b)};
     }
     points[NUM_LARGE - 2].place[0] = points[NUM_LARGE - 2].place[1] = 0;
-    points[NUM_LARGE - 1].place[0] = 1; // the ranges are 1 and 40
+    points[NUM_LARGE - 1].place[0] = 1; // so the ranges are 1 and 40
     points[NUM_LARGE - 1].place[1] = 40;
 }
 
@@ -60,8 +61,8 @@ static double length(const tree_point *left, const tree_point *right) {
     return hypot(left->place[0] - right->place[0], (left->place[1] - right->place[1]) / 40);
 }
 
-/* A spanning tree is minimal when no edge can be exchanged: over each pair of points the way
- * through the tree has no longer edge than the direct one. */
+/* Returns the longest edge of the path through the tree. A spanning tree is minimal if this is, for
+ * each pair of points, not longer than the direct edge. */
 static double longest_edge(const tree_point *points, const size_t *parent, size_t from, size_t to) {
     double longest = 0;
     bool above[NUM_LARGE] = {false};

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A reduced model made in memory, and its verdicts on contacts between those it was made of. */
+/* A reduced model in memory, and its verdicts on contacts between its training points. */
 #include "snapgen/trial.h"
 #include "tests/unit/check.h"
 #include "tests/unit/sample.h"
@@ -48,7 +48,7 @@ static int tear_down(void **state) {
     return 0;
 }
 
-/* A basis of all solutions has each of them. */
+/* A basis of all solutions reproduces each of them. */
 static void training_points_are_reproduced(void **state) {
     trial_verdict verdicts[TRAINED_STATES];
     bool wanted[TRAINED_STATES];
@@ -68,7 +68,7 @@ static void training_points_are_reproduced(void **state) {
     }
 }
 
-/* Verdicts do not depend on the number of threads, and what is not wanted is left alone. */
+/* Verdicts do not depend on the number of threads, and unwanted contacts are left out. */
 static void verdicts_have_the_same_bits_on_more_threads(void **state) {
     enum { COUNT = 5 };
     ehd_contact contacts[COUNT];
@@ -94,7 +94,7 @@ static void verdicts_have_the_same_bits_on_more_threads(void **state) {
             assert_true(one[i].bound[FILM_CENTRAL] > 0 && one[i].bound[FILM_MINIMUM] > 0);
 }
 
-/* Where there is no solution the verdict is the worst. */
+/* A contact without a solution has the worst verdict. */
 static void what_is_not_solved_is_the_worst(void **state) {
     const ehd_contact far = sample_contact("barus", "dowson-higginson", 400, 20, 0.02);
     const bool wanted = true;

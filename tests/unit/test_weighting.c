@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Row weights: exact where the selected rows can stand for all of them. */
+/* Row weights: exact if the selected rows can represent all of them. */
 #include "romrun/model/weighting.h"
 #include "tests/unit/check.h"
 
@@ -14,8 +14,8 @@
 
 enum { NUM_MODES = 3, NUM_PAIRS = 12, NUM_NODES = 2 * NUM_PAIRS };
 
-/* Orthonormal cosines over NUM_PAIRS nodes, each node doubled, at some rows, [num_rows, NUM_MODES]:
- * rows k and k + NUM_PAIRS are equal. */
+/* Samples orthonormal cosines over NUM_PAIRS nodes, each doubled, at some rows, [num_rows,
+ * NUM_MODES]. Rows k and k + NUM_PAIRS are equal. */
 static void sample_cosines(double *sampled, const size_t *rows, size_t num_rows) {
     for (size_t r = 0; r < num_rows; r++)
         for (size_t j = 0; j < NUM_MODES; j++) {
@@ -38,8 +38,7 @@ static void all_rows_weigh_one(void **state) {
         check_close(factors[r], 1, 1e-6, 0);
 }
 
-/* One of each pair of equal rows: together they must weigh as all, so that
- * sum w q q^T = 1 to the tolerance of the solution. */
+/* With one of each pair of equal rows, sum w q q^T = 1 to the tolerance of the solution. */
 static void half_of_the_rows_stand_for_all(void **state) {
     double sampled[NUM_PAIRS * NUM_MODES], factors[NUM_PAIRS];
     size_t rows[NUM_PAIRS];
@@ -59,8 +58,9 @@ static void half_of_the_rows_stand_for_all(void **state) {
         }
 }
 
-/* Rows that crowd on one side, of which some get the least weight, take Gauss-Seidel hundreds of
- * sweeps: then the gradient vanishes where the bound does not hold, and nowhere points below it. */
+/* Rows are crowded on one side, and some get the least weight, so Gauss-Seidel takes hundreds of
+ * sweeps. At the minimum the gradient vanishes for free weights and is not negative for those at
+ * the bound. */
 static void weights_are_those_of_the_minimum(void **state) {
     enum { ROWS = 20, MODES = 8 };
     const double tolerance = 1e-4;
@@ -87,8 +87,8 @@ static void weights_are_those_of_the_minimum(void **state) {
     assert_in_range(num_bound, 1, ROWS - 1);
 }
 
-/* Rows (1, 0), (0, 1) and (1, 1): the first two are exact, so that the third would get zero weight;
- * the bound keeps it a say. */
+/* Rows (1, 0), (0, 1) and (1, 1): the first two are exact, so the third would get zero weight. The
+ * bound keeps it positive. */
 static void weights_stay_positive(void **state) {
     const double sampled[] = {1, 0, 0, 1, 1, 1};
     double factors[3];

@@ -11,7 +11,7 @@
 
 static const double moes_M[] = {8, 11, 15, 20}, moes_L[] = {2, 4, 6};
 
-/* Solves the contacts. */
+/* Solves the contacts by the full model. */
 static void train(trained *self) {
     full_settings settings = full_default_settings();
     full_solver *solver;
