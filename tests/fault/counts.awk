@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Sums up what sweeps print, with or without the "# " of a log, as tables with a row a run:
+# Sums up the output of sweeps, with or without the "# " of a log, as tables with one row for each run:
 #
 #     awk -f tests/fault/counts.awk build/release/test-logs/long_{fault,kills}.bats.tap
 
@@ -37,7 +37,7 @@ $3 == "kill" || $3 == "tear" || $3 == "power" {
     faulty[name]
 }
 
-# What was not swept is a dash.
+# Prints a dash for a run that was not swept.
 function cell(count) { return count ? count : "–" }
 
 function row(name, a, b, c, d, e, f, kills) {

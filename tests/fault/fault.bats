@@ -1,6 +1,6 @@
 #!/usr/bin/env bats
 # SPDX-License-Identifier: GPL-3.0-or-later
-# A sample of what long_fault.bats sweeps: calls of files that fail, and ends at them.
+# A sample of the sweeps of long_fault.bats: failing calls of files, and programs that end at such a call.
 
 load sweeps
 
@@ -18,7 +18,7 @@ load sweeps
     sweep fmu write kill -e 99
 }
 
-# Only pages that were synced are on the disk for sure, of the others any earlier state.
+# After a power cut only synced pages are certain; other pages may have any earlier state.
 @test "a power cut loses nothing that was finished" {
     sweep snapgen write power -e 25
     sweep adaptive write power -e 97
@@ -30,7 +30,7 @@ load sweeps
 @test "a disk that is full, or fails, is said in one line" {
     sweep fullrun write fail -e 9
     sweep snapgen write last -e 29
-    sweep adaptive write last -e 45 # without a word of HDF5
+    sweep adaptive write last -e 45 # HDF5 itself prints nothing
     sweep snapgen read fail -e 29
     sweep moving write short -e 97
     sweep deimselect read fail -e 29
@@ -45,7 +45,7 @@ load sweeps
     sweep cases-h5 read fail -e 59
     sweep vtk write fail
     sweep flat open fail
-    sweep export read fail -e 9 # also of what an export can do without
+    sweep export read fail -e 9 # including reads that an export can do without
     sweep export sync fail
     sweep fmu rename fail
 }
@@ -63,14 +63,14 @@ load sweeps
     sweep calibrate memory fail -e 5003
     sweep trajectories memory fail -e 9001
     sweep adaptive memory fail -e 9001
-    sweep export memory fail -e 395 # where it was refused a look-up it left out what an export can do without
+    sweep export memory fail -e 395 # a refused look-up must not make it omit an optional field
     sweep vtk memory fail -e 397
     sweep cases memory fail -e 997
 }
 
 @test "a limit of memory is said before OpenBLAS waits for ever" {
     local code
-    # with one thread of OpenBLAS and with those that it starts unless told not to
+    # with one thread of OpenBLAS and with its default of several
     for threads in 1 8; do
         for megabytes in 100 200; do
             code=0
@@ -84,7 +84,7 @@ load sweeps
 
 @test "under a limit of memory there are as many threads as have enough" {
     snapgen -q -j1 fine.yml -o whole.h5
-    # how much one thread takes depends on the libraries
+    # the memory of one thread depends on the libraries
     local least=100
     until (ulimit -v $((1000 * least)) && snapgen -q -j1 fine.yml -o x.h5 --force) 2>/dev/null; do
         ((least += 50))
@@ -111,7 +111,7 @@ load sweeps
         [ "$status" = 66 ]
         [[ $output == *"found no regular file"* ]]
     done
-    # nor is one written
+    # a pipe is not written to either
     ln -f pipe x.h5.partial
     run timeout -s KILL 20 fullrun scene.yml -o x.h5
     [ "$status" = 73 ]

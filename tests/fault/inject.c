@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Loaded before all libraries (LD_PRELOAD), it lets one call of a program fail, or ends the program
- * there. From main on, calls of the kind FAULT_KIND are counted from 1, over all threads:
+/* Library for LD_PRELOAD that makes one call of a program fail, or ends the program at that call.
+ * From main on, it counts the calls of the kind FAULT_KIND from 1, over all threads:
  *
  *     memory  malloc, calloc, realloc, aligned ones, and mmap of memory
  *     open    open, fopen            read   read, pread, fread of a regular file
@@ -8,18 +8,22 @@
  *     close   of a regular file      rename rename, link, unlink
  *     map     mmap of a regular file
  *
- * FAULT_HOW says what happens at call number FAULT_AT: `fail` (ENOMEM, EIO, or ENOSPC of a write),
- * `last` (that and all later ones fail, as on a full disk), `short` (half of it is written; what is
- * mapped is cut to its first page while it is), `kill`
- * (the process ends before the call), `tear` (it ends in a write, at the first end of a page), `power`
- * (it ends there, and of each page that was written since its file was last synced any earlier
- * state may be what is on the disk; a file that has grown may be as short as it was).
+ * FAULT_HOW selects the effect at call number FAULT_AT:
  *
- * The monotonic clock goes on by a fifth of a second each time it is asked, so that what is done by
- * the clock, such as checkpoints, is done in short runs too, and is the same in each.
+ *     fail    the call fails with ENOMEM, EIO or, if it writes, ENOSPC
+ *     last    this call and all later ones fail, as on a full disk
+ *     short   half of the data is written; of a mapped file only the first page is mapped
+ *     kill    the process ends before the call
+ *     tear    the process ends during a write, at the first end of a page
+ *     power   the process ends; each page written since the last sync of its file may have any
+ *             earlier state on the disk, and a file that has grown may have its earlier size
  *
- * FAULT_LOG is a file that takes the number of calls at exit and, at the fault, the library that
- * asked. */
+ * Each reading of the monotonic clock advances it by a fifth of a second. Actions that depend on
+ * the clock, such as checkpoints, therefore also happen in short runs, at the same place in each
+ * run.
+ *
+ * The file FAULT_LOG receives the number of calls at exit and, at the fault, the library that made
+ * the call. */
 #include <dlfcn.h>
 #include <errno.h>
 #include <execinfo.h>
@@ -75,7 +79,7 @@ __attribute__((destructor)) static void log_count(void) {
     if (atomic_load(&counting)) log_line("calls", atomic_load(&num_calls), "-");
 }
 
-/* The library that asked, on behalf of which libc may have. */
+/* Logs the library that made the call; libc and this library are skipped as intermediate callers. */
 static void log_fault(long call) {
     enum { DEPTH = 32 };
     void *frames[DEPTH];
@@ -92,7 +96,7 @@ static void log_fault(long call) {
     log_line("fault", call, library);
 }
 
-// ---- whether it is this one
+// ---- deciding whether a call fails
 
 static _Noreturn void end(void) {
     syscall(SYS_kill, getpid(), SIGKILL);
@@ -100,30 +104,30 @@ static _Noreturn void end(void) {
         pause();
 }
 
-// what libc has for what stands in for malloc
+// functions of libc behind malloc, calloc, realloc, memalign and free
 void *__libc_malloc(size_t size);
 void *__libc_calloc(size_t count, size_t size);
 void *__libc_realloc(void *memory, size_t size);
 void *__libc_memalign(size_t alignment, size_t size);
 void __libc_free(void *memory);
 
-// ---- what is not on the disk yet
+// ---- data that may not be on the disk yet
 
 typedef struct written_file {
     dev_t device;
     ino_t inode;
-    off_t size;  // when it was last synced
-    int file;    // of its own
-    bool longer; // something behind that has reached the disk
+    off_t size;  // at the last sync
+    int file;    // descriptor that belongs to this record
+    bool longer; // data behind `size` have reached the disk
 } written_file;
 
-/* A part of a page before it was written. */
+/* Earlier content of a part of a page that was written. */
 typedef struct change {
     struct change *before;
     written_file *of; // NULL: synced
     off_t at;
     size_t size;
-    bool kept; // it has reached the disk
+    bool kept; // the write has reached the disk
     unsigned char bytes[PAGE];
 } change;
 
@@ -152,7 +156,7 @@ static written_file *find_written(int file) {
     return found;
 }
 
-/* Remembers what a write will change. The writer is one thread. */
+/* Stores the bytes that a write will replace. Only one thread may write. */
 static void remember(int file, off_t at, size_t size) {
     written_file *of = wanted_how == POWER && wanted_call ? find_written(file) : NULL;
 
@@ -168,7 +172,7 @@ static void remember(int file, off_t at, size_t size) {
     }
 }
 
-/* What was written to this file is on the disk now. */
+/* Marks everything written to the file as being on the disk. */
 static void forget(int file) {
     struct stat about;
     written_file *of = wanted_how == POWER && wanted_call ? find_written(file) : NULL;
@@ -185,7 +189,8 @@ static void forget(int file) {
     if (of && fstat(file, &about) == 0) of->size = about.st_size;
 }
 
-/* The same in each run with the same call; of Knuth, The Art of Computer Programming 2, 3.3.4. */
+/* Returns a pseudo-random bit; the sequence depends only on FAULT_AT (Knuth, The Art of Computer
+ * Programming 2, 3.3.4). */
 static bool toss(void) {
     static uint64_t state;
     if (!state) state = (uint64_t)wanted_call;
@@ -193,7 +198,8 @@ static bool toss(void) {
     return state >> 63;
 }
 
-/* Whether a later write to the page has reached the disk, and this one with it. */
+/* Decides whether a write has reached the disk: yes if a later write to the same page has, else at
+ * random. */
 static bool is_kept(const change *one) {
     for (const change *later = changes; later != one; later = later->before)
         if (later->kept && later->of == one->of && later->at / PAGE == one->at / PAGE) return true;
@@ -211,7 +217,7 @@ static void lose_power(void) {
             syscall(SYS_ftruncate, written_files[f].file, written_files[f].size);
 }
 
-/* True where this call is to fail, of which KILL and POWER do not return. */
+/* Counts the call and returns true if it is to fail. With KILL and POWER it does not return. */
 static bool is_hit(int kind) {
     if (kind != wanted_kind || !atomic_load(&counting)) return false;
     const long call = atomic_fetch_add(&num_calls, 1) + 1;
@@ -220,7 +226,7 @@ static bool is_hit(int kind) {
     if (!hit) return false;
     if (call == wanted_call) {
         const int before = errno;
-        atomic_store(&counting, false); // backtrace may ask for memory
+        atomic_store(&counting, false); // backtrace may allocate memory
         log_fault(call);
         atomic_store(&counting, true);
         errno = before;
@@ -268,7 +274,7 @@ int posix_memalign(void **memory, size_t alignment, size_t size) {
     return *memory ? 0 : ENOMEM;
 }
 
-/* A file of which only the first page is left. */
+/* Returns the descriptor of a new file in memory with the first page of `file`. */
 static int cut_copy(int file) {
     char page[PAGE] = "";
     const int copy = (int)syscall(SYS_memfd_create, "cut", 0);
@@ -340,7 +346,7 @@ static ssize_t write_at(int file, const void *data, size_t size, off_t offset, b
         const off_t at = positioned ? offset : lseek(file, 0, SEEK_CUR);
         const size_t to_page = PAGE - (size_t)at % PAGE;
         if (wanted_how == TEAR) {
-            if (to_page >= size) end(); // within a page all or nothing
+            if (to_page >= size) end(); // within a page all or nothing is written
             size = to_page;
             torn = true;
         } else if (wanted_how == SHORT && size > 1) {
@@ -368,7 +374,7 @@ ssize_t pwrite64(int file, const void *data, size_t size, off_t offset) {
     return write_at(file, data, size, offset, true);
 }
 
-/* The disk of the tests need not be asked. */
+/* Does not sync: the tests need no data on the real disk. */
 int fsync(int file) {
     if (is_hit(SYNC)) return fail_with(EIO);
     forget(file);
@@ -389,7 +395,7 @@ ssize_t copy_file_range(int from, off64_t *from_place, int to, off64_t *to_place
     return syscall(SYS_copy_file_range, from, from_place, to, to_place, size, flags);
 }
 
-/* A close that fails has closed all the same. */
+/* Closes the file even if the call fails. */
 int close(int file) {
     const bool hit = is_regular(file) && is_hit(CLOSE);
     const int outcome = (int)syscall(SYS_close, file);
@@ -405,7 +411,7 @@ int unlink(const char *path) {
     return is_hit(RENAME) ? fail_with(EIO) : (int)syscall(SYS_unlinkat, AT_FDCWD, path, 0);
 }
 
-// ---- streams: stdio reads and writes without asking those above, unless it is told to
+// ---- streams: stdio would bypass the functions above, so streams call them through cookies
 
 static ssize_t read_stream(void *cookie, char *data, size_t size) {
     return read((int)(intptr_t)cookie, data, size);
@@ -430,7 +436,7 @@ static const cookie_io_functions_t stream_functions = {
 
 static FILE *stream_of(int file, const char *mode) {
     FILE *stream = fopencookie((void *)(intptr_t)file, mode, stream_functions); // NOLINT
-    if (stream) stream->_fileno = file;                                         // what fileno gives
+    if (stream) stream->_fileno = file; // the result of fileno
     return stream;
 }
 
@@ -472,7 +478,7 @@ int clock_gettime(clockid_t which, struct timespec *now) {
     return 0;
 }
 
-// ---- from main on, after what the libraries do when they are loaded
+// ---- counting starts at main, after the libraries have been loaded
 
 typedef int main_function(int, char **, char **);
 static main_function *true_main;

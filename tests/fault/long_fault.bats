@@ -1,7 +1,7 @@
 #!/usr/bin/env bats
 # SPDX-License-Identifier: GPL-3.0-or-later
 # Faults at all calls of the small runs. A program does tens of thousands of allocations, nearly all of
-# them the same: EVERY=1 fails each, in hours.
+# them alike. EVERY=1 fails each allocation and takes hours.
 
 load sweeps
 
@@ -25,7 +25,7 @@ load sweeps
 }
 
 @test "every call of a file fails, of an FMU and of what is mapped" {
-    # a second each, most of it to pack, of which all writes are alike
+    # a run takes a second, mostly for packing, and its writes are alike
     for kind in open sync close rename map; do
         sweep fmu $kind fail
     done
@@ -53,7 +53,7 @@ load sweeps
     for name in fullrun romrun podbuild deimselect residuals snapgen moving flat cases cases-h5 vtk export; do
         sweep $name memory fail -e "${EVERY:-41}"
     done
-    # 30,000 to 70,000 each
+    # 30,000 to 70,000 allocations each
     for name in checked calibrate trajectories reduced adaptive; do
         sweep $name memory fail -e "${EVERY:-199}"
     done

@@ -1,19 +1,25 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Runs a program over and over, with a fault at another call each time (inject.c), and judges what
- * it does:
+/* Runs a program repeatedly, with a fault at another call each time (inject.c), and checks its
+ * behaviour:
  *
  *     sweep [-r] [-e EVERY] [-n KILLS] KIND HOW OUTPUT COMMAND...
  *
- * in the present folder, with INJECT the library. -r: the command takes --resume. -n: runs are killed,
- * what goes on with them too, anywhere, until they are done, as often as that. Right is a run
- * that did as without the fault; or one that said a line, gave the exit code of the kind, and left
- * nothing under the name of the output; or one that was killed. After each of them what the file
- * has under its name is whole, and the command, started again, makes the same data to the last bit.
- * Where a library that is not ours asked for what was refused, the process may end in any way:
- * counted apart.
+ * It works in the current folder; the environment variable INJECT is the path of the library.
+ * Options:
  *
- * Prints one line of counts, and a line to stderr for each wrong run; exit code 1 where there was
- * one. */
+ *     -r          the command takes --resume
+ *     -e EVERY    only every EVERY-th call fails
+ *     -n KILLS    kills runs and their continuations at random calls until each run is finished, KILLS
+ *                 times in all
+ *
+ * A run is right in three cases: it behaves as without the fault; or it prints one line, exits with
+ * the code of the kind and leaves no output; or it was killed. After each run, a file under the
+ * name of the output is whole, and the command, started again, makes the same data to the last bit.
+ * If a library that is not ours made the refused allocation, the process may end in any way; such
+ * foreign ends are counted apart.
+ *
+ * Prints one line of counts, and a line to stderr for each wrong run. The exit code is 1 if there
+ * was a wrong run. */
 #include <errno.h>
 #include <fcntl.h>
 #include <hdf5.h>
@@ -28,28 +34,28 @@
 #include <time.h>
 #include <unistd.h>
 
-enum { LIMIT = 60, MAX_ARGUMENTS = 64, TEXT = 4096 }; // s, for a machine that is busy
+enum { LIMIT = 60, MAX_ARGUMENTS = 64, TEXT = 4096 }; // LIMIT in s, long enough for a busy machine
 
 static const char *kind, *how, *output, *inject;
-static bool is_hdf5; // the output; else it is compared byte by byte, with the clock of inject.c
+static bool is_hdf5; // whether the output is HDF5; other files are compared byte by byte
 static char **command;
 static char *again[MAX_ARGUMENTS], resume_option[] = "--resume";
 static char reference[TEXT], partial[TEXT], finishing[TEXT], saved[TEXT], draft[TEXT];
 
 static const struct {
     const char *kind;
-    int codes[4]; // of a run that fails by such a fault, 0 at the end
+    int codes[4]; // exit codes of a run that fails by such a fault, then 0
 } expected[] = {{"memory", {71}}, {"open", {66, 73, 74}}, {"read", {74}},       {"write", {73, 74}},
                 {"sync", {74}},   {"close", {74}},        {"rename", {73, 74}}, {"map", {74}}};
 
 typedef struct outcome {
-    int status; // as of waitpid
+    int status; // from waitpid
     bool hung;
     size_t num_lines;
     char text[TEXT]; // on stderr
-    bool hit;        // the fault came
+    bool hit;        // the fault occurred
     long num_calls;
-    char library[256]; // that asked
+    char library[256]; // library that made the failing call
 } outcome;
 
 static _Noreturn void stop(const char *what) {
@@ -111,7 +117,8 @@ static void read_log(outcome *result) {
     }
 }
 
-/* With the fault at that call; 0: none, but counted; -1: without all of it. */
+/* Runs the command with the fault at `call`. 0: counts calls without a fault; -1: without the
+ * library. */
 static outcome run(char **arguments, long call) {
     outcome result = {0};
     const int log = open("sweep.log", O_WRONLY | O_CREAT | O_TRUNC, 0666);
@@ -136,7 +143,7 @@ typedef struct comparison {
     const char *differs;
 } comparison;
 
-/* Written by the clock. */
+/* Checks whether the dataset depends on the real clock. */
 static bool is_by_the_clock(const char *name) {
     static const char *const names[] = {"restart",          "restart_entries",
                                         "position_seconds", "position_step_seconds",
@@ -161,7 +168,8 @@ static void *read_dataset(size_t *bytes, hid_t file, const char *name) {
     return data;
 }
 
-/* Fill values, filters, chunks, when space is taken; of a file its pages. */
+/* Compares and closes two property lists: fill value, filters, chunks and allocation time of a
+ * dataset, paging of a file. */
 static bool same_properties(hid_t left, hid_t right) {
     const bool same = H5Pequal(left, right) > 0;
     H5Pclose(left);
@@ -201,7 +209,7 @@ static herr_t compare_one(hid_t file, const char *name, const H5L_info_t *info, 
     return self->differs ? 1 : 0;
 }
 
-/* As difference, of files that are not HDF5. */
+/* Compares output and reference byte by byte; returns NULL if they are equal. */
 static const char *difference_of_bytes(void) {
     FILE *left = fopen(reference, "rb"), *right = fopen(output, "rb");
     int byte = 0;
@@ -216,7 +224,7 @@ static const char *difference_of_bytes(void) {
     return same ? NULL : "bytes differ";
 }
 
-/* NULL where the data of the output are those of the reference. */
+/* Compares the data of output and reference; returns NULL if they are equal, else the difference. */
 static const char *difference(void) {
     if (!is_hdf5) return difference_of_bytes();
     H5G_info_t info = {.nlinks = 0};
@@ -262,7 +270,7 @@ static bool is_foreign(const char *library) {
     return strncmp(library, "lib", 3) == 0;
 }
 
-/* NULL where the end of the process is right. */
+/* Returns NULL if the process ended as it should, else the error. */
 static const char *fault_of_end(const outcome *found, const outcome *without) {
     const bool deadly =
         strcmp(how, "kill") == 0 || strcmp(how, "tear") == 0 || strcmp(how, "power") == 0;
@@ -271,7 +279,8 @@ static const char *fault_of_end(const outcome *found, const outcome *without) {
     if (found->hung) return "it hangs";
     if (WIFSIGNALED(found->status))
         return deadly && WTERMSIG(found->status) == SIGKILL ? NULL : "it crashed";
-    if (exists(draft) && strcmp(kind, "rename") != 0) return "left a draft"; // unless it cannot
+    // a failing rename or unlink may leave it
+    if (exists(draft) && strcmp(kind, "rename") != 0) return "left a draft";
     if (found->status == without->status && strcmp(found->text, without->text) == 0)
         return exists(output) ? NULL : "no output";
     if (!ends_as_expected(WEXITSTATUS(found->status))) return "another exit code";
@@ -281,7 +290,8 @@ static const char *fault_of_end(const outcome *found, const outcome *without) {
     return exists(output) ? "it failed, but its output is there" : NULL;
 }
 
-/* NULL where the command then makes what it makes without a fault. */
+/* Starts the command again if it left a partial file; returns NULL if its data are then those of a
+ * run without a fault. */
 static const char *fault_of_recovery(const outcome *without) {
     const bool was_there = exists(output), left = exists(partial) || exists(finishing);
     const char *wrong = was_there ? difference() : NULL;
@@ -301,7 +311,8 @@ static const char *fault_of_recovery(const outcome *without) {
     return wrong;
 }
 
-/* Numbers that are the same in each run; of Knuth, The Art of Computer Programming 2, 3.3.4. */
+/* Returns a pseudo-random number below `bound`, equal in each run (Knuth, The Art of Computer
+ * Programming 2, 3.3.4). */
 static long random_below(long bound) {
     static uint64_t state = 17;
     state = state * 6364136223846793005u + 1442695040888963407u;
@@ -316,7 +327,7 @@ static void clean(void) {
     unlink(draft);
 }
 
-/* As what was written before the machine was started. */
+/* Sets the time of the file to 1970, so that the file seems written before the machine was started. */
 static void let_be_of_long_ago(const char *path) {
     const struct timespec times[2] = {{.tv_sec = 0}, {.tv_sec = 0}};
     utimensat(AT_FDCWD, path, times, 0);
@@ -330,7 +341,7 @@ static void name_files(void) {
     snprintf(draft, sizeof draft, "%s.unchecked", output);
 }
 
-/* Runs that are killed again and again until they are done. */
+/* Kills runs and their continuations until `kills` is reached; returns whether one was wrong. */
 static int kill_often(long kills, const outcome *without) {
     long num_kills = 0, num_runs = 0, num_wrong = 0;
 
@@ -342,7 +353,7 @@ static int kill_often(long kills, const outcome *without) {
             found = run(arguments, 1 + random_below(2 * without->num_calls));
             if (found.hung || !WIFSIGNALED(found.status)) break;
             num_kills++;
-            // between the final name and the end of the process
+            // killed after the output got its final name
             if (exists(output)) break;
         }
         if (found.hung)
@@ -400,7 +411,7 @@ int main(int argc, char **argv) {
     for (long call = 1; call <= without.num_calls; call += every) {
         clean();
         const outcome found = run(command, call);
-        if (!found.hit) break; // fewer calls than without
+        if (!found.hit) break; // fewer calls than without the fault
         if (strcmp(how, "power") == 0) let_be_of_long_ago(partial);
         const char *end = fault_of_end(&found, &without), *after = fault_of_recovery(&without);
         const bool foreign = strcmp(kind, "memory") == 0 && end && !after &&

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# What the tests of faults share: small runs of all programs, and what makes them fail (sweep.c).
+# Shared by the tests of faults: small runs of all programs, and the call of `sweep` (sweep.c).
 
 load ../pipeline/common
 
-# The inputs of all programs: a training of 9 points on 121 nodes.
+# Makes the inputs of all programs: a training of 9 points on 121 nodes.
 setup() {
     case $VARIANT in
     release | debug) ;;
@@ -21,7 +21,7 @@ groups:
   - scene: base.yml
     region: {moes.M: [8, 15], moes.L: [2, 6]}
 YAML
-    # stationary points, and a scene in time
+    # stationary points and a transient scene
     cat >trajectories.yml <<'YAML'
 groups:
   - scene: base.yml
@@ -36,7 +36,7 @@ YAML
     snapgen -q -j1 plan.yml --basis b.h5 -o r.h5
     deimselect -q r.h5 --basis b.h5 --no-check -o m.h5
     romrun --export m.h5 -o m.ehdrom
-    # so close that the check of the model has nothing to warn of
+    # points so close together that the check of the model has nothing to warn of
     sed 's/vary: .*/vary: {moes.M: [11, 12, 13], moes.L: [3, 4]}/' plan.yml >close.yml
     snapgen -q -j1 close.yml -o close-s.h5
     podbuild -q close-s.h5 -o close-b.h5
@@ -49,7 +49,7 @@ YAML
     export TMPDIR=$PWD
 } >/dev/null
 
-# The small runs, by name.
+# Sets `run` to the command of a small run, by name.
 run_of() {
     case $1 in
     fullrun) run=(fullrun -q scene.yml -o x.h5) ;;
@@ -75,7 +75,7 @@ run_of() {
     esac
 }
 
-# sweep NAME KIND HOW [OPTION...]: that run, with such faults.
+# Sweeps a small run: sweep NAME KIND HOW [OPTION...].
 sweep() {
     local name=$1 kind=$2 how=$3 run
     shift 3
@@ -87,7 +87,7 @@ sweep() {
     "$SWEEP" "$@" "$kind" "$how" "${run[-1]}" "${run[@]}" >>table
 }
 
-# The counts, into the log.
+# Writes the counts into the log.
 teardown() {
     [ ! -e table ] || sed 's/^/# /' table >&3
 }
