@@ -1,6 +1,7 @@
 #!/bin/bash
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Lines of each room that the corpus of a target and what fuzzing found run, in per cent, on one line.
+# Prints, on one line, the coverage of each folder in per cent of its lines, by the corpus of a target and the
+# findings of fuzzing.
 #
 #     tests/fuzz/coverage.sh TARGET
 set -eu -o pipefail
@@ -10,7 +11,7 @@ cd "$(dirname "$0")/../.."
 root=$PWD
 find build/cov -name '*.gcda' -delete
 mapfile -t files < <(find "$root/tests/fuzz/corpus/$target" "$root/build/found/$target" -type f 2>/dev/null)
-# what fails is counted as far as it came
+# files that fail count too, up to the line of the failure
 tests/fuzz/with-bases.sh "$root/build/cov/fuzz/replay" "$target" "${files[@]}" >/dev/null 2>&1 || true
 gcovr --root . --object-directory build/cov $(printf -- '--filter %s/ ' common fullrun snapgen podbuild deimselect romrun) --csv |
     awk -F, -v target="$target" '

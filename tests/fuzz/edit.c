@@ -34,13 +34,13 @@ static hid_t open_dataset(const edited *self, const char *name) {
                : -1;
 }
 
-// ---- what a dataset is
+// ---- reading a dataset
 
 typedef struct dataset {
     int rank;
     hsize_t lengths[H5S_MAX_RANK];
-    hsize_t count;   // of all values
-    double *numbers; // [count]; NULL: no numbers, or too many
+    hsize_t count;   // number of all values
+    double *numbers; // [count]; NULL: not numeric, or more than MAX_KEPT
 } dataset;
 
 static bool is_numeric(hid_t type) {
@@ -82,8 +82,8 @@ static void set_scale(const edited *self, const char *field, const char *axis, u
     if (scale >= 0) H5Dclose(scale);
 }
 
-/* A dataset that is replaced. Its storage is not given free where that would take a walk through as many
- * chunks as a file may name. */
+/* Removes a dataset that will be replaced. A large one is only renamed: to free its storage HDF5
+ * would walk through all of its chunks, and a file may name very many. */
 static void take_away(const edited *self, const char *name) {
     static unsigned count;
     char other[32];
@@ -97,7 +97,8 @@ static void take_away(const edited *self, const char *name) {
         H5Ldelete(self->file, name, H5P_DEFAULT);
 }
 
-/* All pairs of a field and an axis of it that `name` is one of. */
+/* Attaches or detaches the scales of all pairs of a field and an axis in which `name` is one of
+ * both. */
 static void set_scales(const edited *self, const char *name, bool attach) {
     const artefact_field *field = self->schema ? self->schema->fields : NULL;
     for (; field && field->name; field++) {
@@ -118,9 +119,10 @@ static bool is_axis(const edited *self, const char *name) {
     return axis && axis->name;
 }
 
-// ---- a dataset made anew
+// ---- creating a dataset anew
 
-/* Chunks, none of which is written before there are values: lengths may be any. */
+/* Returns a creation list with chunks. No chunk is written before there are values, so lengths may
+ * be huge. */
 static hid_t chunked(int rank, const hsize_t *lengths) {
     const hid_t creation = H5Pcreate(H5P_DATASET_CREATE);
     hsize_t chunk[H5S_MAX_RANK];
@@ -141,7 +143,8 @@ static void write_again(hid_t id, hid_t type, hsize_t count, const dataset *old)
     free(numbers);
 }
 
-/* `type` and `creation` negative: 8 bytes as now, and chunks. */
+/* Creates the dataset anew with its old values. Negative `type`: as before; negative `creation`:
+ * chunked. */
 static void remake(const edited *self, const char *name, int rank, const hsize_t *lengths,
                    const hsize_t *max_lengths, hid_t type, hid_t creation) {
     dataset old;
@@ -212,7 +215,7 @@ static void edit_shape(const edited *self) {
     remake(self, self->words[1], (int)self->num_words - 2, lengths, NULL, -1, -1);
 }
 
-/* The dataset has another length along its i-th axis. */
+/* Gives the dataset another length along its i-th axis. */
 static void set_length(const edited *self, const char *name, int i, hsize_t length) {
     dataset found;
     if (!dataset_read(&found, self, name)) return;
@@ -305,7 +308,7 @@ static void set_virtual(hid_t creation, const dataset *found) {
     H5Sclose(space);
 }
 
-/* Negative for an unknown kind. */
+/* Returns a creation list with this layout; an unknown kind gives chunks. */
 static hid_t make_layout(const char *kind, const dataset *found) {
     hid_t creation = chunked(found->rank, found->lengths);
     const bool plain = is(kind, "contiguous") || is(kind, "compact") || is(kind, "external") ||
@@ -333,7 +336,7 @@ static void edit_layout(const edited *self) {
     for (int i = 0; i < found.rank; i++)
         unlimited[i] = H5S_UNLIMITED;
     const hid_t creation = make_layout(self->words[2], &found);
-    // what is stored at once must not fill the memory
+    // layouts that are stored at once must not fill the memory
     if (found.count <= MAX_KEPT)
         remake(self, self->words[1], found.rank, found.lengths,
                is(self->words[2], "growing") ? unlimited : NULL, -1, creation);
@@ -367,7 +370,8 @@ static void edit_link(const edited *self) {
 const char *const edit_attributes[] = {"real",  "integer", "text", "fixed",
                                        "array", "empty",   "none", NULL};
 
-/* The words from the third on, \s being a space and \n the end of a line. */
+/* Joins the words from the fourth on, with \s as a space and \n as the end of a line. The caller
+ * frees the text. */
 static char *joined(const edited *self) {
     char *text = calloc(1, MAX_TEXT + MAX_WORDS);
     size_t length = 0;
@@ -397,7 +401,8 @@ static void put_attribute(const edited *self, hid_t object, const char *name) {
     const hid_t many = H5Screate_simple(1, &length, NULL);
     char *text = joined(self);
     const hid_t variable = make_text(H5T_VARIABLE);
-    const hid_t fixed = make_text(text && *text ? strlen(text) : 1); // without its zero byte
+    // without the terminating zero byte
+    const hid_t fixed = make_text(text && *text ? strlen(text) : 1);
     if (is(kind, "real")) write_attribute(object, name, H5T_NATIVE_DOUBLE, one, &real);
     if (is(kind, "integer")) write_attribute(object, name, H5T_NATIVE_INT64, one, &integer);
     if (is(kind, "text")) write_attribute(object, name, variable, one, (const void *)&text);
@@ -448,7 +453,7 @@ static void edit_line(edited *self, char *line) {
 
 static void edit_lines(const char *path, const artefact_schema *schema, const char *text,
                        size_t length) {
-    enum { MAX_LINES = 12 }; // of edits; more only take time
+    enum { MAX_LINES = 12 }; // more edits only take time
     const hid_t access = H5Pcreate(H5P_FILE_ACCESS);
     H5Pset_fclose_degree(access, H5F_CLOSE_STRONG);
     H5Pset_file_locking(access, false, true);
@@ -465,9 +470,10 @@ static void edit_lines(const char *path, const artefact_schema *schema, const ch
     if (self.file >= 0) H5Fclose(self.file);
 }
 
-// ---- a process of its own
+// ---- editing in a separate process
 
-/* Its pointers mean the same in both processes, one being a copy of the other. */
+/* A message to the editing process. Its pointers are valid in both processes, because one is a copy
+ * of the other. */
 typedef struct order {
     const char *path;
     const artefact_schema *schema;
@@ -477,7 +483,8 @@ typedef struct order {
 
 void __sanitizer_set_death_callback(void (*callback)(void)) __attribute__((weak));
 
-/* What ends this process is no failure of what is fuzzed: no handler, sanitizer or libFuzzer tells. */
+/* Removes signal handlers and the sanitizer's callback, so that a crash of this process is not
+ * reported as a failure of the fuzzed program. */
 static void die_silently(void) {
     static const int signals[] = {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGALRM};
     for (size_t i = 0; i < sizeof signals / sizeof *signals; i++)
@@ -498,13 +505,15 @@ static _Noreturn void edit_on_order(int from) {
     _exit(0);
 }
 
-/* The socket to a process that edits until it dies or we do. One an edit would take 20 ms under the
- * address sanitizer, in place of 2. */
+/* Starts a process that makes edits until it dies or this one ends; returns the socket to it. One
+ * process for all edits takes 2 ms an edit under the address sanitizer; a process for each edit
+ * would take 20 ms. */
 static int start_editor(pid_t *editor) {
     int ends[2];
-    H5dont_atexit(); // as common/artefact, which has to say so before anything else
+    H5dont_atexit(); // must come before other calls of HDF5, as in common/artefact
     H5Eset_auto2(H5E_DEFAULT, NULL, NULL);
-    H5set_free_list_limits(-1, -1, -1, -1, -1, -1); // megabytes of each file opened stay mapped
+    // otherwise megabytes of each opened file stay mapped
+    H5set_free_list_limits(-1, -1, -1, -1, -1, -1);
     if (socketpair(AF_UNIX, SOCK_SEQPACKET, 0, ends)) abort();
     *editor = fork();
     if (*editor < 0) abort();

@@ -1,18 +1,18 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Edits of a valid HDF5 file, made by the library itself, that a text lists, one a line:
+/* Edits of a valid HDF5 file, which the HDF5 library makes. The text has one edit a line:
  *
- *     delete NAME                  the dataset is gone
- *     put NAME INDEX VALUE         one value, counted through all axes
- *     fill NAME VALUE              all values
- *     shape NAME LENGTH...         other lengths and rank, with as many of the values as there are, again and again
- *     axis NAME LENGTH             the same of every dataset that is along the axis
+ *     delete NAME                  deletes the dataset
+ *     put NAME INDEX VALUE         sets one value; the index counts through all axes
+ *     fill NAME VALUE              sets all values
+ *     shape NAME LENGTH...         sets lengths and rank; the old values are repeated as needed
+ *     axis NAME LENGTH             does this for every dataset along the axis
  *     type NAME KIND               f32, i8, text, compound, ...
  *     layout NAME KIND             contiguous, compact, deflate, external, virtual, ...
- *     link NAME KIND TARGET        soft, hard, external, group, datatype in its place
- *     attribute NAME KIND VALUE    real, integer, text (with \n and \s), fixed, array, empty, none; NAME of the root, or
- *                                  DATASET.NAME
+ *     link NAME KIND TARGET        replaces the dataset by a soft, hard or external link, a group or a datatype
+ *     attribute NAME KIND VALUE    real, integer, text (with \n and \s), fixed, array, empty, none; NAME is that of an
+ *                                  attribute of the root, or DATASET.NAME
  *
- * What makes no sense, and other lines, are passed over. */
+ * Edits that make no sense, and other lines, are ignored. */
 #ifndef FUZZ_EDIT_H
 #define FUZZ_EDIT_H
 
@@ -20,12 +20,13 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/* `schema` says which dataset is along which axis; NULL: of no schema. False when HDF5 itself crashed or hung in an
- * edit, as 1.10.8 does where it takes attributes out of objects of its newer format (H5O_condense_header): edits are
- * made in a process of their own, and the file is then any. */
+/* Applies edits to a file. `schema` assigns datasets to axes; NULL: no schema. Edits are made in a
+ * separate process. Returns false if HDF5 itself crashed or hung there; the file may then have any
+ * content. HDF5 1.10.8 crashes when it removes attributes from objects of its newer format
+ * (H5O_condense_header). */
 bool edit_file(const char *path, const artefact_schema *schema, const char *text, size_t length);
 
-/* The words that stand for an edit and for its kinds, NULL at the end, for what makes up edits. */
+/* Names of the edits and of their kinds, each list with NULL at the end, for generating edits. */
 extern const char *const edit_words[];
 extern const char *const edit_types[], *const edit_layouts[], *const edit_links[],
                                                                   *const edit_attributes[];

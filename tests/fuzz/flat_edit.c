@@ -9,7 +9,7 @@
 
 enum { UNIT = 64, NAME = 48, MAX_BLOCKS = 128, MAX_BYTES = 1 << 22, WORD = 8 };
 
-/* A header of UNIT bytes, its name, count and size, and the data, padded. */
+/* A block of the file: a header of UNIT bytes with name, count and size, and the padded data. */
 typedef struct block {
     unsigned char header[UNIT];
     unsigned char *data;
@@ -60,7 +60,7 @@ static unsigned char *read_all(const char *path, size_t *length) {
     return bytes;
 }
 
-/* Those there are, again and again. */
+/* Sets the data to `length` bytes that repeat the `count` given ones. */
 static void set_data(block *self, const unsigned char *data, size_t count, size_t length) {
     self->data = calloc(padded(length) + UNIT, 1);
     if (!self->data) abort();
@@ -69,7 +69,7 @@ static void set_data(block *self, const unsigned char *data, size_t count, size_
         self->data[i] = data[i % count];
 }
 
-/* Of a valid file. */
+/* Splits a valid file into header and blocks. */
 static void take_blocks(edited *self, const unsigned char *bytes, size_t length) {
     memcpy(self->header, bytes, UNIT);
     for (size_t at = UNIT; at + UNIT <= length; self->num_blocks++) {
@@ -105,7 +105,7 @@ static void write_blocks(edited *self, const char *path) {
     if (fclose(file)) abort();
 }
 
-// ---- the edits: words[1] is a block, but of the last two
+// ---- the edits: words[1] is a block, except in `header` and `cut`
 
 static block *find(edited *self) {
     const char *name = self->words[1];
@@ -159,7 +159,8 @@ static void edit_size(edited *self) {
 
 static void edit_name(edited *self) {
     block *one = find(self);
-    if (one) memccpy(one->header, self->words[2], 0, NAME); // 48 characters have no end
+    // a name of 48 characters has no terminator
+    if (one) memccpy(one->header, self->words[2], 0, NAME);
 }
 
 static void edit_drop(edited *self) {
@@ -197,7 +198,7 @@ static void (*const edits[])(edited *) = {edit_put,   edit_whole,  edit_fill, ed
                                           edit_count, edit_size,   edit_name, edit_drop,
                                           edit_twice, edit_header, edit_cut};
 
-/* Whether it was an edit. */
+/* Applies a line; returns whether it was an edit. */
 static bool edit_line(edited *self, char *line) {
     static char nothing[] = "";
     char *rest = NULL;
@@ -214,7 +215,7 @@ static bool edit_line(edited *self, char *line) {
 }
 
 void flat_edit_file(const char *path, const char *text, size_t length) {
-    enum { MAX_EDITS = 6 }; // of more the first that is refused is all that is tried
+    enum { MAX_EDITS = 6 }; // readers stop at the first edit that they refuse, so more are useless
     static edited self;
     size_t size, num_edits = 0;
     char *copy = strndup(text, length), *rest = NULL;

@@ -1,24 +1,25 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Edits of a valid flat model (romrun/model/flat.h), that a text lists, one a line:
+/* Edits of a valid flat model (romrun/model/flat.h). The text has one edit a line:
  *
- *     put BLOCK INDEX VALUE     8 bytes of its data, a number; INDEX modulo as many as there are
- *     whole BLOCK INDEX VALUE   the same, a whole number
- *     fill BLOCK VALUE          all of it, a number
- *     resize BLOCK COUNT        as many elements, those there are again and again
- *     count BLOCK COUNT         what its header says, alone
- *     size BLOCK BYTES          the same, of an element
- *     name BLOCK NAME
- *     drop BLOCK                is gone
- *     twice BLOCK               is there twice
- *     header INDEX VALUE        8 bytes of the file's header
- *     cut BYTES                 from the file's end
+ *     put BLOCK INDEX VALUE     sets 8 bytes of the block's data to a number
+ *     whole BLOCK INDEX VALUE   sets 8 bytes to a whole number
+ *     fill BLOCK VALUE          sets all data to a number
+ *     resize BLOCK COUNT        sets the number of elements; the old ones are repeated as needed
+ *     count BLOCK COUNT         sets only the count in the header
+ *     size BLOCK BYTES          sets only the size of an element in the header
+ *     name BLOCK NAME           renames the block
+ *     drop BLOCK                removes the block
+ *     twice BLOCK               doubles the block
+ *     header INDEX VALUE        sets 8 bytes of the file's header
+ *     cut BYTES                 removes bytes at the file's end
  *
- * and, not of the file but for what uses it (target.c):
+ * One more edit concerns not the file but its user (target.c):
  *
- *     state INDEX VALUE         a number of the contact's saved state
+ *     state INDEX VALUE         sets a number of the contact's saved state
  *
- * BLOCK is its name or its number, modulo as many as there are. The file's length in its header follows, its checksum
- * does not. What makes no sense, and other lines, are passed over. */
+ * BLOCK is a name or a number; numbers and indices are taken modulo what exists. The file's length
+ * in its header is updated, its checksum is not. Edits that make no sense, and other lines, are
+ * ignored. */
 #ifndef FUZZ_FLAT_EDIT_H
 #define FUZZ_FLAT_EDIT_H
 
@@ -26,7 +27,7 @@
 
 void flat_edit_file(const char *path, const char *text, size_t length);
 
-/* The words that stand for an edit, NULL at the end. */
+/* Names of the edits, NULL at the end. */
 extern const char *const flat_edit_words[];
 
 #endif

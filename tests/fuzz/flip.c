@@ -1,9 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Flips single bits of files that interrupted runs left, and runs programs on them, in a folder of with-bases.sh:
- * flip STEP [TARGET...] flips every STEP-th bit of each target. A run may not exceed a limit of processor time and of
- * sleep, which is counted and not slept. It must end with an exit code that a damaged file may lead to or, if it
- * succeeds, with the output that it has without the flip. Prints the failures and the number of runs; exit code 1 if
- * one failed. */
+/* Flips single bits of the partial files of interrupted runs, and runs programs on them:
+ *
+ *     flip STEP [TARGET...]    flips every STEP-th bit of each target; needs a folder of with-bases.sh
+ *
+ * A run has a limit of processor time and of sleep; sleep is counted, not slept. A run must end
+ * with an exit code that a damaged file may cause. If it succeeds, its output must be that of a run
+ * without the flip. Prints the failures and the number of runs; the exit code is 1 if a run failed. */
 #include "tests/fuzz/target.h"
 
 #include <errno.h>
@@ -26,14 +28,14 @@
 
 enum {
     MAX_WAIT = 1,        // s of sleep in a run
-    MAX_SECONDS = 20,    // of a processor, and a run takes some milliseconds
-    RUNS_A_PROCESS = 200 // HDF5 keeps some memory of what it refused
+    MAX_SECONDS = 20,    // s of processor time; a run takes some milliseconds
+    RUNS_A_PROCESS = 200 // bounds the memory that HDF5 keeps from refused files
 };
 
 typedef struct interrupted {
     const char *name;
-    const char *command; // that was interrupted, and is resumed
-    int at;              // of a hundred of its writes, the one that it was killed at
+    const char *command; // the interrupted run; it is resumed with --resume
+    int at;              // per cent of its writes at which it was killed
 } interrupted;
 
 static const interrupted targets[] = {
@@ -51,7 +53,7 @@ static const interrupted targets[] = {
 };
 enum { NUM_TARGETS = sizeof targets / sizeof *targets };
 
-// ---- the system, as HDF5 and the programs see it
+// ---- replacements of system calls of HDF5 and the programs
 
 static long num_writes, kill_at; // 0: never
 static double waited;
@@ -61,7 +63,7 @@ ssize_t pwrite(int file, const void *bytes, size_t count, off_t at) {
     return syscall(SYS_pwrite64, file, bytes, count, at);
 }
 
-/* Another name of it, which an HDF5 may have been built to call. */
+/* Replaces the other name of pwrite, which HDF5 may have been built to call. */
 ssize_t pwrite64(int file, const void *bytes, size_t count, off64_t at) {
     return pwrite(file, bytes, count, at);
 }
@@ -73,7 +75,8 @@ int nanosleep(const struct timespec *wanted, struct timespec *left) {
     return 0;
 }
 
-/* What is done by the clock, such as restart slots, is done in short runs too. */
+/* Advances the monotonic clock at each reading, so that actions by the clock, such as restart
+ * slots, also happen in short runs. */
 int clock_gettime(clockid_t clock, struct timespec *now) {
     const double step = 0.2;
     static double seconds = 1;
@@ -84,7 +87,7 @@ int clock_gettime(clockid_t clock, struct timespec *now) {
     return 0;
 }
 
-// ---- in a process of its own
+// ---- in a separate process
 
 typedef struct shared {
     _Atomic size_t bit; // the next one
@@ -93,7 +96,7 @@ typedef struct shared {
 } shared;
 static shared *told;
 
-/* Ends where it is killed or, where it is not, tells how often it wrote. */
+/* Runs the command until it is killed; without a kill it stores the number of writes. */
 static _Noreturn void make_partial(const interrupted *of) {
     fuzz_start(dup(STDERR_FILENO));
     const int code = fuzz_call(of->command);
@@ -102,7 +105,7 @@ static _Noreturn void make_partial(const interrupted *of) {
     _exit(0);
 }
 
-/* What does not tell how often and when it was interrupted. */
+/* Checks that a line of the digest does not depend on when and how often the run was interrupted. */
 static bool is_content(const char *line, size_t length) {
     static const char *const others[] = {" attributes", " restart", "seconds"};
     for (size_t i = 0; i < sizeof others / sizeof *others; i++)
@@ -168,7 +171,7 @@ static int call_limited(const char *command, const char *bytes, size_t length) {
     return code;
 }
 
-/* By a run that would replace it, and by a reader. */
+/* Runs the command without --resume, which would replace the file, and a reader. */
 static void meet_others(const interrupted *of, const char *bytes, size_t length) {
     call_limited(of->command, bytes, length);
     unlink(FUZZ_OUTPUT);
@@ -179,7 +182,7 @@ static void meet_others(const interrupted *of, const char *bytes, size_t length)
         fuzz_complain("podbuild --print", code, "a code that no file must lead to", fuzz_said());
 }
 
-/* By a run that goes on with it. */
+/* Resumes from the file; the result must be refused or equal to that without a flip. */
 static void meet(const interrupted *of, const char *bytes, size_t length, const char *digest) {
     char command[256], found[1 << 13];
     snprintf(command, sizeof command, "%s --resume", of->command);
@@ -194,7 +197,7 @@ static void meet(const interrupted *of, const char *bytes, size_t length, const 
     }
 }
 
-/* Some of the flips, from the one that is told on. */
+/* Makes some of the flips, from told->bit on. */
 static _Noreturn void run_some(const interrupted *of, char *bytes, size_t length, size_t step) {
     char digest[1 << 13], command[256];
     fuzz_start(dup(STDERR_FILENO));
@@ -211,7 +214,7 @@ static _Noreturn void run_some(const interrupted *of, char *bytes, size_t length
     exit(0);
 }
 
-// ---- all of them
+// ---- all flips of a target
 
 static int outcome_of(pid_t child) {
     int outcome;
@@ -230,7 +233,7 @@ static char *read_partial(size_t *length) {
     return bytes;
 }
 
-/* What the run left when it was killed. */
+/* Interrupts the command and returns the partial file; NULL if there is none. */
 static char *interrupt(const interrupted *of, size_t *length) {
     unlink(PARTIAL);
     unlink(FUZZ_OUTPUT);
@@ -246,7 +249,7 @@ static char *interrupt(const interrupted *of, size_t *length) {
     return outcome_of(child) == 0 ? read_partial(length) : NULL;
 }
 
-/* How many flips failed. */
+/* Makes all flips of a target; returns how many failed. */
 static size_t flip(const interrupted *of, size_t step) {
     size_t length, failed = 0, runs = 0;
     char *bytes = interrupt(of, &length);
@@ -255,7 +258,7 @@ static size_t flip(const interrupted *of, size_t step) {
         return 1;
     }
     told->refused = told->whole = 0;
-    // a bit of a byte each, in turn, where every byte is met
+    // with an odd STEP the flips reach all eight bits of the bytes
     for (told->bit = 0; told->bit < 8 * length;) {
         const pid_t child = fork();
         if (child == 0) run_some(of, bytes, length, step);

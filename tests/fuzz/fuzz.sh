@@ -1,7 +1,7 @@
 #!/bin/bash
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Fuzzes a target for some seconds, and says on one line what that came to. What is new stays in
-# build/found/TARGET, from which the next run goes on; what fails is build/crashes/TARGET-..., with the log.
+# Fuzzes a target for some seconds and prints a summary on one line. New inputs stay in build/found/TARGET,
+# from which the next run continues. Failures are build/crashes/TARGET-..., beside the log.
 #
 #     tests/fuzz/fuzz.sh LIBFUZZER TARGET SECONDS
 set -u
@@ -21,7 +21,7 @@ for seed in $seeds; do cp "$seed" "$found/$(cksum <"$seed" | tr ' ' -)"; done
 corpus=$here/corpus/$target
 [[ -d $corpus ]] || corpus=
 
-count() { find "$crashes" -name "$target-*-*" ! -name "*-slow-unit-*" | wc -l; } # a busy machine makes slow ones
+count() { find "$crashes" -name "$target-*-*" ! -name "*-slow-unit-*" | wc -l; } # slow units depend on the load of the machine
 before=$(count)
 TARGET=$target "$here/with-bases.sh" nice "$fuzzer" -max_total_time="$seconds" -close_fd_mask=3 -print_final_stats=1 \
     -detect_leaks=0 -max_len=4096 -timeout=120 -rss_limit_mb=4096 -malloc_limit_mb=100000 -report_slow_units=60 -artifact_prefix="$crashes/$target-" \

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What libFuzzer calls. The environment's TARGET says which target; edits are made up from the words of
- * edit.h and the names of the schema. */
+/* Entry points of libFuzzer. The environment variable TARGET selects the target. Edits are
+ * generated from the words of edit.h and the names of the schema. */
 #include "tests/fuzz/edit.h"
 #include "tests/fuzz/flat_edit.h"
 #include "tests/fuzz/target.h"
@@ -17,8 +17,8 @@ size_t LLVMFuzzerCustomMutator(uint8_t *bytes, size_t length, size_t room, unsig
 size_t LLVMFuzzerMutate(uint8_t *bytes, size_t length, size_t room);
 const char *__asan_default_options(void);
 
-/* Names are compared so often that libFuzzer's record of what was compared takes most of the time; seeds
- * have the names. Linked with --wrap. */
+/* Replaces strcmp (linked with --wrap) by a version that libFuzzer does not record. Recording the
+ * many comparisons of names takes most of the time, and the seeds contain the names anyway. */
 int __wrap_strcmp(const char *a, const char *b);
 int __wrap_strcmp(const char *a, const char *b) {
     while (*a && *a == *b)
@@ -26,7 +26,7 @@ int __wrap_strcmp(const char *a, const char *b) {
     return (unsigned char)*a - (unsigned char)*b;
 }
 
-/* What a file asks for beyond this is refused as by a system without memory. */
+/* Limits an allocation to 512 MB; larger ones are refused as by a system without memory. */
 const char *__asan_default_options(void) {
     return "allocator_may_return_null=1:max_allocation_size_mb=512:quarantine_size_mb=32:malloc_"
            "context_size=10:detect_stack_use_after_return=0";
@@ -39,7 +39,7 @@ static const fuzz_target *target(void) {
     return found;
 }
 
-static int standard_error; // which libFuzzer closes before the first input
+static int standard_error; // a copy, because libFuzzer closes it before the first input
 
 int LLVMFuzzerInitialize(int *argc, char ***argv) {
     (void)argc, (void)argv;
@@ -171,7 +171,7 @@ static const char *any_text(void) {
     return below(4) ? one_of(texts) : any_number();
 }
 
-/* Of a flat model, by the numbers of its blocks, of which most are of one number. */
+/* Generates an edit of a flat model. Blocks are chosen by number; most blocks hold one number. */
 static int make_flat_line(char *line, size_t room) {
     const char *word = one_of(flat_edit_words);
     const unsigned block = below(64), index = below(2) ? below(200) : 0;
@@ -190,7 +190,7 @@ static int make_flat_line(char *line, size_t room) {
     }
 }
 
-/* A line of edits. */
+/* Generates a line with an edit of an HDF5 file. */
 static int make_line(char *line, size_t room) {
     const char *name = any_name();
     switch (below(14)) {
@@ -221,7 +221,7 @@ static int make_line(char *line, size_t room) {
     }
 }
 
-/* Takes one of the lines out. */
+/* Removes a random line; returns the new length. */
 static size_t drop_line(char *text, size_t length) {
     size_t num_lines = 0, begin = 0, end;
     for (size_t i = 0; i < length; i++)
@@ -245,7 +245,7 @@ size_t LLVMFuzzerCustomMutator(uint8_t *bytes, size_t length, size_t room, unsig
     if (length > 0 && bytes[length - 1] != '\n' && length < room) bytes[length++] = '\n';
     switch (below(8)) {
     case 0:
-        // our own, the last, seldom: with its attributes and scales it takes several times as long
+        // our own file is the last one and rarely used: its attributes and scales make it several times as slow
         added = snprintf(line, sizeof line, "base %u\n",
                          below(10) ? below(MAX_BASES - 1) : MAX_BASES - 1);
         break;
@@ -256,7 +256,7 @@ size_t LLVMFuzzerCustomMutator(uint8_t *bytes, size_t length, size_t room, unsig
         added = target()->flat ? make_flat_line(line, sizeof line) : make_line(line, sizeof line);
     }
     if (added < 1 || (size_t)added >= sizeof line || (size_t)added > room - length) return length;
-    // the first "base" and "run" count
+    // put in front, since only the first "base" and "run" count
     const bool first = line[0] == 'b' || line[0] == 'r';
     memmove(bytes + (first ? added : 0), bytes, length);
     memcpy(bytes + (first ? 0 : length), line, (size_t)added);

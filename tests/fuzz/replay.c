@@ -1,7 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Runs corpus files without libFuzzer, each in a process of its own: replay TARGET FILE...
- * A name "refused-..." is of a file that has to be refused, "accepted-..." of one that has to be read,
- * any other of one that must only do no harm. Prints those that fail, and ends with 1. */
+/* Runs files of a corpus without libFuzzer, each in its own process:
+ *
+ *     replay TARGET FILE...
+ *
+ * A file "refused-..." has to be refused, a file "accepted-..." has to be read; any other one must
+ * only do no harm. Prints the files that fail, and then ends with exit code 1. */
 #include "tests/fuzz/target.h"
 
 #include <signal.h>
@@ -20,7 +23,7 @@ static int expected_of(const char *path, int code) {
     return code;
 }
 
-/* In the process of its own. */
+/* Runs a file in the child process. */
 static _Noreturn void run_file(const fuzz_target *target, const char *path) {
     static uint8_t bytes[MAX_BYTES];
     FILE *file = fopen(path, "rb");

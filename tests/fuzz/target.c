@@ -22,12 +22,12 @@
 
 // ---- complaints
 
-static FILE *report; // where standard error led
-static int said;     // what the programs say, a file in memory
+static FILE *report; // the original standard error
+static int said;     // a file in memory with the messages of the programs
 
 const char *__lsan_default_suppressions(void);
 
-/* HDF5 leaks where it refuses. */
+/* Ignores leaks of HDF5, which leaks memory when it refuses a file. */
 const char *__lsan_default_suppressions(void) {
     return "leak:libhdf5";
 }
@@ -41,7 +41,7 @@ void fuzz_start(int standard_error) {
     if (!report || said < 0 || nowhere < 0) abort();
     setvbuf(report, NULL, _IOLBF, 0);
     if (__sanitizer_set_report_fd)
-        __sanitizer_set_report_fd((void *)(intptr_t)standard_error); // NOLINT: what it takes
+        __sanitizer_set_report_fd((void *)(intptr_t)standard_error); // NOLINT: its type
     dup2(nowhere, STDOUT_FILENO);
     dup2(said, STDERR_FILENO);
 }
@@ -63,7 +63,7 @@ static void forget_said(void) {
     if (ftruncate(said, 0)) abort();
 }
 
-/* Every line is led by the program's name, and a failure has one. */
+/* Checks that every line starts with the program's name, and that a failure has a line. */
 static void check_said(const char *command, int code) {
     const char *text = fuzz_said();
     const size_t name = strcspn(command, " ");
@@ -125,7 +125,7 @@ int fuzz_call(const char *command) {
 static int run_command(const char *command) {
     const int code = fuzz_call(command);
     check_code(command, code);
-    // what is compared after a run in time comes too late for the run, whose result stands
+    // a comparison after a transient run may fail when the result is already written
     const bool compared = strstr(command, "time.yml") && strstr(command, "--against");
     if (code >= EHD_USAGE && !compared && access(OUTPUT, F_OK) == 0)
         fuzz_complain(command, code, "an output all the same", "");
@@ -134,9 +134,9 @@ static int run_command(const char *command) {
     return code;
 }
 
-// ---- the library, as if it were a program: library SCENE.yml MODEL
+// ---- the library, called like a program: library SCENE.yml MODEL
 
-/* A result that is to be relied on is one of numbers. */
+/* Checks that a trusted result has finite numbers; returns `status`. */
 static ehdrom_status look_at(ehdrom_status status, const ehdrom_result *result) {
     if (status == EHDROM_OK &&
         !(isfinite(result->central_film_thickness) && isfinite(result->minimum_film_thickness) &&
@@ -145,9 +145,9 @@ static ehdrom_status look_at(ehdrom_status status, const ehdrom_result *result) 
     return status;
 }
 
-static const char *edits; // the text of this run
+static const char *edits; // the edits of this run
 
-/* Lines "state INDEX VALUE": numbers of a saved state that are others. */
+/* Applies the lines "state INDEX VALUE" to a saved state. */
 static void edit_state(double *state, size_t count) {
     for (const char *line = edits; line && *line; line = strchr(line, '\n')) {
         char *value;
@@ -158,7 +158,7 @@ static void edit_state(double *state, size_t count) {
     }
 }
 
-/* Steps, of which one is taken again from a saved state. */
+/* Makes steps; one of them starts from a saved and edited state. */
 static ehdrom_status steps(ehdrom_contact *contact) {
     ehdrom_conditions conditions = EHDROM_CONDITIONS_INIT;
     ehdrom_result result = EHDROM_RESULT_INIT;
@@ -220,7 +220,7 @@ static bool is_line(const ehd_error *error) {
     return *error->text && !strchr(error->text, '\n');
 }
 
-/* A scene that is accepted survives the way through its own text. */
+/* Reads a scene. An accepted scene must be unchanged after writing and reading. */
 static ehd_status read_scene(const char *bytes, size_t length, ehd_error *error) {
     scene read, again;
     const ehd_status status = scene_parse(&read, bytes, length, "fuzz", NULL, 0, error);
@@ -234,7 +234,7 @@ static ehd_status read_scene(const char *bytes, size_t length, ehd_error *error)
     return EHD_OK;
 }
 
-/* So does a plan. */
+/* Reads a plan. An accepted plan must be readable again from its own text, with as many points. */
 static ehd_status read_plan(const char *bytes, size_t length, ehd_error *error) {
     plan read = {0}, again = {0};
     ehd_status status = plan_read(&read, "work.yml", NULL, 0, error);
@@ -248,7 +248,7 @@ static ehd_status read_plan(const char *bytes, size_t length, ehd_error *error) 
     return status;
 }
 
-/* A transient scene with a table of the load; the scene itself is read once. */
+/* Reads a transient scene with a table of the load; the scene itself is read only once. */
 static ehd_status read_history(scene *given, const char *path, ehd_error *error) {
     ehd_histories *histories = NULL;
     double values[NUM_VARY];
@@ -281,7 +281,8 @@ static ehd_status read_rows(ehd_error *error) {
     return status;
 }
 
-/* As points of a plan where a setting is named, else as rows, and as a history, which is what counts. */
+/* Reads the bytes as points of a plan, if they name a setting, else as rows; then as a history. The
+ * status is that of the history. */
 static ehd_status read_csv(const char *bytes, size_t length, ehd_error *error) {
     static scene given;
     plan points = {0};
@@ -396,9 +397,9 @@ const fuzz_target *fuzz_find(const char *name) {
     return target->name ? target : NULL;
 }
 
-// ---- a run
+// ---- running a target
 
-/* The number in a line "WORD N", modulo `count`, `otherwise` where there is none. */
+/* Returns the number in the first line "WORD N", modulo `count`; `otherwise` without such a line. */
 static size_t choice(const char *text, const char *word, size_t count, size_t otherwise) {
     const size_t length = strlen(word);
     for (const char *line = text; line; line = strchr(line, '\n')) {
@@ -422,7 +423,7 @@ static void write_bytes(const char *path, const void *bytes, size_t length) {
     close(file);
 }
 
-/* Copies a file, which is read once. */
+/* Writes a copy of a valid file, which is read only once. */
 static void copy_base(const char *base, const char *path) {
     enum { MAX_KNOWN = 32 };
     static struct {
@@ -459,13 +460,13 @@ static int run_reader(const fuzz_target *target, const char *text, size_t length
 int fuzz_run(const fuzz_target *target, const uint8_t *bytes, size_t length) {
     const size_t num_bases = count_of(target->bases, MAX_BASES);
     const size_t num_commands = count_of(target->commands, MAX_COMMANDS);
-    char *text = strndup((const char *)bytes, length); // up to a zero byte, for edits
+    char *text = strndup((const char *)bytes, length); // up to a zero byte; used for edits
     int code = 0;
     bool edited = true;
     if (!text) abort();
     if (num_bases > 0) {
         copy_base(target->bases[choice(text, "base", num_bases, 0)], target->file);
-        // an edit of a flat model does not mend its checksum
+        // edits of a flat model do not update its checksum, so it is not checked
         if (target->flat) setenv("EHDROM_DIGEST", "no", 1);
         if (target->flat)
             flat_edit_file(target->file, text, strlen(text));

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What is fuzzed: a target takes any bytes and hands them to the programs as a file. */
+/* Fuzz targets: each hands any bytes to the programs as a file. */
 #ifndef FUZZ_TARGET_H
 #define FUZZ_TARGET_H
 
@@ -9,44 +9,45 @@
 #include <stdint.h>
 
 enum { MAX_BASES = 4, MAX_COMMANDS = 12 };
-#define FUZZ_OUTPUT "out.h5" // of all commands
+#define FUZZ_OUTPUT "out.h5" // the output of all commands
 
 typedef struct fuzz_target {
     const char *name;
-    // the bytes are the file, or edits (edit.h, flat_edit.h) of a valid one, led by lines "base N" and "run N"
-    const char *file;                   // what it is called, "work.h5"; NULL: there is none
-    const char *bases[MAX_BASES];       // valid files to edit; NULL: the bytes are the file
-    const artefact_schema *schema;      // of these; NULL: none
-    bool flat;                          // these are flat models, with edits of flat_edit.h
-    const char *commands[MAX_COMMANDS]; // of which "run N" says one; where nothing does, the second
-    // in place of commands: the status of what reads the bytes
+    // the bytes are the file itself, or edits (edit.h, flat_edit.h) of a valid one after lines "base N" and "run N"
+    const char *file;              // name of the file, such as "work.h5"; NULL: no file
+    const char *bases[MAX_BASES];  // valid files to edit; NULL: the bytes are the file
+    const artefact_schema *schema; // schema of the bases; NULL: none
+    bool flat;                     // the bases are flat models, edited by flat_edit.h
+    // "run N" chooses one; by default the second, or the only one
+    const char *commands[MAX_COMMANDS];
+    // instead of commands: reads the bytes and returns a status
     ehd_status (*read)(const char *bytes, size_t length, ehd_error *error);
 } fuzz_target;
 
 extern const fuzz_target fuzz_targets[]; // ends with {0}
 
-/* NULL: none of this name. */
+/* Returns the target of this name; NULL if there is none. */
 const fuzz_target *fuzz_find(const char *name);
 
-/* To be called once, in a folder with the valid files (with-bases.sh), before fuzz_run. Standard output
- * and error are the programs' from then on; what fuzz_run complains of goes to `standard_error`, a
- * duplicate of it, and so do the sanitizers' reports. */
+/* Prepares fuzz_run. Call it once, in a folder with the valid files (with-bases.sh). From then on
+ * standard output and error belong to the programs. Complaints of fuzz_run and reports of
+ * sanitizers go to `standard_error`, a duplicate of the original one. */
 void fuzz_start(int standard_error);
 
-/* Runs a target: the exit code of the command that "run N" names, or the status of its `read`; EHD_INTERNAL
- * where HDF5 could not make the edits (edit_file), which nothing is learned from. Ends the
- * process (abort) where a program ends with a code that no file must lead to, fails without a line that
- * says so or with anything else than such lines, or leaves an output all the same. */
+/* Runs a target. Returns the exit code of the command that "run N" chooses, or the status of
+ * `read`; EHD_INTERNAL if HDF5 could not make the edits (edit_file), so that nothing was tested.
+ * Ends the process (abort) if a program exits with a code that no file may cause, fails without a
+ * line, prints anything but its own lines, or leaves an output although it failed. */
 int fuzz_run(const fuzz_target *target, const uint8_t *bytes, size_t length);
 
-// ---- what that is made of
+// ---- parts of fuzz_run
 
-/* Runs a command of a program and returns its exit code; complains where what it says is not lines of the
- * program, or where it fails without one. */
+/* Runs a command of a program and returns its exit code. Complains if the program fails without a
+ * line, or prints lines that do not start with its name. */
 int fuzz_call(const char *command);
-/* What the last one said, up to a few kilobytes. */
+/* Returns the messages of the last command, up to 4095 bytes, valid until the next call. */
 const char *fuzz_said(void);
-/* Says so, and ends the process. */
+/* Prints a complaint and ends the process (abort). */
 _Noreturn void fuzz_complain(const char *command, int code, const char *found, const char *text);
 
 #endif

@@ -1,7 +1,7 @@
 #!/bin/bash
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Runs a command in a folder of its own, in memory where the system has that, with small valid files of every
-# kind, which targets (targets.c) start from. BIN is the folder of the programs.
+# Runs a command in a temporary folder with small valid files of every kind, from which the targets (target.c)
+# start. The folder is in memory if the system offers that. BIN is the folder of the programs.
 #
 #     tests/fuzz/with-bases.sh COMMAND...
 set -eu
@@ -13,7 +13,7 @@ trap 'rm -rf "$folder"' EXIT
 cd "$folder"
 export PATH=$BIN:$PATH OPENBLAS_NUM_THREADS=1
 
-# grids that are too coarse to estimate their error, which is left out
+# the grids are too coarse for an error estimate, so it is left out
 stationary='regime: stationary
 output: {resolution: false}'
 lubricant='lubricant: {viscosity: {law: barus, alpha: 2.0e-8}, density: {law: dowson-higginson}}'
@@ -30,7 +30,7 @@ fixed='moes: {M: 12, L: 4}'
 printf '%s\n' "$line" "$stationary" "$fixed" >line.yml
 printf '%s\n' "$line" 'regime: transient' "$fixed" "$history" >time.yml
 printf '%s\n' "$point" "$fixed" >point.yml
-# with a table of the load, line.h5 or line.csv
+# scenes with a table of the load, from work.h5 or work.csv
 sed 's/load: {.*}, end/load: {law: table, file: FILE, column: load}, end/' time.yml >table.yml
 sed 's/FILE/work.h5/' table.yml >table-h5.yml
 sed 's/FILE/work.csv/' table.yml >table-csv.yml
@@ -44,7 +44,7 @@ printf 'groups:\n- {scene: line.yml, points: work.csv}\n' >csv-plan.yml
 printf 'groups:\n- {scene: line.yml, vary: {moes.M: [9.5, 13]}}\n' >small-plan.yml
 printf 'groups:\n- {scene: line.yml, vary: {moes.M: [8, 9, 11, 13, 15], moes.L: [2, 3, 4, 5, 6]}}\n' >wide-plan.yml
 
-# more rows than are written together
+# more rows than are written at once
 {
     echo moes.M
     seq -f 1%.3f 0 0.005 5
@@ -56,7 +56,7 @@ chain() { # NAME SCENE PODBUILD_OPTION...
     snapgen $plan -q -o s-$name.h5
     podbuild s-$name.h5 -q -o b-$name.h5 "$@"
     snapgen $plan -q --basis b-$name.h5 -o r-$name.h5
-    # with the warning of a thin training
+    # the training is so thin that this warns
     deimselect r-$name.h5 -q --basis b-$name.h5 -o m-$name.h5
 }
 {
@@ -68,7 +68,7 @@ chain() { # NAME SCENE PODBUILD_OPTION...
     romrun --export m-line.h5 --pressure-modes 9 --rows 20 -o m-small.ehdrom
     for scene in line time point; do fullrun $scene.yml -q -o f-$scene.h5; done
     snapgen small-plan.yml -q -o s-small.h5
-    # as another program may write them, which also takes less time to read: nothing but values
+    # the same values as another program may write them, without our attributes; these are also faster to read
     /usr/bin/python3 - <<'PYTHON'
 import glob, h5py
 OWN = ("history", "creator", "title", "Conventions", "complete", "input_", "basis_sha256", "content_sha256")
