@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Hierarchical compression of 10000 snapshots of 1201 nodes, of rank about 250, and the POD of all
- * of them in one piece, both on one core.
+/* Measures the hierarchical compression of 10000 snapshots of 1201 nodes, of rank about 250, and
+ * the POD of all of them in one piece, both on one core.
  *
  *     bench_compress [num_nodes num_snapshots [block]] */
 #include "common/program/program.h"
@@ -12,7 +12,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-/* Twenty periods of a hump that travels to and fro, each with another width, as of trajectories. */
+/* Fills the snapshots with a hump that travels back and forth over twenty periods, in each with
+ * another width. */
 static void fill(double *snapshots, size_t num_snapshots, size_t num_nodes) {
     for (size_t s = 0; s < num_snapshots; s++) {
         const double time = 20.0 * (double)s / (double)num_snapshots;
@@ -52,7 +53,7 @@ static double time_one_piece(pod_basis *basis, const double *snapshots, size_t n
     return program_seconds() - start;
 }
 
-/* Largest deviation of a singular value, relative to the first. */
+/* Returns the largest difference of a singular value, relative to the first one. */
 static double deviation(const compressed_set *set, const pod_basis *basis) {
     double largest = 0;
     for (size_t i = 0; i < set->rank; i++)

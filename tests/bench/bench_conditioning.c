@@ -1,15 +1,16 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Conditioning of the reduced least squares: what the solvers make of the Jacobians of a solution.
+/* Measures the conditioning of the reduced least squares, and how accurately several solvers solve
+ * them.
  *
  *     bench_conditioning MODEL.h5 SCENE.yml MODES ROWS VARIANT [key=value ...]
  *
- * A scene is solved with the first MODES and ROWS of the model (0: all) by Newton with a QR in
- * extended precision. Every system on the way is given to each solver too. Then each solves the
- * scene alone. A line of CSV each, of columns as HEADER below. VARIANT: one of
- * tests/bench/variant.h, or
- *     rate=R            a step in time: the time derivative R (rho H - rho H of the solution)
- * To count instructions of the solvers: callgrind with --toggle-collect=time_solvers, where each
- * solves the same system REPEATS times. */
+ * Solves a scene with the first MODES and ROWS of the model (0: all) by Newton with a QR in
+ * extended precision. Each solver also solves every system of this iteration. Then each solves the
+ * scene alone. Prints one line of CSV for each solver, with the columns of HEADER. VARIANT is one
+ * of tests/bench/variant.h, or
+ *     rate=R            a time step with the time derivative R (rho H - rho H of the stationary solution)
+ * To count the instructions of the solvers, run callgrind with --toggle-collect=time_solvers, in
+ * which each solver solves the same system REPEATS times. */
 #include "common/program/program.h"
 #include "common/settings/scene_contact.h"
 #include "fullrun/full_solver.h"
@@ -35,21 +36,22 @@ enum { REPEATS = 21 };
 
 // ---- solvers, all of step = argmin |matrix step + right|; row-major A is column-major A^T
 
-/* Memory that the solvers share. */
+/* Memory shared by the solvers. */
 typedef struct workspace {
     least_squares *used;
     size_t num_columns;
-    double *scale;         // [num_columns] 1 / norm of the column
-    double *scaled;        // [num_rows, num_columns]
-    double *gram;          // [num_columns, num_columns]
-    double *left;          // [num_rows] residual
-    double *change;        // [num_columns]
-    float *single_scaled;  // [num_rows, num_columns]
-    float *single_gram;    // [num_columns, num_columns]
-    float *single_change;  // [num_columns]
-    double *work;          // [num_work] of LAPACK
-    long double *extended; // [num_columns + 1, num_rows], column-major; the right side is the last
-    long double *diagonal; // [num_columns] of R
+    double *scale;        // [num_columns] 1 / norm of the column
+    double *scaled;       // [num_rows, num_columns]
+    double *gram;         // [num_columns, num_columns]
+    double *left;         // [num_rows] residual
+    double *change;       // [num_columns]
+    float *single_scaled; // [num_rows, num_columns]
+    float *single_gram;   // [num_columns, num_columns]
+    float *single_change; // [num_columns]
+    double *work;         // [num_work] workspace of LAPACK
+    // [num_columns + 1, num_rows], column-major; the last column is the right side
+    long double *extended;
+    long double *diagonal; // [num_columns] diagonal of R
     int num_work;
 } workspace;
 
@@ -100,7 +102,7 @@ static void scale_columns(workspace *self, const double *matrix, size_t num_rows
             self->scaled[r * n + j] = matrix[r * n + j] * self->scale[j];
 }
 
-/* Cholesky factor of the scaled Gram matrix, in one of both precisions. */
+/* Computes the Cholesky factor of the scaled Gram matrix, in single or double precision. */
 static bool factorise(workspace *self, size_t num_rows, bool single) {
     int n = (int)self->num_columns, m = (int)num_rows;
 
@@ -116,7 +118,7 @@ static bool factorise(workspace *self, size_t num_rows, bool single) {
     return LAPACKE_dpotrf_work(LAPACK_COL_MAJOR, 'L', n, self->gram, n) == 0;
 }
 
-/* change = (L L^T)^-1 change */
+/* Computes change = (L L^T)^-1 change. */
 static void apply_inverse(workspace *self, bool single) {
     int n = (int)self->num_columns;
 
@@ -146,8 +148,8 @@ static ehd_status unscale(double *step, const workspace *self) {
     return EHD_OK;
 }
 
-/* Normal equations, and steps of iterative refinement whose residuals are those of the matrix
- * itself, in double precision. */
+/* Solves the normal equations, with iterative refinement. The residuals of the refinement use the
+ * matrix itself, in double precision. */
 static ehd_status normal_equations(double *step, workspace *self, const double *matrix,
                                    const double *right, size_t num_rows, bool scaled, bool single,
                                    int refinements) {
@@ -220,8 +222,8 @@ static ehd_status solve_used(double *step, void *context, const double *matrix, 
     return least_squares_solve(step, self->used, matrix, right, num_rows);
 }
 
-/* Reflects the columns behind the first (shape [count, length]) as Householder's reflection of the
- * first does, which it makes zero but for its head; returns that. */
+/* Applies Householder's reflection of the first column to all columns (shape [count, length]). The
+ * first column then has one nonzero entry, its head; returns the head. */
 static long double reflect(long double *first, size_t count, size_t length, size_t stride) {
     long double norm = 0, head, squares;
 
@@ -242,7 +244,7 @@ static long double reflect(long double *first, size_t count, size_t length, size
     return head;
 }
 
-/* QR of Householder in extended precision (64 bits), columns scaled. */
+/* Solves by a Householder QR in extended precision (64 bits), with scaled columns. */
 static ehd_status solve_extended(double *step, void *context, const double *matrix,
                                  const double *right, size_t num_rows, size_t num_unknowns) {
     workspace *self = context;
@@ -287,12 +289,12 @@ enum { EXTENDED, NUM_SOLVERS = sizeof solvers / sizeof *solvers };
 typedef struct measurement {
     ehd_status status;
     size_t iterations;
-    double film;         // central
-    double step_error;   // largest of all systems, relative, with columns scaled
+    double film;         // central film
+    double step_error;   // largest of all systems; relative, with scaled columns
     double microseconds; // median
 } measurement;
 
-/* A Newton iteration whose systems all solvers see. */
+/* A Newton iteration whose systems are given to all solvers. */
 typedef struct recording {
     workspace *work;
     measurement *results;   // [NUM_SOLVERS]
@@ -301,7 +303,7 @@ typedef struct recording {
     size_t num_rows;
 } recording;
 
-/* |D (x - y)| / |D y| with the columns' norms as D. */
+/* Returns |D (x - y)| / |D y|, where D has the norms of the columns. */
 static double step_error(const double *x, const double *y, const double *scale, size_t count) {
     double difference = 0, norm = 0;
 
@@ -332,7 +334,7 @@ static ehd_status record(double *step, void *context, const double *matrix, cons
     return status;
 }
 
-/* Not inlined: callgrind is told to count in here. */
+/* Measures the time of each solver. Not inlined, because callgrind counts inside this function. */
 __attribute__((noinline)) static void time_solvers(recording *self, size_t num_unknowns) {
     double times[REPEATS];
 
@@ -349,7 +351,7 @@ __attribute__((noinline)) static void time_solvers(recording *self, size_t num_u
     }
 }
 
-/* Largest over smallest singular value. */
+/* Returns the condition number: largest over smallest singular value. */
 static double condition(const double *matrix, size_t num_rows, size_t num_columns) {
     size_t least = num_rows < num_columns ? num_rows : num_columns;
     double *copy = must_allocate(num_rows * num_columns * sizeof(double));
@@ -365,14 +367,14 @@ static double condition(const double *matrix, size_t num_rows, size_t num_column
     return ratio;
 }
 
-/* A scene and what solves it. */
+/* A scene, its contact and its model. */
 typedef struct problem {
     const reduced_model *model;
     const ehd_contact *contact;
     const reduced_squeeze *squeeze; // NULL: stationary
 } problem;
 
-/* Solves the scene, the least squares by `solve_linear`; leaves the state's ends in *state. */
+/* Solves the scene with `solve_linear` for the least squares; stores the final state in *state. */
 static void solve_scene(measurement *result, reduced_state *state, const problem *self,
                         reduced_linear_solver *solve_linear, void *context) {
     const reduced_model *model = self->model;
@@ -392,7 +394,7 @@ static void solve_scene(measurement *result, reduced_state *state, const problem
     reduced_solver_free(solver);
 }
 
-/* rho H of the stationary solution times -rate, which makes it that of a step in time as well. */
+/* rho H of the stationary solution times -rate. With it the solution also solves the time step. */
 typedef struct previous_mass {
     double *at_rows;  // [num_rows]
     double *at_nodes; // [num_nodes]
@@ -470,7 +472,7 @@ static void print(const measurement *results, const reduced_model *model, const 
                results[s].microseconds);
 }
 
-/* All solvers on one scene with one variant of a model. */
+/* Runs all solvers on one scene with one variant of a model. */
 static void measure(const problem *self, const char *variant) {
     size_t n = self->model->num_unknowns, max_rows = system_max_rows(self->model);
     measurement results[NUM_SOLVERS] = {0}, with_all;
@@ -478,7 +480,7 @@ static void measure(const problem *self, const char *variant) {
     workspace work;
 
     for (size_t s = 0; s < NUM_SOLVERS; s++)
-        results[s].step_error = NAN; // without a reference
+        results[s].step_error = NAN; // NaN until there is a reference
     workspace_init(&work, max_rows, n);
     recording seen = {.work = &work,
                       .results = results,

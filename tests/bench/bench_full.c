@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Full-order solver: against the dense Newton, and how time and memory grow with the nodes.
+/* Measures the full-order solver: against the dense Newton, and the growth of time and memory with
+ * the nodes.
  *
  *     bench_full [repeats] */
 #include "tests/bench/cold.h"
@@ -15,7 +16,7 @@ static const double LEAST_RATIO = 10, MOST_EXPONENT = 1.3;
 
 // ---- n = 3001 against the dense Newton
 
-/* Newton from a copy of `start`; returns its seconds. */
+/* Runs Newton from a copy of `start`; returns its seconds. */
 static double time_newton(full_info *info, full_state *work, const full_state *start,
                           full_solver *solver, const ehd_contact *contact) {
     ehd_error error;

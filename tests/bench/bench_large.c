@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Large point contacts with the full model, cold: M = 20, L = 10, Barus, compressible, accurate rows,
- * far field, half domain, on one thread or several. Processor time, time, memory, iterations of the
- * finest grid (fullrun/README.md, Large point contacts); fails where 1024 cells take more than they
- * should.
+/* Measures cold solutions of large point contacts with the full model: M = 20, L = 10, Barus,
+ * compressible, accurate discretisation, far field, half domain, on one thread or several. Prints
+ * processor time, time, memory and iterations of the finest grid (fullrun/README.md, Large point
+ * contacts). Fails if 1024 cells take more than MOST_SECONDS or MOST_MEGABYTES.
  *
  *     bench_large [smallest number of cells [largest number of cells [M [L [threads]]]]] */
 #include "common/program/program.h"
@@ -26,7 +26,7 @@ typedef struct large_task {
 
 typedef struct large_record {
     size_t across, lines, nodes, newton, gmres;
-    double seconds, bytes; // of all processors; stated
+    double seconds, bytes; // processor time of all threads, s; memory that full_solver_bytes states
     double elapsed;
     contact_scalars scalars;
 } large_record;
@@ -35,7 +35,7 @@ static double processor_seconds(void) {
     return (double)clock() / CLOCKS_PER_SEC;
 }
 
-/* Each iteration, on coarser grids too, where LARGE_VERBOSE is set. */
+/* Prints each iteration, also of coarser grids, if the environment variable LARGE_VERBOSE is set. */
 static void show(void *context, const ehd_grid *grid, size_t iteration, double residual) {
     (void)context;
     printf("    %zu by %zu, iteration %zu, residual %.2e, after %.2f s\n", grid->inner_x,

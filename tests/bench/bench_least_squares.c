@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* How far the reduced least squares are from the rate that OpenBLAS reaches on a product of their
- * size, on one core.
+/* Compares the rate of the reduced least squares with that of an OpenBLAS product of their size, on
+ * one core.
  *
  *     bench_least_squares rows columns [repeats] */
 #include "common/program/program.h"
@@ -43,7 +43,7 @@ int main(int argc, char **argv) {
     openblas_set_num_threads(1);
     fill_random(matrix, num_rows * num_columns);
     fill_random(right, num_rows);
-    // in turns, so that a busy moment of the machine touches both
+    // alternately, so that a busy moment of the machine affects both
     for (size_t i = 0; i < repeats; i++) {
         double start = program_seconds();
         if (least_squares_solve(solution, workspace, matrix, right, num_rows)) return 1;
@@ -54,7 +54,7 @@ int main(int argc, char **argv) {
         blas[i] = program_seconds() - start;
     }
     const spread here = spread_of(own, repeats), there = spread_of(blas, repeats);
-    // half of a product, Cholesky, and the right side
+    // a symmetric product, which is half of a full one, Cholesky, and the right side
     const double flops = (double)n * n * m + (double)n * n * n / 3 + 2.0 * n * m + 2.0 * n * n;
     const double rate = flops / here.median, product_rate = 2.0 * n * n * m / there.median;
     printf("least squares %d x %d: %s us, %.1f Gflop/s; dgemm %d x %d x %d: %s us, %.1f Gflop/s; "

@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Contacts in time by the shared library, as others call it, in this program's own threads:
+/* Measures transient contacts by the shared library, in threads of this program:
  *
  *     bench_many MODEL SCENE.yml STEPS CONTACTS [REPEATS]
  *
- * Each contact is stepped by 0.005 under a load that swings by a tenth, by ehdrom_step_many and
- * ehdrom_accept. With REPEATS the times of one thread and of two, in turns, the least of each. Exit code 1
- * where two are less than 1.9 times as fast, or where one waits for the other. On a machine that does other
- * work, which has the threads at their processors for a part of the time only, processor time is judged
- * instead: memory or caches that they share make it longer, and a lock has them wait. Without REPEATS once in
- * one thread, for callgrind (costs.sh). */
+ * Each contact takes steps of 0.005 under a load that swings by a tenth, by ehdrom_step_many and
+ * ehdrom_accept. With REPEATS it compares one thread with two, alternately, by the least time of
+ * each. The exit code is 1 if two threads are less than 1.9 times as fast, or if one waits for the
+ * other. On a busy machine the threads do not run all the time, so processor time is compared
+ * instead: shared memory or caches make it longer, and a lock shows as waiting. Without REPEATS it
+ * runs once in one thread, for callgrind (costs.sh). */
 #include <ehdrom.h>
 
 #include <limits.h>
@@ -22,14 +22,14 @@
 
 static const double STEP = 0.005, SWING = 0.1;
 static const double GOAL = 1.9;
-/* Of the time that passes, at a processor: the machine is idle. */
+/* Least ratio of processor time to elapsed time on an idle machine. */
 static const double IDLE = 0.98;
-/* How often threads may give their processors away of themselves: at the end one waits for the other. With a
- * lock around each step it is 5 times and more, though mostly the same thread takes it again. */
+/* How often threads may give up their processor voluntarily; at the end one waits for the other. A
+ * lock around each step makes it 5 and more, though mostly the same thread takes the lock again. */
 static const long MOST_WAITS = 2;
 enum { MOST_CONTACTS = 64 };
 
-/* What a thread does: all steps of its contacts. */
+/* The work of a thread: all steps of its contacts. */
 typedef struct share {
     ehdrom_contact **contacts;
     ehdrom_conditions *conditions;
@@ -78,7 +78,7 @@ static void start(const share *all) {
 
 typedef struct spent {
     double wall, processor;
-    long waits; // how often a thread gave its processor away of itself
+    long waits; // voluntary context switches
 } spent;
 
 static long count_waits(void) {
@@ -88,7 +88,7 @@ static long count_waits(void) {
     return used.ru_nvcsw;
 }
 
-/* All steps in one thread or in two. */
+/* Makes all steps in one thread or in two. */
 static spent run(const share *all, int num_threads) {
     const size_t half = num_threads == 2 ? all->count / 2 : 0;
     share first = *all, second = *all;
@@ -110,14 +110,14 @@ static spent run(const share *all, int num_threads) {
                    count_waits() - waits};
 }
 
-/* The least of each. */
+/* Keeps the least value of each measurement. */
 static void keep_least(spent *least, const spent *now) {
     least->wall = fmin(least->wall, now->wall);
     least->processor = fmin(least->processor, now->processor);
     if (now->waits < least->waits) least->waits = now->waits;
 }
 
-/* Returns the exit code. */
+/* Prints the verdict and returns the exit code. */
 static int judge(const spent *one, const spent *two) {
     const bool idle = one->processor > IDLE * one->wall && two->processor > IDLE * 2 * two->wall;
     const double faster = idle ? one->wall / two->wall : 2 * one->processor / two->processor;

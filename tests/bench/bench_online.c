@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Online solver: time of a scene with the model open, where it goes, and what one more iteration
- * would change.
+/* Measures the online solver: time of a scene with the model open, its parts, and the change of the
+ * film by one more iteration.
  *
  *     bench_online MODEL.h5 SCENE.yml repeats tolerance modes rows [key=value ...]
  *
- * Tolerance as in reduced_settings; 0 modes or rows: all of the model. With repeats = 0 it solves
- * once, from the trained solution nearest to the scene: for counting instructions by callgrind with
- * --toggle-collect=reduced_solve. */
+ * The tolerance is that of reduced_settings; 0 modes or rows means all of the model. With repeats =
+ * 0 it solves once, from the trained solution nearest to the scene. Use this to count instructions
+ * by callgrind with --toggle-collect=reduced_solve. */
 #include "common/program/program.h"
 #include "common/settings/scene_contact.h"
 #include "romrun/model/model_file.h"
@@ -20,7 +20,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Relative change of the central film by one more iteration from the solution. */
+/* Returns the relative change of the central film by one more iteration from the solution. */
 static double another_iteration(const reduced_state *solution, const reduced_info *info,
                                 const reduced_model *model, const ehd_contact *contact) {
     reduced_settings once = reduced_default_settings();
@@ -40,7 +40,7 @@ static double another_iteration(const reduced_state *solution, const reduced_inf
     return fabs(more.scalars.central_film_thickness / info->scalars.central_film_thickness - 1);
 }
 
-/* From the trained solution nearest to the scene. */
+/* Solves once, from the trained solution nearest to the scene. */
 static void solve_once(reduced_state *state, const reduced_model *model, reduced_solver *solver,
                        const ehd_contact *contact) {
     reduced_info info;
@@ -58,7 +58,7 @@ static void solve_once(reduced_state *state, const reduced_model *model, reduced
 
 enum { ALL, ROWS, LEAST_SQUARES, EXIT, OTHER, INDICATOR, NUM_PARTS };
 
-/* Adds a solution to the measurements; returns its outcome. */
+/* Solves once and stores the times as measurement i; returns the outcome. */
 static reduced_info measure(double *seconds[NUM_PARTS], size_t i, reduced_state *state,
                             const reduced_model *model, reduced_solver *solver, indicator *indicate,
                             const ehd_contact *contact) {

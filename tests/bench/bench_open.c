@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What ehdrom_model_open takes, of a model.h5 and of the flat model made of it, with checksum and without:
+/* Measures ehdrom_model_open for a model.h5 and for the flat model exported from it, with and
+ * without checksum:
  *
  *     bench_open MODEL.h5 MODEL.ehdrom
  *
- * The files are in memory, as the second time that a program opens them. Judged is processor time, which on
- * an idle machine is the time that passes: exit code 1 where a flat model with its checksum takes more than
- * 5 ms. */
+ * The files are already in memory, as when a program opens them again. The criterion is processor
+ * time, which on an idle machine equals the elapsed time. The exit code is 1 if a flat model with
+ * its checksum takes more than 5 ms. */
 #include "romrun/library/ehdrom.h"
 #include "tests/bench/measure.h"
 
@@ -32,14 +33,14 @@ static ehdrom_model *must_open(const char *path) {
     exit(1);
 }
 
-/* Median of the processor time. */
+/* Returns the median of the processor time, s. */
 static double measure(const char *path, const char *checksum) {
     double processor[REPEATS], passed[REPEATS];
     char text[SPREAD_TEXT], text_passed[SPREAD_TEXT];
     struct stat file;
 
     setenv("EHDROM_DIGEST", checksum, 1);
-    ehdrom_model_close(must_open(path)); // into memory
+    ehdrom_model_close(must_open(path)); // brings the file into memory
     for (int i = 0; i < REPEATS; i++) {
         const double started = seconds_of(CLOCK_MONOTONIC);
         const double before = seconds_of(CLOCK_PROCESS_CPUTIME_ID);

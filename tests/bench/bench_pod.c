@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* POD of 1500 snapshots of 3001 nodes to 160 modes, beside LAPACK's dgesdd alone, on one core.
+/* Compares the POD of 1500 snapshots of 3001 nodes to 160 modes with LAPACK's dgesdd alone, on one
+ * core.
  *
  *     bench_pod [num_nodes num_states num_modes [repeats]] */
 #include "common/program/program.h"
@@ -13,7 +14,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Travelling pressure humps over weak noise: a decay like that of real snapshots, of full rank. */
+/* Fills the snapshots with travelling pressure humps over weak noise. They have full rank, and
+ * their singular values decay like those of real snapshots. */
 static void fill(double *snapshots, size_t num_states, size_t num_nodes) {
     unsigned long long seed = 1;
     for (size_t state = 0; state < num_states; state++) {
@@ -73,7 +75,7 @@ int main(int argc, char **argv) {
 
     openblas_set_num_threads(1);
     fill(snapshots, num_states, num_nodes);
-    // in turns, so that a busy moment of the machine touches both
+    // alternately, so that a busy moment of the machine affects both
     for (size_t i = 0; i < repeats; i++) {
         lapack[i] = time_dgesdd(snapshots, (int)num_states, (int)num_nodes);
         ours[i] = time_pod(snapshots, num_states, num_nodes, num_modes);

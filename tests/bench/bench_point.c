@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Full-order solver of a point contact: M = 20, L = 10, Barus, incompressible, cold start, half
- * domain, one thread, on the grids for which the multigrid program of Venner and Lubrecht
- * (Multilevel Methods in Lubrication, Elsevier 2000) is known (257 nodes across: 46 times a product
- * of two matrices of 2000 rows to be converged, 4.7 times it to the truncation error).
+/* Measures the full-order solver on a point contact: M = 20, L = 10, Barus, incompressible, cold
+ * start, half domain, one thread. The grids are those with published times of the multigrid program
+ * of Venner and Lubrecht (Multilevel Methods in Lubrication, Elsevier 2000). With 257 nodes across,
+ * that program takes 46 times a product of two matrices of 2000 rows to converge, and 4.7 times to
+ * reach the truncation error.
  *
  *     bench_point [repeats [largest number of cells]] */
 #include "common/program/program.h"
@@ -15,11 +16,12 @@
 #include <stdlib.h>
 
 enum { FEWEST_CELLS = 64, MOST_CELLS = 512, COMPARED_CELLS = 256, NUM_SIZES = 4 };
-static const double MOST_CONVERGED = 46, MOST_TRUNCATED = 3 * 4.7; // products
+static const double MOST_CONVERGED = 46, MOST_TRUNCATED = 3 * 4.7; // in products of matrices
 static const double MOST_TIME_EXPONENT = 1.5, MOST_MEMORY_EXPONENT = 1.3;
-static const double TRUNCATED = 1e-3; // scaled residual at which the error is that of the grid
+// scaled residual at which the error is below that of the grid
+static const double TRUNCATED = 1e-3;
 
-// ---- the unit
+// ---- the unit of time: a product of matrices
 
 static double time_product(size_t repeats) {
     enum { ROWS = 2000 };
@@ -40,7 +42,7 @@ static double time_product(size_t repeats) {
     return median;
 }
 
-// ---- one size
+// ---- one grid
 
 static cold_task task_of(size_t cells, double tolerance, size_t repeats) {
     cold_task task = {
@@ -50,7 +52,7 @@ static cold_task task_of(size_t cells, double tolerance, size_t repeats) {
     return task;
 }
 
-/* Film in Moes units. */
+/* Returns the film in Moes units. */
 static double in_moes(double film, const cold_task *task) {
     return film * pow(1.5 * task->contact.moes_M, 2. / 3);
 }
@@ -68,11 +70,11 @@ static void print_record(const char *what, const cold_record *record, const cold
            in_moes(record->scalars.minimum_film_thickness, task));
 }
 
-// ---- all
+// ---- all grids
 
 static int compare_truncated(const cold_record *converged, double product, size_t repeats) {
     const cold_task task = task_of(COMPARED_CELLS, TRUNCATED, repeats);
-    const double finer = 4.801; // H_c of twice the cells by the multigrid program
+    const double finer = 4.801; // H_c of the multigrid program with twice the cells
     cold_record record = {0};
 
     cold_solve(&record, &task);

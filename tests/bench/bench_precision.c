@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Bases in single instead of double precision: what it does to results, and what it could save.
+/* Measures bases in single instead of double precision: their effect on results, and the time that
+ * they could save.
  *
- *     bench_precision results MODEL.h5 SCENE.yml [key=value ...]    with the stored and the rounded bases
- *     bench_precision kernels MODEL.h5 SCENE.yml [key=value ...]    of an iteration, in both precisions
+ *     bench_precision results MODEL.h5 SCENE.yml [key=value ...]    results with the stored and the rounded bases
+ *     bench_precision kernels MODEL.h5 SCENE.yml [key=value ...]    time of the kernels of an iteration, in both
  *
- * Rounded: values only, the arithmetic stays double. */
+ * Rounding changes values only; the arithmetic stays double. */
 #include "common/program/program.h"
 #include "common/settings/scene_contact.h"
 #include "romrun/model/model_file.h"
@@ -22,7 +23,7 @@
 
 // ---- results
 
-/* What came of a scene: the central film at each step, one where it is stationary. */
+/* The result of a scene: the central film of each step, or one value if it is stationary. */
 typedef struct outcome {
     bool converged;
     size_t num_steps, iterations;
@@ -114,7 +115,8 @@ static void solve_in_time(outcome *result, const reduced_model *model, bool roun
     free(modes);
 }
 
-/* Both precisions side by side; steps have to be fixed, so that they can be compared. */
+/* Compares the results of both precisions. Transient scenes need fixed steps, else steps would
+ * differ. */
 static void compare_results(const char *path, const ehd_contact *contact, const scene *given) {
     bool transient = strcmp(given->regime, "transient") == 0;
     outcome results[NUM_VARIANTS];
@@ -152,12 +154,12 @@ static void compare_results(const char *path, const ehd_contact *contact, const 
 
 enum { REPEATS = 201 };
 
-/* Operands of all kernels, in one of both precisions. */
+/* Operands of all kernels, in both precisions. */
 typedef struct operands {
     int unknowns, equations, needed, cut,
         moved;                 // sizes; moved: nodes from a checkpoint to the exit
-    double *a, *b, *c, *x, *y; // [largest] whatever a kernel takes them for
-    float *single_a, *single_b, *single_c, *single_x, *single_y; // the same
+    double *a, *b, *c, *x, *y; // [largest] operands; each kernel gives them another meaning
+    float *single_a, *single_b, *single_c, *single_x, *single_y; // in single precision
 } operands;
 
 typedef void kernel(const operands *of);
@@ -170,7 +172,7 @@ static void single_gram(const operands *of) {
     cblas_ssyrk(CblasColMajor, CblasLower, CblasNoTrans, of->unknowns, of->equations, 1,
                 of->single_a, of->unknowns, 0, of->single_c, of->unknowns);
 }
-/* Of a matrix that is its own factor: the identity. */
+/* Factorises the identity, which is its own factor, so repeats need no copy. */
 static void cholesky(const operands *of) {
     LAPACKE_dpotrf_work(LAPACK_COL_MAJOR, 'L', of->unknowns, of->b, of->unknowns);
 }
@@ -187,7 +189,7 @@ static void single_substitutions(const operands *of) {
         cblas_strsv(CblasColMajor, CblasLower, i ? CblasTrans : CblasNoTrans, CblasNonUnit,
                     of->unknowns, of->single_b, of->unknowns, of->single_x, 1);
 }
-/* P and the cut table's products, of a state and of a step. */
+/* Computes P and the products of the cut table, for a state and for a step. */
 static void expansion(const operands *of) {
     for (int i = 0; i < 2; i++) {
         cblas_dgemv(CblasRowMajor, CblasNoTrans, of->needed, of->unknowns - 1, 1, of->a,
@@ -204,7 +206,7 @@ static void single_expansion(const operands *of) {
                     of->unknowns - 1, of->single_x, 1, 0, of->single_y, 1);
     }
 }
-/* The cut table brought to the exit. */
+/* Moves the cut table to the exit. */
 static void exit_update(const operands *of) {
     cblas_dgemm(CblasRowMajor, CblasTrans, CblasNoTrans, of->cut, of->unknowns - 1, of->moved, 1,
                 of->x, of->cut, of->a, of->unknowns - 1, 1, of->c, of->unknowns - 1);
@@ -214,7 +216,7 @@ static void single_exit_update(const operands *of) {
                 of->single_x, of->cut, of->single_a, of->unknowns - 1, 1, of->single_c,
                 of->unknowns - 1);
 }
-/* Rows of the Jacobian: seven rows of the bases each. */
+/* Sums rows of the Jacobian, each of seven rows of the bases. */
 static void jacobian_rows(const operands *of) {
     for (int r = 0; r < of->equations; r++)
         for (int s = 0; s < 7; s++)
@@ -232,7 +234,7 @@ static void single_jacobian_rows(const operands *of) {
 static const struct {
     const char *name;
     kernel *in_double, *in_single;
-    bool factorises; // what single precision may not do (bench_conditioning)
+    bool factorises; // single precision is too inaccurate here (bench_conditioning)
 } kernels[] = {{"rows of the Jacobian", jacobian_rows, single_jacobian_rows, false},
                {"exit update", exit_update, single_exit_update, false},
                {"states at nodes", expansion, single_expansion, false},
@@ -268,7 +270,7 @@ static void operands_free(operands *self) {
         free(all[i]);
 }
 
-/* Median, microseconds. */
+/* Returns the median time in microseconds. */
 static double time_kernel(kernel *run, const operands *of) {
     double times[REPEATS];
 
@@ -280,7 +282,7 @@ static double time_kernel(kernel *run, const operands *of) {
     return spread_of(times, REPEATS).median * 1e6;
 }
 
-/* Median of an iteration, microseconds. */
+/* Returns the median time of an iteration in microseconds. */
 static double time_iteration(const reduced_model *model, const ehd_contact *contact) {
     const reduced_settings settings = reduced_default_settings();
     reduced_state state = {.coordinates = must_allocate(model->num_unknowns * sizeof(double))};

@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Online solver over many scenes: iterations, times of start and solution, deviation.
+/* Measures the online solver over many scenes: iterations, times of guess and solution, deviation
+ * of the film.
  *
  *     bench_scenes MODEL.h5 SCENE.yml repeats tolerance modes rows <LIST
  *
- * A line of LIST is "M L H_c": values of moes.M and moes.L, and the central film to compare with,
- * such as that of `snapgen check-plan.yml`. Tolerance, modes and rows as in bench_online. The time
- * of a scene is the median of its repeats. With one repeat, instructions are counted by callgrind
- * with --toggle-collect=reduced_solve, or =reduced_guess. */
+ * A line of LIST is "M L H_c": values of moes.M and moes.L, and a central film to compare with,
+ * such as that of `snapgen check-plan.yml`. Tolerance, modes and rows are as in bench_online. The
+ * time of a scene is the median of its repeats. With one repeat, callgrind counts instructions with
+ * --toggle-collect=reduced_solve, or =reduced_guess. */
 #include "common/program/program.h"
 #include "common/settings/scene_contact.h"
 #include "romrun/model/model_file.h"
@@ -26,7 +27,7 @@ static int compare(const void *a, const void *b) {
     return (x > y) - (x < y);
 }
 
-/* What is measured of all scenes. */
+/* Measurements of all scenes. */
 typedef struct samples {
     double solve[MOST_SCENES], start[MOST_SCENES], deviation[MOST_SCENES]; // s, s, 1
     double iterations, seconds;                                            // sums

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Selects 160 of 3001 rows with two random orthonormal bases of 160 modes, each method, on one
- * core. With the name of a method this one alone, once: for callgrind. */
+/* Measures each selection method: 160 of 3001 rows, for two random orthonormal bases of 160 modes,
+ * on one core. With the name of a method it runs this one alone, once, for callgrind. */
 #include "common/program/program.h"
 #include "deimselect/selection.h"
 #include "tests/bench/measure.h"
@@ -47,7 +47,7 @@ static spread time_method(size_t *rows, const selection_method *method,
     return spread_of(times, repeats);
 }
 
-/* Seconds that a method is to take: what it was promised to, or no limit. */
+/* Returns the time limit of a method in seconds, infinity if it has none. */
 static double limit_of(const selection_method *method) {
     return strcmp(method->name, "joint") == 0  ? 0.05
            : strcmp(method->name, "sopt") == 0 ? 0.1

@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* How many stationary contacts the library solves a second on one core, each with another setting:
+/* Measures how many stationary contacts the library solves in a second on one core, each with
+ * another setting:
  *
  *     bench_solve MODEL SCENE.yml COUNT KEY FROM TO
  *
- * COUNT contacts with KEY from FROM to TO, by ehdrom_contact_set_number and ehdrom_solve; the median of
- * nine, in processor time. */
+ * Solves COUNT contacts with KEY from FROM to TO, by ehdrom_contact_set_number and ehdrom_solve.
+ * Prints the median of nine runs, in processor time. */
 #include "romrun/library/ehdrom.h"
 #include "tests/bench/measure.h"
 

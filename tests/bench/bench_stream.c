@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* POD of more snapshots than fit in memory: against the time of reading them and one Gram matrix of
- * them and as many vectors as it has directions, which no method can do without. A file of snapshots is
- * made for it and removed.
+/* Measures the POD of more snapshots than fit in memory. The reference is the least that any method
+ * needs: reading the snapshots once, and products for one Gram matrix, with as many vectors as the
+ * snapshots have directions. Makes a file of snapshots and removes it.
  *
  *     bench_stream FILE [num_snapshots num_nodes gigabytes] */
 #include "common/program/program.h"
@@ -21,7 +21,7 @@ typedef struct task {
     const char *path;
     size_t num_snapshots, num_nodes;
     double limit;
-    size_t rank; // of the Gram matrix
+    size_t rank; // rank of the Gram matrix: directions of the snapshots
 } task;
 
 typedef struct outcome {
@@ -36,7 +36,7 @@ static double processor_seconds(void) {
     return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
 
-// ---- the file, as a foreign program writes it
+// ---- the file, as another program would write it
 
 static void put(hid_t file, const char *name, hid_t type, size_t count, const void *values) {
     const hsize_t length = count;
@@ -66,14 +66,14 @@ static void put_number(hid_t file, const char *name, double value) {
     H5Sclose(space);
 }
 
-/* A contact whose width, centre and spike vary, each with a period of its own. */
+/* Fills a pressure whose width, centre and spike vary with a period each. */
 static void fill(double *pressure, size_t s, size_t num_nodes, double step) {
     const double t = (double)s, width = 1 + 0.15 * sin(0.7 * t), centre = 0.1 * sin(1.3 * t + 1);
     const double spike = 0.6 + 0.3 * sin(2.1 * t + 2), height = 0.2 * (1 + sin(0.37 * t));
     for (size_t k = 0; k < num_nodes; k++) {
         const double x = -4 + step * (double)k;
         const double body = (x - centre) / width, top = (x - spike) / 0.012;
-        // what is below rounding need not be computed
+        // values below round-off are left out
         pressure[k] = fabs(body) < 2.5 ? exp(-body * body * body * body) : 0;
         if (fabs(top) < 6.2) pressure[k] += height * exp(-top * top);
     }
@@ -121,7 +121,7 @@ static void make_file(const task *work) {
     if (H5Fclose(file) < 0) abort();
 }
 
-// ---- what is measured, each in a process of its own
+// ---- measurements, each in its own process
 
 static void open_files(snapshot_files *files, const task *work) {
     ehd_error error = {""};
@@ -152,7 +152,7 @@ static void read_once(void *result, const void *context) {
     end(result);
 }
 
-/* Products of blocks with the vectors, as the stream takes them. */
+/* Multiplies blocks of snapshots with the vectors, as the streaming POD does. */
 static void multiply(void *result, const void *context) {
     enum { BLOCK = 128 };
     const task *work = context;
@@ -187,7 +187,7 @@ static stream_plan plan_of(const snapshot_files *files, const task *work) {
     return found;
 }
 
-/* The modes alone: one reading. */
+/* Computes the modes alone, which takes one reading. */
 static void find_modes(void *result, const void *context) {
     const task *work = context;
     outcome *own = result;
@@ -218,7 +218,7 @@ static void find_modes(void *result, const void *context) {
     snapshot_files_close(&files);
 }
 
-/* And coordinates: two readings. */
+/* Computes modes and coordinates, which takes two readings. */
 static void build_bases(void *result, const void *context) {
     const task *work = context;
     const bases_settings settings = {{.discarded_energy = 1e-13}, {0}, DEFORMATION_COUPLED};
@@ -275,8 +275,7 @@ int main(int argc, char **argv) {
            memory[1], modes.bytes * 1e-6, work.limit * 1e-6);
     printf("modes and coordinates %.1f s (%.1f), %.2f times (%.2f), %.0f MB\n", bases.passed,
            bases.processor, bases.passed / least, bases.processor / least_work, memory[2]);
-    // by the processor's time, which other programs change less; libraries and the caches of HDF5 take
-    // less than 60 MB
+    // processor time depends less on other programs; libraries and the caches of HDF5 take less than 60 MB
     return modes.processor <= 2.5 * least_work &&
                    fmax(memory[1], memory[2]) <= work.limit * 1e-6 + 60
                ? 0

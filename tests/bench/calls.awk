@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Functions of a callgrind output: name, calls, instructions of these and all that they call. Calls of a
-# function by itself are left out. The first line is the total.
+# Prints the functions of a callgrind output: name, calls, and instructions including called functions. Calls of
+# a function by itself are left out. The first line is the total.
 #     awk -f calls.awk callgrind.out
 
-# By its number, under which a name is spelled out once.
+# Returns the name of a function by its number; callgrind writes the name only once.
 function named(text,   id) {
     match(text, /\([0-9]+\)/)
     id = substr(text, RSTART, RLENGTH)

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Cold solves of the full model, measured: everything included that a program would do for one. */
+/* Measures cold solutions of the full model, with creation of solver and state, as a program would
+ * do them. */
 #ifndef EHD_COLD_H
 #define EHD_COLD_H
 
@@ -9,7 +10,7 @@
 typedef struct cold_task {
     ehd_contact contact;
     full_settings settings;
-    size_t repeats; // 0: nothing is solved, which shows what the program itself takes
+    size_t repeats; // 0: solves nothing, which measures the memory of the program itself
 } cold_task;
 
 typedef struct cold_record {
@@ -21,7 +22,7 @@ typedef struct cold_record {
 /* Solves the task (a cold_task) into the record (a cold_record); for run_apart. */
 void cold_solve(void *record, const void *task);
 
-/* Ends the program where a solve has not converged. */
+/* Ends the program if a solution has not converged. */
 void must_converge(const full_info *info);
 
 #endif

@@ -1,8 +1,8 @@
 #!/bin/bash
 # SPDX-License-Identifier: GPL-3.0-or-later
-# What each term of a scene costs, by instructions (callgrind) and heap (massif), which do not depend on what
-# else the machine does; `make costs` calls this with BIN set. Fails where a scene runs functions of a term
-# that it does not have.
+# Measures the cost of each term of a scene in instructions (callgrind) and heap (massif), which do not depend on
+# other programs; `make costs` calls it with BIN set. Fails if a scene runs functions of a term that the scene
+# does not have.
 set -eu
 : "${BIN:?folder of the programs}" "${BENCH:?folder of the benchmark programs}"
 here=$(cd "$(dirname "$0")" && pwd)
@@ -16,7 +16,7 @@ section() { printf '\n== %s\n' "$*"; }
 
 # ---- scenes
 
-# scene NAME: writes NAME.yml; words of the name say what it has that `base` has not.
+# scene NAME: writes NAME.yml; the words of the name are the differences from `base`
 scene() {
     local viscosity='law: barus, alpha: 22e-9' density=incompressible regime=stationary closure=load
     case $1 in *roelands*) viscosity='law: roelands, eta0: 0.04, alpha: 22e-9' ;; *wlf*) viscosity='law: wlf, preset: no1' ;; esac
@@ -31,7 +31,7 @@ moes: {M: 120, L: 10}
 lubricant: {viscosity: {$viscosity}, density: {law: $density}}
 YML
     case $1 in
-    # films along their path take more modes than so few steps have
+    # films along the path would need more modes than so few steps give
     *time*) echo 'transport: upwind
 transient: {speed: {law: sine, amplitude: 0.1, period: 1}, end_time: 0.05, fixed_step: 0.005}' >>"$1.yml" ;;
     esac
@@ -40,7 +40,7 @@ stationary='base compressible roelands wlf'
 in_time='time time-compressible time-approach'
 for name in $stationary $in_time; do scene "$name"; done
 
-# The contact of `base` in SI units, by which alone surfaces slide, and a ball; what else they may have are options.
+# the contact of `base` in SI units, as sliding needs, and a ball; their other terms are options
 cat >si.yml <<'YML'
 contact: line
 regime: stationary
@@ -59,7 +59,7 @@ thinned="$slides --set lubricant.shear.in_film=true"
 heated='--set lubricant.thermal_conductivity=0.14 --set lubricant.viscosity.temperature_coefficient=0.03'
 elliptical='--set contact=ellipse --set ellipticity=2'
 dented='--set surface.kind=dent --set surface.depth=0.01 --set surface.radius=0.2'
-# the functions of each, and of the far field of points; inlet heating is a formula
+# functions of each term and of the far field of points; inlet heating is a formula without a function of its own
 of_sliding='contact_(shear_stress|traction_of|surface_stresses)|eyring|nodes_traction'
 of_thinning='thinned_link|thin|eyring_gradient_of|eyring_along|eyring_across'
 of_ellipses='shape_of|integral_(along|across)|ellipse_[a-z_]*'
@@ -68,26 +68,26 @@ of_points='far_angle_[a-z]*'
 
 # ---- measurements
 
-# calls NAME TOGGLE COMMAND...: NAME.calls, of functions while TOGGLE runs (- : of the whole program)
+# calls NAME TOGGLE COMMAND...: writes NAME.calls with the functions run inside TOGGLE (-: in the whole program)
 calls() {
     local name=$1 toggle=$2 status=0
     shift 2
     [ "$toggle" = - ] && toggle= || toggle=--toggle-collect=$toggle
     # shellcheck disable=SC2086
     valgrind --tool=callgrind --callgrind-out-file="$name.callgrind" $toggle "$@" >"$name.log" 2>&1 || status=$?
-    # not to be trusted (4) is a solution too
+    # an untrusted result (exit code 4) counts too
     [ $status -eq 0 ] || [ $status -eq 4 ] || { cat "$name.log" >&2; exit 1; }
     awk -f "$here/calls.awk" "$name.callgrind" >"$name.calls"
     rm "$name.callgrind"
 }
 
-# heap COMMAND...: its peak in kilobytes
+# heap COMMAND...: prints the peak of its heap in kilobytes
 heap() {
     valgrind --tool=massif --massif-out-file=massif "$@" >massif.log 2>&1 || [ $? -eq 4 ] || { cat massif.log >&2; exit 1; }
     awk -F= '/^mem_heap_B/ && $2 > most { most = $2 } END { printf "%.0f\n", most / 1000 }' massif
 }
 
-# table PER UNIT NAME...: thousands of instructions in NAME.calls, per call of PER, which is called UNIT
+# table PER UNIT NAME...: prints thousands of instructions of NAME.calls for each call of PER; UNIT is its heading
 table() {
     local per=$1 unit=$2
     shift 2
@@ -109,7 +109,7 @@ table() {
     done
 }
 
-# none NAME PATTERN: no function of that name runs
+# none NAME PATTERN: fails if a function of that name runs
 none() {
     local found
     found=$(awk -v pattern="$2" '$1 ~ pattern { printf " %s", $1 }' "$1.calls")
@@ -121,19 +121,19 @@ none() {
     fi
 }
 
-# some NAME PATTERN: a function of that name runs
+# some NAME PATTERN: fails if no function of that name runs
 some() {
     awk -v pattern="$2" '$1 ~ pattern { found = 1 } END { exit !found }' "$1.calls" && return
     printf '%-18s calls none of %s\n' "$1" "$2"
     failed=1
 }
 
-# check_terms KIND: the functions of terms that the scenes of whole runs, KIND-NAME.calls, do not have
+# check_terms KIND: checks that the whole runs KIND-NAME.calls run no functions of terms that their scenes lack
 check_terms() {
     local kind=$1
     none "$kind-base" '^(dowson_higginson|roelands|wlf)(_|$)'
     none "$kind-wlf" '^(dowson_higginson|roelands|barus)(_|$)'
-    # the names are those of the sources: each runs where its scene has it
+    # these fail if a function of the patterns was renamed in the sources
     some "$kind-base" '^barus$'
     some "$kind-wlf" '^wlf$'
     some "$kind-time" '^(histories_at|previous_(mass|film_masses))$'
@@ -143,7 +143,7 @@ check_terms() {
     none "$kind-time" "^($of_sliding|$of_thinning|$of_ellipses|$of_surfaces|$of_points)\$"
 }
 
-# more WHAT WITH WITHOUT: what one whole program takes more than another
+# more TEXT WITH WITHOUT: prints the additional cost of one whole program over another
 more() { awk -v what="$1" '$1 == "total" { cost[FILENAME] = $3 } END { printf "%-34s %+9.0f of %.0f\n", what, (cost[ARGV[1]] - cost[ARGV[2]]) / 1000, cost[ARGV[2]] / 1000 }' "$2.calls" "$3.calls"; }
 
 # ---- the full model
@@ -178,7 +178,7 @@ section "sliding and heating, by the full model: thousand instructions more of w
 full() {
     local name=$1 unwanted='--set output.resolution=false'
     shift
-    [ "$1" = time.yml ] && unwanted= # it has none
+    [ "$1" = time.yml ] && unwanted= # a transient scene has no estimate of the resolution
     # shellcheck disable=SC2086
     calls "full-$name" - "$BIN/fullrun" -q "$@" --set output.fields=false $unwanted -f -o "$name.h5"
 }
@@ -295,7 +295,7 @@ YML
 "$BIN/deimselect" -q --no-check step-r.h5 --basis step-b.h5 -o step-m.h5 --rows 64 --method exits >log
 calls inside march_run "$BIN/romrun" -q --allow-untrusted step.yml --model step-m.h5
 calls through - "$BENCH/bench_many" step-m.h5 step.yml 200 1
-# what is written meanwhile is no part of it
+# without the writing of results
 awk '{ cost[FILENAME, $1] = $3; calls[FILENAME, $1] = $2 }
      END { inside = "inside.calls"; through = "through.calls"; steps = calls[inside, "store"]
            romrun = (cost[inside, "march_run"] - cost[inside, "store"]) / steps
@@ -322,8 +322,8 @@ YML
     mkdir fmu && python3 -m zipfile -e contact.fmu fmu
     calls by-fmu - "$USE_FMU" 3 fmu run 40
     calls by-library - "$USE_FMU" library fmu 40
-    # of the code for this processor (romrun/fmu/processor.c); 5000 instructions take less than 5 us wherever
-    # a processor does one in a nanosecond
+    # counts the code for this processor (romrun/fmu/processor.c); 5000 instructions take less than 5 us at one
+    # instruction in a nanosecond
     awk '$1 == "fmi3DoStep" { steps = $2; fmu = $3 }
          $1 ~ /^ehdrom_(step|accept)_(v3|any)$/ { library += $3 }
          END { if (!steps || !library) exit 1

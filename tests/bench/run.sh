@@ -1,7 +1,7 @@
 #!/bin/bash
 # SPDX-License-Identifier: GPL-3.0-or-later
-# All measurements, one after the other; `make bench` calls this with BIN and BENCH set.
-# One thread each unless stated. Numbers are seconds of this machine: compare within one run.
+# Runs all measurements, one after the other; `make bench` calls it with BIN and BENCH set.
+# They use one thread unless stated. Numbers are seconds of this machine: compare within one run.
 set -eu
 : "${BIN:?folder of the programs}" "${BENCH:?folder of the benchmark programs}"
 here=$(cd "$(dirname "$0")/../.." && pwd)
@@ -9,7 +9,7 @@ work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 failed=0
 
-# seconds COMMAND...: "median (least to most) s" of five runs
+# seconds COMMAND...: prints "median (least to most) s" of five runs
 seconds() {
     for _ in 1 2 3 4 5; do
         local start=$EPOCHREALTIME
@@ -20,7 +20,7 @@ seconds() {
 
 section() { printf '\n== %s\n' "$*"; }
 
-# chain PLAN MODES ROWS NAME: train, bases, residuals, rows; the model is $work/NAME-model.h5
+# chain PLAN MODES ROWS NAME: computes snapshots, bases, residuals and rows; the model is $work/NAME-model.h5
 chain() {
     local plan=$1 modes=$2 rows=$3 name=$work/$4
     "$BIN/snapgen" -q "$plan" -f -o "$name-snapshots.h5"
@@ -39,7 +39,7 @@ section "POD: pod_build against LAPACK dgesdd, 3001 x 1500 to 160 modes (goal: a
 section "compression: 10000 snapshots of 1201 nodes while they come (goal: 20 s)"
 "$BENCH/bench_compress" || failed=1
 
-# BENCH_STREAM="SNAPSHOTS NODES GIGABYTES": larger, as "20000 100000 3.9", a file of 16 GB in BENCH_FOLDER
+# BENCH_STREAM="SNAPSHOTS NODES GIGABYTES" makes it larger; "20000 100000 3.9" needs a file of 16 GB in BENCH_FOLDER
 section "POD of snapshots one after the other (goal: modes in at most 2.5 times the time of reading and a Gram matrix)"
 # shellcheck disable=SC2086
 "$BENCH/bench_stream" "${BENCH_FOLDER:-$work}/bench_stream.h5" ${BENCH_STREAM-} || failed=1
@@ -82,13 +82,13 @@ chain "$work/small-plan.yml" 12 24 small
 "$BENCH/bench_solve" "$work/small-model.h5" "$work/small.yml" 10000 moes.M 9 14
 
 section "10000 cases in one process: 110 modes on 1201 nodes, 12 modes on 121 nodes"
-# grid M0 M1 L0 L1: a table of 100 by 100 cases
+# grid M0 M1 L0 L1: prints a table of 100 by 100 cases
 grid() {
     awk -v m="$1" -v n="$2" -v k="$3" -v l="$4" 'BEGIN {
         print "moes.M,moes.L"
         for (i = 0; i < 100; i++) for (j = 0; j < 100; j++) print m + (n - m) * i / 99 "," k + (l - k) * j / 99 }'
 }
-# solve_cases NAME SCENE: time of NAME-cases.csv by NAME-model.h5
+# solve_cases NAME SCENE: prints the time of NAME-cases.csv with NAME-model.h5
 solve_cases() {
     local TIMEFORMAT="%U s of processor time and %S s of the system's, %R s passed"
     time "$BIN/romrun" -q "$2" --cases "$work/$1-cases.csv" --model "$work/$1-model.h5" --jobs 1 \
@@ -105,7 +105,7 @@ for size in "177 111" "161 101" "131 85"; do
     "$BENCH/bench_least_squares" $size || failed=1
 done
 
-# cases FOLDER NAME TOLERANCE MODES ROWS: a line each of the published cases
+# cases FOLDER NAME TOLERANCE MODES ROWS: prints one line for each of the published cases
 cases() {
     tail -n +2 "$1/cases.csv" | while IFS=, read -r _ lubricant M L p_H _; do
         printf '%s ' "$lubricant"
@@ -128,8 +128,8 @@ section "the same in the higher loaded region, 84 modes and 130 rows"
 cases "$high" high 2e-5 84 130
 
 section "all online instructions of one scene, n = 4801 against n = 1201 (goal: within 20 %)"
-# A training so dense that both models are right: the same sizes, start and iterations, the exit at the
-# same place. Deviations from the full model are shown as proof.
+# The training is so dense that both models are accurate. They have the same sizes, start and iterations, and
+# their exits are at the same place. Deviations from the full model are printed as evidence.
 for step in 0.005 0.00125; do
     name=step-$step
     cat >"$work/$name.yml" <<YML
@@ -159,7 +159,7 @@ paste -s "$work/counts" | awk '{
     printf "%d against %d instructions: %+.1f %%\n", $2, $1, ($2 / $1 - 1) * 100
     exit $2 > 1.2 * $1 }' || failed=1
 
-# In time: one trajectory, trained and run with the same fixed steps on both grids.
+# Transient: one trajectory, trained and run with the same fixed steps on both grids.
 section "in time: instructions a step at n = 4801 against 1201, same sizes (goal: within 20 %)"
 : >"$work/counts"
 for step in 0.005 0.00125; do
@@ -176,7 +176,7 @@ YML
     chain "$work/$name.yml" 40 65 "$name"
     valgrind --tool=callgrind --callgrind-out-file="$work/callgrind" --toggle-collect=march_run \
         "$BIN/romrun" -q --allow-untrusted "$work/$name.yml" --model "$work/$name-model.h5" >"$work/log" 2>"$work/$name-valgrind"
-    # without what is written meanwhile, which is the more the slower the machine
+    # without the writing of results, whose share grows on a slow machine
     callgrind_annotate --inclusive=yes "$work/callgrind" 2>"$work/log" | awk '{ gsub(",", "") } /:march_run \[/ { all = $1 }
         /:store \[/ { written = $1 } END { print all - written }' >>"$work/counts"
 done

@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* What is done to a node's row of modes. */
+/* Changes the row of modes of a node. */
 typedef void row_change(double *row, size_t num_modes, double by);
 
 static void round_row(double *row, size_t num_modes, double by) {
@@ -21,7 +21,7 @@ static void mix_row(double *row, size_t num_modes, double by) {
     row[num_modes - 1] = row[num_modes - 2] + by * row[num_modes - 1];
 }
 
-/* Of all tables with a column a mode. */
+/* Changes all tables that have a column for each mode. */
 static void change_tables(reduced_model *model, row_change *change, double by) {
     const struct {
         double *table;
@@ -39,7 +39,8 @@ static void change_tables(reduced_model *model, row_change *change, double by) {
             change(tables[t].table + r * model->num_pressure, model->num_pressure, by);
 }
 
-/* The trained states in the modes that mix_row leaves: as they were, where that can be. */
+/* Transforms the coordinates of the trained states to the modes of mix_row; exact only with
+ * by > 0. */
 static void mix_states(reduced_model *model, double by) {
     for (size_t s = 0; s < model->states.num_states; s++) {
         double *last =
@@ -49,8 +50,8 @@ static void mix_states(reduced_model *model, double by) {
     }
 }
 
-/* D of the first rows, from the whole model: what the weights are without the factors of their
- * choice. */
+/* Removes D from the weights of the rows in use: D is the stored weight over its factor in the
+ * whole model. */
 static void take_D_away(reduced_model *model, const char *path) {
     const artefact_schema *const kinds[] = {&schema_model, NULL};
     artefact *file = NULL;
