@@ -1,10 +1,10 @@
 #!/usr/bin/env bats
 # SPDX-License-Identifier: GPL-3.0-or-later
-# snapgen --adaptive: points where they are needed, until a wanted accuracy holds.
+# Tests of snapgen --adaptive: it adds training points where they are needed, until a wanted accuracy holds.
 
 load common
 
-# A region of 301 nodes with 153 candidates; of the training all further tests are about.
+# Trains s.h5 on a region with 301 nodes and 153 candidates; most tests below use this training.
 setup_file() {
     cd "$BATS_FILE_TMPDIR" || return
     common_setup_small
@@ -48,10 +48,10 @@ with h5py.File("s.h5") as s:
     of_round = s["training_round"][...]
     assert (numpy.diff(of_round) >= 0).all() and of_round[0] == 0 and of_round[-1] == rounds - 1
     assert (of_round == 0).sum() == 8
-    # corners of the region come first
+    # the corners of the region come first
     corners = {(8, 2), (8, 6), (16, 2), (16, 6)}
     assert corners <= set(zip(s["moes_M"][:8], s["moes_L"][:8]))
-    # the curve says what the states say
+    # the curve over the rounds agrees with the states
     assert (s["round_points"][...] == [(of_round <= r).sum() for r in range(rounds)]).all()
     off = abs(s["training_film"][...] / s["central_film_thickness"][...] - 1)
     assert numpy.isnan(off[:8]).all()
@@ -61,7 +61,7 @@ with h5py.File("s.h5") as s:
         worst = numpy.nanmax(here) if not numpy.isnan(here).all() else numpy.nan
         numpy.testing.assert_allclose(s["round_deviation"][r], worst, rtol=1e-9)
     assert numpy.isnan(s["round_deviation"][-1])
-    # the last round was a check: indicated before it, found in it, and indicated after it
+    # the last round was a check: the accuracy is indicated before it, found in it, and indicated after it
     assert (s["round_indicated"][-2:] <= 1e-3).all() and s["round_deviation"][-2] <= 1e-3
     assert not any((s["round_indicated"][r : r + 2] <= 1e-3).all() and s["round_deviation"][r] <= 1e-3
                    for r in range(rounds - 2))
@@ -83,7 +83,7 @@ print(len(h5py.File("r.h5")["state"]) == len(h5py.File("s.h5")["state"]))')" = T
                 "$(number full.h5 central_film_thickness)" 1e-3
         done
     done
-    # without --adaptive the whole plan is repeated, and serves as well
+    # without --adaptive snapgen repeats the whole plan, and its residuals give a model too
     snapgen region.yml --basis b.h5 -o all.h5 --quiet
     deimselect all.h5 --basis b.h5 -o n.h5
     [ "$(/usr/bin/python3 -c 'import h5py; print(len(h5py.File("all.h5")["state"]))')" = 153 ]
@@ -98,7 +98,7 @@ print(len(h5py.File("r.h5")["state"]) == len(h5py.File("s.h5")["state"]))')" = T
 
 @test "--resume looks at what each state holds" {
     resume=(snapgen region.yml --adaptive --start 8 --jobs 1 --quiet -o x.h5 --resume)
-    # as it is before it is ended
+    # makes the file look as it does before the training ends
     local unended="f.attrs['complete'] = numpy.int64(0)
     for name in [n for n in f if n.startswith('round')]: del f[name]"
     for change in "f['moes_M'][-1] *= 1.2" "f['exit_node'][-1] = 10**6" "f['rigid_approach'][-1] = numpy.inf"; do
@@ -127,14 +127,14 @@ print(len(h5py.File("r.h5")["state"]) == len(h5py.File("s.h5")["state"]))')" = T
     [ "$code" -eq 130 ]
     [ "$(wc -l <stopped.txt)" -eq 1 ]
     grep -q "^snapgen: x.h5.partial: found an interruption after [0-9]* points in [0-9]* rounds" stopped.txt
-    # unfinished, so no stage takes it, and another training does not continue it
+    # the file is unfinished, so no stage takes it, and another training does not continue it
     refused 65 "x.h5.partial" podbuild x.h5.partial -o b.h5
     refused 65 "x.h5.partial: found other settings" "${slow[@]}" --start 9 -o x.h5 --resume
     refused 65 "x.h5.partial: found other settings" snapgen region.yml -o x.h5 --resume
     run --separate-stderr "${slow[@]}" -o x.h5 --resume --jobs 1
     [ "$status" -eq 0 ]
     same_data whole.h5 x.h5
-    # what was done before was not done again
+    # --resume did not repeat the rounds of the first run
     /usr/bin/python3 - <<'PYTHON'
 import h5py, numpy
 with h5py.File("x.h5") as x:
@@ -150,7 +150,7 @@ PYTHON
     run --separate-stderr snapgen region.yml --adaptive --start 8 --max-points 13 -o y.h5 --quiet
     [ "$status" -eq 0 ]
     [[ $output == "13 points of 153, "* ]]
-    # the first ones of the longer training
+    # the points are the first ones of the longer training
     /usr/bin/python3 - <<'PYTHON'
 import h5py
 with h5py.File("s.h5") as s, h5py.File("y.h5") as y:
@@ -206,7 +206,7 @@ YAML
     run --separate-stderr snapgen failing.yml --set grid.x_max=1.1 --adaptive --start 8 -o y.h5 --quiet \
         --allow-failures 3
     [ "$status" -eq 0 ]
-    # on a grid so coarse that those that are solved make no model
+    # the grid is so coarse that the points that are solved make no model
     cat >coarse.yml <<'YAML'
 groups:
   - scene:
@@ -256,7 +256,7 @@ PYTHON
     podbuild f.h5 -o fb.h5 --energy 1e-18
     snapgen free.yml --basis fb.h5 -o fr.h5 --quiet
     deimselect fr.h5 --basis fb.h5 -o fm.h5
-    # of scenes that are no candidates
+    # these scenes are no candidates
     for scene in 9.3-2.7-dowson-higginson 12.6-4.1-incompressible 8.4-4.8-incompressible; do
         IFS=- read -r M L density <<<"$scene"
         set -- --set moes.M=$M --set moes.L=$L --set "lubricant.density.law=$density"
@@ -288,11 +288,11 @@ PYTHON
     ((round > 3))
     same_data whole.h5 x.h5
     [ "$(tail -n 2 whole.txt)" = "$(tail -n 2 <<<"$output")" ]
-    # pieces of another round
+    # a piece of another round is refused
     refused 65 "piece-1.h5: state 0: found point "[0-9]+" of round "[0-9]+", expected one that was chosen" snapgen "${how[@]}" --choose piece-1.h5 -o y.h5 --quiet
     [ -e y.h5.partial ]
 
-    # what a killed piece has solved is not solved again, where it goes on and where it is taken as it is
+    # points that a killed piece has solved are not solved again, whether the piece is resumed or taken as it is
     piece=(snapgen "${how[@]}" --chosen-in y.h5.partial)
     stop_when KILL 'states >= 1' half.h5 "${piece[@]}" -o half.h5 --quiet
     done_in() { snapgen --print "$1" status | awk 'NR > 1 && $1 >= 0 { n++ } END { print n + 0 }'; }
@@ -306,7 +306,7 @@ PYTHON
     [ "$output" = "round 1: $((8 - before)) points are to be solved, after $before" ]
     refused 64 "y.h5.partial: found $((8 - before)) points that are to be solved, expected at least 8" \
         "${piece[@]}" --shard 3/8 -o z.h5
-    # one run goes on with it
+    # a run without --choose continues the training
     snapgen "${how[@]}" -o y.h5 --resume --quiet
     same_data whole.h5 y.h5
 
@@ -328,7 +328,7 @@ YAML
     [ "$status" -eq 0 ]
     [[ $output == *"as many modes as states; each state is told by the others to "* ]]
     [[ $stderr == "podbuild: thin.h5: found a training too thin: half of its pressures are further than 0."* ]]
-    # also where it comes in parts, which are streamed
+    # podbuild also warns where the training comes as a part, whose states it streams
     podbuild -q --compress thin.h5 -o part.h5
     run --separate-stderr podbuild -q part.h5 -o part-basis.h5
     [ "$status" -eq 0 ]

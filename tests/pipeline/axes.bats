@@ -1,11 +1,11 @@
 #!/usr/bin/env bats
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Files in which one axis has another length than the others say, in all that lies along it: each reader takes them or
-# refuses them, and none reads beyond what it has room for.
+# Tests with files in which one axis has another length than the rest of the file expects, in all data along this axis.
+# Each reader accepts or refuses such a file, and none reads beyond its buffers.
 
 load common
 
-# A file of each kind, and the commands that read it.
+# Writes a file of each kind; the tests run the commands that read it.
 setup_file() {
     cd "$BATS_FILE_TMPDIR" || return
     small_model
@@ -32,7 +32,7 @@ with h5py.File("history.h5", "w") as file:
     time = numpy.linspace(0, 1, 11)
     for name, values in {"time": time, "load": 1 + 0.1 * time}.items():
         file[name] = values
-        file[name].make_scale(name)  # so that each has a length of its own
+        file[name].make_scale(name)  # each gets a length of its own
 PYTHON
     sed 's/^transient:.*/transient: {load: {law: table, file: history.h5, column: load}, end_time: 0.5, fixed_step: 0.1}/' \
         moving.yml >table.yml
@@ -43,8 +43,8 @@ setup() {
     cp "$BATS_FILE_TMPDIR"/* .
 }
 
-# sweep FILE COMMAND...: COMMANDs, in which FILE stands for a copy, with every axis of FILE shorter and longer, its entries in
-# turn or each repeated.
+# sweep FILE COMMAND...: runs the COMMANDs on copies of FILE, in each of which one axis is shorter or longer.
+# FILE in a COMMAND stands for the copy. The entries of a longer axis follow in turn, or each is repeated.
 sweep() {
     /usr/bin/python3 -B "$BATS_TEST_DIRNAME/resize_axes.py" "$@"
 }

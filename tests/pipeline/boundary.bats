@@ -1,6 +1,6 @@
 #!/usr/bin/env bats
 # SPDX-License-Identifier: GPL-3.0-or-later
-# What lies around the grid of a point contact: the far field or zero pressure, and that files of one are
+# Tests of the boundary around the grid of a point contact: the far field or zero pressure. Files of one boundary are
 # refused with the other.
 
 load common
@@ -17,7 +17,7 @@ groups:
 YAML
 }
 
-# train NAME OPTION...: trains NAME.h5, by way of NAME-s.h5, NAME-b.h5 and NAME-r.h5
+# train NAME OPTION...: trains NAME.h5, and keeps its inputs NAME-s.h5, NAME-b.h5 and NAME-r.h5
 train() {
     local name=$1
     shift
@@ -72,7 +72,7 @@ train() {
     refuse 65 "zero-s.h5: boundary: found zero, expected open, as in open-s.h5" podbuild open-s.h5 zero-s.h5 -o x.h5
     refuse 65 "boundary: found .*, expected .*, as in" snapgen plan.yml "${zero[@]}" --basis open-b.h5 -o x.h5
     refuse 65 "zero-r.h5: boundary: found zero, expected open" deimselect zero-r.h5 --basis open-b.h5 -o x.h5
-    # a file that says nothing is of zero pressure; an unknown one is refused
+    # a file without the attribute has zero pressure; an unknown value is refused
     /usr/bin/python3 - <<'PYTHON'
 import h5py
 with h5py.File("zero.h5", "r+") as f:

@@ -1,6 +1,6 @@
 #!/usr/bin/env bats
 # SPDX-License-Identifier: GPL-3.0-or-later
-# romrun --calibrate and --trade: what a model's sizes deviate and cost.
+# Tests of romrun --calibrate and --trade: the deviation and the time of each size of a model.
 
 load common
 
@@ -14,7 +14,7 @@ setup() {
     cp "$BATS_FILE_TMPDIR"/* .
 }
 
-# entry FILE NAME INDEX...: one number of a dataset
+# entry FILE NAME INDEX...: prints one number of a dataset
 entry() {
     /usr/bin/python3 - "$@" <<'PYTHON'
 import sys, h5py
@@ -30,7 +30,7 @@ PYTHON
     [[ $output == "4 scenes, 0 trajectories, "*" sizes, "* ]]
     romrun --check x.h5
     [ ! -e x.h5.partial ]
-    # the worst of the four scenes at the smallest size, by hand
+    # computes the worst deviation of the four scenes at the smallest size independently
     modes=$(entry c.h5 position_pressure_modes 0)
     rows=$(entry c.h5 position_rows 0)
     worst=0
@@ -45,7 +45,7 @@ PYTHON
         done
     done
     close_to "$(entry c.h5 deviation_central_film_thickness 0 2)" "$worst" 1e-6
-    # all modes and rows come last, and are better
+    # the size with all modes and rows comes last, and is more accurate
     [ "$(entry c.h5 position_pressure_modes -1)" = 12.0 ]
     awk -v all="$(entry c.h5 deviation_central_film_thickness -1 2)" -v few="$worst" \
         'BEGIN { exit !(all < few / 2) }'
@@ -105,14 +105,14 @@ PYTHON
     [[ $stderr == "romrun: --accuracy "*": $modes pressure modes, $rows rows, the fastest of "* ]]
     [ "${#stderr_lines[@]}" -eq 1 ]
     romrun scene.yml --model c.h5 --pressure-modes "$modes" --rows "$rows" -o y.h5 --quiet
-    # which size is the fastest depends on the machine, and how far it has to iterate on the accuracy
+    # the fastest size depends on the machine, and the end of the iteration on --accuracy
     close_to "$(number x.h5 central_film_thickness)" "$(number y.h5 central_film_thickness)" \
         "$(awk "BEGIN { print $wanted / 10 }")"
     [[ $(h5dump -a settings x.h5) == *"# $modes pressure modes, 0 deformation modes, $rows rows (0: all), accuracy "* ]]
     rm x.h5 y.h5
     refuse 65 "--accuracy: found .*, expected at least .*, the best that c.h5 was measured to give" \
         romrun scene.yml --model c.h5 --accuracy "$too_good" -o x.h5
-    # what the message names can be asked for
+    # the accuracy that the message names can be reached
     least=$(sed 's/.*expected at least \([^,]*\),.*/\1/' <<<"$stderr")
     romrun scene.yml --model c.h5 --accuracy "$least" --quiet
     refuse 65 "m.h5: found a model that is not calibrated" \
@@ -153,12 +153,12 @@ PYTHON
     run romrun scene.yml --model c.h5
     [[ $output == *"indicated deviation     "*" of the central film thickness"* ]]
     [ "$(grep -cE "^  of this, about        the model [0-9.e-]+ %, the grid [0-9.e-]+ %, the inlet [0-9.e-]+ %$" <<<"$output")" -eq 2 ]
-    # a size that was not measured, and a model that is not calibrated, indicate nothing
+    # a size that was not measured and a model without calibration have no indicated deviation
     romrun scene.yml --model c.h5 --rows 23 -o other.h5 --allow-untrusted
     romrun scene.yml --model m.h5 -o plain.h5 --allow-untrusted
     shows_no indicated h5dump -H other.h5
     shows_no indicated h5dump -H plain.h5
-    # all scenes but this one were good
+    # with indicator factors 1e9 times as large the scene is flagged
     cp c.h5 x.h5
     /usr/bin/python3 -c "
 import h5py
@@ -170,7 +170,7 @@ with h5py.File('x.h5', 'r+') as f:
     [[ $stderr == "romrun: scene.yml: found an indicated deviation of "*", more than the --accuracy of 0.1, expected a result to be trusted"* ]]
     [ "$(number flagged.h5 status)" = 4.0 ]
     romrun scene.yml --model x.h5 --accuracy 0.1 --quiet --allow-untrusted
-    # without --accuracy 1 % holds, for the minimum film too
+    # without --accuracy the limit is 1 %, for the minimum film too
     run --separate-stderr romrun scene.yml --model x.h5 --quiet
     [ "$status" -eq 4 ]
     [[ $stderr == "romrun: scene.yml: found an indicated deviation of "*" of the "*" film, more than holds without --accuracy, 0.01, expected a result to be trusted"* ]]
@@ -214,7 +214,7 @@ with h5py.File('x.h5', 'r+') as f:
 }
 
 @test "a pressure that cannot be one is exit code 3, whatever is allowed" {
-    # at a node that no row needs: seen where fields are written
+    # the pressure is negative at a node that no row needs, so only a run that writes fields finds it
     cp m.h5 y.h5
     /usr/bin/python3 -c "
 import h5py
@@ -258,7 +258,7 @@ with h5py.File("full.h5") as full, h5py.File("red.h5") as red:
             "pressure": off("pressure").max(), "film": off("film_thickness")[0][inside].max() / central}
     for name, deviation in true.items():
         indicated = red["indicated_deviation_" + name][0]
-        # a known load is no more than it is
+        # the indicated deviation of a load that is known is the true one
         least, rounding = (0.99, 1e-8) if name == "load" else (1.9, 0)
         assert least * deviation - rounding <= indicated < 1e6 * deviation + 1e-9, (name, indicated, deviation)
 PYTHON
@@ -274,7 +274,7 @@ PYTHON
     romrun scene.yml --model c.h5 --quiet --accuracy-of pressure=0.9 --accuracy-of load=0.9
     for name in central_pressure exit_position load pressure film_thickness; do
         run --separate-stderr romrun scene.yml --model c.h5 --quiet --accuracy-of $name=1e-15 --accuracy-of pressure=0.9 -o low.h5 --force
-        if [ "$name" = pressure ]; then # the last one holds
+        if [ "$name" = pressure ]; then # the last limit of a quantity holds
             [ "$status" -eq 0 ]
             continue
         fi
@@ -288,7 +288,7 @@ PYTHON
     refuse 64 "--accuracy-of: found load=2, expected load=X with X above 0, at most 1" \
         romrun scene.yml --model c.h5 --accuracy-of load=2
     refuse 64 "--accuracy-of: found with --trade, expected without" romrun --trade --model c.h5 --accuracy-of load=1
-    # nothing is promised that is not known
+    # a model without the factor cannot keep a wanted accuracy
     cp c.h5 w.h5
     /usr/bin/python3 -c "
 import h5py
@@ -309,35 +309,35 @@ with h5py.File('w.h5', 'r+') as f: f.attrs.pop('content_sha256', None); del f['i
             'BEGIN { off = red / full - 1; exit !(indicated > (off < 0 ? -off : off) && indicated < 0.05) }'
         grep -qE "^  of others .* H_c, friction [0-9.e-]+$" printed
     done
-    # each law has its own: this one sees the pressure least
+    # each law has an estimate of its own: with the limiting law friction depends least on the pressure
     [ "$(number red.h5 indicated_deviation_friction)" != "$(romrun sliding.yml --model c.h5 -o x.h5 --quiet && number x.h5 indicated_deviation_friction)" ]
     romrun sliding.yml --model c.h5 --quiet --accuracy-of friction=0.9
     run --separate-stderr romrun sliding.yml --model c.h5 --quiet --accuracy-of friction=1e-9 -o low.h5
     [ "$status" -eq 4 ]
     [[ $stderr == *"found an indicated deviation of "*" of the friction, more than the --accuracy-of friction=1e-09, expected"* ]]
     [ "$(number low.h5 status)" = 4.0 ]
-    # and the rolling resistance by what the grid does to it
+    # the rolling resistance is judged by the error estimate of the grid
     romrun sliding.yml --model c.h5 --quiet --accuracy-of rolling_resistance=0.5
     run --separate-stderr romrun sliding.yml --model c.h5 --quiet --accuracy-of rolling_resistance=1e-9 -o low.h5 --force
     [ "$status" -eq 4 ]
     [[ $stderr == *"found an error estimate of "*" of the rolling resistance, more than the --accuracy-of rolling_resistance=1e-09, expected"* ]]
     romrun sliding.yml --model c.h5 | grep -qE "^  of rolling, about +the grid [0-9.e-]+ %, the inlet [0-9.e-]+ %$"
-    # a table of cases goes by it, and a flat model has the same bits
+    # the limit also holds in a table of cases, and a flat model gives the same bits
     printf 'slide_roll\n0.05\n0\n' >two.csv
     run --separate-stderr romrun sliding.yml --cases two.csv --model c.h5 --accuracy-of friction=1e-9 -o two-out.csv --quiet
     [ "$status" -eq 4 ]
-    [ "$(grep -c "deviation of .* of the friction" two-out.csv)" -eq 1 ] # without sliding there is nothing to be off
+    [ "$(grep -c "deviation of .* of the friction" two-out.csv)" -eq 1 ] # without sliding there is no friction
     romrun --export c.h5 -o c.ehdrom
     romrun sliding.yml --model c.ehdrom -o flat.h5 --quiet
     [ "$(number flat.h5 indicated_deviation_friction)" = "$(number x.h5 indicated_deviation_friction)" ]
-    # nothing slides
+    # nothing slides in this scene
     romrun scene.yml --model c.h5 -o still.h5 >printed
     shows_no friction cat printed
     shows_no indicated_deviation_friction h5dump -H still.h5
     run --separate-stderr romrun scene.yml --model c.h5 --quiet --accuracy-of friction=0.9
     [ "$status" -eq 4 ]
     [[ $stderr == *"found no indicated deviation of the friction, for which --accuracy-of asks"* ]]
-    # a model of before has no factor for it, and what it indicates of films is as it was
+    # a model of an earlier version has no factor for friction; its indicated deviations of the films are unchanged
     patch c.h5 "del f['indicator_factor_friction']
     for name in ('share', 'growth', 'offset', 'offset_share'):
         values = f['indicator_' + name][:, :-1]
@@ -397,7 +397,7 @@ PYTHON
     read -r modes rows <<<"$(/usr/bin/python3 spoil.py)"
     run --separate-stderr romrun scene.yml --model x.h5 --accuracy 0.1 -o again.h5
     [ "$status" -eq 0 ]
-    [ "${#stderr_lines[@]}" -eq 3 ] # the last one that there is no digest
+    [ "${#stderr_lines[@]}" -eq 3 ] # the last line is about the missing digest
     [[ ${stderr_lines[1]} == "romrun: --accuracy 0.1: found an indicated deviation of "*", again with $modes pressure modes, $rows rows" ]]
     [[ $(h5dump -a settings again.h5) == *"# $modes pressure modes, 0 deformation modes, $rows rows (0: all), accuracy "* ]]
     romrun scene.yml --model c.h5 --pressure-modes "$modes" --rows "$rows" -o straight.h5 --quiet
@@ -420,12 +420,12 @@ PYTHON
     [ "$status" -eq 0 ]
     [[ ${stderr_lines[1]} == "romrun: --accuracy 0.1: found an indicated deviation of "*" p_H of the largest pressure, more than 3 times that, again with $modes pressure modes, $rows rows" ]]
     [[ $(h5dump -a settings again.h5) == *"# $modes pressure modes, 0 deformation modes, $rows rows (0: all), accuracy "* ]]
-    # in a table of cases too
+    # a table of cases does this too
     echo moes.M >one.csv
     sed -n 's/^moes: {M: \([0-9.]*\),.*/\1/p' scene.yml >>one.csv
     romrun scene.yml --cases one.csv --model x.h5 --accuracy 0.1 -o cases.h5 --quiet
     [ "$(number cases.h5 central_film_thickness)" = "$(number again.h5 central_film_thickness)" ]
-    # as it was measured the chosen size does
+    # with the measured factors the chosen size is accurate enough
     run --separate-stderr romrun scene.yml --model c.h5 --accuracy 0.1
     [[ $status == 0 && $stderr != *"again with"* ]]
 }
@@ -494,7 +494,7 @@ PYTHON
     [ -z "$stderr" ]
     [[ $output == "0 scenes, 1 trajectories, "* ]]
     romrun --check tc.h5
-    # what --against finds for the whole model, which takes the same steps, as they are fixed
+    # the worst deviation is that of --against for the whole model; both take the same steps, as these are fixed
     fullrun moving.yml --set transient.load.period=0.75 -o full.h5 --quiet
     romrun moving.yml --set transient.load.period=0.75 --model tm.h5 --against full.h5 --quiet --allow-untrusted >red.txt
     worst=$(sed -n 's/.*central film thickness *at most \([^ ]*\) %.*/\1/p' red.txt)
@@ -503,8 +503,8 @@ PYTHON
     [ "$(entry tc.h5 position_lost_trajectories -1)" = 0.0 ]
     run --separate-stderr romrun --trade --model tc.h5
     [[ ${lines[1]} == "1 trajectories: worst deviation"* ]]
-    # chosen by what was measured in time, and only for that; which size is the fastest, and with it what is indicated of
-    # this history, depends on the machine
+    # the size is chosen by its measurement in time, and only for scenes in time. The fastest size depends on the
+    # machine, and so does the deviation that it indicates for this history.
     run --separate-stderr romrun moving.yml --model tc.h5 --accuracy 0.5 -o tx.h5 --allow-untrusted
     [ "$status" -eq 0 ]
     [[ $stderr == *"romrun: --accuracy 0.5: "*" on 100 % of 1 trajectories, in "*" ms a step"* ]]
@@ -514,7 +514,7 @@ PYTHON
         romrun still.yml --model tc.h5 --accuracy 0.5 -o x.h5
     refuse 65 "c.h5: found a calibration without trajectories" \
         romrun moving.yml --model c.h5 --accuracy 0.5 -o x.h5
-    # one that leaves the range
+    # a trajectory that leaves the trained range is left out
     run --separate-stderr romrun --calibrate wide-time.yml --model tm.h5 -o x.h5
     [ "$status" -eq 65 ]
     [[ $stderr == *"wide-time.yml: 1 of 1 trajectories leave the trained range"*"found nothing inside"* ]]
@@ -528,7 +528,7 @@ PYTHON
     time_plan check "0.6, 1.1" 0.095
     model_in_time 40 --no-check
     romrun --calibrate check-time.yml --model tm.h5 -o tc.h5 --quiet
-    # nearly as fast as the training; a model that was never checked says so of any history
+    # this history is nearly as fast as the training; a model that was never checked flags every history
     fast="--set transient.load.period=0.53"
     run --separate-stderr romrun moving.yml --model tm.h5 $fast --quiet
     [ "$status" -eq 4 ]
@@ -538,7 +538,7 @@ PYTHON
     [ "$status" -eq 0 ]
     [ -z "$stderr" ]
     [[ $output == *"indicated deviation     central film "*" %, minimum film "*" % at most"* ]]
-    # too few modes: 3 % of the minimum film, and the central one later, when its film is there
+    # too few modes: the minimum film is 3 % off, and the central film is off later
     run --separate-stderr romrun moving.yml --model tc.h5 $fast --pressure-modes 10 --rows 20 \
         -o bad.h5 --quiet
     [ "$status" -eq 4 ]
@@ -555,26 +555,26 @@ for name, most in [("good", 0.01), ("bad", 1)]:
         for film, indicated in [("central_film_thickness", "indicated_deviation"),
                                 ("minimum_film_thickness", "indicated_deviation_minimum")]:
             off = abs(file[film][...] / full[film][...] - 1)
-            # the minimum film's too, while an exit moves faster than in training
+            # the estimate also bounds the minimum film, while an exit moves faster than in training
             assert (file[indicated][...] >= off).all()
             assert file[indicated][...].max() < most
             above |= file[indicated][...] > 0.01
         assert ((file["status"][...] == 4) == above).all() and above.any() == (name == "bad")
 PYTHON
-    # --accuracy is about each step of both films
-    # (a history of which each size that may be the fastest here indicates 0.0011 of the minimum film)
+    # --accuracy is a limit for each step of both films. For this history each size that may be the fastest here
+    # indicates a deviation of 0.0011 of the minimum film.
     run --separate-stderr romrun moving.yml --model tc.h5 --set transient.load.period=0.65 \
         --set transient.fixed_step=0.04 --accuracy 9e-4 --quiet
     [ "$status" -eq 4 ]
     [[ $stderr == *"found an indicated deviation of "*" of the minimum film, more than 0.0009, first at T = "* ]]
-    # below what any size was measured to have, the most accurate one, and each step by its own estimate
+    # an accuracy better than any measured one selects the most accurate size, and each step has its own estimate
     run --separate-stderr romrun moving.yml --model tc.h5 $fast --accuracy 1e-12 --quiet
     [ "$status" -eq 4 ]
     [[ $stderr == *"found an indicated deviation of "*" film, more than 1e-12, first at T = "* ]]
     run --separate-stderr romrun moving.yml --model tc.h5 $fast --accuracy 1e-12 --allow-untrusted
     [ "$status" -eq 0 ]
     [[ $stderr == "romrun: --accuracy 1e-12: 40 pressure modes, "*", the most accurate of "*"each step is judged by its own"* ]]
-    # a size that the calibration takes for accurate and that is not: the march is repeated with the most accurate one
+    # the calibration takes this size for accurate, and it is not: the march is repeated with the most accurate size
     cp tc.h5 ta.h5
     /usr/bin/python3 - <<'PYTHON'
 import h5py
@@ -598,18 +598,18 @@ PYTHON
 import h5py, numpy
 numpy.testing.assert_allclose(h5py.File("again.h5")["central_film_thickness"], h5py.File("good.h5")["central_film_thickness"], rtol=1e-4)
 PYTHON
-    # nor is that one to be trusted, and what would help is said
+    # the most accurate size is not to be trusted either, and the message suggests --fallback
     run --separate-stderr romrun moving.yml --model ta.h5 --set transient.load.period=0.4 --accuracy 0.02 -o x.h5
     [ "$status" -eq 4 ]
     [[ $stderr == *", again with 40 pressure modes, "*"(--fallback full has the full model solve it"* ]]
-    # what is faster than the training is outside, whatever is indicated, and no check of it
+    # a history faster than the training is outside of its range, whatever deviation is indicated, and is no check scene
     run --separate-stderr romrun moving.yml --model tc.h5 --set transient.load.period=0.4 --accuracy 0.5 --quiet
     [ "$status" -eq 4 ]
     [[ $stderr == *"found a contact that changes faster than any in training, first at T = "* ]]
     time_plan faster "0.4, 1" 0.1
     run -0 --separate-stderr romrun --calibrate faster-time.yml --model tm.h5 -o tf.h5
     [[ $stderr == *"faster-time.yml: 1 of 2 trajectories leave the trained range"* ]]
-    # a step of the speed, which is as fast as can be, says nothing of loads
+    # a step of the speed, the fastest change there is, does not extend the trained rates of the load
     cat >>train-time.yml <<'YAML'
   - scene: moving.yml
     vary: {transient.speed.law: [step], transient.speed.to: [1.02], transient.speed.at: [0.5], transient.load.amplitude: [0.05]}

@@ -1,6 +1,6 @@
 #!/usr/bin/env bats
 # SPDX-License-Identifier: GPL-3.0-or-later
-# romrun --cases: many scenes in one process.
+# Tests of romrun --cases: many scenes in one process.
 
 load common
 
@@ -12,12 +12,12 @@ setup_file() {
 setup() {
     cd "$BATS_TEST_TMPDIR" || return
     cp "$BATS_FILE_TMPDIR"/{c.h5,m.h5,base.yml,scene.yml} .
-    # of the trained lubricant: M from 9.5 to 13 and L from 2.6 to 5.2
+    # the scenes have the trained lubricant: M from 9.5 to 13 and L from 2.6 to 5.2
     sed 's/^moes:.*//' scene.yml >si.yml
     echo 'physical: {load: 60e3, radius: 0.01, speed: 0.2, modulus: 226e9, viscosity: 0.02}' >>si.yml
 }
 
-# judged CODE PATTERN ARGUMENT...: the exit code, and one line on stderr that matches the pattern
+# judged CODE PATTERN ARGUMENT...: checks the exit code of romrun and that stderr is one line that matches the pattern
 judged() {
     local code=$1 pattern=$2
     shift 2
@@ -44,7 +44,7 @@ CSV
     for case in "10 3" "12 5" "14.5 5.5"; do
         romrun base.yml --model c.h5 --set "moes.M=${case% *}" --set "moes.L=${case#* }" -o "${case/ /-}.h5" >/dev/null
     done
-    # sizes by accuracy, and the most accurate ones where these do not serve
+    # --accuracy chooses the sizes, and the most accurate one where the chosen size is not accurate enough
     romrun base.yml --cases cases.csv --model c.h5 -o a.csv --quiet --accuracy 1e-2 --allow-untrusted >/dev/null
     romrun base.yml --model c.h5 --set moes.M=12 --set moes.L=5 --accuracy 1e-2 --quiet --allow-untrusted -o a.h5 >/dev/null
     /usr/bin/python3 - <<'PYTHON'
@@ -87,7 +87,7 @@ for row, again, load in zip(rows, printed, (60e3, 62e3)):
     assert close("central_pressure [Pa]", float(row["central_pressure"]) * 2 * load / (math.pi * a))
 assert "point_load [N]" not in rows[0] and "inlet_heating_factor" not in rows[0]
 PYTHON
-    # what the inlet's heating does to each, which its result has too
+    # the table has the effect of the inlet's heating on each case, as a result has
     heated="--set lubricant.thermal_conductivity=0.14 --set lubricant.viscosity.temperature_coefficient=0.03"
     romrun si.yml --cases cases.csv --model c.h5 -o hot.csv --quiet --allow-untrusted $heated >/dev/null
     romrun si.yml --model c.h5 -o one.h5 --quiet --allow-untrusted $heated --set physical.load=62e3 --set physical.speed=0.21
@@ -127,7 +127,7 @@ with h5py.File("t.h5") as table:
                 assert float(rows[i][named]) == found
 assert not any(name.startswith("point_") for name in rows[0])
 PYTHON
-    # scenes that name none have no columns of it; a model without nodes for it says so
+    # scenes that name no sliding have no columns of friction; a model without nodes for friction gives a warning
     printf 'moes.M,moes.L\n10,3\n' >still-cases.csv
     romrun base.yml --cases still-cases.csv --model c.h5 -o still.csv --quiet
     shows_no friction cat still.csv
@@ -144,17 +144,17 @@ PYTHON
     [ "$(cut -d, -f3 t.csv | paste -sd' ')" = "status 0 4 0" ]
     grep -q '^40,3,4,.*,outside of the trained range' t.csv
     romrun base.yml --cases some.csv --model c.h5 -o t.csv --quiet --force --allow-untrusted >/dev/null
-    # far outside nothing converges: a row of NaN
+    # far outside of the training nothing converges: the row has NaN
     printf 'moes.M,moes.L\n40,3\n1000,12\n12,5\n' >bad.csv
     judged 3 "bad.csv:3: found 1 of 3 scenes not converged and 1 not to be trusted" base.yml --cases bad.csv --model c.h5 -o u.csv --allow-untrusted
     grep -q '^1000,12,1,1000,12,.*,nan,nan,nan,nan,nan,nan,' u.csv
-    # a model that was never checked: no row is to be trusted
+    # a model that was never checked: each row is flagged
     judged 4 "3 not to be trusted" base.yml --cases some.csv --model m.h5 -o v.csv
-    # limits as for one scene
+    # limits hold as for one scene
     judged 4 "some.csv:2: found 0 of 3 .* 3 not to be trusted" base.yml --cases some.csv --model c.h5 -o w.csv --accuracy-of pressure=1e-12
 }
 
-# bad_table CODE MESSAGE TABLE [OPTION...]: TABLE.csv is refused.
+# bad_table CODE MESSAGE TABLE [OPTION...]: checks that romrun refuses TABLE.csv.
 bad_table() { refuse "$1" "$2" romrun base.yml --cases "$3.csv" --model c.h5 -o x.h5 "${@:4}"; }
 
 @test "--cases: refusals, before any work" {
@@ -174,7 +174,7 @@ bad_table() { refuse "$1" "$2" romrun base.yml --cases "$3.csv" --model c.h5 -o 
     bad_table 64 "--cases: found with --verify" good --verify
     bad_table 64 "--cases: found with --fallback, expected without" good \
         --fallback full
-    # before any work
+    # the output is refused before any work
     refused 73 "none/x.csv: found No such file or directory, expected to create it" romrun base.yml --cases good.csv \
         --model c.h5 -o none/x.csv
     bad_table 66 "none.csv: " none
@@ -210,7 +210,7 @@ assert list(expected[0])[:3] == ["name", "moes.M", "moes.L"]
 assert rows("semicolons") == expected and rows("tabs") == expected
 assert rows("plain") == [{key: text for key, text in row.items() if key != "name"} for row in expected]
 PYTHON
-    # a table that the program wrote is read again, by lines of the table
+    # quoted names may have line breaks; the message counts lines of the table
     printf 'name,moes.M,moes.L\n"a\n\nb",10,3\n,40,3\n' >lines.csv
     judged 4 "lines.csv:5: found 0 of 2 scenes not converged and 1 not to be trusted" base.yml --cases lines.csv --model c.h5 -o l.csv
     printf 'moes.M;moes.L\n10,5;3\n' >comma.csv
@@ -223,13 +223,13 @@ PYTHON
     bad_table 65 "name.csv:2: " name
 }
 
-# many_cases COUNT: many.csv
+# many_cases COUNT: writes many.csv with COUNT cases
 many_cases() {
     awk -v count="$1" 'BEGIN { print "name,moes.M,moes.L"; for (i = 0; i < count; i++)
         printf "\"case\n%d\",%.6g,%.6g\n", i, 9.5 + (i * 7919 % 1000) / 250, 2.6 + (i * 104729 % 1000) / 400 }' >many.csv
 }
 
-# rows_of FILE: of a table without times, to compare
+# rows_of FILE: prints a table without its times, for comparisons
 rows_of() {
     /usr/bin/python3 - "$1" <<'PYTHON'
 import csv, sys
@@ -268,12 +268,12 @@ PYTHON
     romrun base.yml --cases many.csv --model c.h5 -o whole.csv --quiet --jobs 2 >/dev/null
     romrun base.yml --cases many.csv --model c.h5 -o whole.h5 --quiet --jobs 1 >/dev/null
     for kind in csv h5; do
-        # killed, then interrupted
+        # the run is killed, then resumed
         stop_when KILL 'bytes 300000' "t.$kind" romrun base.yml --cases many.csv --model c.h5 -o "t.$kind" --quiet --jobs 2
         [ ! -e "t.$kind" ]
         refused 73 "t.$kind.partial: found an interrupted run.*expected --resume to continue it or" \
             romrun base.yml --cases many.csv --model c.h5 -o "t.$kind" --quiet
-        # of another model, scene, accuracy, table
+        # resuming with another model, scene, accuracy or table is refused
         sed 's/^3",/3a",/' many.csv >other.csv
         for changed in "many.csv --model m.h5" "many.csv --model c.h5 --set lubricant.viscosity.alpha=2.1e-8" \
             "many.csv --model c.h5 --accuracy-of pressure=0.5" "other.csv --model c.h5"; do
@@ -287,7 +287,7 @@ PYTHON
         [ ! -e "t.$kind.partial" ] && [ ! -e "t.$kind.resume" ]
     done
     romrun --check t.h5
-    # a row that was torn is solved again; the first bad row is that of the whole table
+    # a torn row is solved again; the first bad row is counted in the whole table
     printf 'moes.M,moes.L\n10,3\n40,3\n12,5\n40,4\n' >bad.csv
     judged 4 "bad.csv:3: .* 2 not to be trusted" base.yml --cases bad.csv --model c.h5 -o b.csv
     romrun base.yml --cases many.csv --model c.h5 -o x.csv --quiet --force >/dev/null
@@ -299,7 +299,7 @@ PYTHON
     rm t.csv
     romrun base.yml --cases many.csv --model c.h5 -o t.csv --quiet --resume >/dev/null
     cmp <(rows_of whole.csv) <(rows_of t.csv)
-    # a changed bit in what was left is found, wherever it is
+    # one changed bit in the unfinished table is found at each place
     stop_when KILL 'bytes 300000' t.csv romrun base.yml --cases many.csv --model c.h5 -o t.csv --quiet --jobs 1 --force
     cp t.csv.partial partial && cp t.csv.resume resume
     last=$(tail -n 1 resume)
@@ -318,17 +318,17 @@ PYTHON
         [[ $status == 65 && $output == *"t.csv.partial: found damaged rows, expected what an interrupted run"* ]]
         [ ! -e t.csv ]
     done
-    # and a mark within a row
+    # a mark within a row is refused too
     bytes=$((header + 100))
     grep -v -E '^[0-9]+ [0-9a-f]{64}$' resume >t.csv.resume
     echo "$bytes $(head -c $bytes partial | sha256sum | cut -d ' ' -f 1)" >>t.csv.resume
     cp partial t.csv.partial
     refused 65 "t.csv.partial: found damaged rows" romrun base.yml --cases many.csv --model c.h5 -o t.csv --quiet --resume
-    # a changed checksum does not count
+    # a mark with a changed checksum is ignored
     sed -i '$ s/ [0-9a-f]/ x/' resume && cp resume t.csv.resume && cp partial t.csv.partial
     romrun base.yml --cases many.csv --model c.h5 -o t.csv --quiet --resume >/dev/null
     cmp <(rows_of whole.csv) <(rows_of t.csv)
-    # nothing was left: as without the option
+    # without an interrupted run --resume changes nothing
     romrun base.yml --cases bad.csv --model c.h5 -o n.csv --quiet --resume --allow-untrusted >/dev/null
     cmp <(rows_of b.csv) <(rows_of n.csv)
     refuse 64 "--resume: found without --output" romrun base.yml --cases bad.csv --model c.h5 --resume

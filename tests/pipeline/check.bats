@@ -1,10 +1,10 @@
 #!/usr/bin/env bats
 # SPDX-License-Identifier: GPL-3.0-or-later
-# The check that a model is born with, and romrun with models that were never checked.
+# Tests of the check that deimselect makes of a new model, and of romrun with models that were never checked.
 
 load common
 
-# Residuals of 15 points with 121 nodes, their model m.h5, and n.h5 without a check.
+# Makes residuals of 15 points with 121 nodes, their model m.h5, and n.h5 without a check.
 setup_file() {
     cd "$BATS_FILE_TMPDIR" || return
     common_setup_small
@@ -30,7 +30,7 @@ advice="(--fallback full has the full model solve it, --allow-untrusted takes it
     [ ! -e m.h5.partial ]
     [ ! -e m.h5.unchecked ]
     deimselect --check m.h5
-    # its settings name the scenes; a calibration on these gives the same table
+    # the settings of m.h5 name the scenes; a calibration on these scenes gives the same table
     /usr/bin/python3 - <<'PYTHON'
 import h5py, re
 with h5py.File("m.h5") as m, h5py.File("b.h5") as b:
@@ -47,7 +47,7 @@ open("again.yml", "w").write("groups:\n  - {scene: base.yml, points: points.csv}
 PYTHON
     romrun --calibrate again.yml --model n.h5 -o again.h5 --quiet
     same_data m.h5 again.h5
-    # every scene inside has an answer that says how far it is off
+    # a scene inside the trained range has a result with an indicated deviation
     romrun scene.yml --model m.h5 -o red.h5 --quiet
     [ "$(number red.h5 status)" = 0.0 ]
     fullrun scene.yml -o full.h5
@@ -72,12 +72,12 @@ PYTHON
     run --separate-stderr romrun scene.yml --model n.h5 -o y.h5 --allow-untrusted
     [ "$status" -eq 0 ]
     [ "$stderr" = "romrun: n.h5: found $unchecked" ]
-    # a part of a checked model that was not measured
+    # this part of a checked model was not measured
     romrun scene.yml --model m.h5 --pressure-modes 10 --rows 15 --quiet
     run --separate-stderr romrun scene.yml --model m.h5 --rows 23
     [ "$status" -eq 4 ]
     [[ $stderr == *"found $unchecked, "* ]]
-    # outside of the trained range that is the reason
+    # outside of the trained range the message gives that reason instead
     run --separate-stderr romrun scene.yml --model n.h5 --set moes.M=16
     [ "$status" -eq 4 ]
     [[ $stderr == *"found outside of the trained range"* ]]
@@ -95,7 +95,7 @@ with h5py.File('r.h5', 'r+') as f: del f.attrs['settings']"
     same_data x.h5 n.h5
     run -4 romrun scene.yml --model x.h5
     deimselect r.h5 --basis b.h5 -o y.h5 --no-check
-    # nor do those of another grid, or of one point alone
+    # residuals of another grid or of a single point give a model that is not checked, too
     cp "$BATS_FILE_TMPDIR"/r.h5 .
     /usr/bin/python3 -c "
 import h5py, re
@@ -109,7 +109,7 @@ with h5py.File('r.h5', 'r+') as f: f.attrs['settings'] = f.attrs['settings'].dec
     run --separate-stderr deimselect r1.h5 --basis b1.h5 -o x.h5 --force
     [ "$status" -eq 4 ]
     [[ $stderr == *"r1.h5: found no scene of the trained range half-way between two training points"* ]]
-    # nor those of trajectories whose table is gone
+    # residuals of trajectories whose table is gone give a model that is not checked, too
     printf 'T,F\n0,1\n0.5,1.1\n1,1\n' >t.csv
     sed 's/stationary/transient/' scene.yml >moving.yml
     echo 'transient: {end_time: 0.2, load: {law: table, file: t.csv, column: F}}' >>moving.yml
@@ -154,7 +154,7 @@ YAML
     deimselect r.h5 --basis b.h5 -o x.h5 --quiet
     refused 73 "x.h5" deimselect r.h5 --basis b.h5 -o x.h5
     rm x.h5
-    # the sizes are measured in milliseconds, which a busy machine may miss
+    # the sizes are measured within milliseconds, which a busy machine may miss
     for _ in {1..20}; do
         rm -f x.h5
         stop_when INT exists x.h5 deimselect r.h5 --basis b.h5 -o x.h5 >log 2>&1
@@ -180,12 +180,12 @@ YAML
     [ -z "$stderr" ]
     [[ ${lines[-1]} == "checked on 1 trajectories between those of the training: central film at most "*" % off, minimum film "*" %" ]]
     [[ $(h5dump -a settings x.h5) == *"transient.load.amplitude: 0.05"* ]]
-    # its minimum film is indicated to be 13 % off, not never checked
+    # the reason is the indicated deviation of the minimum film, 13 %, and not a missing check in time
     run --separate-stderr romrun moving.yml --model x.h5 -o one.h5 --quiet --set transient.load.amplitude=0.07
     [[ $status -eq 4 && $stderr == "romrun: moving.yml: found an indicated deviation of "*" of the minimum film, more than 0.01, "* ]]
-    # it was not checked on stationary scenes
+    # the model was not checked on stationary scenes
     run -4 --separate-stderr romrun scene.yml --model x.h5
-    # nor this one in time
+    # the model without a check was not checked in time
     deimselect r1.h5 --basis b1.h5 -o y.h5 --no-check
     run --separate-stderr romrun moving.yml --model y.h5 -o two.h5 --quiet
     [ "$status" -eq 4 ]

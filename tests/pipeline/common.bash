@@ -1,14 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# What the pipeline tests share. BIN is the folder of the programs (tests/run.sh).
+# Functions of all pipeline tests. BIN is the folder of the programs (tests/run.sh).
 
 bats_require_minimum_version 1.5.0
 PATH=$BIN:$PATH
 
-# Whether there is a library for other programs, and the way out where there is none.
+# is_installed: checks whether this variant has the library for other programs; outside: skips the test if not.
 is_installed() { [[ $VARIANT == release || $VARIANT == debug ]]; }
 outside() { is_installed || skip "the library is not built with sanitizers"; }
 
-# base_scene [GRID]: base.yml, a line contact that lacks M and L, in the present folder.
+# base_scene [GRID]: writes base.yml, a line contact without M and L, in the current folder.
 base_scene() {
     cat >base.yml <<'YAML'
 contact: line
@@ -20,7 +20,7 @@ YAML
     [ $# -eq 0 ] || echo "grid: {$1}" >>base.yml
 }
 
-# Each test works in a folder of its own with a small scene (301 nodes) and a small plan (6 points).
+# Makes a small scene (301 nodes) and a small plan (6 points) in the test's own folder.
 common_setup() {
     cd "$BATS_TEST_TMPDIR" || return
     cat >scene.yml <<'YAML'
@@ -40,7 +40,7 @@ groups:
 YAML
 }
 
-# A scene of 121 nodes and a plan of 9 points around it, in the present folder.
+# Writes a scene with 121 nodes and a plan of 9 points around it, in the current folder.
 common_setup_small() {
     cat >scene.yml <<'YAML'
 contact: line
@@ -59,8 +59,8 @@ groups:
 YAML
 }
 
-# m.h5, a model trained on that plan and two more M, never checked; c.h5, calibrated on check.yml, four scenes
-# between its points; in the present folder.
+# Makes m.h5, a model trained on that plan and two more M, never checked, and c.h5, calibrated on check.yml. check.yml
+# has four scenes between the training points. All files are in the current folder.
 small_model() {
     common_setup_small
     sed 's/\[8, 11, 15\]/[8, 9.5, 11, 13, 15]/' plan.yml >train.yml
@@ -76,7 +76,7 @@ YAML
     romrun --calibrate check.yml --model m.h5 -o c.h5 --quiet
 }
 
-# moving_scene GRID TIME: moving.yml, a line contact under a load of +-10 % and period 1.
+# moving_scene GRID TIME: writes moving.yml, a line contact under a load of +-10 % and period 1.
 moving_scene() {
     cat >moving.yml <<YAML
 contact: line
@@ -88,7 +88,7 @@ transient: {load: {law: sine, amplitude: 0.1, period: 1}, $2}
 YAML
 }
 
-# time_plan NAME PERIODS AMPLITUDE: NAME-time.yml, loads of moving.yml.
+# time_plan NAME PERIODS AMPLITUDE: writes NAME-time.yml, a plan of loads of moving.yml.
 time_plan() {
     cat >"$1-time.yml" <<YAML
 groups:
@@ -97,7 +97,7 @@ groups:
 YAML
 }
 
-# model_in_time MODES [OPTION...]: tm.h5, trained on train-time.yml, with deimselect's options.
+# model_in_time MODES [OPTION...]: trains tm.h5 on train-time.yml, with options of deimselect.
 model_in_time() {
     snapgen train-time.yml -o ts.h5 --quiet
     podbuild ts.h5 -o tb.h5 --pressure-modes "$1"
@@ -105,7 +105,7 @@ model_in_time() {
     deimselect tr.h5 --basis tb.h5 -o tm.h5 "${@:2}"
 }
 
-# si.yml: a line contact in SI units of M = 12, L = 4, as in the models of common_setup_small, in the present folder.
+# si_scene: writes si.yml, a line contact in SI units with M = 12, L = 4, as in the models of common_setup_small.
 si_scene() {
     cat >si.yml <<'YAML'
 contact: line
@@ -117,7 +117,7 @@ lubricant:
 YAML
 }
 
-# point_scene M X_MIN: the scene of a point contact with 33 nodes across, in the present folder.
+# point_scene M X_MIN: writes scene.yml, a point contact with 33 nodes across, in the current folder.
 point_scene() {
     cat >scene.yml <<YAML
 contact: point
@@ -130,8 +130,8 @@ grid: {x_min: $2, x_max: 1.5, step: 0.125, y_max: 2}
 YAML
 }
 
-# point.yml, a point contact in SI units of about M = 15 and L = 6, and p.h5, a model of nine points about it,
-# in the present folder; takes a second.
+# small_point_model: writes point.yml, a point contact in SI units of about M = 15 and L = 6, and makes p.h5, a model of
+# nine points around it, in the current folder. This takes a second.
 small_point_model() {
     point_scene 15 -2.5
     sed -e 's/^moes:.*/physical: {load: 8, radius: 0.01, speed: 1, modulus: 220e9, viscosity: 0.08}/' \
@@ -148,8 +148,8 @@ YAML
     deimselect --no-check rp.h5 --basis bp.h5 -o p.h5 --rows 60 --method sopt
 }
 
-# half_and_whole_are_symmetric OPTION...: half.h5 and whole.h5, the results of scene.yml on half of the domain and on all
-# of it, have the same fields, which are symmetric.
+# half_and_whole_are_symmetric OPTION...: solves scene.yml on half of the domain (half.h5) and on all of it (whole.h5).
+# Checks that both results have the same symmetric fields.
 half_and_whole_are_symmetric() {
     fullrun scene.yml "$@" -o half.h5
     fullrun scene.yml "$@" --set grid.half=false -o whole.h5
@@ -164,8 +164,8 @@ for name in "pressure", "film_thickness", "exit_position":
 PYTHON
 }
 
-# refused CODE PATTERN COMMAND...: the exit code, and one line on stderr that matches the pattern and is
-# led by the program's name.
+# refused CODE PATTERN COMMAND...: checks the exit code, and that stderr is one line that starts with the program's name
+# and matches the pattern.
 refused() {
     local code=$1 pattern=$2
     shift 2
@@ -178,15 +178,15 @@ refused() {
     fi
 }
 
-# refuse CODE PATTERN COMMAND... -o x.h5: refused, and leaves no file
+# refuse CODE PATTERN COMMAND... -o x.h5: checks that the command is refused and leaves no file
 refuse() {
     refused "$@"
     [ ! -e x.h5 ]
     [ ! -e x.h5.partial ]
 }
 
-# same_data A B: all datasets equal to the last bit, but what a resumed run starts from, which is written
-# by the clock, and the times of a checked model's sizes and of rounds; NaN equals NaN.
+# same_data A B: checks that all datasets are equal to the last bit, where NaN equals NaN. It skips the restart slots,
+# which are written by the clock, and the times of a checked model's sizes and of rounds.
 same_data() {
     /usr/bin/python3 - "$1" "$2" <<'PYTHON'
 import sys, h5py
@@ -198,8 +198,8 @@ with h5py.File(sys.argv[1]) as left, h5py.File(sys.argv[2]) as right:
 PYTHON
 }
 
-# number FILE NAME: the first entry of a dataset, or an attribute of the root; where it is not, a text that is equal to
-# that of no other file.
+# number FILE NAME: prints the first entry of a dataset, or an attribute of the root. If there is none, the text that it
+# prints equals that of no other file.
 number() {
     /usr/bin/python3 - "$1" "$2" <<'PYTHON' || echo "no $2 in $1"
 import sys, h5py
@@ -209,7 +209,7 @@ with h5py.File(sys.argv[1]) as file:
 PYTHON
 }
 
-# are_numbers TEXT...: finite ones; awk takes anything else for 0, and for NaN that <= holds.
+# are_numbers TEXT...: checks that all texts are finite numbers; awk takes other texts for 0, and for NaN <= holds.
 are_numbers() {
     local text
     for text; do
@@ -217,12 +217,12 @@ are_numbers() {
     done
 }
 
-# is_within A B RELATIVE: |A - B| <= RELATIVE |B|
+# is_within A B RELATIVE: checks that |A - B| <= RELATIVE |B|
 is_within() {
     awk -v a="$1" -v b="$2" -v r="$3" 'BEGIN { d = a - b; if (d < 0) d = -d; s = b < 0 ? -b : b; exit !(d <= r * s) }'
 }
 
-# close_to A B RELATIVE, and its opposite: two numbers.
+# close_to A B RELATIVE: checks that two numbers are that close; far_from A B RELATIVE: that they are not.
 close_to() {
     are_numbers "$1" "$2" || return
     is_within "$@" || { echo "found $1, expected $2 within $3"; return 1; }
@@ -232,7 +232,7 @@ far_from() {
     ! is_within "$@" || { echo "found $1, expected more than $3 beside $2"; return 1; }
 }
 
-# shows_no PATTERN COMMAND...: the command succeeds and prints something, and no line with the pattern.
+# shows_no PATTERN COMMAND...: checks that the command succeeds and prints lines, none of which matches the pattern.
 shows_no() {
     local pattern=$1
     shift
@@ -241,9 +241,9 @@ shows_no() {
     run -1 grep -e "$pattern" <<<"$output"
 }
 
-# stop_when SIGNAL CONDITION OUTPUT COMMAND...: stops a program while it writes (stop_when.py); its exit
-# code is left in `code`, which after KILL has to be that of a kill, and of a program that was only halted (STOP) the
-# process id in `pid`.
+# stop_when SIGNAL CONDITION OUTPUT COMMAND...: stops a program while it writes (stop_when.py).
+# It leaves the exit code in `code`, which must be that of a kill after KILL. After STOP the program is only halted, and
+# `pid` is its process id.
 stop_when() {
     code=0
     if [ "$1" = STOP ]; then
@@ -254,8 +254,8 @@ stop_when() {
     fi
 }
 
-# copy_scenes FOLDER...: examples/NAME or studies/NAME with what they share, as scenes/FOLDER; those of the paper have its
-# grid with accurate rows too, which so is that of the scene.
+# copy_scenes FOLDER...: copies examples/NAME or studies/NAME with their shared files to scenes/FOLDER. Scenes of the
+# paper keep the grid of scene.yml with accurate rows too.
 copy_scenes() {
     local root=$BATS_TEST_DIRNAME/../.. folder
     mkdir -p "$BATS_TEST_TMPDIR/scenes"
@@ -268,7 +268,7 @@ copy_scenes() {
     done
 }
 
-# copy_scene FOLDER: that one with a small grid, plan and models, as scenes/studies/own or scenes/examples/own.
+# copy_scene FOLDER: copies it with a small grid, plan and models to scenes/studies/own or scenes/examples/own.
 copy_scene() {
     copy_scenes "$1"
     cp -r "$1" "${1%/*}/own"
@@ -286,10 +286,10 @@ copy_scene() {
 
 run_make() { run make BIN="$BIN" "$@"; }
 
-# The programs as make calls them.
+# a pattern of the programs' names as make calls them
 programs='(snapgen|podbuild|deimselect|fullrun|romrun) '
 
-# patch FILE PYTHON: copies the file to bad.h5, takes its digest away and runs the code on it as `f`
+# patch FILE PYTHON: copies the file to bad.h5, deletes its digest and runs the code on it as `f`
 patch() {
     cp "$1" bad.h5
     /usr/bin/python3 -c "
@@ -299,14 +299,15 @@ with h5py.File('bad.h5', 'r+') as f:
     $2"
 }
 
-# scene.yml in SI units, sliding, of an Eyring fluid
+# sliding_scene: prints scene.yml in SI units, with sliding and an Eyring fluid
 sliding_scene() {
     sed -e 's/^moes: .*/physical: {load: 4e4, radius: 0.0125, speed: 0.1, modulus: 226e9, viscosity: 0.02}/' \
         -e 's/^  density.*/&\n  shear: {law: eyring, tau0: 5e6}/' scene.yml
     echo 'slide_roll: 0.05'
 }
 
-# copy_whole_study NAME: as it is, with what it compares with and what studies share; goes there.
+# copy_whole_study NAME: copies a study unchanged, with its reference data and the shared files, and changes to its
+# folder.
 copy_whole_study() {
     local root=$BATS_TEST_DIRNAME/../..
     mkdir -p "$BATS_TEST_TMPDIR/scenes/studies"

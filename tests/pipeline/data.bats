@@ -1,10 +1,11 @@
 #!/usr/bin/env bats
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Pipelines take tables, names of files and folders, and settings as data: none of it becomes text of make or of a shell.
+# Tests that pipelines take tables, names of files and folders, and settings as data: no such text becomes a command of
+# make or of a shell.
 
 load common
 
-# What runs would leave a file "ran" in any folder of the test.
+# Checks that no data was executed: executed data would leave a file "ran" in a folder of the test.
 harmless() {
     local found
     found=$(find "$BATS_TEST_TMPDIR" -name 'ran*')
@@ -13,7 +14,7 @@ harmless() {
 
 teardown() { harmless; }
 
-# A folder with all that a shell and make act on in its name, and a line break; a small pipeline in it.
+# Makes a small pipeline in a folder whose name has a line break and all characters special to a shell and to make.
 setup() {
     unset MAKEFLAGS MAKELEVEL MFLAGS V
     strange="$BATS_TEST_TMPDIR/a b;touch ran1;\$(touch ran2)\`touch ran3\` 'q\"\$x#%&=|é"$'\n'"\$(shell touch ran4)"
@@ -24,7 +25,7 @@ setup() {
     echo 'include ../lib/pipeline.mk' >Makefile
 }
 
-# names of results
+# Prints the names of the results in a folder.
 numbers_in() { (cd "$1" && printf '%s ' *.h5); }
 
 @test "names of cases and of the folder are data, whatever they are" {
@@ -57,12 +58,12 @@ CSV
         grep -qF -- "$name " out/comparison.txt
     done
     [ "$(grep -c '^same ' out/comparison.txt)" -eq 2 ]
-    # each has its own settings
+    # each case has its own settings
     [ "$(fullrun --print out/full/11.h5 settings | grep -c '^moes.M: 14$')" -eq 1 ]
     [ "$(cat out/cases.mk)" = "CASES := 1 2 3 4 5 6 7 8 9 10 11" ]
     run_make list
     [ "${#lines[@]}" -eq 11 ]
-    # a second time nothing is left to do
+    # a second run has nothing left to do
     run_make -n
     [[ $status == 0 && ! $output =~ bin/$programs ]]
     harmless
@@ -71,7 +72,7 @@ CSV
 }
 
 @test "settings of cases are data" {
-    # none of them is a setting: each is refused by the program, by its name
+    # no field is a valid setting: the program refuses each, and names the key
     for field in 'moes.M;touch ran,9' 'moes.M,$(touch ran)' 'moes.M,9;touch ran' "moes.M,'9;touch ran" \
         $'moes.M,"9\n.SHELLFLAGS := -c \'touch ran\'\nx"' 'moes.M,$(shell touch ran)' '--help,9' '$(shell touch ran),9'; do
         printf '%s\n' "${field/,/,moes.L$'\n'},3" >cases.csv
@@ -113,13 +114,13 @@ CSV
     done
     run_make -q out/model.h5
     [ "$status" -eq 0 ]
-    # a plan of such a name
+    # the plan has such a name too
     sed 's/\[8, 11, 15\]/[8, 9.5, 11, 13, 15]/' plan.yml >'p $(shell touch ran);touch ran "it'\''s".yml'
     run_make models OUT=other PLAN='p $(shell touch ran);touch ran "it'\''s".yml' model.WEIGHT=row-norm
     echo "$output"
     [ "$status" -eq 0 ]
     [ -e other/model.h5 ]
-    # headers of a program of one's own
+    # the folder of a user's own program has headers of such names
     touch '$(shell touch ran).h' 'a;touch ran.h'
     printf '%s\n' 'include ../lib/common.mk' 'LIBRARY_PROGRAMS = x' 'include ../lib/library.mk' >own.mk
     run_make -n -f own.mk out/x
@@ -127,7 +128,7 @@ CSV
 }
 
 @test "settings, options and names on the command line are words, not text of a shell" {
-    # quotes hold a word together, and nothing else acts
+    # quotes hold a word together, and no other character is special
     run_make -n models SET="--set 'surface.file=a b;touch ran' --set x=\$(shell touch ran)\`touch ran\` \"--set\" y=*"
     [ "$status" -eq 0 ]
     [[ $output == *"'--set' 'surface.file=a b;touch ran' '--set' 'x=\$(shell' 'touch' 'ran)\`touch' 'ran\`' '--set' 'y=*'"* ]]
@@ -139,7 +140,7 @@ CSV
     [[ $status == 2 && ${#lines[@]} == 1 && $output == *"found '--set 'a=b', expected words whose quotes end"* ]]
     run_make models SNAPGEN_OPTIONS='--most 3;touch ran'
     [ "$status" -eq 2 ]
-    # what cannot work is said before any work
+    # settings that cannot work are refused before any work
     for given in OUT='a b' OUT='a;touch ran' OUT='$(shell touch ran)' OUT=a%b OUT=-x "OUT=it's" MODELS='a b%'; do
         run_make models "$given"
         echo "$output"
@@ -171,7 +172,7 @@ CSV
     rm -r out
     PATH="$PWD/../../p;touch ran:$PATH" run make models
     [ "$status" -eq 0 ]
-    # the shared rules elsewhere: no blanks
+    # the shared rules may lie elsewhere, in a path without blanks
     cp -r ../lib '../$(touch${IFS}ran);x'
     run_make -f '../$(touch${IFS}ran);x/pipeline.mk' models OUT=other
     echo "$output"
@@ -189,13 +190,13 @@ CSV
         run_make tables
         [[ $status == 2 && $output == *"cases.csv: found transient.load.period = '"*"', expected a number"* ]]
     done
-    # other settings reach the program as they are
+    # other settings reach the program unchanged
     printf '%s\n' transient.load.period,transient.end_time,transient.fixed_step,grid.step '0.5,0.2,0.005,$(touch ran);touch ran' >cases.csv
     run_make out/full/fixed-1.h5
     echo "$output"
     [[ $status == 2 && $output == *"grid.step: found"* ]]
     harmless
-    # the top Makefile, here without sources to build
+    # the top Makefile runs a demo in such a folder, here without sources to build
     cp "$BATS_TEST_DIRNAME/../../Makefile" "$strange"
     mkdir -p "$strange/build/release" "$strange/scenes/studies/stationary-line"
     ln -s "$BIN" "$strange/build/release/bin"

@@ -1,7 +1,7 @@
 #!/usr/bin/env bats
 # SPDX-License-Identifier: GPL-3.0-or-later
-# What make installs, and whom it asks, on a machine that lacks two packages. sudo, apt-get, id and dpkg-query are
-# stand-ins, so that nothing is installed.
+# Tests which packages make installs on a machine that lacks two, and when it asks before. Stand-ins for sudo, apt-get,
+# id and dpkg-query ensure that nothing is installed.
 
 bats_require_minimum_version 1.5.0
 
@@ -23,12 +23,12 @@ stand_in() {
     chmod +x "stand-ins/$1"
 }
 
-# make_deps: make deps without what an outer make or CI has set, with the stand-ins.
+# make_deps [NAME=VALUE...]: runs make deps with the stand-ins, without the settings of an outer make or of CI.
 make_deps() {
     env -u MAKEFLAGS -u MAKELEVEL -u CI "PATH=$PWD/stand-ins:$PATH" "$@" make -C "$root" deps DEPS=yes
 }
 
-# answer WORD [NAME=VALUE...]: make_deps on a terminal at which somebody answers.
+# answer WORD [NAME=VALUE...]: runs make_deps on a terminal and answers its question with WORD.
 answer() {
     local word=$1
     shift

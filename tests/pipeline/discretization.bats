@@ -1,6 +1,6 @@
 #!/usr/bin/env bats
 # SPDX-License-Identifier: GPL-3.0-or-later
-# The two discretisations of a scene: what they give, and that files of one are refused with the other.
+# Tests of the discretisations of a scene: their films, and that files of one are refused with another.
 
 load common
 
@@ -8,7 +8,7 @@ setup() { common_setup; }
 
 published=(--set discretization=published)
 
-# model PLAN OPTION...: trains m.h5 with all the energy
+# train PLAN OPTION...: trains m.h5 with all of the energy but 1e-18
 train() {
     local plan=$1
     shift
@@ -22,11 +22,11 @@ train() {
     sed -i 's/^moes: .*/moes: {M: 20, L: 10}/; s/law: dowson-higginson/law: incompressible/' scene.yml
     fullrun scene.yml -o published.h5 --quiet "${published[@]}" >published.txt
     fullrun scene.yml -o accurate.h5 --quiet >accurate.txt
-    # grid-converged, by extrapolation from steps of 0.005 and 0.0025
+    # the expected films are grid-converged, extrapolated from steps of 0.005 and 0.0025
     close_to "$(number accurate.h5 central_film_thickness)" 0.103316 1e-4
     close_to "$(number accurate.h5 minimum_film_thickness)" 0.077878 1e-3
     far_from "$(number published.h5 central_film_thickness)" 0.103316 5e-3
-    # who does not ask gets them, and is told
+    # the accurate rows are the default, and the output names them
     grep -qx "discretization          accurate" accurate.txt
     grep -qx "discretization          published" published.txt
     [ "$(fullrun --print accurate.h5 discretization)" = $'discretization\naccurate' ]
@@ -42,7 +42,7 @@ train() {
 @test "a reduced model follows the accurate full model, line and point, coupled and independent" {
     train plan.yml
     [ "$(romrun --print m.h5 discretization)" = $'discretization\naccurate' ]
-    # at a training point it is the full model
+    # at a training point the reduced model gives the film of the full model
     for deformation in coupled independent; do
         podbuild s.h5 -o b.h5 --force --deformation $deformation --energy 1e-20 --quiet >/dev/null
         snapgen plan.yml --basis b.h5 -o r.h5 --force --quiet >/dev/null
@@ -52,7 +52,7 @@ train() {
         close_to "$(number x.h5 central_film_thickness)" "$(number f.h5 central_film_thickness)" 1e-4
         close_to "$(number x.h5 exit_position)" "$(number f.h5 exit_position)" 1e-5
     done
-    # it lies within a node, and pressure and approach in a result say where
+    # the exit lies between nodes, and a start from the result finds it again
     awk -v x="$(number f.h5 exit_position)" 'BEGIN { node = (x + 4) / 0.02; exit !(node % 1 > 0.01 && node % 1 < 0.99) }'
     fullrun scene.yml --start f.h5 -o again.h5 --quiet --set moes.M=12 --set moes.L=5 >/dev/null
     close_to "$(number again.h5 exit_position)" "$(number f.h5 exit_position)" 1e-9
@@ -91,7 +91,7 @@ train() {
         fullrun scene.yml --start start.h5 -o x.h5
     refuse 65 "discretization: found exact, expected accurate.cross-flux.published" fullrun scene.yml -o x.h5 --set discretization=exact
 
-    # a file that does not say, as those of 0.1.0, is of the published one
+    # a file without the attribute, such as those of 0.1.0, has the published discretisation
     patch published.h5 "del f.attrs['discretization']"
     podbuild bad.h5 -o old.h5 --energy 1e-18 --quiet >/dev/null
     [ "$(podbuild --print old.h5 discretization)" = $'discretization\npublished' ]
@@ -99,7 +99,7 @@ train() {
     refuse 65 "bad.h5: discretization: found exact, expected accurate.cross-flux.published" podbuild bad.h5 -o x.h5
 }
 
-# forget FILE: what a version before 0.3.0 would have left of a published run
+# forget FILE: makes a file of a published run look like one of a version before 0.3.0
 forget() {
     /usr/bin/python3 - "$1" <<'PYTHON'
 import sys, h5py
@@ -144,7 +144,7 @@ PYTHON
     fullrun scene.yml --allow-untrusted -o f.h5 --set moes.M=14 --set moes.L=4 "${crossed[@]}" >/dev/null
     romrun scene.yml --allow-untrusted --model m.h5 -o reduced.h5 --set moes.M=14 --set moes.L=4 "${crossed[@]}" >/dev/null
     close_to "$(number reduced.h5 central_film_thickness)" "$(number f.h5 central_film_thickness)" 1e-3
-    # the library solves stationary contacts of such a model, and no others
+    # the library solves stationary contacts of such a model only
     if [ "$VARIANT" = release ]; then
         local root=$BATS_TEST_DIRNAME/../..
         make -C "$root" -s python VARIANT="$VARIANT" DEPS=no
@@ -156,14 +156,14 @@ contact = ehdrom.Contact(model, "scene.yml", accuracy=math.inf, dimensionless=Tr
 contact["discretization"], contact["moes.M"], contact["moes.L"] = "cross-flux", 14, 4
 assert abs(contact.scales()["moes_M"] - 14) < 1e-12
 result = contact.solve()
-# this grid is coarse on purpose
+# the grid is coarse on purpose
 assert not result.trusted and "too coarse" in result.reason
 assert abs(result.central_film_thickness / h5py.File("reduced.h5")["central_film_thickness"][0] - 1) < 1e-9
 PYTHON
     fi
     refuse 65 "m.h5: discretization: found cross-flux in time, expected accurate.published" \
         romrun --fmu scene.yml --model m.h5 -o x.fmu
-    # only of what is stationary and has a flow across
+    # only stationary contacts with a flow across may have cross fluxes
     sed -i -e 's/stationary/transient/' -e '$a transient: {end_time: 0.1, fixed_step: 0.02}' scene.yml
     refuse 65 "discretization: found cross-flux of a contact in time, expected accurate.published" \
         fullrun scene.yml -o x.h5 --set discretization=cross-flux

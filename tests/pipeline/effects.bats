@@ -1,12 +1,12 @@
 #!/usr/bin/env bats
 # SPDX-License-Identifier: GPL-3.0-or-later
-# What step and inlet do to the films: from the training points to the reduced solution.
+# Tests of the estimated effects of step and inlet on the films, from the training points to the reduced solution.
 
 load common
 
 EFFECTS=(step_effect step_effect_minimum inlet_effect inlet_effect_minimum)
 
-# train NAME OPTION...: NAME.h5, the model of plan.yml, and its parts NAME-s.h5, NAME-b.h5.
+# train NAME OPTION...: makes NAME.h5, the model of plan.yml, and keeps its inputs NAME-s.h5, NAME-b.h5 and NAME-r.h5.
 train() {
     local name=$1
     shift
@@ -35,12 +35,12 @@ setup() {
     cp "$BATS_FILE_TMPDIR"/*.{yml,h5} .
 }
 
-# value FILE NAME: of an attribute.
+# value FILE NAME: prints an attribute.
 value() {
     fullrun --print "$1" "$2" | tail -n 1
 }
 
-# within FACTOR A B: of one another, with the same sign.
+# within FACTOR A B: checks that A and B differ by less than this factor and have the same sign.
 within() {
     awk -v f="$1" -v a="$2" -v b="$3" 'BEGIN { exit !(a / b < f && b / a < f && a / b > 0) }'
 }
@@ -49,7 +49,7 @@ within() {
     for rows in published accurate; do
         fullrun scene.yml -q --set discretization=$rows --set moes.M=27 --set moes.L=8 -o full.h5 --force
         for name in "${EFFECTS[@]}"; do
-            # the training starts elsewhere and solves to another tolerance
+            # the training has another start and another tolerance
             close_to "$(value full.h5 "$name")" "$(snapgen --print $rows-s.h5 "$name" moes_M moes_L |
                 awk -F, '$2 == 27 && $3 == 8 { print $1 }')" 1e-4
             for file in $rows-b.h5 $rows.h5; do
@@ -68,7 +68,7 @@ within() {
             fullrun "${options[@]}" -o full.h5
             romrun --allow-untrusted "${options[@]}" -o reduced.h5 --model $rows.h5
             for name in "${EFFECTS[@]}"; do
-                # of films that converge irregularly, and where the effect of the step changes its sign
+                # with accurate rows these films converge irregularly, and the effect of the step changes its sign
                 [[ $rows == accurate && $name == step* ]] && continue
                 within 2 "$(value full.h5 "$name")" "$(value reduced.h5 "$name")"
             done
@@ -81,7 +81,7 @@ within() {
     run romrun --allow-untrusted scene.yml --set discretization=published --model published.h5
     [ "$status" -eq 0 ]
     [[ $output =~ "central film thickness"[^$'\n']*$'\n'"  of this, about        the grid "[0-9.]*" %, the inlet "[0-9.]*" %"$'\n'"minimum film"[^$'\n']*$'\n'"  of this, about        the grid "[0-9.]*" %, the inlet "[0-9.]*" %"$'\n' ]]
-    # outside of the training too, flagged as ever
+    # outside of the training the effects are printed too; the result is flagged as usual
     run romrun scene.yml --set discretization=published --model published.h5 --set moes.M=45
     [ "$status" -eq 4 ]
     [[ $output == *"of this, about"* ]]
@@ -111,7 +111,7 @@ YAML
     train coarse --set discretization=published
     snapgen --print coarse-s.h5 step_effect moes_M | grep "^inf,180"
     options=(scene.yml --set discretization=published --set moes.M=165 --set moes.L=2.5)
-    # neither model tells, and none of them ends well
+    # neither model gives an estimate, and neither result is trusted
     run --separate-stderr fullrun "${options[@]}" -q
     [ "$status" -eq 4 ]
     [[ $stderr == "fullrun: scene.yml: found a grid from X = -4 on by 0.02, too coarse to estimate its error, expected a finer one (--allow-untrusted takes the result all the same)" ]]

@@ -1,19 +1,20 @@
 #!/usr/bin/env bats
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Elliptical contacts: scenes, results, SI units, reduced models.
+# Tests of elliptical contacts: scenes, results, SI units, reduced models.
 
 load common
 
 root=$BATS_TEST_DIRNAME/../..
 
-# ellipse_scene ELLIPTICITY: scene.yml, 37 nodes along; the point contact of the same numbers as point.yml.
+# ellipse_scene ELLIPTICITY: writes scene.yml with 37 nodes along X, and point.yml, a point contact with the same
+# numbers.
 ellipse_scene() {
     point_scene 20 -3
     grep -v '^output' scene.yml >point.yml
     sed -i -e "s/contact: point/contact: ellipse\nellipticity: $1/" scene.yml
 }
 
-# e.h5, a model of nine ellipses in SI units about e.yml, R_y/R_x = 2.
+# Makes e.yml in SI units with R_y/R_x = 2, and e.h5, a model of nine ellipses around it.
 setup_file() {
     cd "$BATS_FILE_TMPDIR" || return
     ellipse_scene 1
@@ -50,7 +51,7 @@ assert ellipse.attrs["hertz_pressure"] == point.attrs["hertz_pressure"]
 assert ellipse.attrs["ellipticity"] == 1 and "ellipticity" not in point.attrs
 PYTHON
     done
-    fullrun scene.yml -o other.h5 # which another shape has not
+    fullrun scene.yml -o other.h5 # another shape has another film
     [ "$(number other.h5 central_film_thickness)" != "$(number ellipse.h5 central_film_thickness)" ]
 }
 
@@ -64,7 +65,7 @@ PYTHON
         open=$(films $ratio open -3 2.5)
         zero=$(films $ratio zero -3 2.5)
         expected=$(films $ratio open -10 8)
-        # 0.2 % off at most, where no pressure around is off by more than 0.5 %
+        # the far field keeps the film within 0.2 %; with zero pressure around it is more than 0.5 % too thin
         /usr/bin/python3 -c "
 print($open, $zero, $expected)
 assert abs($open / $expected - 1) < 2e-3 and $zero < 0.995 * $expected"
@@ -72,7 +73,7 @@ assert abs($open / $expected - 1) < 2e-3 and $zero < 0.995 * $expected"
 }
 
 @test "half and whole domain write the same symmetric fields" {
-    half_and_whole_are_symmetric --set boundary=zero # which has all of the load within
+    half_and_whole_are_symmetric --set boundary=zero # with zero pressure around, the grid carries all of the load
     /usr/bin/python3 - <<'PYTHON'
 import h5py, numpy
 half = h5py.File("half.h5")
@@ -264,7 +265,7 @@ grid: {x_min: -4, x_max: 2, step: 0.0625}
 output: {resolution: false}
 YAML
     fullrun line.yml -o line.h5 --quiet
-    # of equal p_H, R_x, u and lubricant: 2/(k A) is the line's half width over the ellipse's
+    # p_H, R_x, u and the lubricant are equal: 2/(k A) is the half width of the line over that of the ellipse
     /usr/bin/python3 - <<'PYTHON'
 import subprocess, h5py, numpy
 def solved(name, *settings):
@@ -272,16 +273,16 @@ def solved(name, *settings):
         part for setting in settings for part in ("--set", setting))], check=True)
     with h5py.File(f"{name}.h5") as file:
         return file["central_film_thickness"][0], file.attrs["hertz_pressure"]
-# far enough out that the inlet of the line is as whole as that of the ellipse with its far field
+# the line's inlet is long enough to be as complete as that of the ellipse with its far field
 line, line_pressure = solved("line", "grid.x_min=-16")
 below = []
 for k in 2, 4, 8:
-    t = numpy.linspace(0, numpy.pi / 2, 20001)  # A, with the integral's t = tan^2
+    t = numpy.linspace(0, numpy.pi / 2, 20001)  # the integral A, with t = tan^2
     f = 2 * numpy.cos(t) ** 2 / numpy.sqrt((k * numpy.cos(t)) ** 2 + numpy.sin(t) ** 2)
     A = (f[1:] + f[:-1]).sum() / 2 * t[1]
     ratio = 2 / (k * A)
     speed = 3 * numpy.pi**2 / (8 * 10**2) * ratio**3  # lambda
-    # M = W/S^(3/4) of w = (2/3) pi a b p_H and p_H/E' = a/(2 k A R_x)
+    # M = W/S^(3/4) with w = (2/3) pi a b p_H and p_H/E' = a/(2 k A R_x)
     S = speed / (12 * k * A)  # R_x/a = 1
     M = numpy.pi / (3 * A) / S**0.75
     film, pressure = solved("ellipse", "contact=ellipse", f"ellipticity={k}", f"moes.M={float(M)!r}", "moes.L=5", "grid.y_max=1.5")

@@ -1,6 +1,6 @@
 #!/usr/bin/env bats
 # SPDX-License-Identifier: GPL-3.0-or-later
-# The examples at a small size, and contacts and models of one's own.
+# Tests of the examples at a small size, and of a user's own contacts and models.
 
 load common
 
@@ -12,7 +12,7 @@ setup() { unset MAKEFLAGS MAKELEVEL MFLAGS V; }
     [ "$status" -eq 0 ]
     awk -F, 'NR > 1 { for (i = 2; i <= 5; i++) if (!($i > 0)) exit 1 } NR == 2 || $6 == 120 { if ($2 != 1 || $3 != 1 || $4 != 1 || $5 != 1) exit 1; ends++ }
         $6 == 0 { nose = $7 } END { exit !(ends == 2 && nose == 6) }' out/history.csv
-    # speed and radius from the lift, by differences in the angle
+    # speed and radius follow from the lift by differences in the angle
     awk -F, 'NR > 1 { s[NR] = $7; u[NR] = $3; r[NR] = $4 } END {
         step = 0.5 * atan2(0, -1) / 180
         for (i = 3; i < NR; i++) {
@@ -29,14 +29,14 @@ setup() { unset MAKEFLAGS MAKELEVEL MFLAGS V; }
     [ "$status" -eq 0 ]
     [[ $output == *"against out/full.h5:"*"central film thickness   at most "* && ! $output =~ nan ]]
     [ "$(head -c 4 out/picture.png | tail -c 3)" = PNG ]
-    # film in the unit of the reference: a^2/R = 8 w/(pi E) = 1.12666 um
+    # the film has the unit of the reference: a^2/R = 8 w/(pi E) = 1.12666 um
     close_to "$(number out/full.h5 film_unit)" "$(awk 'BEGIN { print 8 * 100e3 / (atan2(0, -1) * 226e9) }')" 1e-5
     run_make -n
     [[ $status == 0 && ! $output =~ bin/$programs ]]
 }
 
-# A coarse grid has few modes to offer. With the accurate rows it takes 60 for the force, and the film is 1.1 % off; on the
-# example's own grid they follow to 0.001 %.
+# Copies the oscillator with a small grid and model. A coarse grid has few modes to offer: with accurate rows the force
+# needs 60, and the film is 1.1 % off. On the example's own grid the two models agree to 0.001 %.
 small_oscillator() {
     copy_scene examples/oscillator
     echo 'discretization: published' >>scene.yml
@@ -53,7 +53,7 @@ small_oscillator() {
     [[ $output =~ "force "([0-9.e-]+)" % of its mean, approach "([0-9.e-]+)" % of its swing, central film "([0-9.e-]+)" %" ]]
     awk -v force="${BASH_REMATCH[1]}" -v approach="${BASH_REMATCH[2]}" -v film="${BASH_REMATCH[3]}" \
         'BEGIN { exit !(force < 0.1 && approach < 1 && film < 0.5) }'
-    # shaken at a period of 1 for as long as it takes; the force swings, but stays in the trained range
+    # the run of 12 periods is complete; the force swings, but stays in the trained range
     awk -F, 'NR == 1 { exit !($0 == "time,approach,force,central_film_thickness") }' out/reduced.csv
     awk -F, 'NR > 1 { if ($3 > most) most = $3 } END { exit !(NR == 1202 && $1 > 11.999 && $1 < 12.001 && most > 1.06 && most < 1.1) }' out/reduced.csv
     [ "$(cut -d, -f 1 out/full.csv)" = "$(cut -d, -f 1 out/reduced.csv)" ]
@@ -62,13 +62,13 @@ small_oscillator() {
     run_make -n figures
     [[ $status == 0 && ! $output =~ bin/$programs && ! $output =~ out/oscillator\ scene ]]
 
-    # as another program's folder would have it
+    # CMake finds the library as it would from another program's folder
     PKG_CONFIG_PATH=$BIN/../lib/pkgconfig PKG_CONFIG='pkg-config --define-prefix' cmake -S . -B cmake >/dev/null
     cmake --build cmake >/dev/null
     LD_LIBRARY_PATH=$BIN/../lib cmake/oscillator scene.yml out/model.h5 again.csv
     cmp again.csv out/reduced.csv
 
-    # in Python the same bits; through an FMU, whose numbers are SI, the same but for the rounding of units
+    # Python gives the same bits; an FMU, whose numbers are SI, gives the same up to the round-off of units
     make -C "$BATS_TEST_DIRNAME/../.." -s python VARIANT="$VARIANT" DEPS=no
     run_make out/python.csv
     cmp out/python.csv out/reduced.csv
@@ -79,7 +79,7 @@ small_oscillator() {
         [[ $output =~ fmu.csv:.*"approach "([0-9.e-]+)", force "([0-9.e-]+)", central film thickness "([0-9.e-]+) ]]
         awk -v approach="${BASH_REMATCH[1]}" -v force="${BASH_REMATCH[2]}" -v film="${BASH_REMATCH[3]}" \
             'BEGIN { exit !(approach < 1e-12 && force < 1e-12 && film < 1e-11) }'
-        touch out/reduced.txt # made together with reduced.csv, whichever is the newer
+        touch out/reduced.txt # made together with reduced.csv, whichever file is newer
         run_make -n variants
         [[ $status == 0 && ! $output =~ "csv " ]]
         head -n 9 out/python.csv >short.csv
@@ -89,7 +89,7 @@ small_oscillator() {
     run --separate-stderr env PYTHONPATH="$BIN/../python" /usr/bin/python3 -B oscillator.py scene.yml none.h5 x.csv
     [[ $status == 1 && $stderr == "oscillator.py: none.h5"* && ! -e x.csv ]]
 
-    # its own command line
+    # the program checks its own command line
     PATH=$PWD/out:$PATH
     run --separate-stderr oscillator scene.yml
     [[ $status == 64 && $stderr == usage:* ]]
@@ -116,7 +116,7 @@ small_oscillator() {
     [ "$(head -c 4 out/bounces.png | tail -c 3)" = PNG ]
     run_make
     echo "$output"
-    # it falls with v^2 = 2 g s from 3 um to where it touches, above 0; each bounce takes some of it
+    # the mass falls from 3 um with v^2 = 2 g s until it touches, above 0; each bounce takes some of its speed
     awk '/mm.s/ { count++
                   fell = sqrt(2 * 9.81 * 3e-6) * 1e3
                   if (count == 1 && (-$3 > fell || -$3 < 0.9 * fell)) exit 1
@@ -137,10 +137,10 @@ small_oscillator() {
     echo "$output"
     [ "$status" -eq 0 ]
     [[ $output =~ steps,\ [1-9][0-9]*\ repeated ]]
-    # the minimum film is indicated to be 1.4 % off, which is said once
+    # the minimum film is indicated to be 1.4 % off, and one line reports it
     [ "$(grep -c '^roller: slice .* of the minimum film' <<<"$output")" -eq 1 ]
     [ "$(head -c 4 out/picture.png | tail -c 3)" = PNG ]
-    # at rest before the joint; behind it on the second rail, a micrometre higher, swinging about the load
+    # the roller is at rest before the joint; behind it the roller lies a micrometre higher, and swings about the load
     awk -F, 'NR > 1 {
             force = 0
             for (i = 8; i <= 15; i++) force += $i / 8
@@ -149,20 +149,20 @@ small_oscillator() {
             if (before && !(force / first - 1 < 1e-5 && 1 - force / first < 1e-5 && $3 * $3 < 1e-20)) exit 1
             if (!(first / 300e3 - 1 < 1e-4 && 1 - first / 300e3 < 1e-4)) exit 1
             at_rest += before
-            # over the whole time: of the last swings
+            # time-weighted averages over the last swings
             if ($2 > 1.5e-3) { span += $1 - last; height += $3 * ($1 - last); mean += force * ($1 - last) }
             last = $1 }
         END { exit !(at_rest > 5 && height / span > 0.97e-6 && height / span < 1.03e-6 &&
                      mean / span > 297e3 && mean / span < 303e3) }' out/roller.csv
 
-    # as another program's folder would have it; threads change no bit
+    # CMake finds the library as it would from another program's folder; the number of threads changes no bit
     PKG_CONFIG_PATH=$BIN/../lib/pkgconfig PKG_CONFIG='pkg-config --define-prefix' cmake -S . -B cmake >/dev/null
     cmake --build cmake >/dev/null
     export LD_LIBRARY_PATH=$BIN/../lib PATH=$PWD/cmake:$PATH
     roller scene.yml out/model.h5 again.csv 3 || [ $? -eq 4 ]
     cmp again.csv out/roller.csv
 
-    # in Python the same bytes, and what it says; FMUs take the same steps, and round units
+    # Python writes the same bytes and the same message; FMUs take the same steps, and round units
     make -C "$BATS_TEST_DIRNAME/../.." -s python VARIANT="$VARIANT" DEPS=no
     run_make out/python.csv "${short[@]}"
     echo "$output"
@@ -172,7 +172,7 @@ small_oscillator() {
         run_make variants "${short[@]}"
         echo "$output"
         [ "$status" -eq 0 ]
-        # trials end within 1e-14 m (1e-8 of the swing); on this coarse grid differences of that size grow
+        # trials of a step end within 1e-14 m (1e-8 of the swing); on this coarse grid differences of that size grow
         grep '^out/fmu.csv: ' out/variants.txt | sed 's/.*value://' | tr ',' '\n' |
             awk '{ if (!($NF < 1e-5)) bad = 1 } END { exit bad || NR != 14 }'
     fi
@@ -193,7 +193,7 @@ small_oscillator() {
     mkdir -p "$BATS_TEST_TMPDIR"/prefix/{bin,share/ehdrom} "$BATS_TEST_TMPDIR/my"
     cp "$root"/scenes/examples/line/{Makefile,*.yml,cases.csv} "$BATS_TEST_TMPDIR/my"
     cd "$BATS_TEST_TMPDIR/my"
-    # a roller at 50 to 400 kN/m and 0.5 to 5 m/s; on a coarse grid, to be quick
+    # the scene is a roller at 50 to 400 kN/m and 0.5 to 5 m/s; the grid is coarse to be quick
     sed -i -e 's/^physical:.*/physical: {load: 200e3, radius: 0.01, speed: 2, modulus: 226e9, viscosity: 0.04}/' \
         -e 's/eta0: 0.08/eta0: 0.04/' -e 's/^grid:.*/grid: {x_min: -8, x_max: 2.5, step: 0.025}/' scene.yml
     sed -i -e '/vary:/d' -e 's/region: .*/vary: {physical.load: [50e3, 85e3, 140e3, 235e3, 400e3], physical.speed: [0.5, 0.9, 1.6, 2.8, 5]}/' plan.yml
@@ -211,7 +211,7 @@ small_oscillator() {
     run make -n ACCURACY=
     [[ $status == 0 && ! $output =~ $programs ]]
 
-    # installed programs bring the shared rules with them
+    # installed programs come with the shared rules
     ln -s "$(dirname "$(command -v fullrun)")"/* ../prefix/bin
     cp -r "$root"/scenes/lib ../prefix/share/ehdrom
     PATH=$PWD/../prefix/bin:$PATH run make list
@@ -239,20 +239,20 @@ groups:
     region: {moes.M: [8, 14], moes.L: [2, 5]}
 YAML
     unset BIN
-    # the programs are found beside the rules
+    # the rules find the programs beside themselves
     PATH=/usr/bin:/bin run make -f ../prefix/share/ehdrom/lib/pipeline.mk PLAN=region.yml ACCURACY=1e-3
     echo "$output"
     [ "$status" -eq 0 ]
     [[ $output == *"  1/5 snapgen    out/snapshots.h5"*"  2/5 podbuild "*"  3/5 snapgen "*"  4/5 deimselect "*"model: $PWD/out/model.h5" ]]
     [[ $output == *"checked on the last "* ]]
-    # how long all stages take yet
+    # the output shows how long all remaining stages take
     grep -q '^snapgen: 0/20 M=.*; stage 1 of 5$' <<<"$output"
     grep -q '^snapgen: \([0-9]*\)/\1 M=.*; stage 3 of 5' <<<"$output"
     grep -q '^deimselect: \([0-9]*\)/\1 M=.*; stage 5 of 5' <<<"$output"
     [[ $(grep '^deimselect: ' <<<"$output" | tail -n 1) == *"; stage 5 of 5, about 0 s in all" ]]
     [ "$(cut -d ' ' -f 1,3 out/stages | tr '\n' ,)" = "training 0,model-basis 0,model-residuals 0,model-rows 0,model-check 0," ]
     ../prefix/bin/romrun --check out/model.h5
-    # while points are chosen it is known what the stages behind take at least
+    # while points are chosen, the least time of the later stages is known
     PATH=/usr/bin:/bin run make -f ../prefix/share/ehdrom/lib/pipeline.mk PLAN=region.yml ACCURACY=1e-3 OUT=new new/snapshots.h5
     [ "$(cut -d ' ' -f 1,3 new/stages | sort | tr '\n' ,)" = "model-basis 1,model-check 1,model-residuals 1,model-rows 1,training 0," ]
     awk '$2 < 0 || $2 > 600 { bad = 1 } $1 == "model-check" { check = $2 } END { exit bad || !(check > 0) }' new/stages
@@ -279,14 +279,14 @@ YAML
     [ "$status" -eq 0 ]
     [[ $output == *"snapgen: histories.yml: all "*" histories are solved; points are chosen of stationary ones"* ]]
     [[ $output == *"model: $PWD/out/model.h5" ]]
-    # all programs that can are told how many processors to take
+    # each program that runs in parallel gets the number of processors
     run make -n -f "$lib/pipeline.mk" PLAN=histories.yml ACCURACY=1e-2 JOBS=1 OUT=new
     [ "$(grep -c "\(snapgen\|deimselect\) .*--jobs 1" <<<"$(sed -z 's/\\\n//g' <<<"$output")")" -eq 3 ]
 }
 
 @test "a line contact in SI units in time: an example at a small size" {
     copy_scene examples/line-in-time
-    # its histories would end at T = 2.5 in the training
+    # in the training the histories would end at T = 2.5
     run_make SET='--set transient.end_time=0.3 --set grid.step=0.02'
     echo "$output"
     [ "$status" -eq 0 ]
@@ -311,13 +311,13 @@ YAML
     echo "$output"
     [ "$status" -eq 0 ]
     awk -v off="$(sed -n 's/^worst deviation: \([0-9.]*\) .*/\1/p' <<<"$output")" 'BEGIN { exit !(off ~ /^[0-9.]+$/ && off < 2) }'
-    [[ $output =~ slow\ .*\ step\ \+[0-9]+\ % ]] # of which a point contact alone is told, not of the inlet
+    [[ $output =~ slow\ .*\ step\ \+[0-9]+\ % ]] # a point contact has a note of the step only, not of the inlet
     for picture in profiles maps; do [ "$(head -c 4 out/$picture.png | tail -c 3)" = PNG ]; done
 }
 
 @test "the inner race of a ball bearing: an example at a small size" {
     copy_scene examples/ball-bearing
-    sed -i 's/step: 0.0625/step: 0.125/' scene.yml # along; across it is half of that
+    sed -i 's/step: 0.0625/step: 0.125/' scene.yml # the step along; across it is half of that
     sed -i 's/^ACCURACY = .*/ACCURACY =/' Makefile
     sed -i 's/region: .*/vary: {physical.load: [250, 280, 310], physical.speed: [2.5, 3, 3.6]}/' plan.yml
     sed -i -e '/^light\|^heavy/d' -e 's/278,1.3$/260,2.6/; s/278,6.8$/300,3.5/' cases.csv
@@ -329,7 +329,7 @@ YAML
     for picture in profiles maps film; do [ "$(head -c 4 out/$picture.png | tail -c 3)" = PNG ]; done
     [ "$(wc -l <out/film.csv)" -eq 13 ]
     head -1 out/film.csv | grep -F 'point_friction_force [N]' | grep -qF 'point_rolling_resistance [N]'
-    # scene.yml has the bearing's numbers
+    # scene.yml has the numbers of the bearing
     /usr/bin/python3 -B - <<'PYTHON'
 import re, bearing
 text = open("scene.yml").read()

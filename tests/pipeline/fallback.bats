@@ -1,6 +1,6 @@
 #!/usr/bin/env bats
 # SPDX-License-Identifier: GPL-3.0-or-later
-# romrun --fallback full: what the reduced model does not solve well enough the full one does.
+# Tests of romrun --fallback full: the full model solves scenes that the reduced model does not solve well enough.
 
 load common
 
@@ -8,7 +8,7 @@ setup_file() {
     cd "$BATS_FILE_TMPDIR" || return
     small_model
     echo "output: {fields: true}" >>scene.yml
-    # tm.h5: in time, under loads of +-10 %
+    # tm.h5 is trained in time, under loads of +-10 %
     moving_scene "x_min: -4, x_max: 2, step: 0.05" "end_time: 1, fixed_step: 0.01"
     time_plan train "0.5, 1" 0.1
     model_in_time 40
@@ -19,7 +19,7 @@ setup() {
     cp "$BATS_FILE_TMPDIR"/* .
 }
 
-# same_contact A B: scalars, pressure and film to Newton's tolerance
+# same_contact A B: checks that scalars, pressure and film are equal within Newton's tolerance
 same_contact() {
     /usr/bin/python3 - "$1" "$2" <<'PYTHON'
 import sys, h5py, numpy
@@ -54,7 +54,7 @@ PYTHON
     [[ $stderr =~ ^"romrun: --fallback full: found outside of the trained range of M and alpha p_H: solved by the full model, from the reduced solution, "[0-9]+" iterations, "[0-9.]+" ms"$ ]]
     [ "${#stderr_lines[@]}" -eq 1 ]
     [[ $output =~ "solved by               the full model, from the reduced solution, in "[0-9.]+" ms of these" ]]
-    # the full model's own estimates of inlet and step, and nothing of the reduced one
+    # the error estimates of inlet and step are those of the full model; the deviation of the reduced model is 0
     [ "$(grep -c "^  of this, about        the model 0 %, the grid " <<<"$output")" -eq 2 ]
     [[ $output =~ "central film thickness "[^$'\n']*" against "[^$'\n']*[+-]"0.0000 permille" ]]
     [[ $output == *"full residual"* ]]
@@ -66,7 +66,7 @@ PYTHON
     close_to "$(number x.h5 step_effect)" "$(number full.h5 step_effect)" 1e-5
     [[ $(h5dump -a settings x.h5) == *"rows (0: all), fallback full"* ]]
     romrun --check x.h5
-    # the time is that of both
+    # the time is that of both models
     awk -v whole="$(number x.h5 solve_seconds)" -v full="$(sed -n 's/^solved by .* in \(.*\) ms of these$/\1/p' <<<"$output")" \
         'BEGIN { exit !(whole > full / 1000 && full > 0) }'
 }
@@ -119,7 +119,7 @@ PYTHON
     [ "$status" -eq 0 ]
     [[ ${stderr_lines[1]} == "romrun: --fallback full: found a model never checked at these sizes, "*": solved by the full model, from the reduced solution, "* ]]
     same_contact y.h5 full.h5
-    # what no size promises for all scenes a single one may have
+    # no size guarantees this accuracy for all scenes, but a size may reach it for one scene
     least=$(awk -v least="$(romrun scene.yml --model c.h5 --accuracy 1e-12 2>&1 | sed 's/.*expected at least \([^,]*\),.*/\1/')" \
         'BEGIN { print least * 0.9 }')
     run --separate-stderr romrun scene.yml --model c.h5 --accuracy "$least" --fallback full -o z.h5
@@ -151,7 +151,7 @@ PYTHON
 }
 
 @test "in time steps outside of the training are the full model's, and then the reduced one's again" {
-    # there and back
+    # the load leaves the trained range and returns
     printf 'time,load\n0,1\n0.2,1\n0.5,1.2\n0.8,1\n1.7,1\n' >table.csv
     set=(--set transient.load.law=table --set transient.load.amplitude= --set transient.load.period=
         --set transient.load.file=table.csv --set transient.load.column=load --set transient.load.interpolation=linear
@@ -177,7 +177,7 @@ with h5py.File("x.h5") as x, h5py.File("full.h5") as full:
         off = abs(x[name][...] / there - 1).max()
         print(name, off)
         assert off < most, (name, off)
-    # fields of the model that solved the time
+    # fields at a time come from the model that solved it
     k = by.argmax()
     centre = x["film_thickness"][k, 80] * x["contact_half_width"][k] ** 2
     assert abs(centre / x["central_film_thickness"][k] - 1) < 1e-6, centre
@@ -230,7 +230,7 @@ PYTHON
     [ "$(number whole.h5 full_steps)" != 0.0 ]
     stop_when INT "len(time) > 1000" x.h5 romrun moving.yml --model tm.h5 "${set[@]}" --fallback full -o x.h5 --quiet
     [ "$code" -eq 130 ]
-    # another way to solve it does not go on from it
+    # a run without --fallback does not continue this file
     refused 65 "x.h5.partial" romrun moving.yml --model tm.h5 "${set[@]}" -o x.h5 --resume
     romrun moving.yml --model tm.h5 "${set[@]}" --fallback full -o x.h5 --resume --quiet >resumed.txt
     same_data whole.h5 x.h5

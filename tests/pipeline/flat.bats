@@ -1,10 +1,12 @@
 #!/usr/bin/env bats
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Flat models: the same bits as the HDF5 files that they are made of, and refused where they are damaged.
+# Tests of flat models: they give the same bits as the HDF5 models that they are made from, and damaged ones are
+# refused.
 
 load common
 
-# Models of a line, coupled (m.h5) and independent (i.h5), of a point contact (p.h5), and each as NAME.ehdrom.
+# Makes models of a line contact, coupled and calibrated (c.h5) and independent (i.h5), and of a point contact (p.h5).
+# Exports each as NAME.ehdrom.
 setup_file() {
     cd "$BATS_FILE_TMPDIR" || return
     small_model
@@ -31,7 +33,7 @@ setup() {
     cp "$BATS_FILE_TMPDIR"/{c,i,p}.* "$BATS_FILE_TMPDIR"/{line,point}.yml .
 }
 
-# in_time SCENE: moving.yml, some steps of the scene under a load that swings.
+# in_time SCENE: writes moving.yml, some steps of the scene under a load that swings.
 in_time() {
     sed 's/stationary/transient/' "$1" >moving.yml
     cat >>moving.yml <<'YAML'
@@ -54,7 +56,7 @@ YAML
         done
         same_data h5.out ehdrom.out
     done
-    # the calibration came along: this one needs no --allow-untrusted
+    # a flat model keeps the calibration, so this run needs no --allow-untrusted
     romrun line.yml --model c.ehdrom --quiet >indicated.txt
     grep -q 'indicated' indicated.txt
 }
@@ -72,7 +74,7 @@ with h5py.File("h5.out") as one, h5py.File("flat.out") as other:
         assert numpy.allclose(one[name][...], other[name][...], rtol=0, atol=1e-13), name
 PYTHON
     refused 65 "part.ehdrom: found a flat model of 9 pressure modes" romrun line.yml --model part.ehdrom --pressure-modes 8
-    # the same bytes each time
+    # each export has the same bytes
     romrun --export c.h5 -o again.ehdrom
     cmp again.ehdrom c.ehdrom
 }
@@ -96,15 +98,15 @@ PYTHON
     printf 'moes.M\n12\n' >cases.csv
     echo 'moes: {M: 12, L: 4}' | cat <(grep -v physical line.yml) - >moes.yml
     for command in "romrun --export c.h5" "romrun -q --fmu line.yml --model c.h5" "romrun -q moes.yml --cases cases.csv --model c.h5 --allow-untrusted"; do
-        name=x.csv # which the last one asks for
-        # a name that another put there is not followed, nor a pipe waited for
+        name=x.csv # the name that the last command requires
+        # a link that another user put there is not followed, and a pipe is not opened
         ln -sf other $name.partial
         refused 73 "$name.partial: found" $command -o $name
         ln -f pipe $name.partial
         refused 73 "$name.partial: found" $command -o $name
         rm $name.partial
         [ "$(cat other)" = mine ]
-        # a device would be replaced where the user may do that
+        # a link to a folder, a device or a pipe is not replaced, even with --force
         for there in folder /dev/null pipe; do
             ln -sf "$there" $name
             refused 73 "$name: found" $command -o $name --force
@@ -116,14 +118,14 @@ PYTHON
         [ -L $name ]
         rm $name
     done
-    # nor is it what is read, by whatever name
+    # an input is not replaced, whatever name it is given by
     ln cases.csv hard.csv
     for command in "romrun --export c.h5 -o c.h5" "romrun --fmu line.yml --model c.h5 -o line.yml" "romrun moes.yml --cases cases.csv --model c.h5 -o hard.csv"; do
         refused 73 "found an input as output" $command --force
     done
     cp c.h5 c.vti
     refused 73 "found an input as output" romrun --vtk c.vti -o c.vti --force
-    # nor by what makes HDF5 files
+    # the writer of HDF5 files does not follow links either
     ln -s nowhere x.h5
     refused 73 "x.h5: found an existing file" romrun moes.yml --model c.h5 -o x.h5
 }
@@ -141,7 +143,7 @@ data[len(data) // 2] ^= 1
 open("bit.ehdrom", "wb").write(data)
 PYTHON
     refused 65 "bit.ehdrom: found another checksum" romrun line.yml --model bit.ehdrom
-    # of another version, and by a machine of the other byte order, whatever the checksum
+    # a file of another version or of the other byte order is refused, whatever its checksum
     /usr/bin/python3 - <<'PYTHON'
 import struct
 data = open("c.ehdrom", "rb").read()
@@ -154,7 +156,7 @@ PYTHON
     refused 65 "older.ehdrom: found version 0 .*, expected 6" romrun --check older.ehdrom
     refused 65 "turned.ehdrom: found version 6 \(byte order 0x4030201\), expected 6 \(0x1020304\)" \
         romrun line.yml --model turned.ehdrom
-    # without the checksum: each number that places something, replaced by others
+    # without the checksum each number that places data is replaced by others
     export EHDROM_DIGEST=no
     /usr/bin/python3 - <<'PYTHON'
 import random, struct, subprocess
@@ -170,7 +172,7 @@ for model, scene in ("c", "line.yml"), ("p", "point.yml"):
         blocks.append((data[at:at + 48].rstrip(b"\0").decode(), at, number, size))
         at += 64 + (number * size + 63) // 64 * 64
     for name, at, number, size in blocks:
-        # all of what is one number and of headers, some of arrays
+        # single numbers and headers are all tried, of arrays some entries
         places = [at + 48, at + 56] + [at + 64 + 8 * i for i in
                   ([0] if number == 1 else sorted(random.sample(range(number * size // 8), min(2, number * size // 8))))]
         for place in places:

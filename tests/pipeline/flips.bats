@@ -1,6 +1,6 @@
 #!/usr/bin/env bats
 # SPDX-License-Identifier: GPL-3.0-or-later
-# What an interrupted run left, with one bit of it another (tests/fuzz/flip.c).
+# Runs tests/fuzz/flip.c: one bit of a file of an interrupted run is flipped.
 
 bats_require_minimum_version 1.5.0
 

@@ -1,12 +1,12 @@
 #!/usr/bin/env bats
 # SPDX-License-Identifier: GPL-3.0-or-later
-# romrun --fmu, with an importer of its own (use_fmu.c) for both versions of FMI.
+# Tests of romrun --fmu, with an importer of its own (use_fmu.c) for both versions of FMI.
 
 load common
 
 root=$BATS_TEST_DIRNAME/../..
 
-# use_fmu, a model, and FMUs with the load and the approach given, unpacked.
+# Builds use_fmu, a model, and FMUs with the load and with the approach given, and unpacks the FMUs.
 setup_file() {
     [ "$(uname -m)" = x86_64 ] || skip "FMUs are made on x86-64"
     cd "$BATS_FILE_TMPDIR" || return
@@ -99,7 +99,7 @@ PYTHON
     local offered='Instantiate|FreeInstance|FreeFMU|Get(TypesPlatform|Version|RealStatus|BooleanStatus|Real|Float64|Integer|Int32|Boolean|FMU.tate|DirectionalDerivative)$|Set(DebugLogging|Real|Float64|Integer|Int32|Boolean|FMU.tate)$|SetupExperiment|E(nter|xit)Initialization|Terminate|Reset|Serialize|De.erialize|DoStep'
     for fmi in 2 3; do
         names=$(grep -oE "fmi$fmi[A-Z][A-Za-z0-9]*\(" "$root/romrun/fmu/fmi$fmi.h" | tr -d '(' | sort)
-        # the standard's functions are all there, and nothing else
+        # the object has all functions of the standard, and no others
         [ "$(nm -D --defined-only 3/$object | awk '{ print $3 }' | grep "fmi$fmi" | sort)" = "$names" ]
         mapfile -t refused < <(grep -vE "^fmi$fmi($offered)" <<<"$names")
         [ "${#refused[@]}" -gt 15 ]
@@ -146,7 +146,7 @@ PYTHON
         python3 -m zipfile -e "$all/s$fmi.fmu" "$all/s$fmi"
         xmllint --noout --schema "$BATS_TEST_DIRNAME/fmi$fmi.xsd" "$all/s$fmi/modelDescription.xml"
         ./use_fmu $fmi "$all/s$fmi" run 40 >"$all/$fmi"
-        cmp "$all/still" <(sed 's/ friction_force=.*//' "$all/$fmi") # asked for or not
+        cmp "$all/still" <(sed 's/ friction_force=.*//' "$all/$fmi") # traction changes no other output
     done
     ./use_fmu library "$all/s3" 40 300e3 0.8 0.0125 slide >"$all/library"
     cmp "$all/library" "$all/2"
@@ -161,7 +161,7 @@ stationary_inlet_heating_factor=0x1[^ ]*p-1\$")" -eq 40 ]
     cmp <(tail -15 "$all/whole") "$all/rest"
     ./use_fmu 2 "$all/s2" derivatives
     grep '"friction_force" valueReference="28"' "$all/s3/modelDescription.xml" | grep 'unit="N/m"'
-    # inputs start from what the scene says of both surfaces
+    # inputs start from the speeds of both surfaces in the scene
     romrun --fmu scene.yml --model m.h5 -o "$all/ratio.fmu" --quiet --set slide_roll=0.1
     romrun --fmu scene.yml --model m.h5 -o "$all/speeds.fmu" --quiet \
         --set physical.speed= --set physical.speed_1=0.84 --set physical.speed_2=0.76
@@ -172,13 +172,13 @@ stationary_inlet_heating_factor=0x1[^ ]*p-1\$")" -eq 40 ]
             close_to "$start" "${speed#*.}" 1e-14
         done
     done
-    # a film that the sliding thins is of the scene's ratio: other speeds are told, not solved with it
+    # a film that sliding thins holds for the sliding ratio of the scene: other speeds are refused
     romrun --fmu scene.yml --model m.h5 -o "$all/thinned.fmu" --quiet "${sliding[@]}" --set slide_roll=0.1 \
         --set lubricant.shear.in_film=true
     python3 -m zipfile -e "$all/thinned.fmu" "$all/thinned"
     run ! ./use_fmu 3 "$all/thinned" run 1
     [[ $output == *"as the difference of the surfaces' speeds, expected "* ]]
-    # a scene that names no sliding has none of it
+    # a scene that names no sliding has no outputs of it
     shows_no 'friction\|rolling\|shear\|heating' cat 3/modelDescription.xml
 }
 
@@ -219,7 +219,7 @@ stationary_inlet_heating_factor=0x1[^ ]*p-1\$")" -eq 40 ]
 
 @test "modelDescription.xml has the standard's form" {
     for fmi in 2 3; do
-        for kind in $fmi approach$fmi; do # one at a time: its keys are of all files otherwise
+        for kind in $fmi approach$fmi; do # one file at a time, as xmllint checks keys over all files
             xmllint --noout --schema "$BATS_TEST_DIRNAME/fmi$fmi.xsd" $kind/modelDescription.xml
         done
     done
@@ -240,7 +240,7 @@ stationary_inlet_heating_factor=0x1[^ ]*p-1\$")" -eq 40 ]
     [ ! -e "$all/x.fmu" ]
     [ ! -e "$all/x.fmu.partial" ]
     [ -z "$(find /tmp -maxdepth 1 -name 'ehdrom-fmu-*' -newer "$all")" ]
-    # of another FMU, and of a model that is not flat
+    # the binary refuses the description of another FMU, and a model that is not flat
     cp -r 3 "$all/mixed" && cp approach3/modelDescription.xml "$all/mixed"
     run ! ./use_fmu 3 "$all/mixed" run 1
     [[ $output == *"token: found {"* ]]

@@ -7,7 +7,7 @@ setup() {
     common_setup
 }
 
-# ---- what it is for
+# ---- solutions
 
 @test "solves a scene and prints the answer" {
     run --separate-stderr fullrun scene.yml -o result.h5
@@ -88,7 +88,7 @@ near(f['largest_shear_stress'][0] * f.attrs['hertz_pressure'], tau[p > 0].max(),
 at = f['x'][:]
 share = numpy.clip(0.5 + (1 - abs(at)) / (at[1] - at[0]), 0, 1)
 near(f['mean_shear_stress'][0] * f.attrs['hertz_pressure'], (tau * share).sum() / share.sum(), 1e-9)
-# before the grid, from the boundary node on: 12 eta u (h - h_c)/h^2 of the gap and the far deflection
+# the part before the grid, from its boundary node on: 12 eta u (h - h_c)/h^2 with the gap and the far deflection
 far = at[0] - (at[1] - at[0])
 y = far * numpy.exp(numpy.linspace(0, 9, 20001))
 gap = f['rigid_approach'][0] + y**2 / 2 - numpy.log(-y) / 2
@@ -102,7 +102,7 @@ near(f['power_loss'][0] * f.attrs['line_power'], 0.5 * f['friction_force'][0] * 
 on = [f['shear_stress_%d' % i][0] * f.attrs['hertz_pressure'] for i in (1, 2)]
 near(((on[1] - on[0]) / 2)[p > 0].max(), tau[p > 0].max(), 1e-9)
 near(f.attrs['slide_roll'], 0.25, 1e-15)"
-    # the same by the mean speed and the ratio, and nothing of it in a scene that does not ask
+    # mean speed and ratio give the same friction; a scene without a shear law has none
     fullrun sliding.yml -o ratio.h5 --quiet --set physical.speed_1= --set physical.speed_2= \
         --set physical.speed=2 --set slide_roll=0.25
     [ "$(fullrun --print ratio.h5 friction_force)" = "$(fullrun --print sliding.h5 friction_force)" ]
@@ -173,7 +173,7 @@ assert moving['shear_stress_1'].shape == moving['pressure'].shape"
     close_to "$(number warm.h5 central_film_thickness)" \
         "$(number cold.h5 central_film_thickness)" 1e-8
     run ! same_data first.h5 warm.h5
-    # the start is an input: its history and identity are kept
+    # the start is an input: the result keeps its history and identity
     [[ $(h5dump -a input_2_path warm.h5) == *first.h5* ]]
 }
 
@@ -217,14 +217,14 @@ PYTHON
     [ "$status" -eq 0 ]
     printf '%s\n' "$output" | sed -n 's/^formula //p' >formulas
     [ "$(wc -l <formulas)" -eq 6 ]
-    # each deviation is that of its film, and none is absurd for a contact amid all their ranges
+    # each deviation belongs to its film; this contact lies amid the ranges of all formulas, so none is far off
     awk -v central="$(number r.h5 central_film_thickness)" -v minimum="$(number r.h5 minimum_film_thickness)" '
         { own = 100 * ($3 / ($2 == "central" ? central : minimum) - 1) - $4 }
         own > 0.002 || own < -0.002 || $4 > 25 || $4 < -25 || $5 != "%" { exit 1 }' formulas
     grep -q '^moes .* central .*Moes, Wear' formulas
 }
 
-# A contact in SI units that slides, with Eyring's law: the curve goes through the scene's own point.
+# The contact slides in SI units with Eyring's law: the curve must go through the scene's own point.
 @test "--formulas prints the traction curve of an Eyring fluid" {
     cat >sliding.yml <<'YAML'
 contact: line
@@ -290,7 +290,7 @@ YAML
 # ---- resolution
 
 @test "a domain or step that moves the central film by more than 1 % is noted, not refused" {
-    published=(--set discretization=published) # of which the step's effect on these grids is known
+    published=(--set discretization=published) # the effect of the step on these grids is known for these rows
     fullrun scene.yml -o good.h5 "${published[@]}" 2>errors
     [ ! -s errors ]
     run --separate-stderr fullrun scene.yml -o r.h5 --set moes.M=5 --set moes.L=12
@@ -304,7 +304,7 @@ YAML
     [ "$status" -eq 0 ]
     [ -z "$stderr" ]
     same_data r.h5 t.h5
-    # as measured
+    # compares the estimates with solutions on a longer and on a finer grid
     fullrun scene.yml -o wide.h5 --set moes.M=5 --set moes.L=12 --set grid.x_min=-20
     fullrun scene.yml -o fine.h5 --set moes.M=50 --set grid.step=0.0025 "${published[@]}"
     /usr/bin/python3 - <<'PYTHON'
@@ -372,7 +372,7 @@ PYTHON
 
 # ---- bad settings
 
-# bad_scene PATTERN, the scene on stdin
+# bad_scene PATTERN: checks that fullrun refuses the scene on stdin
 bad_scene() {
     cat >bad.yml
     refused 65 "$1" fullrun bad.yml -o result.h5
@@ -380,7 +380,7 @@ bad_scene() {
     [ ! -e result.h5.partial ]
 }
 
-# bad_value KEY TEXT PATTERN
+# bad_value KEY TEXT PATTERN: checks that fullrun refuses the scene with KEY=TEXT
 bad_value() {
     refused 65 "$3" fullrun scene.yml -o result.h5 --set "$1=$2"
     [ ! -e result.h5 ]
@@ -424,7 +424,7 @@ YAML
     close_to "$(number stiff.h5 central_film_thickness)" "$(number newton.h5 central_film_thickness)" 1e-6
     fullrun sliding.yml -o thin.h5 --quiet --set lubricant.shear.tau0=3e5
     far_from "$(number thin.h5 central_film_thickness)" "$(number newton.h5 central_film_thickness)" 0.1
-    # in time it stays what it is
+    # in time the film stays constant
     sed 's/stationary/transient/' sliding.yml >moving.yml
     echo 'transient: {end_time: 0.5, fixed_step: 0.05}' >>moving.yml
     fullrun moving.yml -o moving.h5 --quiet --set lubricant.shear.tau0=3e5
@@ -505,7 +505,7 @@ YAML
         fullrun physical.yml -o r.h5
 }
 
-# An oil of 40 degC at another temperature: the film is that of the viscosity there, which the scene may give.
+# The oil's viscosity is given at 40 degC. The film at another temperature must be that of the viscosity there.
 @test "a temperature stands for the viscosity that it makes" {
     cat >hot.yml <<'YAML'
 contact: line
@@ -571,7 +571,7 @@ YAML
     refused 3 "spike.yml: not converged: .*found a pressure of .* expected at most 5.012 GPa" \
         fullrun spike.yml -o result.h5
     [ "$(number result.h5 status)" = 1.0 ]
-    # nor is a finer step tried, where Newton fails
+    # where Newton's iteration fails, no finer step is tried
     run ! fullrun spike.yml --set contact=point --set moes.M=20 --set grid.step=
     [[ $output != *"going on with"* && $output == *"the limit of the wlf law"* ]]
 }
@@ -592,10 +592,10 @@ YAML
 @test "usage is one line a mode, as help2man takes it" {
     for name in fullrun snapgen podbuild deimselect romrun; do
         $name --help >help
-        # up to the line that says what the program does
+        # reads up to the line that describes the program
         awk '/^(Usage|  or): / { if (length > 79 || NF < 4) exit 1; next } { exit !/^[A-Z].*[.]$/ }' help
     done
-    # a list needs two spaces behind its names
+    # names of a list need two spaces behind them
     deimselect --help | grep "^  quadrature  "
     podbuild --help | grep "^  row-norm  "
 }
@@ -667,7 +667,7 @@ PYTHON
         run fullrun --check "$bad"
         echo "$bad: $status $output"
         [ "${#lines[@]}" -eq 1 ]
-        # as the readers
+        # --check has the exit codes of the programs that read files
         case $bad in
         none.h5 | . | pipe) [ "$status" -eq 66 ] ;;
         *) [ "$status" -eq 65 ] ;;

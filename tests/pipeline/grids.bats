@@ -1,7 +1,7 @@
 #!/usr/bin/env bats
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Grids of scenes that give none, or a part: chosen by M and L, one for all points of a plan, and taken from
-# snapshots, bases and models.
+# Tests of grids that a scene leaves out in whole or part. A contact chooses its grid by M and L; a plan has one grid
+# for all of its points; snapshots, bases and models pass their grid on.
 
 load common
 
@@ -34,7 +34,7 @@ setup() {
     cp "$BATS_FILE_TMPDIR"/*.{yml,h5,txt} .
 }
 
-# grid_of FILE: nodes, first node and step of a file.
+# grid_of FILE: prints the number of nodes, the first node and the step of a file.
 grid_of() {
     /usr/bin/python3 - "$1" <<'PYTHON'
 import sys, h5py
@@ -43,18 +43,18 @@ with h5py.File(sys.argv[1]) as file:
 PYTHON
 }
 
-# said FILE: the same from the line that a program printed, and what it was needed by.
+# said FILE: prints the same three from the output of a program, and what chose the grid.
 said() {
     sed -nE 's/^grid +([0-9]+).* nodes from ([^ ]+) to [^ ]+ by ([^ ,]+)(, as wide and fine as needed by )?(.*)$/\1 \2 \3 \5/p' "$1"
 }
 
-# larger A B: A > B, two numbers
+# larger A B: checks that A > B for two numbers
 larger() {
     are_numbers "$1" "$2" || return
     awk -v a="$1" -v b="$2" 'BEGIN { exit !(a > b) }' || { echo "found $1, expected more than $2"; return 1; }
 }
 
-# deviation NAME: per mille, from the comparison in out.txt
+# deviation NAME: prints per mille, from the comparison in out.txt
 deviation() {
     sed -n "s/^  $1 .* \([-+][0-9.]*\) permille/\1/p" out.txt
 }
@@ -64,10 +64,10 @@ deviation() {
         read -r M L <<<"$moes"
         fullrun scene.yml -q --set "moes.M=$M" --set "moes.L=$L" -o "$M.h5" >"$M.txt"
         [ "$(said "$M.txt")" = "$(grid_of "$M.h5") this M and L" ]
-        # what it is chosen for: little is left of step and inlet, of which the estimates are 1.25 times
+        # the grid is chosen for small effects of inlet and step; their estimates are 1.25 times as large
         larger 2.5e-3 "$(fullrun --print "$M.h5" inlet_effect | tail -n 1)"
         larger 1.25e-3 "$(fullrun --print "$M.h5" step_effect | tail -n 1)"
-        # the settings leave it to the contact
+        # the settings in the result leave the grid to the contact
         shows_no '^grid' fullrun --print "$M.h5" settings
     done
     read -r _ thick _ <<<"$(grid_of 2.h5)"
@@ -78,7 +78,8 @@ deviation() {
     larger "$coarse" "$fine"
 }
 
-# solved KIND M L [B_OVER_A]: a contact on the grid that it chooses, whose step is fine enough to estimate what it does.
+# solved KIND M L [B_OVER_A]: checks that a contact is solved on the grid that it chooses, and that the error of the
+# step is estimated.
 solved() {
     local ellipse=()
     [ -z "${4-}" ] || ellipse=(--set "ellipticity=$4")
@@ -94,30 +95,30 @@ solved() {
     solved line 2000 0
     solved point 0.1 0
     solved point 0.3 25
-    # the exits pass X = 2: of thick films, and of wide ellipses beside the contact
+    # the exits of thick films lie beyond X = 2; so do those of wide ellipses, beside the contact
     solved ellipse 0.1 10 20
     solved ellipse 3 0 5
     solved ellipse 10 10 10
     solved ellipse 100 10 20
-    # the smallest film is beside the middle of a narrow one
+    # a narrow ellipse has its minimum film beside the middle
     solved ellipse 1 0 0.1
     solved ellipse 1 10 0.2
 }
 
 @test "a chosen step that proves too coarse is halved" {
-    # the smallest film is that of nodes which a coarser grid does not resolve
+    # the minimum film depends on nodes that a coarser grid does not resolve
     incompressible=(--set moes.M=2000 --set moes.L=10 --set lubricant.density.law=incompressible)
     fullrun scene.yml "${incompressible[@]}" -o fine.h5 >out.txt 2>err.txt
     grep -q '^fullrun: scene.yml: grid.step: found that 0.000625 is too coarse, going on with 0.0003125$' err.txt
     [ "$(said out.txt)" = "$(grid_of fine.h5) this M and L" ]
     [ "$(grid_of fine.h5)" = "11201 -1.5 0.0003125" ]
     larger 0.03 "$(fullrun --print fine.h5 step_effect_minimum | tail -n 1)"
-    # one that the scene gives stays, and so it does where nothing is estimated
+    # a step that the scene gives stays, and so does a chosen step without error estimates
     run --separate-stderr fullrun scene.yml "${incompressible[@]}" --set grid.step=0.000625
     [ "$status" -eq 4 ]
     fullrun scene.yml "${incompressible[@]}" --set output.resolution=false >out.txt
     [[ $(said out.txt) == "5601 -1.5 0.000625 "* ]]
-    # nor does a finer step help where the scene gives an inlet that is too short
+    # a finer step does not help where the scene gives an inlet that is too short
     run --separate-stderr fullrun scene.yml --set moes.M=5 --set moes.L=10 --set grid.x_min=-1.2
     [ "$status" -eq 4 ]
     [ "$stderr" = "fullrun: scene.yml: found a grid from X = -1.2 on by 0.02, too short to estimate its error, expected a longer one (--allow-untrusted takes the result all the same)" ]
@@ -125,7 +126,7 @@ solved() {
 }
 
 @test "progress of a long solution ends with the solution" {
-    # 20 iterations on the finest grid, where eight are usual, and long enough for progress to be shown
+    # this takes 20 iterations on the finest grid, where eight are usual, and long enough for progress to be shown
     fullrun scene.yml --set contact=point --set moes.M=300 --set moes.L=25 --set output.resolution=false \
         --set lubricant.density.law=incompressible --set grid.step=0.015625 2>err.txt >out.txt
     shows_no '999/1000' cat err.txt
@@ -140,12 +141,12 @@ solved() {
     [ "$(grid_of x.h5)" = "351 -5 $step" ]
     fullrun scene.yml --set grid.x_min=-5 --set grid.x_max=1.5 --set grid.step=0.05 -q -o x.h5 --force >out.txt
     [ "$(said out.txt)" = "131 -5 0.05 " ]
-    # the paper has one grid
+    # the published discretisation has one grid
     for M in 2 18 200; do
         fullrun scene.yml --set discretization=published --set moes.M=$M -q >out.txt
         [ "$(said out.txt)" = "1201 -4 0.005 " ]
     done
-    # of a point contact the sides are chosen too
+    # a point contact chooses its sides too
     fullrun scene.yml --set contact=point --set moes.M=20 -q -o x.h5 --force >out.txt
     [[ $(said out.txt) == *" this M and L" ]]
     /usr/bin/python3 -c "
@@ -170,10 +171,10 @@ assert f['y'][-1] == -f['y'][0] == -0.75 * f['x'][0] and f['x'][1] - f['x'][0] =
     [ "$(said s.txt)" = "$(grid_of s.h5) all points" ]
     read -r _ x_min step <<<"$(grid_of s.h5)"
     [ "$x_min $step" = "$first $least" ]
-    # not only the first or the last of them
+    # the grid is not that of the last point alone
     run ! diff <(grid_of s.h5) <(grid_of point.h5)
     for file in b r m; do [ "$(grid_of $file.h5)" = "$(grid_of s.h5)" ]; done
-    # each piece has that of the whole
+    # each piece has the grid of the whole
     for piece in 1 2 3; do
         snapgen plan.yml -q --shard $piece/3 -o piece-$piece.h5
         [ "$(grid_of piece-$piece.h5)" = "$(grid_of s.h5)" ]
@@ -194,7 +195,7 @@ YAML
     [ "$(grid_of x.h5)" = "141 -5 0.05" ]
     [ "$(said out.txt)" = "141 -5 0.05 " ]
     rm x.h5
-    # not where they say otherwise
+    # scenes that give different grids are refused
     echo 'grid: {step: 0.025}' >>base.yml
     refuse 65 "mixed.yml: grid: found 141 nodes from -5 by 0.05 at point M=18 L=4, expected .* by 0.025 as at point M=8 L=3" \
         snapgen mixed.yml -o x.h5
@@ -213,12 +214,12 @@ YAML
     done
     grep -qx "against full.h5:" out.txt
     awk -v off="$(deviation "central film thickness")" 'BEGIN { exit !(off != "" && off ^ 2 < 0.05 ^ 2) }'
-    # of a point contact, whose result has both halves, one is solved
+    # the result of a point contact has both halves of the domain; fullrun solves one
     sed -e 's/contact: line/contact: point/' -e '/grid:/d' scene.yml >ball.yml
     fullrun ball.yml -q --set grid.x_min=-2.5 --set grid.x_max=1.5 --set grid.step=0.125 --set grid.y_max=2 -o ball.h5 || [ $? -eq 4 ]
     fullrun ball.yml -q --grid-of ball.h5 -o again.h5 || [ $? -eq 4 ]
     same_data ball.h5 again.h5
-    # what a scene says itself has to agree
+    # a grid that the scene gives has to agree
     read -r _ x_min step <<<"$(grid_of m.h5)"
     fullrun scene.yml -q --grid-of m.h5 --set "grid.x_min=$x_min" --set "grid.step=$step" -o x.h5 --force
     same_data x.h5 full.h5
@@ -228,11 +229,11 @@ YAML
     read -r nodes x_min step <<<"$(grid_of own.h5)"
     romrun --allow-untrusted scene.yml --model m.h5 --set output.fields=true --against own.h5 >out.txt
     grep -qx "against own.h5 (another grid, $nodes nodes from $x_min to 2 by $step: what it does is in the deviations):" out.txt
-    # the shorter inlet, as fullrun estimates it, within a fifth
+    # the deviation is within a fifth of the effect of the shorter inlet, as fullrun estimates it
     inlet() { fullrun --print "$1" inlet_effect | tail -n 1; }
     awk -v found="$(deviation "central film thickness")" -v own="$(inlet own.h5)" -v full="$(inlet full.h5)" \
         'BEGIN { expected = 1000 * (own - full); exit !(found > 0.8 * expected && found < 1.2 * expected) }'
-    # between nodes of another step: the differences are those of films and of the pressure where it bends
+    # a grid with another step is interpolated: the differences are those of films, and of the pressure where it bends
     read -r _ x_min _ <<<"$(grid_of m.h5)"
     fullrun scene.yml -q --set grid.step=0.016 --set "grid.x_min=$x_min" --set grid.x_max=2 -o fine.h5
     romrun --allow-untrusted scene.yml --model m.h5 --set output.fields=true --against fine.h5 >out.txt
@@ -241,7 +242,7 @@ YAML
     larger "$(largest film)" 0
     larger 5e-5 "$(largest film)"
     larger 2e-3 "$(largest pressure)"
-    # other rows on the same nodes
+    # other rows on the same nodes are named
     fullrun scene.yml -q --set discretization=published --set "grid.x_min=$(grid_of m.h5 | cut -d' ' -f2)" \
         --set grid.step=0.02 -o published.h5
     romrun --allow-untrusted scene.yml --model m.h5 --against published.h5 >out.txt
@@ -272,7 +273,7 @@ YAML
     romrun time.yml -q --model tm.h5 -o tred.h5 --force --allow-untrusted --against town.h5 >out.txt
     grep -q "^against town.h5 (another grid, .* nodes from .* to 2 by 0.02: " out.txt
 
-    # the settings of both are the same
+    # both runs have the same settings, so only the grid differs
     sed -i 's/end_time: 0.5/end_time: 20/' time.yml
     stop_when INT "len(time) > 100" x.h5 fullrun time.yml --grid-of tm.h5 -o x.h5 --quiet
     [ "$code" -eq 130 ]
@@ -303,7 +304,7 @@ YAML
     [ "$code" -eq 130 ]
     cp x.h5.partial kept
     read -r nodes x_min _ <<<"$(grid_of kept)"
-    # as of a version that chooses otherwise: as many nodes, but elsewhere
+    # makes the file look like one of a version that chooses another grid with as many nodes
     patch x.h5.partial "f.attrs['x_min'] = f.attrs['x_min'] + 0.5"
     mv bad.h5 x.h5.partial
     refused 65 "x.h5.partial: x: found $nodes nodes from .*.5 by 0.02, expected $nodes from $x_min by 0.02, as in the plan" \
@@ -313,7 +314,7 @@ YAML
 }
 
 @test "what a basis or model is used with takes its grid" {
-    # alone each of these plans would have another one
+    # without a basis or model each of these plans would have another grid
     cat >check.yml <<'YAML'
 groups:
   - scene: base.yml

@@ -1,13 +1,13 @@
 #!/usr/bin/env bats
 # SPDX-License-Identifier: GPL-3.0-or-later
-# No file includes one of a layer above its own (tests/layers.awk).
+# Tests that no file includes one of a layer above its own (tests/layers.awk).
 
 setup() {
     cd "$BATS_TEST_DIRNAME/../.." || return
     find_upward=(awk -f "$PWD/tests/layers.awk")
 }
 
-# All sources of the layers, whether git knows them yet or not.
+# Prints all sources of the layers, tracked by git or not.
 sources() {
     find common fullrun romrun podbuild deimselect snapgen -name '*.[ch]'
 }
@@ -39,7 +39,7 @@ sources() {
     [[ ${lines[1]} == 'romrun/b.c:1: '* ]]
 }
 
-# GSL's functions that can fail end the process, unless a handler is set, which is the host's affair.
+# A GSL function that fails ends the process, unless a handler is set; the handler belongs to the host program.
 @test "of GSL only functions that cannot fail are called" {
     run grep -noE 'gsl_[a-z0-9_]+ ?\(' $(sources)
     [ "$status" -eq 0 ]
@@ -51,8 +51,8 @@ sources() {
     done
 }
 
-# A program with such functions ends in a thread-sanitizer build before main (CONTRIBUTING.md). The shared object of
-# FMUs, which is no part of a program, chooses in one place.
+# A program with such functions ends before main in a thread-sanitizer build (CONTRIBUTING.md). The shared object of
+# FMUs is no part of a program, and chooses functions in one place.
 @test "no function is chosen while a program is loaded" {
     run grep -nE 'target_clones|\<ifunc\>' $(sources | grep -v '^romrun/fmu/processor.c$')
     [ "$status" -eq 1 ]

@@ -1,12 +1,12 @@
 #!/usr/bin/env bats
 # SPDX-License-Identifier: GPL-3.0-or-later
-# The installed library, from outside of the tree: header, shared and static library, pkg-config.
+# Tests of the installed library from outside of the tree: header, shared and static library, pkg-config.
 
 load common
 
 root=$BATS_TEST_DIRNAME/../..
 
-# installed/ by make install, and two programs on it (C11 shared, C++17 static).
+# Makes installed/ by make install, and builds two programs with it (C11 shared, C++17 static).
 install_all() {
     make -C "$root" -s install VARIANT="$VARIANT" DEPS=no DESTDIR="$PWD/installed" PREFIX=/usr >install.log 2>&1 ||
         { cat install.log >&2; return 1; }
@@ -23,7 +23,7 @@ install_all() {
     if grep ehdrom needed; then return 1; fi
 }
 
-# Models of 121 nodes, and the programs; use_inside is on the objects of this variant.
+# Makes models with 121 nodes and the programs; use_inside is linked with the objects of this variant.
 setup_file() {
     cd "$BATS_FILE_TMPDIR" || return
     ! is_installed || install_all
@@ -48,7 +48,7 @@ use_library() {
     env LD_LIBRARY_PATH="$prefix/lib" "$BATS_FILE_TMPDIR/use_$1" "${@:2}"
 }
 
-# value NAME: of the lines "NAME VALUE" in $output
+# value NAME: prints a value of the lines "NAME VALUE" in $output
 value() {
     awk -v name="$1" '$1 == name { print $2 }' <<<"$output"
 }
@@ -60,9 +60,9 @@ value() {
     [ "$(grep -c '^ehdrom_' <<<"$names")" -eq "$(wc -l <<<"$names")" ]
     [ "$(nm --defined-only -g "$prefix/lib/libehdrom.a" | awk 'NF == 3 { print $3 }' | sort)" = "$names" ]
     [ "$(grep -oE '\behdrom_[a-z_]+\(' "$prefix/include/ehdrom.h" | tr -d '(' | sort -u)" = "$names" ]
-    # and all of the header's begin so, also its macros
+    # all macros of the header begin so too
     [ -z "$(sed -n 's/^ *# *define \([A-Za-z_]*\).*/\1/p' "$prefix/include/ehdrom.h" | grep -v '^EHDROM_')" ]
-    # types, tags and enumerators too, of the header's own lines
+    # types, tags and enumerators of the header itself begin so too
     gcc -E -x c "$prefix/include/ehdrom.h" | awk '/^# / { own = /ehdrom\.h"/; next } own' >own.h
     /usr/bin/python3 - <<'PYTHON'
 import re
@@ -76,16 +76,16 @@ assert all(name.startswith("EHDROM_") for name in constants), constants
 assert {"ehdrom_status", "ehdrom_model", "ehdrom_result"} <= set(types), types
 assert {"EHDROM_OK", "EHDROM_DIMENSIONLESS", "EHDROM_MODULUS"} <= set(constants), constants
 PYTHON
-    # each of the version that the script gives it
+    # the version of each symbol is that of the version script
     [ "$(nm -D --defined-only "$prefix/lib/libehdrom.so" | awk '$2 != "A" { sub(".*@@", "", $3); print $3 }' | sort -u)" = EHDROM_0 ]
     readelf -d "$prefix/lib/libehdrom.so" >dynamic
     grep -q 'SONAME.*\[libehdrom.so.0\]' dynamic
     run -1 grep -E 'NEEDED.*(blas|umfpack|lapack|gfortran|cholmod|hdf5)' dynamic
-    # its own code and data
+    # counts the library's own code and data
     [ "$(find "$BIN/../pic" -name '*.o' -exec size -t {} + | awk '/TOTALS/ { sum += $4 } END { print sum }')" -lt 2000000 ]
 }
 
-# A model.h5 by the library in without/ is one line.
+# Checks that the library in without/ refuses a model.h5 with one line.
 refused() {
     run -65 --separate-stderr env LD_LIBRARY_PATH="$PWD/without" "$BATS_FILE_TMPDIR/use_shared" loaded m.h5 scene.yml
     echo "$stderr"
@@ -106,23 +106,23 @@ refused() {
     [ "$(value hdf5)" -eq 0 ]
     [ "$(grep -v hdf5 <<<"$output")" = "$found" ]
 
-    # where there is none, flat models do as well
+    # without the plug-in the library still reads flat models
     mkdir without && cp "$prefix/lib/libehdrom.so.0" without
     run -0 --separate-stderr env LD_LIBRARY_PATH="$PWD/without" "$BATS_FILE_TMPDIR/use_shared" loaded m.ehdrom scene.yml
     [ "$(grep -v hdf5 <<<"$output")" = "$found" ]
     refused
     [[ $stderr == "m.h5: found no flat model and no libehdrom-hdf5.so.0 ("*"No such file"*"), expected "*"romrun --export"* ]]
-    # nor HDF5
+    # the plug-in needs an HDF5 that is missing
     echo 'int nothing;' | gcc -shared -fPIC -x c - -Wl,-soname,libhdf5_gone.so -o libhdf5_gone.so
     gcc -shared -Wl,--no-as-needed libhdf5_gone.so -o without/libehdrom-hdf5.so.0
     refused
     [[ $stderr == "m.h5: "*"(libhdf5_gone.so: cannot open"*"), expected "* ]]
-    # one of another version
+    # the plug-in has another version
     echo 'const struct { unsigned long size; const char *version; } ehdrom_hdf5 = {112, "0.2.7"};' |
         gcc -shared -fPIC -x c - -o without/libehdrom-hdf5.so.0
     refused
     [[ $stderr == "m.h5: found "*"libehdrom-hdf5.so.0 of version 0.2.7, expected that of the library, "* ]]
-    # something else
+    # the file is something else
     gcc -shared -fPIC -x c /dev/null -o without/libehdrom-hdf5.so.0
     refused
     [[ $stderr == "m.h5: "*"undefined symbol: ehdrom_hdf5), expected "* ]]
@@ -130,7 +130,7 @@ refused() {
 
 @test "a program may be static altogether, by what pkg-config --static says" {
     outside
-    # as Debian 13 has it, with a driver for remote files that the rest refers to
+    # HDF5 as in Debian 13 has a driver for remote files that the rest refers to
     run nm -A "/usr/lib/$(gcc -print-multiarch)/libhdf5_serial.a"
     [[ $output != *"U H5FD_ros3_init"* ]] || skip "this HDF5 needs curl, whose static library is not whole"
     # shellcheck disable=SC2046
@@ -188,13 +188,13 @@ print(repr(plugin.central_film(b"m.h5", b"scene.yml")))'
             [ "$(value $name)" = "$(printf '%.17g' "$(number r.h5 $name)")" ] ||
                 /usr/bin/python3 -c "assert float('$(value $name)') == float('$(number r.h5 $name)')"
         done
-        # the peak is told from the nodes that the solution looks at
+        # the peak pressure comes from the nodes that the solution needs
         /usr/bin/python3 - "$(value largest)" "$(value peak_pressure)" <<'PYTHON'
 import sys, h5py
 largest, peak = map(float, sys.argv[1:])
 with h5py.File("r.h5") as file:
     assert largest == file["pressure"][...].max(), largest
-# each is a sum over the modes, in an order of its own
+# the two sum the modes in different orders
 assert 0.99 * largest < peak <= largest * (1 + 1e-15), (peak, largest)
 PYTHON
     done
@@ -205,7 +205,7 @@ PYTHON
 
 @test "SI and dimensionless, whatever the locale" {
     local name=C
-    # with LOCPATH glibc leaks, which sanitizers tell
+    # with LOCPATH glibc leaks memory, which sanitizers report
     ! is_installed || localedef -i de_DE -f UTF-8 "$PWD/de_DE.UTF-8" 2>/dev/null || true
     if [ "$(LOCPATH=$PWD LC_ALL=de_DE.UTF-8 locale decimal_point 2>/dev/null)" = , ]; then
         export LOCPATH=$PWD
@@ -237,7 +237,7 @@ YAML
     for kind in $kinds; do
         use_library $kind restart m.h5 moving.yml
     done
-    # romrun's first steps are shorter
+    # romrun's first steps are shorter, so its film differs a little
     romrun moving.yml --model m.h5 --allow-untrusted -o r.h5 --quiet
     close_to "$(value central_film_thickness)" \
         "$(romrun --print r.h5 central_film_thickness | tail -n 1 | sed 's/.*,//')" 1e-3
@@ -251,7 +251,7 @@ YAML
         [ "$status" -eq 0 ]
         [ -z "$stderr" ]
     done
-    # of films that are carried along their paths
+    # the films of this model are carried along their paths
     { sed 's/stationary/transient/' si.yml && cat <<'YAML'; } >moving.yml
 grid: {x_min: -4, x_max: 2, step: 0.05}
 transport: path
@@ -276,7 +276,7 @@ def full(load):
     a, reference = (math.sqrt(8 * w * 0.01 / (math.pi * 220e9)) for w in (load, 20e3))
     with h5py.File(f"full-{load / 1e3:.1f}e3.h5") as file:
         approach, film = (file[name][0] * a * a / 0.01 for name in ("rigid_approach", "central_film_thickness"))
-    # as measured from ten half widths of the reference, since a line's deflection has no limit
+    # the approach is measured from ten half widths of the reference, since the deflection of a line has no limit
     return approach + math.log(a / (10 * reference)) / 2 * a * a / 0.01, film
 (h, film), (other_h, other_film) = full(19.8e3), full(20.2e3)
 assert abs(stiffness / (400 / (h - other_h)) - 1) < 2e-3, (stiffness, 400 / (h - other_h))
@@ -383,7 +383,7 @@ model = ehdrom.Model("m.h5")
 contact = ehdrom.Contact(model, "si.yml", accuracy=math.inf)
 result = contact.solve()
 
-# each call of two threads is answered or refused, and never harms the other
+# each call of two threads at a time has a result or is refused, and never harms the other
 answers, refusals, ready = [], [], threading.Barrier(2)
 def work():
     ready.wait()
@@ -399,7 +399,7 @@ for thread in threads:
     thread.join()
 assert set(answers) == {result.central_film_thickness}, set(answers)
 assert all("found a call of another thread under way, expected one at a time" in text for text in refusals)
-# also where the other one surely is within a call
+# a call is refused while another thread holds the contact
 contact._lock.acquire()
 refused = []
 def one():
@@ -411,7 +411,7 @@ thread.join()
 contact._lock.release()
 assert refused == 4 * [70], refused
 
-# results are values: copies, pickles, of outcomes too
+# results are values that can be copied and pickled, results of failed solutions too
 contact.start()
 derivatives = contact.differentiate(load=1)
 for value in (result, derivatives, contact.solve()):
@@ -424,11 +424,11 @@ assert error.status == 65 and str(error) == "what"
 for one in (contact, model):
     for how in (copy.copy, copy.deepcopy, pickle.dumps):
         raises(TypeError, "expected a new one", how, one)
-# type checkers know all members
+# type checkers find all members
 for value in (result, derivatives):
     assert set(typing.get_type_hints(type(value))) - {"_kind"} == set(dir(value)) - {"check"}
 
-# names that end for the library where they do not for Python
+# names with a NUL character end there in C, but not in Python
 for wrong in (lambda: ehdrom.Model("m.h5\0x"), lambda: ehdrom.Contact(model, "si.yml\0x"), lambda: contact["physical.load\0x"],
               lambda: contact.__setitem__("physical.load\0x", 1), lambda: contact.__setitem__("lubricant.viscosity.law", "barus\0x")):
     assert raises(ehdrom.Error, "found a NUL character, expected none", wrong).status == 65
@@ -439,7 +439,7 @@ assert contact["output.fields"] is False
 contact["physical.load"] = numpy.int64(20000)
 assert contact["physical.load"] == 20000
 
-# closed: by the end of with, or close, as often as wanted; a model with its last contact
+# a contact is closed at the end of with or by close, repeatedly; a model lives as long as its last contact
 with ehdrom.Model("m.h5") as short, ehdrom.Contact(short, "si.yml", accuracy=math.inf) as inner:
     assert inner.solve().central_film_thickness == result.central_film_thickness
 inner.close()
@@ -448,7 +448,7 @@ model.close()
 assert contact.solve().central_film_thickness == result.central_film_thickness
 for wrong in (inner.solve, inner.save, lambda: inner["physical.load"], lambda: ehdrom.Contact(model)):
     raises(ehdrom.Error, "found it closed, expected it open", wrong)
-# and without, whichever Python lets go first
+# contacts and models may also be left to Python, whichever it frees first
 for i in range(20):
     ehdrom.Contact(ehdrom.Model("m.h5"), "si.yml", accuracy=math.inf).solve()
 PYTHON
@@ -456,7 +456,7 @@ PYTHON
 
 @test "from Python: the same numbers, arrays, errors, and a mass by scipy" {
     outside
-    # as one would install it, but for pip
+    # the package is used as if installed, without pip
     make -C "$root" -s python VARIANT="$VARIANT" DEPS=no
     export PYTHONPATH=$root/build/$VARIANT/python
     si_scene
@@ -497,7 +497,7 @@ for wrong in (lambda: ehdrom.Model("none.h5"), lambda: contact.__setitem__("phys
     else:
         raise AssertionError("nothing raised")
 
-# settings read back: the bits of numbers, choices, flags, what is not set
+# settings are read back: the bits of numbers, choices, flags, and unset keys
 contact["physical.load"], contact["output.fields"], contact["grid.step"] = 0.1 + 20e3, False, None
 assert contact["physical.load"] == 0.1 + 20e3 and contact["lubricant.viscosity.law"] == "barus"
 assert contact["output.fields"] is False and contact["grid.step"] is None and contact["contact"] == "line"
@@ -509,7 +509,7 @@ except ehdrom.Error as error:
 else:
     raise AssertionError("nothing raised")
 
-# a number replaced after a solution counts as one set before the first
+# a number replaced after a solution has the effect of one set before the first
 contact["physical.load"] = 20.5e3
 fresh = ehdrom.Contact(model, "si.yml", accuracy=math.inf, dimensionless=True)
 fresh["physical.load"] = "20.5e3"
@@ -518,7 +518,7 @@ contact["lubricant.viscosity.alpha"] = 1.9e-8
 fresh["lubricant.viscosity.alpha"] = "1.9e-8"
 assert contact.solve().minimum_film_thickness == fresh.solve().minimum_film_thickness
 
-# what the inlet's heating does stands beside the film, and leaves steps as they are
+# inlet heating gives a factor beside the film, and does not change steps
 assert math.isnan(result.inlet_heating_factor)
 contact = ehdrom.Contact(model, "si.yml", accuracy=math.inf, dimensionless=True)
 contact["lubricant.thermal_conductivity"], contact["lubricant.viscosity.temperature_coefficient"] = 0.14, 0.03
@@ -528,7 +528,7 @@ with h5py.File("hot.h5") as file:
 assert hot.central_film_thickness == result.central_film_thickness
 assert math.isnan(contact.start().inlet_heating_factor)
 
-# traction: as romrun has it, at any sliding speed, and in time
+# traction agrees with romrun's, at any sliding speed, and in time
 contact = ehdrom.Contact(model, "si.yml", accuracy=math.inf)
 contact["slide_roll"], contact["lubricant.shear.law"], contact["lubricant.shear.tau0"] = 0.1, "eyring", 5e6
 try:
@@ -551,7 +551,7 @@ with h5py.File("slid.h5") as file:
     for surface in 1, 2:
         expected = file[f"shear_stress_{surface}"][0] * file.attrs["hertz_pressure"]
         assert numpy.allclose(stresses[surface - 1][0], expected, rtol=1e-9, atol=1e-9 * abs(expected).max()) and abs(expected).max() > 1e5
-# to the right where surface 1 is the faster one, and at u1 = u2 what the pressure does alone
+# the stress points to the right where surface 1 is the faster one; at u1 = u2 only the pressure gradient causes it
 assert (contact.shear_stresses(-0.1 * speed)[0] - contact.shear_stresses(-0.1 * speed)[1] == stresses[1] - stresses[0]).all()
 assert (contact.shear_stresses(0)[0] == contact.shear_stresses(0)[1]).all()
 assert slid.items() <= contact.slide(0.1 * speed).items()
@@ -565,7 +565,7 @@ for name in slid:
     assert abs(in_time[name] / slid[name] - 1) < 1e-3, (name, in_time, slid)
 assert numpy.allclose(contact.shear_stresses(), stresses, rtol=0, atol=1e-3 * abs(stresses[0]).max())
 contact.step(0.01 * contact.scales()["time"], load=20.2e3, speed=0.9 * speed)
-assert in_time.items() <= contact.slide().items()  # of the accepted state
+assert in_time.items() <= contact.slide().items()  # belongs to the accepted state
 attempted = contact.slide_step()
 contact.accept()
 moved = contact.slide()
@@ -585,7 +585,7 @@ except ehdrom.Error as error:
     assert "since the state was restored" in str(error), error
 else:
     raise AssertionError("nothing raised")
-# a film that the sliding thins is of one sliding, and not in the trained range of a Newtonian flow
+# a film that sliding thins holds for one sliding ratio, and lies outside of a training with Newtonian flow
 thinned = ehdrom.Contact(model, "si.yml", accuracy=math.inf)
 thinned["slide_roll"], thinned["lubricant.shear.law"], thinned["lubricant.shear.tau0"] = 0.1, "eyring", 5e5
 thinned["lubricant.shear.in_film"] = True
@@ -616,7 +616,7 @@ contact.step(0.01 * time, load=20.1e3)
 contact.accept()
 saved = contact.save()
 one = contact.step(0.01 * time, load=20.2e3)
-# what is wrong is told in the caller's units
+# messages have the caller's units
 for wrong, text in ((dict(step=-1e-6), "step: found -1e-06"), (dict(step=1e-6, speed=-1), "speed: found -1,"),
                     (dict(step=1e-6, load=-300), "load: found -300,"), (dict(step=math.nan), "step: found nan")):
     try:
@@ -627,7 +627,7 @@ for wrong, text in ((dict(step=-1e-6), "step: found -1e-06"), (dict(step=1e-6, s
         raise AssertionError(wrong)
 apart = contact.step(0.01 * time, load=0)
 assert apart.load == 0 and math.isnan(apart.central_film_thickness)
-# the approach that the load leads to, given, whatever the closure of the scene
+# the approach that a load leads to can be given instead, whatever the closure of the scene
 held = ehdrom.Contact(model, "si.yml", accuracy=math.inf)
 now = held.start()
 assert abs(held.step(0.01 * time, approach=now.approach).load / 20e3 - 1) < 1e-3
@@ -654,10 +654,10 @@ faster = solved.differentiate(speed=1, approach=0)
 assert faster.load > 0 and abs(faster.approach) < 1e-9 * abs(by_load.approach * faster.load)
 response = solved.respond()
 assert abs(response["stiffness"] / -by_approach.load - 1) < 1e-9
-solved["approach_length"] = 20  # of a line contact that is held farther off the compliance is larger
+solved["approach_length"] = 20  # a line contact held from farther off has a larger compliance
 solved.solve()
 assert 0 < solved.respond()["stiffness"] < 0.95 * response["stiffness"]
-# a start away from the reference has those of the solution there
+# a start away from the reference has the derivatives of the solution there
 away = ehdrom.Contact(model, "si.yml", accuracy=math.inf)
 away["physical.load"], away["physical.speed"] = 21e3, 0.04
 away.solve()
@@ -677,7 +677,7 @@ for wrong in (contact.respond, lambda: solved.differentiate(load=1, approach=1))
     else:
         raise AssertionError("nothing raised")
 
-# a flat model: the same bits, fields too
+# a flat model gives the same bits, fields too
 flat = ehdrom.Contact(ehdrom.Model("m.ehdrom"), "si.yml", accuracy=math.inf)
 plain = ehdrom.Contact(model, "si.yml", accuracy=math.inf)
 assert flat.solve().minimum_film_thickness == plain.solve().minimum_film_thickness
@@ -686,7 +686,7 @@ assert flat.slide(1e-3)["friction_force"] == plain.slide(1e-3)["friction_force"]
 flat.restore(saved)
 assert flat.step(0.01 * time, load=20.2e3).central_film_thickness == one.central_film_thickness
 
-# threads that solve at the same time
+# several threads solve at the same time
 found = [None] * 4
 def solve(i):
     found[i] = ehdrom.Contact(model, "si.yml", accuracy=math.inf).solve().minimum_film_thickness
@@ -701,7 +701,7 @@ PYTHON
         run -64 --separate-stderr /usr/bin/python3 -B "$root/romrun/python/examples/$example.py"
         [[ $stderr == "usage: $example.py MODEL SCENE.yml "* && $(wc -l <<<"$stderr") -eq 1 ]]
     done
-    # a mass swings about where the load is 2 % higher
+    # a mass swings about the position where the load is 2 % higher
     /usr/bin/python3 -B "$root/romrun/python/examples/mass.py" m.h5 si.yml 2400 0.005 >mass.csv
     awk -F, '{ sum += $3; n++; if ($3 > most) most = $3 } END { exit !(n > 20 && most > 20.3e3 && most < 20.9e3) }' mass.csv
 }
@@ -709,7 +709,7 @@ PYTHON
 @test "pip installs the Python package for a library that is named, or that the system has" {
     outside
     /usr/bin/python3 -c 'import setuptools, wheel, pip' 2>/dev/null || skip "there is no pip, or no setuptools for it"
-    # a copy, since setuptools builds beside the sources; the package has the library's header
+    # pip gets a copy, since setuptools builds beside the sources; the package needs the library's header
     mkdir romrun
     cp -r "$root/romrun/python" "$root/romrun/library" romrun
     /usr/bin/python3 -m pip install --no-index --no-deps --no-build-isolation --no-cache-dir --target site \

@@ -1,7 +1,7 @@
 #!/usr/bin/env bats
 # SPDX-License-Identifier: GPL-3.0-or-later
-# What READMEs link to, and the READMEs and sections that comments name, are there (tests/links.py); so are
-# the layers and names of ARCHITECTURE.md.
+# Tests that the targets of links in READMEs exist, and the READMEs and sections that comments name (tests/links.py).
+# The layers and names in ARCHITECTURE.md must exist too.
 
 setup() {
     cd "$BATS_TEST_DIRNAME/../.." || return
@@ -39,7 +39,7 @@ setup() {
 
 @test "functions and types that ARCHITECTURE.md and CONTRIBUTING.md name are in the code" {
     names=$(grep -ohE '`[a-z]+(_[a-z]+)+`' ARCHITECTURE.md CONTRIBUTING.md | tr -d '`' |
-        sort -u | grep -vx target_clones) # which must not be there
+        sort -u | grep -vx target_clones) # CONTRIBUTING.md excludes it
     [ "$(wc -w <<<"$names")" -gt 40 ]
     cat common/*/*.[ch] {fullrun,podbuild,deimselect,snapgen}/*.[ch] romrun/*/*.[ch] romrun/*.c >"$BATS_TEST_TMPDIR/code"
     for name in $names; do

@@ -1,6 +1,6 @@
 #!/usr/bin/env bats
 # SPDX-License-Identifier: GPL-3.0-or-later
-# A minute of fuzzing for each target, where clang and its libFuzzer are installed (make fuzz installs them).
+# Fuzzes each target for a minute, where clang and its libFuzzer are installed (make fuzz installs them).
 
 @test "a minute of fuzzing of each target finds nothing" {
     command -v clang >/dev/null || skip "found no clang"

@@ -1,11 +1,11 @@
 #!/usr/bin/env bats
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Contacts over all shapes, M and L on the grids that they choose. MAP_K, MAP_M and MAP_L choose others.
+# Tests contacts over all shapes, M and L on the grids that they choose. MAP_K, MAP_M and MAP_L select other values.
 
 load common
 
-# solve_map KIND SHAPES: how each contact ends, into map.txt; fails where one is not solved. Refused for want of memory
-# (71) is an outcome.
+# solve_map KIND SHAPES: writes how each contact ends into map.txt, and fails if one is not solved. A contact refused
+# for lack of memory (71) is no failure.
 solve_map() {
     local kind=$1 shapes=$2 k M L code failed=0 ellipse
     for k in $shapes; do
@@ -45,7 +45,7 @@ setup() {
     solve_map ellipse "${MAP_K:-0.5 2 5 8 10 20}"
 }
 
-# at M = 100 they have 8 million nodes that are solved for
+# at M = 100 these would have 8 million unknown nodes
 @test "narrow ellipses are solved on the grids that they choose" {
     MAP_M=${MAP_M:-0.1 0.3 1 3 10} solve_map ellipse "${MAP_K:-0.05 0.1 0.2}"
 }

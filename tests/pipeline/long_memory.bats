@@ -1,6 +1,6 @@
 #!/usr/bin/env bats
 # SPDX-License-Identifier: GPL-3.0-or-later
-# The memory of the library does not grow with the number of steps, and that of romrun --cases not with the number of rows.
+# Tests that the library's memory does not grow with the number of steps, nor that of romrun --cases with the rows.
 
 load common
 
@@ -9,7 +9,7 @@ load common
     small_point_model
     "$BIN/../unit/use_library" memory p.h5 point.yml 0.05 1000000 >told
     cat told
-    # some pages; where each step kept the least that malloc gives, these would be 32 MB
+    # allows some pages; if each step kept the smallest block of malloc, this would be 32 MB
     awk '$1 == "first_kB" { first = $2 } $1 == "last_kB" { last = $2 }
          END { exit !(first > 5000 && last > 5000 && last - first < 256) }' told
 }

@@ -1,6 +1,6 @@
 #!/usr/bin/env bats
 # SPDX-License-Identifier: GPL-3.0-or-later
-# The studies of surfaces that are not smooth on their own grids: what they print is what their READMEs say.
+# Tests that the studies of rough surfaces on their own grids print the numbers of their READMEs.
 
 load common
 
@@ -8,7 +8,7 @@ load common
     copy_whole_study dimple
     make >table
     cat table
-    # of README.md: the worst differences from the published film, and how large the undisturbed one is
+    # README.md has the worst differences from the published film, and the size of the undisturbed film
     awk 'NR == FNR && /^\| (pure rolling|sliding): worst/ {
              gsub(/[^0-9.|]/, "")
              split($0, cell, "|")

@@ -1,6 +1,6 @@
 #!/usr/bin/env bats
 # SPDX-License-Identifier: GPL-3.0-or-later
-# The small pipeline under valgrind: no read of what was never written, nothing beyond an array, no leak.
+# Runs the small pipeline under valgrind: no read of uninitialised memory, no access beyond an array, no leak.
 
 load common
 
@@ -15,7 +15,7 @@ groups:
 YAML
 }
 
-# checked CODE COMMAND...: the exit code, and not a word from valgrind. Exit code 99 is its own.
+# checked CODE COMMAND...: checks the exit code, and that valgrind reports nothing. Exit code 99 is valgrind's.
 checked() {
     local code=$1
     shift
@@ -27,7 +27,7 @@ checked() {
     fi
 }
 
-# Scenes whose exit runs into the ends of the model's tables.
+# Runs scenes whose exit reaches the ends of the model's tables.
 far_outside() {
     local M
     for M in 1 2 4 300; do

@@ -1,10 +1,10 @@
 #!/usr/bin/env bats
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Stages of somebody else's: rows given to deimselect, and scenes/examples/own-stage.
+# Tests of a user's own stages: rows given to deimselect, and scenes/examples/own-stage.
 
 load common
 
-# One chain on 121 nodes for all tests: s.h5, b.h5, r.h5 and full.h5.
+# Makes one chain with 121 nodes for all tests: s.h5, b.h5, r.h5 and full.h5.
 setup_file() {
     cd "$BATS_FILE_TMPDIR" || return
     common_setup_small
@@ -19,7 +19,7 @@ setup() {
     cp "$BATS_FILE_TMPDIR"/* .
 }
 
-# python CODE, with h5py, numpy, and the datasets of m.h5 as `m`
+# python CODE: runs the code with h5py, numpy, and the datasets of m.h5 as `m`
 python() {
     /usr/bin/python3 -c "
 import h5py, numpy
@@ -27,7 +27,7 @@ m = {name: data[...] for name, data in h5py.File('m.h5').items()}
 $1"
 }
 
-# ---- rows that somebody selected
+# ---- rows of a user's own
 
 @test "the rows of a model given back make the same model" {
     for rows in 14 18 25; do
@@ -40,7 +40,7 @@ $1"
         same_data m.h5 g.h5
         h5dump -a method g.h5 | grep '"given"'
         h5dump -a weights g.h5 | grep '"quadrature"'
-        # from HDF5, by either name
+        # deimselect also reads the rows from HDF5, from a dataset of either name
         python "h5py.File('rows.h5', 'w')['rows'] = m['selected_row'].astype('i2')"
         deimselect --no-check r.h5 --basis b.h5 --rows-from rows.h5 -o h.h5 --force
         same_data m.h5 h.h5
@@ -61,7 +61,7 @@ with h5py.File('g.h5') as g:
     romrun --allow-untrusted scene.yml --model m.h5 -o one.h5
     romrun --allow-untrusted scene.yml --model g.h5 -o two.h5
     same_data one.h5 two.h5
-    # a part of the rows has the weights that were given
+    # a part of the rows keeps the given weights
     romrun --allow-untrusted scene.yml --model g.h5 --rows 14
     python "numpy.savetxt('rows.csv', numpy.c_[m['selected_row'], 2 * m['row_factor']], '%.17g', ',', \
         header='row,weight', comments='')"
@@ -73,7 +73,7 @@ with h5py.File('d.h5') as d:
 
 @test "rows from HDF5 that cannot be are refused" {
     deimselect --no-check r.h5 --basis b.h5 -o m.h5
-    # bad PATTERN CODE: rows and weights as `row` and `weight`, changed by the code
+    # bad PATTERN CODE: checks that rows and weights changed by the code are refused; it sees them as `row` and `weight`
     bad() {
         python "
 row, weight = m['selected_row'].astype(float), m['row_factor']
@@ -113,7 +113,7 @@ with h5py.File('rows.h5', 'w') as f:
 
 # ---- the example
 
-# 0.05 per mille was measured; with a basis or rows that are wrong nothing of it is left.
+# The measured deviation is 0.05 per mille; with a wrong basis or wrong rows it is far larger.
 @test "the example of own stages is as accurate as its README says" {
     cp -r "$BATS_TEST_DIRNAME/../../scenes/examples/own-stage" own
     cd own
@@ -131,9 +131,9 @@ with h5py.File('rows.h5', 'w') as f:
     [[ $output == *"is up to date"* ]]
 }
 
-# ---- a model by the schema page alone
+# ---- a model written from the schema page alone
 
-# same_model A B: what romrun needs of a model is in B as in A, but for rounding
+# same_model A B: checks that B has what romrun needs of a model as A has it, up to round-off
 same_model() {
     /usr/bin/python3 - "$1" "$2" <<'PYTHON'
 import sys, h5py, numpy
@@ -144,7 +144,7 @@ with h5py.File(sys.argv[1]) as own, h5py.File(sys.argv[2]) as other:
         names = {"band_begin", "least_exit", "most_exit"}
     elif "half" in own.attrs:
         names = {"first_minimum_line", "last_minimum_line"}
-    else:  # on which of both sides the minimum is found is decided by rounding
+    else:  # round-off decides on which side the minimum is found
         names = set()
         middle = len(own["y"]) / 2 + 0.5  # boundary lines included
         farthest = [max(abs(model.attrs[f"{end}_minimum_line"] - middle) for end in ("first", "last"))
@@ -155,7 +155,7 @@ with h5py.File(sys.argv[1]) as own, h5py.File(sys.argv[2]) as other:
 PYTHON
 }
 
-# foreign_model BASIS RESIDUALS OPTIONS...: m.h5 by deimselect and w.h5 by write_model.py, of the same rows
+# foreign_model BASIS RESIDUALS OPTIONS...: makes m.h5 by deimselect and w.h5 by write_model.py, with the same rows
 foreign_model() {
     deimselect --no-check "$2" --basis "$1" --weights plain -o m.h5 --force "${@:3}"
     python "numpy.savetxt('rows.csv', m['selected_row'], '%d', header='row', comments='')"
@@ -173,13 +173,13 @@ foreign_model() {
         close_to "$(number w-result.h5 central_film_thickness)" \
             "$(number m-result.h5 central_film_thickness)" 1e-9
     done
-    # without a node at X = 0
+    # this grid has no node at X = 0
     sed -i 's/grid: {.*/grid: {x_min: -3.96, x_max: 2.04, step: 0.05}/' base.yml
     snapgen plan.yml -o s.h5 --quiet --force
     podbuild s.h5 -o b.h5 --force
     snapgen plan.yml --basis b.h5 -o r.h5 --quiet --force
     foreign_model b.h5 r.h5
-    # with the other discretisation
+    # the published discretisation
     published="--set discretization=published"
     snapgen plan.yml -o s.h5 $published --quiet --force
     podbuild s.h5 -o b.h5 --force

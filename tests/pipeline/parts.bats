@@ -1,10 +1,10 @@
 #!/usr/bin/env bats
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Lists of models for parts of a region, as --model takes them.
+# Tests of lists of models for the parts of a region, given to --model.
 
 load common
 
-# part NAME M CHECK: NAME.h5, trained on these M and calibrated on others.
+# part NAME M CHECK: makes NAME.h5, trained on the values M and calibrated on the values CHECK.
 part() {
     cat >train.yml <<YAML
 groups:
@@ -23,7 +23,7 @@ YAML
     romrun --calibrate check.yml --model m.h5 -o "$1.h5" --quiet
 }
 
-# part_in_time NAME LOWEST HIGHEST: NAME.h5, of loads between these.
+# part_in_time NAME LOWEST HIGHEST: makes NAME.h5, trained on histories with loads in this range.
 part_in_time() {
     cat >train-time.yml <<YAML
 groups:
@@ -35,7 +35,7 @@ YAML
     mv tm.h5 "$1.h5"
 }
 
-# low.h5 and high.h5 for M from 8 to 15 and from 12 to 23; light.h5 and heavy.h5 for loads that vary.
+# Makes low.h5 and high.h5 for M from 8 to 15 and from 12 to 23, and light.h5 and heavy.h5 for loads that vary.
 setup_file() {
     cd "$BATS_FILE_TMPDIR" || return
     common_setup_small
@@ -53,7 +53,7 @@ setup() {
     cp "$BATS_FILE_TMPDIR"/{low,high,light,heavy}.h5 "$BATS_FILE_TMPDIR"/{base,parts,in-time,moving}.yml .
 }
 
-# solved M MODEL: prints the central film, and by which part it was solved
+# solved M MODEL: prints the central film, and the part that solved the scene
 solved() {
     romrun base.yml --set moes.M="$1" --set moes.L=4 --model "$2" --quiet -o "$1-$2.h5" --force |
         awk '/^central film/ { film = $4 } /^solved by/ { part = " " $3 } END { print film part }'
@@ -69,12 +69,12 @@ solved() {
         same_data "$moes_M-parts.yml.h5" "$moes_M-$name.h5.h5"
     done
     romrun --check 21-parts.yml.h5
-    # outside of the ranges of both
+    # this scene lies outside of both ranges
     run --separate-stderr romrun base.yml --set moes.M=40 --set moes.L=4 --model parts.yml
     [ "$status" -eq 4 ]
     [[ $stderr == *"found outside of the trained range of M and alpha p_H"* ]]
     grep -q '^solved by  *high.h5$' <<<"$output"
-    # a list of one is that model
+    # a list with one model gives the same as the model
     echo 'models: [low.h5]' >one.yml
     read -r film part <<<"$(solved 9 one.yml)"
     [ -z "$part" ]
@@ -121,7 +121,7 @@ import h5py
 a, b = h5py.File("parts.yml.h5"), h5py.File("parts.ehdrom.h5")
 for name in set(a) - {"solve_seconds"}: assert a[name][...].tobytes() == b[name][...].tobytes(), name
 PYTHON
-    # flat files in a list, and beside a model of HDF5
+    # flat models may stand in a list, beside an HDF5 model too
     romrun --export low.h5 -o low.ehdrom
     echo 'models: [low.ehdrom, high.h5]' >mixed.yml
     [ "$(solved 9 mixed.yml)" = "$(solved 9 parts.yml | sed 's/low.h5/low.ehdrom/')" ]
@@ -132,13 +132,13 @@ PYTHON
     /usr/bin/python3 -c 'import h5py; h5py.File("damaged.h5", "r+")["pressure_basis"][0, 5] *= 1.5'
     echo 'models: [low.h5, damaged.h5]' >damaged.yml
     refused 65 "damaged.h5: pressure_basis: found a changed content" romrun --check damaged.yml
-    # and says which do not go together
+    # the check also names models that do not go together
     echo 'models: [low.h5, light.h5]' >unlike.yml
     refused 65 "light.h5: transport: found path, expected upwind, as in low.h5" romrun --check unlike.yml
 }
 
 @test "in time a contact passes from one model to the other without a jump" {
-    # handed over with the last state in place of the base of the path the second is 1e-3 off
+    # if the second model took over the last state and not the base of its path, its film would be 1e-3 off
     for case in "0.12 1e-5" "0.25 1e-4"; do
         set=(--set "transient.load.amplitude=${case% *}" --quiet --force)
         fullrun moving.yml "${set[@]}" -o full.h5 >/dev/null
@@ -151,7 +151,7 @@ assert off.max() < float(sys.argv[1]), off.max()
 assert (parts["indicated_deviation"][...] > off).all()
 PYTHON
     done
-    # what either model alone does not know is known by the list
+    # a history that leaves the range of either model lies in that of the list
     set=(--set transient.load.amplitude=0.12 --quiet --force)
     romrun moving.yml "${set[@]}" --model in-time.yml >/dev/null
     for name in light heavy; do
@@ -166,7 +166,7 @@ PYTHON
     romrun --check whole.h5
     stop_when INT "len(time) > 1000" x.h5 romrun moving.yml "${set[@]}" --model in-time.yml -o x.h5
     [ "$code" -eq 130 ]
-    # the same models in another order do not go on from it
+    # models in another order do not continue the run
     cp in-time.yml same.yml
     echo 'models: [heavy.h5, light.h5]' >in-time.yml
     refused 65 "x.h5.partial: found a run with another model than in-time.yml is now" romrun moving.yml "${set[@]}" --model in-time.yml -o x.h5 --resume
@@ -203,7 +203,7 @@ PYTHON
     sed 's/^regime.*/&\nmoes: {M: 20, L: 4}/' base.yml >scene.yml
     run -0 "$BIN/../unit/use_library" solve parts.yml scene.yml
     close_to "$(awk '$1 == "central_film_thickness" { print $2 }' <<<"$output")" "$(solved 20 high.h5)" 1e-6
-    # whole
+    # the other model solves M = 9
     run "$BIN/../unit/use_library" solve parts.yml scene.yml moes.M 9
     close_to "$(awk '$1 == "central_film_thickness" { print $2 }' <<<"$output")" "$(solved 9 low.h5)" 1e-6
 }
@@ -221,19 +221,19 @@ PYTHON
     unset MAKEFLAGS MAKELEVEL MFLAGS V
     copy_scenes studies/parts
     cd studies/parts || return
-    # two small parts, on the grids that they need
+    # trains two small parts on the grids that they need
     sed -i -e '13,$d' -e 's/moes.L: [^]]*/moes.L: [4, 8/; s/candidates: 300/candidates: 40/; s/\[5, 1000\]/[10, 40]/' lubricants.yml
     parts=(RANGES="10-22 18-40" WHOLE=10-40 SCENES=40)
     run_make "${parts[@]}"
     echo "$output"
     [ "$status" -eq 0 ]
     [[ $output =~ "where two parts overlap their central films, each on its own grid, differ by "[0-9.]+e-0[3-9] ]]
-    # the list has the points of both
+    # the list has the points of both parts
     read -r nodes_low a <<<"$(awk '/^10-22/ { print $2, $3 }' out-lubricants/costs.txt)"
     read -r nodes_high b <<<"$(awk '/^18-40/ { print $2, $3 }' out-lubricants/costs.txt)"
-    [ "$nodes_low" -lt "$nodes_high" ] # each on the grid that it needs
+    [ "$nodes_low" -lt "$nodes_high" ] # each part has the grid that it needs
     grep -q "^list  *$((a + b)) " out-lubricants/costs.txt
-    # and solves all scenes, none of them wrong in silence; each part some
+    # the list solves all scenes, and none is wrong without a flag; each part solves some
     table=out-lubricants/draw-1-40.txt
     low=$(awk '/^10-22/ { print $2 }' $table) high=$(awk '/^18-40/ { print $2 }' $table)
     [ "$low" -gt 5 ] && [ "$high" -gt 5 ] && [ $((low + high)) -eq 40 ]
@@ -241,7 +241,7 @@ PYTHON
     [ "$(head -c 4 out-lubricants/border.png | tail -c 3)" = PNG ]
     run_make -n "${parts[@]}"
     [[ $status == 0 && ! $output =~ bin/$programs && ! $output =~ study.py ]]
-    # beside one model of all of it
+    # one model of the whole region is compared
     run_make whole "${parts[@]}"
     run_make costs draw "${parts[@]}"
     [ "$status" -eq 0 ]
@@ -268,7 +268,7 @@ PYTHON
     sed 's/step: [0-9.]*/step: 0.1/' fine.yml >base.yml
     part coarse "4, 6, 9, 12, 15" "10, 14"
     echo 'models: [coarse.h5, high.h5]' >grids.yml
-    # a scene that leaves the grid to the model has that of the part which solves it
+    # a scene that leaves the grid to the model has the grid of the part that solves it
     sed '/^grid/d' fine.yml >base.yml
     for case in "9 coarse" "14.5 high" "21 high"; do
         read -r moes_M name <<<"$case"
@@ -278,12 +278,12 @@ PYTHON
         [ "$film" = "$alone" ]
         same_data "$moes_M-grids.yml.h5" "$moes_M-$name.h5.h5"
     done
-    # one that asks for a grid is for the parts on it, whatever the range
+    # a scene that gives a grid is solved by the parts on this grid, whatever their range
     run --separate-stderr romrun fine.yml --set moes.M=9 --set moes.L=4 --model grids.yml
     [ "$status" -eq 4 ] && grep -q '^solved by  *high.h5$' <<<"$output"
     refused 65 "grid: found a line contact with 151 nodes .* in steps of 0.04, expected a line contact with 61 .* as in coarse.h5" \
         romrun fine.yml --set moes.M=9 --set moes.L=4 --set grid.step=0.04 --model grids.yml
-    # tables of cases, of the list and of the flat file of all of it
+    # tables of cases work with the list and with its flat file
     romrun --export grids.yml -o grids.ehdrom
     printf 'moes.M,moes.L\n9,4\n21,4\n' >cases.csv
     for model in grids.yml grids.ehdrom; do
@@ -293,10 +293,11 @@ PYTHON
         film=$(romrun --print $model.h5 central_film_thickness | tail -n 1 | grep -o '[0-9.e+-]*$')
         close_to "$film" "$alone" 1e-6
     done
-    # what neither knows the full model solves on the grid of the nearest part, though the other's range is larger
+    # a scene outside of both ranges is solved by the full model on the grid of the nearest part, though the range of
+    # the other part is larger
     romrun base.yml --set moes.M=40 --set moes.L=4 --model grids.yml --fallback full --quiet -o far.h5 >far.txt
     grep -q '^solved by  *the full model' far.txt && grep -q '^grid  *121 nodes' far.txt
-    # in time parts are on one grid
+    # in time all parts need one grid
     for model in grids.yml grids.ehdrom; do
         refused 65 "found 121 nodes from -4 in steps of 0.05, expected for contacts in time the grid of .*, 61 from -4 in steps of 0.1" \
             romrun moving.yml --model $model
@@ -305,7 +306,7 @@ PYTHON
     run "$BIN/../unit/use_library" march grids.yml moving.yml 0.02 3
     [ "$status" -ne 0 ]
     [[ $output == *"high.h5: found 121 nodes "*", expected for contacts in time the grid of coarse.h5, 61 "* ]]
-    # the library: fields are as long as the grid of the part
+    # the library gives fields as long as the grid of the part
     sed 's/^regime.*/&\nmoes: {M: 20, L: 4}/' base.yml >scene.yml
     for case in "9 61" "21 121"; do
         run -0 "$BIN/../unit/use_library" solve grids.yml scene.yml moes.M "${case% *}"
@@ -331,7 +332,7 @@ PYTHON
     echo 'models: [low.h5, none.h5]' >lacks.yml
     refused 66 "none.h5: " romrun base.yml --set moes.M=9 --set moes.L=4 --model lacks.yml
     refused 66 "nothing.yml: " romrun base.yml --model nothing.yml
-    # what one of the models is, no output may overwrite
+    # no output may overwrite a model of the list
     refused 73 "low.h5: found an input as output" \
         romrun base.yml --set moes.M=9 --set moes.L=4 --model parts.yml -o low.h5 --force
     sed -i 's/lubricant:/discretization: published\n&/' base.yml

@@ -1,10 +1,10 @@
 #!/usr/bin/env bats
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Point contacts: what fullrun and snapgen write of them.
+# Tests of point contacts: the files that fullrun and snapgen write.
 
 load common
 
-# A scene of 37 by 33 nodes and a plan of four points around it.
+# Writes a scene with 37 by 33 nodes and a plan of four points around it.
 setup() {
     cd "$BATS_TEST_TMPDIR" || return
     point_scene 20 -3
@@ -31,7 +31,7 @@ for line in range(33):
     x = half["x"][loaded[-1]] + 0.125 if len(loaded) else numpy.nan
     assert numpy.array_equal(exits[line], x, equal_nan=True), line
 assert abs(half["load"][0] - 1) < 1e-9
-assert -0.1 < pressure.sum() * 0.125**2 / (2 * numpy.pi / 3) - 1 < -0.01  # the rest is beyond the grid
+assert -0.1 < pressure.sum() * 0.125**2 / (2 * numpy.pi / 3) - 1 < -0.01  # the rest of the load is beyond the grid
 assert half["film_thickness"][0, 16, 24] == half["central_film_thickness"][0]
 PYTHON
 }
@@ -52,7 +52,7 @@ PYTHON
     fullrun scene.yml --set grid.half=false --start half.h5 -o whole.h5
     fullrun scene.yml --start whole.h5 -o again.h5
     for file in whole.h5 again.h5; do
-        # one iteration at least, because an iteration decides on the exit
+        # one iteration is needed at least, because it decides on the exit
         [ "$(number $file newton_iterations)" = 1.0 ]
         close_to "$(number $file central_film_thickness)" \
             "$(number half.h5 central_film_thickness)" 1e-9
@@ -131,7 +131,7 @@ assert numpy.allclose(half["exit_position"], exits * width[:, None], equal_nan=T
 snapshots = h5py.File("s.h5")
 assert snapshots["pressure"].shape == (142, 17, len(half["x"]))
 assert numpy.array_equal(snapshots["trajectory"][...], numpy.repeat([0, 1], 71))
-for place in 0, 70:  # the start, and where the contact changes fastest
+for place in 0, 70:  # the start, and the time at which the contact changes fastest
     entry = numpy.argmin(abs(half["time"][...] - snapshots["trajectory_time"][place]))
     for name in "pressure", "film_thickness":
         assert numpy.allclose(snapshots[name][place], half[name][entry, 16:], rtol=0, atol=1e-8), name
@@ -161,7 +161,7 @@ PYTHON
     /usr/bin/python3 - <<'PYTHON'
 import h5py
 result = h5py.File("result.h5")
-assert 1e-4 < result.attrs["inlet_effect"] < 0.1 # of the far field
+assert 1e-4 < result.attrs["inlet_effect"] < 0.1 # the effect with the far field
 assert abs(result.attrs["step_effect"]) > 0.01 and result.attrs["outlet_nodes"] > 0
 PYTHON
 }
@@ -171,10 +171,10 @@ PYTHON
     [[ $stderr == *"629 nodes take about "*" MB"* ]]
     [[ ${VARIANT:-} != san ]] || skip "the address sanitizer needs more than the limit"
     (
-        ulimit -v 600000 # of which OpenBLAS and libraries take half
+        ulimit -v 600000 # OpenBLAS and libraries take half of it
         refuse 71 "scene.yml: grid: found [0-9]* nodes, which take about [0-9]* MB, expected" \
             fullrun scene.yml --set grid.step=0.0025 -o x.h5
-        # however many there are, up to fifty million
+        # the memory is stated for any number of nodes up to fifty million
         refuse 71 "scene.yml: grid: found 5765201 nodes, which take about [0-9]* MB, expected" \
             fullrun scene.yml --set grid.step=0.00125 -o x.h5
     )
@@ -182,7 +182,7 @@ PYTHON
         fullrun scene.yml --set grid.step=0.000125 -o x.h5
 }
 
-# megabytes PROGRAM...: what it says that its nodes take
+# megabytes PROGRAM...: prints the memory that the program states for its nodes
 megabytes() { "$@" 2>&1 >/dev/null | sed -n 's/.* nodes take about \([0-9]*\) MB.*/\1/p'; }
 
 @test "a training states the memory of all jobs together, and refuses what is not there" {
@@ -196,18 +196,18 @@ YAML
         all=$(megabytes snapgen plan.yml $fine -o s.h5 --force --verbose --jobs $jobs)
         ((one > 3 && all >= jobs * (one - 1) && all <= jobs * (one + 1) + 3))
     done
-    # no more than there are points
+    # the memory does not count more jobs than points
     [ "$(megabytes snapgen plan.yml $fine -o s.h5 --force --verbose --jobs 6)" -eq \
         "$(megabytes snapgen plan.yml $fine -o s.h5 --force --verbose --jobs 60)" ]
     [[ ${VARIANT:-} != san ]] || skip "the address sanitizer needs more than the limit"
     (
-        ulimit -v 600000 # of which OpenBLAS and libraries take half
+        ulimit -v 600000 # OpenBLAS and libraries take half of it
         refuse 71 "plan.yml: grid: found [0-9]* nodes, which take about [0-9]* MB with --jobs 6, expected" \
             snapgen plan.yml --set grid.step=0.00625 --jobs 6 -o x.h5
     )
 }
 
-# threads_of OPTION...: how many threads fullrun has when it has worked for 0.3 s of the processor.
+# threads_of OPTION...: prints how many threads fullrun has after 0.3 s of processor time.
 threads_of() {
     fullrun scene.yml --repeat 1000 "$@" --quiet >/dev/null 2>&1 &
     pid=$!
@@ -248,18 +248,18 @@ threads_of() {
 }
 
 @test "shows how far it is, and stops soon when interrupted" {
-    fullrun scene.yml --set grid.step=0.0078125 --repeat 100 -o x.h5 2>log & # on no machine too short
+    fullrun scene.yml --set grid.step=0.0078125 --repeat 100 -o x.h5 2>log & # long enough on any machine
     pid=$!
     until grep -q "nodes, iteration" log; do
         kill -0 $pid
         sleep 0.1
     done
-    used=$(awk '{ print ($14 + $15) / 100 }' /proc/$pid/stat) # of the processor, s
+    used=$(awk '{ print ($14 + $15) / 100 }' /proc/$pid/stat) # processor time, s
     kill -INT $pid
     code=0
     wait $pid || code=$?
     [ $code -eq 130 ]
-    times >times.txt # of this shell, and of its children that ended
+    times >times.txt # processor time of this shell, and of its children that ended
     awk -F '[ms ]+' -v used="$used" 'NR == 2 { exit !($1 * 60 + $2 + $3 * 60 + $4 - used < 10) }' times.txt
     grep -q "/1000 [0-9]* by [0-9]* nodes, iteration [0-9]*, residual" log
     [ ! -e x.h5 ]

@@ -1,6 +1,6 @@
 #!/usr/bin/env bats
 # SPDX-License-Identifier: GPL-3.0-or-later
-# --print FILE NAME...: what any of our files holds as CSV, by every program.
+# Tests of --print FILE NAME...: every program prints the contents of any artefact as CSV.
 
 load common
 
@@ -15,7 +15,7 @@ setup() { common_setup; }
     done
     [ "$(head -n 1 fullrun.csv)" = x,pressure,film_thickness ]
     [ "$(wc -l <fullrun.csv)" -eq 302 ]
-    # to the last bit
+    # the numbers are exact to the last bit
     /usr/bin/python3 - <<'PYTHON'
 import csv, h5py
 with h5py.File("r.h5") as file, open("fullrun.csv") as table:
@@ -28,7 +28,7 @@ PYTHON
 0,12,line" ]
     fullrun --print r.h5 >names.csv
     grep -q '^pressure,1,1 301,time x,"pressure P, ' names.csv
-    # text of several lines is one field
+    # a text of several lines is one field
     fullrun --print r.h5 settings step >settings.csv
     /usr/bin/python3 -c "import csv; rows = list(csv.reader(open('settings.csv'))); assert len(rows) == 2 and 'moes.M: 12' in rows[1][0] and rows[1][1] == '0.02', rows"
 }
@@ -65,7 +65,7 @@ blocks = [block.splitlines() for block in "\n".join(lines).split("\n\n")]
 x, y, pressure = np.array([[line.split(",") for line in block] for block in blocks], dtype=float).transpose(2, 0, 1)
 assert header == "x,y,pressure" and len(blocks) == 33
 assert np.all(x == x[0]) and np.all(np.diff(x) > 0) and np.all(y == y[:, :1]) and np.all(np.diff(y[:, 0]) > 0)
-# half of the pressure is where the contact ends, on the lines through its middle
+# half of the pressure lies within the contact, on the lines through its middle
 for least, place, values in (0.5, x[16], pressure[16]), (0.5, y[:, 20], pressure[:, 20]):
     top = np.argmax(values)
     ends = np.interp(0.5, values[:top], place[:top]), np.interp(0.5, values[:top:-1], place[:top:-1])
@@ -116,7 +116,7 @@ assert np.allclose(load, 200e3 * (1 + 0.5 * part), rtol=1e-9)
 assert np.allclose(width, np.sqrt(8 * load * 0.01 * (1 - 0.2 * part) / (math.pi * 226e9)), rtol=1e-9)
 assert np.all(lines[:, :, 0] == time[:, None])
 assert np.allclose(lines[:, 200, 1], 0, atol=1e-18) and np.allclose(lines[:, 0, 1], -4 * width, rtol=1e-9)
-# a field at x = 0 is what is told of the centre, and carries the load
+# the fields at x = 0 are the printed central values, and the pressure carries the load
 assert np.allclose(lines[:, 200, 3], film, rtol=1e-9) and np.allclose(lines[:, 200, 2], pressure, rtol=1e-9)
 assert np.allclose(np.sum(lines[:, :, 2], axis=1) * 0.02 * width, load, rtol=1e-6)
 (names, values) = table("units.csv")
@@ -140,7 +140,7 @@ PYTHON
     romrun scene.yml --model c.h5 -o red.h5 --set output.fields=true --quiet >/dev/null
     for file in s b r c red table; do
         romrun --print $file.h5 >"$file-names.csv"
-        # those along the same axes together
+        # prints datasets along the same axes together
         /usr/bin/python3 - "$file" >groups <<'PYTHON'
 import csv, sys
 groups = {}

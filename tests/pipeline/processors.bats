@@ -1,6 +1,6 @@
 #!/usr/bin/env bats
 # SPDX-License-Identifier: GPL-3.0-or-later
-# OpenBLAS's core types: all that this processor can run.
+# Tests with all core types of OpenBLAS that this processor can run.
 
 load common
 
@@ -11,7 +11,7 @@ setup() {
     list_cores
 }
 
-# cores=(...): as their names are shown
+# list_cores: sets cores=(...), the core types by the names that programs print
 list_cores() {
     cores=(Prescott Core2 Nehalem)
     if has avx; then cores+=(Sandybridge); fi
@@ -32,7 +32,7 @@ has() {
 }
 
 
-# film FOLDER: $film film thickness
+# film FOLDER: prints the $film film thickness of a folder
 film() {
     awk -v name="$film" '$1 == name && $2 == "film" { print $4 }' "$1/own.txt"
 }
@@ -49,7 +49,7 @@ film() {
         romrun scene.yml --model "$core/m.h5" -o "$core/own.h5" --allow-untrusted >"$core/own.txt"
         romrun scene.yml -q --model "${cores[0]}/m.h5" -o "$core/first.h5" --allow-untrusted
         same_data "${cores[0]}/first.h5" "$core/first.h5"
-        # by the rounding of the training alone
+        # the models differ by the round-off of the training only
         for film in central minimum; do
             close_to "$(film "$core")" "$(film "${cores[0]}")" 1e-6
         done

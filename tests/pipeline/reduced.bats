@@ -1,10 +1,10 @@
 #!/usr/bin/env bats
 # SPDX-License-Identifier: GPL-3.0-or-later
-# podbuild, snapgen --basis, deimselect and romrun, from training to answer.
+# Tests of podbuild, snapgen --basis, deimselect and romrun, from training to solution.
 
 load common
 
-# One chain on 121 nodes for all tests: s.h5, b.h5, r.h5, m.h5 and full.h5.
+# Makes one chain with 121 nodes for all tests: s.h5, b.h5, r.h5, m.h5 and full.h5.
 setup_file() {
     cd "$BATS_FILE_TMPDIR" || return
     common_setup_small
@@ -20,7 +20,7 @@ setup() {
     cp "$BATS_FILE_TMPDIR"/* .
 }
 
-# ---- what it is for
+# ---- solutions
 
 @test "from training to answer" {
     run --separate-stderr podbuild s.h5 -o x.h5
@@ -47,7 +47,7 @@ setup() {
         fullrun --check $file.h5
         [ ! -e $file.h5.partial ]
     done
-    # every stage can say whether a file is whole
+    # every stage can check whether a file is complete
     podbuild --check b.h5
     deimselect --check m.h5
     romrun --check red.h5
@@ -64,7 +64,7 @@ setup() {
     done
 }
 
-# stability METHOD ROWS: what deimselect says of so many rows
+# stability METHOD ROWS: prints the stability that deimselect states for so many rows
 stability() {
     deimselect --no-check r.h5 --basis b.h5 -o y.h5 --force --method "$1" --rows "$2" |
         sed -n 's/^stability: \([^ ]*\).*/\1/p'
@@ -140,7 +140,7 @@ stability() {
     [[ $output != *"largest pressure error"* ]]
     run --separate-stderr romrun --allow-untrusted scene.yml --model m.h5 --against full.h5 --set output.fields=true
     [[ $output =~ "largest pressure error"\ *[0-9.]*e-0[3-9] ]]
-    # a result of something else
+    # a result of another scene is refused
     fullrun scene.yml -o other.h5 --set moes.M=13
     refuse 65 "other.h5: found a result of M = 13" \
         romrun scene.yml --model m.h5 --against other.h5 -o x.h5
@@ -159,19 +159,19 @@ with h5py.File("red.h5") as red, h5py.File("full.h5") as full:
     assert red["pressure"].shape == (1, 121)
     numpy.testing.assert_allclose(red["x"], full["x"], atol=1e-12)
     numpy.testing.assert_allclose(red["film_thickness"][0, 80], red["central_film_thickness"][0], rtol=1e-11)
-    least = red["film_thickness"][0].min() # at the nodes; the result's lies between them
+    least = red["film_thickness"][0].min() # at the nodes; the minimum of the result lies between nodes
     assert 0.98 * least < red["minimum_film_thickness"][0] <= least
     numpy.testing.assert_allclose(red["pressure"][0], full["pressure"][0], atol=5e-3)
     numpy.testing.assert_allclose(red["film_thickness"][0], full["film_thickness"][0], atol=2e-3)
     assert (red["pressure"][0, red["x"][...] >= red["exit_position"][0]] == 0).all()
 PYTHON
-    # a reduced result is a result: it starts the full solver
+    # fullrun can start from a reduced result
     fullrun scene.yml -o from.h5 --start red.h5
     close_to "$(number from.h5 central_film_thickness)" \
         "$(number full.h5 central_film_thickness)" 1e-8
 }
 
-# without_cubature MODEL: bad.h5, as an older version wrote it
+# without_cubature MODEL: makes bad.h5, the model as an older version wrote it
 without_cubature() {
     patch "$1" "[f.__delitem__(k) for k in list(f) if k.startswith('cubature') or k == 'moment_jacobian']"
 }
@@ -191,7 +191,7 @@ without_cubature() {
         close_to "$(number red.h5 $name)" "$(number old-red.h5 $name)" 5e-4
     done
     close_to "$(number red.h5 largest_shear_stress)" "$(number old-red.h5 largest_shear_stress)" 5e-3
-    # exact: moments are linear, and an even kernel does no net work
+    # moments are exact: they are linear, and an even kernel does no net work
     for name in rolling_moment rolling_resistance; do
         close_to "$(number red.h5 $name)" "$(number old-red.h5 $name)" 1e-9
     done
@@ -201,13 +201,13 @@ without_cubature() {
     [ "$(number fields.h5 friction_force)" = "$(number red.h5 friction_force)" ]
     romrun sliding.yml --model m.h5 --fallback full --quiet -o back.h5
     close_to "$(number back.h5 friction_force)" "$(number slid.h5 friction_force)" 1e-7
-    # a flat file has the same bits
+    # a flat model gives the same bits
     romrun --export m.h5 -o m.ehdrom
     romrun sliding.yml --model m.ehdrom --allow-untrusted -o flat.h5 --quiet
     for name in friction_force mean_shear_stress largest_shear_stress rolling_moment; do
         [ "$(number flat.h5 $name)" = "$(number red.h5 $name)" ]
     done
-    # whatever part of the model is in use
+    # the few nodes suit any part of the model
     for part in "--rows 14" "--pressure-modes 8 --rows 13"; do
         romrun sliding.yml --model m.h5 --allow-untrusted -o red.h5 --quiet --force $part
         romrun sliding.yml --model old.h5 --allow-untrusted -o old-red.h5 --quiet --force $part
@@ -225,7 +225,7 @@ without_cubature() {
     romrun sliding.yml --model mi.h5 --allow-untrusted -o red.h5 --quiet
     romrun sliding.yml --model bad.h5 --allow-untrusted -o old-red.h5 --quiet
     close_to "$(number red.h5 rolling_moment)" "$(number old-red.h5 rolling_moment)" 1e-9
-    # its film at nodes is that of its own modes, that of fields the deflection of its pressures
+    # at nodes the film comes from the deformation modes, in fields from the deflection of the pressures
     close_to "$(number red.h5 friction_force)" "$(number old-red.h5 friction_force)" 5e-3
 }
 
@@ -282,7 +282,7 @@ PYTHON
     refuse 65 "bad.h5: cubature_node_index" romrun --check bad.h5
     patch m.h5 "f.__delitem__('cubature_dry')"
     refuse 65 "bad.h5: found no dataset cubature_dry" romrun --check bad.h5
-    # what is a weight, but another one, is told by the digest
+    # a weight that is valid but changed is found by the digest
     cp m.h5 other.h5
     /usr/bin/python3 -c "
 import h5py
@@ -303,7 +303,7 @@ with h5py.File('other.h5', 'r+') as f: f['cubature_friction'][3] *= 2"
         romrun scene.yml --model m.h5 --rows 1000 -o x.h5
 }
 
-# Method joint is greedy: fewer rows are the first ones, which then have weights of their own.
+# Method joint is greedy: a selection of fewer rows has the first ones, with weights of their own.
 @test "the first rows of a model weigh as if selected alone" {
     run --separate-stderr deimselect --no-check r.h5 --basis b.h5 -o few.h5 --rows 14
     [ "$status" -eq 0 ]
@@ -311,7 +311,7 @@ with h5py.File('other.h5', 'r+') as f: f['cubature_friction'][3] *= 2"
     romrun --allow-untrusted scene.yml --model m.h5 --rows 14 -o red.h5
     close_to "$(number red.h5 central_film_thickness)" \
         "$(number few-red.h5 central_film_thickness)" 1e-12
-    # other than with the weights of all, which is what a file has that does not say how it was weighed
+    # the weights of all rows differ; a file without row_jacobian_modes has only these
     patch m.h5 "del f['row_jacobian_modes']"
     romrun --allow-untrusted scene.yml --model bad.h5 --rows 14 -o old-red.h5
     far_from "$(number old-red.h5 central_film_thickness)" \
@@ -357,7 +357,7 @@ with h5py.File('other.h5', 'r+') as f: f['cubature_friction'][3] *= 2"
     [ "$status" -eq 0 ]
     [ -z "$stderr" ]
     [ "$(number ok.h5 status)" = 4.0 ]
-    # not to be trained on
+    # a flagged result is no training state
     refuse 65 "red.h5: found no" podbuild red.h5 -o x.h5
 }
 
@@ -383,11 +383,11 @@ YAML
     [[ $output =~ "8 points with the projected system, "([0-9])" converged" ]]
     lost=$((8 - BASH_REMATCH[1]))
     ((lost > 0))
-    # an iterate that runs away would hide those of all others
+    # an iterate that diverges would dominate all others, so those of failed points are left out
     /usr/bin/python3 -c "
 import h5py
 assert len(set(h5py.File('fr.h5')['iteration_state'][...])) == 8 - $lost"
-    # the option of the first stage is taken, and then limits what may fail here
+    # --allow-failures of the first stage is accepted here too, and limits the points that may fail
     snapgen failing.yml --basis fb.h5 -o limited.h5 --set grid.x_max=1.1 --quiet --allow-failures $lost
     same_data fr.h5 limited.h5
     run --separate-stderr snapgen failing.yml --basis fb.h5 -o limited.h5 --set grid.x_max=1.1 \
@@ -428,7 +428,7 @@ assert len(set(h5py.File('fr.h5')['iteration_state'][...])) == 8 - $lost"
     ((most < 18))
     [ "$(deimselect --no-check one.h5 --basis b.h5 -o m2.h5 | awk 'NR == 1 { print $1 }')" -eq "$most" ]
     [ "$(deimselect --no-check r.h5 --basis b.h5 -o m3.h5 | awk 'NR == 1 { print $1 }')" -eq 18 ]
-    # too few for the modes: the cause, and what to do
+    # too few residuals for the modes: the message has the cause and a remedy
     sed 's/vary:.*/vary: {moes.M: [8], moes.L: [4]}/' plan.yml >few.yml
     snapgen few.yml --basis b.h5 -o few.h5 --quiet
     refuse 65 "few.h5: .*: found enough for [0-9] rows, expected 9, one for each pressure mode.*podbuild --energy" \
@@ -445,13 +445,13 @@ assert len(set(h5py.File('fr.h5')['iteration_state'][...])) == 8 - $lost"
         deimselect r.h5 --basis fb.h5 -o x.h5
     refuse 65 "found a line contact with 151 nodes .*with 121 .*as in m.h5" \
         romrun scene.yml --model m.h5 -o x.h5 --set grid.step=0.04
-    # as many nodes elsewhere
+    # this grid has as many nodes, elsewhere
     refuse 65 "found a line contact with 121 nodes from -3.95 .*as in m.h5" \
         romrun scene.yml --model m.h5 -o x.h5 --set grid.x_min=-3.95 --set grid.x_max=2.05
-    # far outside, where what the iteration meets there tells less
+    # far outside of the training the message has this reason, not where the iteration failed
     run -3 --separate-stderr romrun scene.yml --model m.h5 --set moes.M=300
     [[ $stderr == "romrun: scene.yml: found outside of the trained range of M and alpha p_H: "*", expected convergence" ]]
-    # of another kind, before the millions of nodes that it would have
+    # a contact of another kind is refused before its millions of nodes are made
     refuse 65 "scene.yml: contact: found point, expected line as in m.h5" \
         romrun scene.yml --model m.h5 -o x.h5 --set contact=point --set grid.step=0.001
 }
@@ -482,13 +482,13 @@ assert len(set(h5py.File('fr.h5')['iteration_state'][...])) == 8 - $lost"
     refuse 65 "bad.h5: schema_version: found 3.0, expected at most 2" deimselect bad.h5 --basis b.h5 -o x.h5
     patch m.h5 "$newer"
     refuse 65 "bad.h5: schema_version: found 3.0, expected at most 2" romrun scene.yml --model bad.h5 -o x.h5
-    # a newer minor version is read
+    # a newer minor version is accepted
     patch m.h5 "f.attrs['schema_version'] = '2.9'"
     romrun --allow-untrusted scene.yml --model bad.h5
 }
 
-# damaged FILE DATASET COMMAND...: the command refuses bad.h5, a copy of the file cut off in several places,
-# of noise, or with one bit of the dataset flipped
+# damaged FILE DATASET COMMAND...: checks that the command refuses bad.h5: a copy of FILE cut off in several places,
+# random bytes, or a copy with one flipped bit of DATASET
 damaged() {
     local file=$1 dataset=$2 size part
     shift 2
@@ -667,7 +667,7 @@ YAML
     [[ $output == *joint* && $output == *qr* ]]
 }
 
-# ---- what is never replaced, never silent
+# ---- inputs are never replaced
 
 @test "an input is no output, not even with --force" {
     cp scene.yml before.yml

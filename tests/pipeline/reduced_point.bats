@@ -1,10 +1,10 @@
 #!/usr/bin/env bats
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Reduced models of point contacts, from training to the online solution.
+# Tests of reduced models of point contacts, from training to the online solution.
 
 load common
 
-# A model of 33 by 33 nodes: of the half of them, and with all of what twelve points span.
+# Trains a model with 33 by 33 nodes on half of the domain, with all modes that twelve points give.
 setup_file() {
     cd "$BATS_FILE_TMPDIR" || return
     point_scene 13 -2.5
@@ -89,13 +89,13 @@ YAML
     podbuild ws.h5 -o wb.h5 --pressure-modes 12
     snapgen plan.yml --basis wb.h5 -o wr.h5 --set grid.half=false
     deimselect --no-check wr.h5 --basis wb.h5 -o wm.h5 --rows 60 --method sopt
-    # another inner product of the modes and other rows, hence not the same to all digits
+    # the modes have another inner product and the rows are others, hence not all digits agree
     romrun --allow-untrusted scene.yml --model m.h5 -o half.h5
     romrun --allow-untrusted scene.yml --model wm.h5 -o whole.h5 --set grid.half=false
     close_to "$(number whole.h5 central_film_thickness)" "$(number half.h5 central_film_thickness)" 2e-3
 }
 
-# stability METHOD ROWS: what deimselect says of so many rows
+# stability METHOD ROWS: prints the stability that deimselect states for so many rows
 stability() {
     deimselect --no-check r.h5 --basis b.h5 -o x.h5 --method "$1" --rows "$2" --force | sed -n 's/^stability: \([^ ]*\).*/\1/p'
 }
@@ -106,7 +106,7 @@ stability() {
     rows=$(sed -n 's/ rows of .*//p' log)
     awk -v of="$(sed -n 's/^stability: \([^ ]*\).*/\1/p' log)" 'BEGIN { exit !(of <= 3) }'
     awk -v of="$(stability exits $((rows - 1)))" 'BEGIN { exit !(of > 3) }'
-    # rows that are chosen for the exits do better there, of which qr knows nothing
+    # method exits selects rows for the exits and is more stable there than qr, which ignores them
     awk -v exits="$(stability exits 24)" -v qr="$(stability qr 24)" 'BEGIN { exit !(exits < qr) }'
 }
 
@@ -123,7 +123,7 @@ stability() {
             echo "$output"
             [ "$status" -eq 0 ] || [ "$status" -eq 2 ]
         done
-        # with all modes of the training it repeats it; fewer deformation modes are a coarser film
+        # with all modes of the training the model repeats it; with fewer deformation modes the film is less accurate
         set -- "$@" --set moes.M=11 --set moes.L=4.5
         fullrun scene.yml -o full.h5 --force "$@"
         romrun --allow-untrusted scene.yml --model im.h5 -o rom.h5 --force "$@"
@@ -151,7 +151,7 @@ transient:
   end_time: 0.5
   tolerance: 2e-4
 YAML
-    # by error control and with fixed steps, as it is run
+    # trains both on steps by error control and on fixed steps, as the model is run with both
     cat >plan.yml <<'YAML'
 groups:
   - {scene: scene.yml, vary: {transient.load.period: [0.8, 1.2]}}
@@ -190,7 +190,7 @@ PYTHON
 }
 
 @test "the band of every line of a stranger's model is checked" {
-    # none on an inner line (with as many nodes in all), columns beyond the grid or below it, exits outside
+    # an inner line without a band (with as many nodes in all), columns beyond or below the grid, and exits outside
     for patch in "none 5 6" "band_line_end 5 1000000000000" "band_line_begin 5 -3" \
         "band_line_most_exit 5 40" "first_minimum_line 0 99"; do
         cp m.h5 x.h5

@@ -1,6 +1,6 @@
 #!/usr/bin/env bats
 # SPDX-License-Identifier: GPL-3.0-or-later
-# A region that is too wide for one model becomes parts, by the one command.
+# Tests of one command for a region that is too wide for one model: the region is split into parts.
 
 load common
 
@@ -17,10 +17,10 @@ groups:
 YAML
 }
 
-# train ARGUMENT...: the one command.
+# train ARGUMENT...: runs the command.
 train() { make -f "$lib/pipeline.mk" PLAN=region.yml JOBS=1 "$@"; }
 
-# solves MODEL MOES_M...: scenes between the training points, which both models solve alike.
+# solves MODEL MOES_M...: checks that MODEL and the full model agree on scenes between the training points.
 solves() {
     local model=$1 moes_M
     shift
@@ -41,20 +41,20 @@ solves() {
     while read -r plan _; do
         run --separate-stderr snapgen "$plan" --adaptive --max-points 4 --start 4 -o "$plan.h5" --quiet
         [ "$status" -eq 0 ]
-        # as many candidates as the whole has, within a fifth
+        # each part has as many candidates as the whole region, within a fifth
         [[ $output =~ ^"4 points of "([0-9]+)"," ]]
         ((BASH_REMATCH[1] > 96 && BASH_REMATCH[1] < 144))
     done <list.txt
-    # a plan of a part names the whole, wherever it is read
+    # the plan of a part names the plan of the whole; a file is replaced only with --force
     refuse 73 "list.txt" snapgen region.yml --num-parts 2 -o list.txt
-    # no file is replaced without --force, the plan never, nor is one part by the next one
+    # without --force no file is replaced; the plan is never replaced, nor one part by the next one
     refuse 73 "M-6-.*yml" snapgen region.yml --num-parts 3 -o other.txt
     refuse 73 "list.txt" snapgen region.yml --adaptive --parts list.txt -o s.h5
     refuse 73 "region.yml" snapgen region.yml --num-parts 3 -o region.yml --force
     grep -q region: region.yml
     sed 's/M: \[6, 24\]/M: [100, 105]/' region.yml >close.yml
     refused 65 "found points of too few different M, expected 16 parts" snapgen close.yml --num-parts 16 -o none.txt
-    # a folder of any name
+    # the folder may have any name
     local folder=$'a "b\nc'
     mkdir "$folder"
     cp region.yml base.yml "$folder"
@@ -71,33 +71,33 @@ solves() {
     echo "$output"
     [ "$status" -eq 0 ]
     [ "$(grep -c '^  parts      2 of the region, along M: 6 to .*, .* to 24$' <<<"$output")" -eq 1 ]
-    # the trainings, then the models
+    # the stages are first the trainings, then the models
     grep -q "stage 1 of 10" <<<"$output"
     grep -q "stage 10 of 10, about 0 s in all" <<<"$output"
     [ "$(tail -n 1 <<<"$output")" = "model: $PWD/out/model.yml" ]
     [ ! -e out/model.h5 ] && [ ! -e out/snapshots.h5 ]
     romrun --check out/model.yml
     solves out/model.yml 6.2 8 10.5 12 13 17 23.5
-    # nothing is left to do, and nothing is done again
+    # a second run has nothing left to do, and repeats nothing
     run train ACCURACY=1e-2 SPLIT=2
     [ "$output" = "model: $PWD/out/model.yml" ]
-    # all parts are on the scene's grid: a list is taken where a model is
+    # both parts have the grid of the scene: programs accept the list in place of a model
     sed 's/^moes:.*/physical: {load: 5e4, radius: 0.0125, speed: 1, modulus: 2.3e11, viscosity: 0.04}/' scene.yml >si.yml
     romrun --fmu si.yml --model out/model.yml -o contact.fmu
     romrun --export out/model.yml -o model.ehdrom
     romrun --check model.ehdrom
-    # a part that is lost is made again, the other one is not
+    # a lost part is made again, and the other part is not
     rm out/M-6-*/model.h5
     run train ACCURACY=1e-2 SPLIT=2
     [ "$(grep -c deimselect <<<"$(grep '^  ' <<<"$output")")" -eq 1 ]
-    # a plan that has changed is trained anew
+    # a changed plan is trained again
     sed -i 's/24/20/' region.yml
     run train ACCURACY=1e-2 SPLIT=2
     [[ $output == *"along M: 6 to "*" to 20"* ]]
 }
 
 @test "a region whose errors do not fall fast enough becomes parts, and one that is small does not" {
-    # corners only begin it, so that twenty points are many
+    # the training starts with the corners only, so that twenty points are many
     few=(ACCURACY=1e-4 SNAPGEN_OPTIONS='--start 4')
     run train "${few[@]}" OUT=parts
     echo "$output"
@@ -106,16 +106,16 @@ solves() {
     grep -q "points do not make one model yet, two parts are in parts/two-parts.txt" <<<"$output"
     [ -e parts/model.yml ]
     solves parts/model.yml 6.2 9 12.3 14 23.5
-    # parts of parts cover all of it
+    # parts may be split further, and cover the whole region
     sed 's/M: \[6, 24\]/M: [4, 40]/' region.yml >wide.yml
     make -f "$lib/pipeline.mk" PLAN=wide.yml JOBS=1 ACCURACY=1e-8 SNAPGEN_OPTIONS='--start 4 --max-points 70' OUT=wide wide/parts.mk
     cat wide/parts.txt
     awk 'NR == 1 && $2 != 4 || NR > 1 && !($2 < high) { bad = 1 } { high = $3 } END { exit bad || NR < 3 || high != 40 }' wide/parts.txt
-    # the user has the last word
+    # SPLIT=1 keeps one model
     run train "${few[@]}" OUT=one SPLIT=1 one/snapshots.h5
     [ "$status" -eq 0 ]
     [[ $output != *"parts"* ]]
-    # what one model does soon is one model, to the bits of one that may not become parts
+    # a region that one model covers early stays one model, with the bits of a training that cannot be split
     sed 's/M: \[6, 24\]/M: [10, 11]/' region.yml >small.yml
     make -f "$lib/pipeline.mk" PLAN=small.yml ACCURACY=1e-2 JOBS=1 OUT=small small/snapshots.h5
     snapgen small.yml --adaptive --accuracy 1e-2 -o direct.h5 --jobs 1 --quiet
@@ -168,7 +168,7 @@ solves() {
     [ ! -e out/snapshots.h5 ]
     run make help -f "$lib/pipeline.mk" PLAN=region.yml
     [ ! -e out/snapshots.h5 ]
-    # a number of parts is kept or refused
+    # a number of parts is either used or refused
     run make -n -f "$lib/pipeline.mk" PLAN=region.yml SPLIT=2 SLURM=1
     [[ $status == 2 && $output == *"SPLIT: found 2 on Slurm, expected 1."* ]]
     run make -n -f "$lib/pipeline.mk" PLAN=plan.yml SPLIT=2

@@ -1,7 +1,7 @@
 #!/usr/bin/env bats
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Repeatability: the same inputs give the same bits, whatever --jobs and the threads that OpenBLAS is
-# allowed. Times of the solution are attributes, and are all that may differ.
+# Tests of repeatability: the same inputs give the same bits, whatever --jobs and the threads that OpenBLAS may use.
+# Times of the solution are attributes, and only these may differ.
 
 load common
 
@@ -18,12 +18,12 @@ lubricant:
 grid: {step: 0.05}
 transient: {load: {law: sine, amplitude: 0.1, period: 1}, end_time: 0.5}
 YAML
-    # enough for products that OpenBLAS would share among threads
+    # the plan is large enough for products that OpenBLAS would share among threads
     sed -i -e 's/moes.M: .*\], /moes.M: [8, 9, 10, 11, 12, 13, 14, 15], /' -e 's/moes.L: .*/moes.L: [1, 2, 3, 4, 5, 6, 7, 8]}/' plan.yml
     printf '  - scene: time.yml\n' >>plan.yml
 }
 
-# chain FOLDER JOBS THREADS: from the plan to full and reduced results, stationary and in time.
+# chain FOLDER JOBS THREADS: runs all stages from the plan to full and reduced results, stationary and in time.
 chain() {
     mkdir "$1"
     export OPENBLAS_NUM_THREADS=$3
@@ -41,7 +41,7 @@ chain() {
     done
 }
 
-# same_attributes A B: those of results, as far as they are no times of the solution.
+# same_attributes A B: checks that attributes of results are equal, except times of the solution.
 same_attributes() {
     /usr/bin/python3 - "$1" "$2" <<'PYTHON'
 import sys, h5py

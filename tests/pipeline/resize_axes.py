@@ -17,7 +17,7 @@ import numpy as np
 
 EVERY_LENGTH = "EVERY_LENGTH" in os.environ
 
-# Solved, not converged, not to be trusted, wrong use, bad data, no memory.
+# Exit codes of a proper end: solved, not converged, not to be trusted, wrong use, bad data, no memory.
 MAY_END = {0, 3, 4, 64, 65, 69, 71}
 
 

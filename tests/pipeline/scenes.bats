@@ -1,11 +1,11 @@
 #!/usr/bin/env bats
 # SPDX-License-Identifier: GPL-3.0-or-later
-# The pipelines of the paper at a small size: a copied folder works under any name, only what changed is made
-# again, and the tables and pictures are there.
+# Tests of the paper's pipelines at a small size: a copied folder works under any name, only outdated files are made
+# again, and the tables and pictures exist.
 
 load common
 
-# One lubricant and a plan that covers its cases.
+# Copies the study with one lubricant and a plan that covers its cases.
 small_low() {
     copy_scene studies/stationary-line
     sed -i -e 's/moes.M: .*/moes.M: [10, 12, 15, 17, 20]/' -e 's/moes.L: .*/moes.L: [11, 12, 13, 15]/' plan.yml
@@ -24,11 +24,11 @@ small_high() {
 
 setup() { unset MAKEFLAGS MAKELEVEL MFLAGS V; }
 
-# python TEXT: with what the scripts of the scenes share.
+# python TEXT: runs the text with the modules that scripts of the scenes share.
 python() { BIN=$BIN PYTHONPATH=$BATS_TEST_DIRNAME/../../scenes/lib /usr/bin/python3 -B -c "import os, numpy, results
 $1"; }
 
-# makes PATTERN: what make would run matches; makes_nothing: it would run no program.
+# makes PATTERN: checks that the commands that make would run match; makes_nothing: that make would run no program.
 makes() {
     run_make -n models demo
     [[ $status == 0 && $output =~ $1 ]] || { echo "expected $1 in: $output"; return 1; }
@@ -115,18 +115,19 @@ makes_nothing() {
     run_make effects TOLERANCES=1.5e-3 TRUTH_STEP=0.01
     [ "$status" -eq 0 ]
     [ "$(head -c 4 out/effects.png | tail -c 3)" = PNG ]
-    # the tolerance is met within a factor 3, and told within 4, though the grid is four times the usual one
+    # the tolerance is met within a factor 3, and the estimate is right within 4, on a grid four times as coarse as
+    # usual
     awk '/ central / && /1.5e-3/ { n++; for (i = 1; i <= NF; i++) if ($i == "central") { true = $(i + 1); told = $(i + 3) }
              if (!($NF < 3 && $NF > 1 / 3 && told < 4 * true && true < 4 * told)) bad = 1 }
          END { exit bad || n != 2 }' out/effects.txt
-    # what misses it by more is noted
+    # a run that exceeds its tolerance by more has a note
     run --separate-stderr "$BIN/fullrun" scene.yml -o x.h5 --set transient.tolerance=5e-4 \
         --set transient.load.law=sine --set transient.load.amplitude=0.4 --set transient.load.period=1.5
     [ "$status" -eq 0 ]
     [[ $stderr == *"scene.yml: the steps in time do 0."*" % to the central film (root mean square), more than 3 times transient.tolerance"* ]]
 }
 
-# Two short trajectories on the small grid.
+# Copies the study with two short trajectories on a small grid.
 small_transient() {
     copy_scene studies/transient-load
     sed -i 's/end_time: .*/end_time: 0.2/' scene.yml
@@ -143,14 +144,15 @@ small_transient() {
     run_make tables figures "${sizes[@]}"
     [ "$status" -eq 0 ]
     for table in 'Table 6' 'Table 7' 'Largest deviations' published worst; do grep -q "$table" out/tables.txt; done
-    [[ ! $output =~ nan|[0-9]\* ]] # none stopped early
-    # the film at the centre does not change before what enters has reached it: $7 may print as zero
+    [[ ! $output =~ nan|[0-9]\* ]] # no run stopped early
+    # the central film does not change before the entering film reaches the centre: $7 may print as zero
     awk '/^worst/ { found = 1; for (i = 2; i <= 6; i++) if (!($i > 0 && $i < 1)) bad = 1 } END { exit bad || !found }' out/tables.txt
     for picture in figure4 figure5; do
         [ "$(head -c 4 out/$picture.png | tail -c 3)" = PNG ]
         grep -q '</svg>' out/$picture.svg
     done
-    # all nodes, and the pressure of the time asked for, in its own frame: p_H goes with the root of the load
+    # the profile has all nodes, and the pressure of its time in the frame of that time: p_H grows with the root of the
+    # load
     run -0 python 'x, P, H = results.profile("out/profile-full.h5"); run = results.read_trajectory("out/full/fixed-1.h5")
 now = abs(run.time - 0.15).argmin()
 print(len(x), P[abs(x).argmin()], run.P_c[now] / run.load[now] ** 0.5)'
@@ -160,7 +162,7 @@ print(len(x), P[abs(x).argmin()], run.P_c[now] / run.load[now] ** 0.5)'
     run_make -n tables figures "${sizes[@]}"
     [[ $status == 0 && ! $output =~ bin/$programs && ! $output =~ trajectories.py && ! $output =~ study.py ]]
 
-    # the comparison over time is that of romrun
+    # the comparison over time agrees with that of romrun
     run -0 --separate-stderr romrun scene.yml --quiet --model out/model.h5 --set transient.load.period=0.75 \
         --set transient.fixed_step=0.005 --against out/full/fixed-2.h5
     close_to "$(python 'import trajectories
@@ -170,7 +172,7 @@ print(trajectories.largest(*(results.read_trajectory(f"out/{kind}/fixed-2.h5") f
 
 @test "the transient load: distances from the truth, of a period that was not trained too" {
     small_transient
-    # along the path, to where something has come to the centre
+    # transport is along the path, up to a time when entering film has reached the centre
     sed -i 's/0.2,0.005/1.5,0.01/' cases.csv
     sed -i 's/end_time: .*/end_time: 1.5/' scene.yml
     small=(model.PRESSURE_MODES=60 model.ROWS=100 SNAPGEN_OPTIONS='--jobs 1' SET='--set discretization=accurate')
@@ -185,7 +187,7 @@ print(trajectories.largest(*(results.read_trajectory(f"out/{kind}/fixed-2.h5") f
          $2 == "full" { if (NF != 10) bad = 1 }
          $2 == "model" { if (NF != 12 || !($11 > 0 && $12 > 0)) bad = 1 }
          END { exit bad || lines["0.5"] != 5 || lines["0.75"] != 5 }' out*/distances.txt
-    # the path on half the step is nearer to the extrapolated rows than these themselves are
+    # the path on half the step is nearer to the extrapolation of the published rows than these rows are
     run_make confirm "${small[@]}" CONFIRM_CASE=2
     echo "$output"
     [ "$status" -eq 0 ]
@@ -204,7 +206,7 @@ print(trajectories.largest(*(results.read_trajectory(f"out/{kind}/fixed-2.h5") f
 
 @test "a run that stops early or is not trusted is shown as far as it came" {
     small_transient
-    # stands for a program that stops with an exit code of its own
+    # this program stops with a given exit code
     cat >stops <<'SH'
 #!/bin/sh
 scene=$1
@@ -225,7 +227,7 @@ print(run.code, run.message, run.steps > 0, run.time[0], round(run.load[0], 12),
     CODE=70 run -70 --separate-stderr python "$stops"
     [[ -z $output && $stderr == "stops: no further" ]]
 
-    # a reduced model far from its training: its films end early or are marked, and the table says so
+    # a reduced model far from its training: its runs end early or are marked, and the table shows this
     run_make extremes tables "${sizes[@]}" EXTREME_AMPLITUDES=0.9 EXTREME_PERIODS=0.5
     [ "$status" -eq 0 ]
     run -0 python 'run = results.read_trajectory("out/model/extreme-0.9-0.5.h5"); print(f"{run.time[-1]:.3f}", run.steps)
@@ -247,7 +249,7 @@ one, two = (i[:11] / 10) ** 2, i / 11
 P, H = (lambda t: 1 + t ** 3), (lambda t: 2 + t - t ** 2)
 one, two = (SimpleNamespace(time=t, P_c=f * P(t), H_c=H(t) * g) for t, f, g in ((one, 1, 1), (two, 1.01, 1 - 0.02 * (i == 5))))
 P_c, H_c = (100 * results.deviations(one, two, column) for column in ("P_c", "H_c"))
-assert numpy.isnan(P_c[12]) and numpy.isnan(H_c[12])  # the last time lies behind the end
+assert numpy.isnan(P_c[12]) and numpy.isnan(H_c[12])  # the last time lies beyond the end
 assert (abs(P_c[:12] - 1) < 1e-10).all() and (abs(H_c[:12] + 2 * (i[:12] == 5)) < 1e-10).all()
 assert abs(trajectories.largest(one, two, "P_c") - 1) < 1e-6 and abs(trajectories.largest(one, two, "H_c") - 2) < 1e-6
 same = results.deviations(one, one, "H_c")

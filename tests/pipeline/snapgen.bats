@@ -7,7 +7,7 @@ setup() {
     common_setup
 }
 
-# A plan that takes about a second, to be stopped on the way.
+# Writes a plan that takes about a second, to be stopped on the way.
 slow_plan() {
     cat >slow.yml <<'YAML'
 groups:
@@ -17,7 +17,7 @@ YAML
     slow=(slow.yml --set grid.step=0.0025)
 }
 
-# ---- what it is for
+# ---- solutions
 
 @test "runs a plan" {
     run --separate-stderr snapgen plan.yml -o s.h5 --quiet
@@ -26,7 +26,7 @@ YAML
     [[ $output == "6 points, 6 converged, "* ]]
     [ ! -e s.h5.partial ]
     snapgen --check s.h5
-    # in the order of the plan, the last key fastest
+    # states follow the order of the plan, the last key varying fastest
     [[ $(h5dump -d moes_M s.h5) == *"8, 8, 12, 12, 20, 20"* ]]
     [[ $(h5dump -d moes_L s.h5) == *"2, 5, 2, 5, 2, 5"* ]]
 }
@@ -88,7 +88,7 @@ with h5py.File("all.h5") as whole, h5py.File("cold.h5") as cold:
         if name in ("x", "y", "state") or whole[name].shape[:1] != whole["status"].shape: continue
         joined = numpy.concatenate([part[name][...] for part in parts])
         assert joined.tobytes() == whole[name][...].tobytes(), name
-    # most start from a neighbour
+    # most points start from a neighbour
     assert (whole["pressure"][...] != cold["pressure"][...]).any(axis=1).sum() > 12
 PYTHON
     done
@@ -153,7 +153,7 @@ YAML
     refused 65 "where.yml: where: found all 4 points outside" snapgen where.yml -o t.h5
     [ ! -e t.h5 ]
     [ ! -e t.h5.partial ]
-    # by M: of 10 and 1000 the lower one
+    # with bounds on M, of 10 and 1000 the lower one is kept
     sed -i 's/alpha_p_H: .*/moes_M: [5, 500]}/; s/3, 20/3, 5/' where.yml
     run -0 --separate-stderr snapgen where.yml -o m.h5
     [[ $stderr == *"2 of 4 points lie outside of the bounds"* ]]
@@ -184,7 +184,7 @@ YAML
     [ "$code" -eq 130 ]
     [ ! -e s.h5 ]
     [ -e s.h5.partial ]
-    # unfinished, so no stage takes it
+    # the file is unfinished, so no stage takes it
     run snapgen --check s.h5.partial
     [ "$status" -eq 65 ]
 
@@ -212,8 +212,8 @@ YAML
     same_data whole.h5 s.h5
 }
 
-# partial_of FILE PYTHON: s.h5.partial as a run leaves it that was killed when all of FILE was in it, but for what
-# the code does to it as `f`.
+# partial_of FILE PYTHON: makes s.h5.partial, the file of a run that was killed when all of FILE was written. The code
+# changes it as `f`.
 partial_of() {
     patch "$1" "f.attrs['complete'] = numpy.int64(0)
     $2"
@@ -266,7 +266,7 @@ partial_of() {
         [ "$(h5dump -d moes_M s.h5 | grep -c 12)" -gt 0 ]
         rm s.h5
     done
-    # what holds nothing is no loss
+    # a file without solved points is replaced
     head -c 1000 /dev/urandom >s.h5.partial
     snapgen plan.yml -o s.h5
 }
@@ -275,14 +275,14 @@ partial_of() {
     slow_plan
     stop_when STOP 'states >= 1' s.h5 snapgen "${slow[@]}" -o s.h5
     run --separate-stderr snapgen plan.yml -o s.h5
-    kill -KILL "$pid" # in any case: bats waits for it
+    kill -KILL "$pid" # in any case, as bats waits for the program
     [ "$status" -eq 73 ]
     [[ $stderr == *"s.h5.partial: found another process"* ]]
 }
 
 # ---- points that fail
 
-# Two points with an exit beyond the domain, the second below the first; the others are good.
+# Writes a plan in which two points have an exit beyond the domain, the second below the first; the others converge.
 failing_plan() {
     cat >failing.yml <<'YAML'
 groups:
@@ -313,7 +313,7 @@ with h5py.File("s.h5") as file:
     assert (file["exit_node"][...][status == 1] == -1).all()
     assert numpy.isfinite(file["moes_M"][...]).all()
 PYTHON
-    # fewer than allowed
+    # as many failures as are allowed give exit code 0
     run --separate-stderr snapgen "${failing[@]}" -o t.h5 --quiet --allow-failures "$lost"
     [ "$status" -eq 0 ]
     run snapgen "${failing[@]}" -o t.h5 --quiet --force --allow-failures $((lost - 1))
@@ -331,7 +331,7 @@ PYTHON
         echo "$status $stderr"
         [ "$status" -eq 3 ]
         [ -z "$output" ]
-        [ "${#stderr_lines[@]}" -eq 3 ] # one a point
+        [ "${#stderr_lines[@]}" -eq 3 ] # one for each point, and a summary
         [ "${stderr_lines[-1]}" = "snapgen: failing.yml: found none of 2 points converged, expected \
 at least one" ]
         [ "$(cat s.h5)" = precious ]
@@ -343,7 +343,7 @@ at least one" ]
 
 # ---- bad plans
 
-# bad_plan PATTERN [CODE], the plan on stdin
+# bad_plan PATTERN [CODE]: checks that snapgen refuses the plan on stdin
 bad_plan() {
     cat >bad.yml
     refused "${2:-65}" "$1" snapgen bad.yml -o s.h5

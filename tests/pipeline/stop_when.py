@@ -23,7 +23,7 @@ os.environ["HDF5_USE_FILE_LOCKING"] = "FALSE"
 import h5py
 import numpy
 
-LIMIT = 900  # s, for a machine that is busy indeed
+LIMIT = 900  # s, enough on a busy machine
 
 
 def read(path):
@@ -47,7 +47,7 @@ def holds(condition, path, before):
     try:
         seen = read(path)
     except (OSError, KeyError, RuntimeError):
-        return False  # not there yet, or just being written
+        return False  # the file does not exist yet, or is being written
     if "time" in seen:
         assert len(seen["film"]) == len(seen["time"]) >= before["times"]
         assert numpy.isfinite(seen["time"]).all() and numpy.isfinite(seen["film"]).all()
@@ -57,7 +57,7 @@ def holds(condition, path, before):
 
 def attempt(number, condition, partial, command):
     """The program, stopped; None when it ended before."""
-    # who stops it waits for the end of its own output
+    # the caller reads this script's output to its end, so a halted program must not hold it open
     quiet = subprocess.DEVNULL if number == signal.SIGSTOP else None
     said = os.path.getsize("log") if condition.startswith("says ") else 0
     program = subprocess.Popen(command, stdout=quiet)

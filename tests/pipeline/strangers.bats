@@ -1,10 +1,10 @@
 #!/usr/bin/env bats
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Files of strangers: what they may hold is told before it is used.
+# Tests of files by foreign writers: their contents are checked before they are used.
 
 load common
 
-# A small line model, m.h5, with what it was made of and a result of each kind.
+# Makes a small line model, m.h5, its inputs, and a result of each kind.
 setup_file() {
     cd "$BATS_FILE_TMPDIR" || return
     common_setup_small
@@ -24,8 +24,8 @@ setup() {
     cp "$BATS_FILE_TMPDIR"/* .
 }
 
-# stranger KIND PATTERN PYTHON: the file KIND.h5, changed by the code, is refused by its reader and by --check
-# with one line that matches.
+# stranger KIND PATTERN PYTHON: checks that the file KIND.h5, changed by the code, is refused by its reader and by
+# --check with one line that matches PATTERN.
 stranger() {
     local kind=$1 pattern=$2
     patch "$kind.h5" "$3"
@@ -64,9 +64,9 @@ stranger() {
     d = f['$name'][...]; del f['$name']
     f.create_dataset('$name', data=d, chunks=d.shape, compression='lzf')"
     done
-    # an axis, too
+    # the check includes axes
     stranger m "x: found an external link" "del f['x']; f['x'] = h5py.ExternalLink('m.h5', '/x')"
-    # and what is linked inside of the file, or compressed by what HDF5 has, is read
+    # a link inside the file is followed, and the compressions that HDF5 itself has are read
     patch m.h5 "
     d = f['load_jacobian'][...]; del f['load_jacobian']
     f.create_dataset('own/a', data=d, chunks=d.shape, compression='gzip', shuffle=True, fletcher32=True)
@@ -91,7 +91,7 @@ with h5py.File('other.h5', 'w') as f: f['time'], f['g'] = numpy.array([0, 0.5, 1
 }
 
 @test "sizes that a file cannot have are refused before they are taken" {
-    # axes without data, whose product with the size of a number overflows, or is more than the file can hold
+    # these axes have no data; the product with the size of a number overflows, or is more than the file can hold
     local huge="
     def grow(axis, length, **how):
         on = {n: [d[0].name[1:] if len(d) else n for d in f[n].dims] for n in f}
@@ -99,7 +99,7 @@ with h5py.File('other.h5', 'w') as f: f['time'], f['g'] = numpy.array([0, 0.5, 1
             if axis not in axes: continue
             shape = [length if a == axis else l for a, l in zip(axes, f[n].shape)]
             t = f[n].dtype; del f[n]; f.create_dataset(n, shape, t, **how)
-        # that lists where datasets lay that are gone, where others may lie now
+        # deletes the lists of places in deleted datasets, where others may lie now
         for n in f:
             if 'REFERENCE_LIST' in f[n].attrs: del f[n].attrs['REFERENCE_LIST']
     "
@@ -107,7 +107,7 @@ with h5py.File('other.h5', 'w') as f: f['time'], f['g'] = numpy.array([0, 0.5, 1
         stranger m "$axis.*: found length 2305843009213693952 along $axis, expected at most [0-9]*$" "$huge
     grow('$axis', 2**61, chunks=True)"
     done
-    # what was never written, and holes of the file system
+    # lengths without written data, and holes of the file system
     stranger m "found numbers that take .* MB in a file with .* MB of data, expected at most 1032 times as much" "$huge
     grow('needed_node', 9 * 10**6)"
     stranger s "state: found length .* expected at most 10000000" "$huge
@@ -118,11 +118,11 @@ with h5py.File('other.h5', 'w') as f: f['time'], f['g'] = numpy.array([0, 0.5, 1
     grow('needed_node', 9 * 10**6)
     f['needed_pressure_basis'][-1, -1] = 1"
     [ "$(stat -c %s bad.h5)" -gt 500000000 ]
-    # a part of it that is unpacked at once
+    # a chunk is unpacked at once, so its size has a limit too
     stranger m "load_jacobian: found a chunk of 100000000 numbers, expected at most 1048576" "
     d = f['load_jacobian'][...]; del f['load_jacobian']
     f.create_dataset('load_jacobian', data=d, maxshape=(None,), chunks=(10**8,), compression='gzip')"
-    # a table of numbers
+    # tables of numbers have limits too
     sed -i '/^transient/d' moving.yml
     echo 'transient: {end_time: 0.1, load: {law: table, file: T.h5, column: F}}' >>moving.yml
     /usr/bin/python3 -c "
@@ -138,7 +138,7 @@ with h5py.File('T.h5', 'w') as f:
 }
 
 @test "files that nobody writes on purpose" {
-    # what leads nowhere bad is read: a group within itself, a block before the file, bytes behind it, many attributes
+    # harmless oddities are read: a group within itself, a block before the file, bytes behind it, many attributes
     patch m.h5 "
     g = f.create_group('g')
     g['g'] = g
@@ -167,7 +167,7 @@ with h5py.File('T.h5', 'w') as f:
     fullrun moving.yml --quiet
     sed -i 's,g/g/g/g/g/g/F,../g/F,' moving.yml
     refuse 65 "no dataset ../g/F" fullrun moving.yml -o x.h5
-    # what is not what it is called
+    # an object of another kind under the name of a dataset is refused
     local name=load_jacobian
     stranger m "$name: found a soft link" "del f['$name']; f['$name'] = h5py.SoftLink('/$name')"
     stranger m "$name: found no dataset" "del f['$name']; f.create_group('$name')"
@@ -180,7 +180,7 @@ with h5py.File('T.h5', 'w') as f:
     for value in "numpy.full(3, 0.05)" "f.ref" "h5py.Empty('f8')" "'0.05'" "b'0.05' * 10000"; do
         stranger m "attribute step: found something else" "f.attrs['step'] = $value"
     done
-    # nothing of the file reaches a terminal as it is
+    # texts of the file do not reach a terminal unchanged
     stranger m 'deformation: found cou.pled..2J., expected' "f.attrs['deformation'] = 'cou\\npled\\x1b[2J\\x07'"
     [[ $stderr != *$'\x1b'* ]]
 }
@@ -219,7 +219,7 @@ put('product.yml', 'groups:\n- {scene: base.yml, vary: {moes.M: %s, moes.L: %s}}
     refuse 65 "groups: found more than 1000000 points" snapgen product.yml -o x.h5
 }
 
-# bad.h5, residuals of 0.9 GB in 8 MB.
+# Makes bad.h5, residuals of 0.9 GB in 8 MB.
 large_residuals() {
     patch r.h5 "
     n = 20000
@@ -241,11 +241,12 @@ large_residuals() {
     [[ $stderr == "deimselect: residuals: out of memory" ]]
 }
 
-# interrupted PATTERN COMMAND...: SIGTERM while it reads bad.h5 ends it with 130 and one line that matches.
+# interrupted PATTERN COMMAND...: checks that SIGTERM while bad.h5 is read gives exit code 130 and one line that
+# matches.
 interrupted() {
     local pattern=$1 process code=0
     shift
-    timeout --foreground -s KILL 300 "$@" >out 2>log & # without it the program has the signal twice
+    timeout --foreground -s KILL 300 "$@" >out 2>log & # without --foreground the program would receive the signal twice
     process=$!
     until [ -n "$(find /proc/[0-9]*/fd -lname "$PWD/bad.h5" 2>/dev/null)" ]; do
         kill -0 $process
@@ -286,7 +287,7 @@ C
     d = f[name][...]; del f[name]
     new = f.create_dataset(name, d.shape, chunks=d.shape, compression='lzf')
     new.id.write_direct_chunk([0] * d.ndim, b'compressed')"
-        # which HDF5 itself does
+        # HDF5 itself loads the filter
         h5dump -d "${dataset[$kind]}" bad.h5 >dump 2>&1 || true
         [ -e loaded ]
         rm loaded
@@ -297,9 +298,9 @@ C
         esac
         [ ! -e loaded ]
     done
-    # nor for what is not of the schema, which is not read
+    # datasets outside of the schema are not read, so they load no filter either
     patch m.h5 "f.create_dataset('own', (10,), chunks=(10,), compression='lzf').id.write_direct_chunk([0], b'compressed')"
-    rm -f loaded # by Python
+    rm -f loaded # Python loaded it
     romrun --check bad.h5
     romrun scene.yml --model bad.h5 --allow-untrusted -o y.h5
     romrun --print bad.h5 >names
@@ -330,12 +331,12 @@ C
     stranger b "weight: found -1, expected above 0" "f['weight'][5] = -1"
     stranger r "iteration_state: found 9, expected -1 to 8" "f['iteration_state'][2] = 9"
     stranger s "moes_M: found 0, expected above 0" "f['moes_M'][0] = 0"
-    patch s.h5 "f['exit_node'][0] = -1" # which podbuild does not read
+    patch s.h5 "f['exit_node'][0] = -1" # podbuild does not read this entry
     refused 65 "exit_node: found -1, expected 0 to 121" podbuild --check bad.h5
-    # whose squares are more than a number can be
+    # the square of the number overflows
     patch r.h5 "f['weighted_residual'][1] = 1e308"
     refuse 65 "bad.h5: .*found 1e\+308 in snapshot .*, expected .* at most 1e\+140" deimselect bad.h5 --basis b.h5 -o x.h5 --no-check
-    # but not of a state that was not solved
+    # the numbers of a state that was not solved are not checked
     patch s.h5 "f['status'][0], f['moes_M'][0] = 1, numpy.nan"
     podbuild bad.h5 -o x.h5
     podbuild --check bad.h5
@@ -382,7 +383,7 @@ C
 }
 
 @test "a pressure that reaches the last node" {
-    # a checkpoint behind the last one was read, which the sanitizers tell
+    # a checkpoint behind the last node must not be read, which sanitizers would report
     patch s.h5 "
     p = f['pressure'][0]
     p[90:] = numpy.linspace(p[90], 0.1, 31)
@@ -392,7 +393,7 @@ C
     podbuild --check x.h5
 }
 
-# changed KIND PYTHON: the same as stranger, of a file that keeps its digest
+# changed KIND PYTHON DATASET: checks the same as stranger for a file that keeps its digest
 changed() {
     cp "$1.h5" bad.h5
     /usr/bin/python3 -c "
@@ -423,7 +424,7 @@ with h5py.File('bad.h5', 'r+') as f:
     changed full "f['pressure'][0, 30] += 1e-9" pressure
     changed moving "f['central_film_thickness'][3] += 1e-9" central_film_thickness
     changed moving "f['time'][3] += 1e-9" time
-    # what people add is not covered, and how a file is stored neither
+    # the digest does not cover additions, nor the way in which data is stored
     cp m.h5 bad.h5
     /usr/bin/python3 -c "
 import h5py
@@ -435,17 +436,17 @@ with h5py.File('bad.h5', 'r+') as f:
     romrun scene.yml --model bad.h5 --allow-untrusted -o x.h5
     content() { h5dump -a "$2" "$1" | grep '(0)'; }
     [[ $(content x.h5 input_2_content) == *'"digest checked"' ]]
-    # a foreign writer may leave it out
+    # a foreign writer may omit the digest
     patch m.h5 "f['load_jacobian'][3] += 1e-9"
     romrun --check bad.h5
     romrun scene.yml --model bad.h5 --allow-untrusted -o y.h5
     [[ $(content y.h5 input_2_content) == *'"no digest"' ]]
-    # which is said without an output too, in one line
+    # one line reports this, also without an output
     run --separate-stderr romrun scene.yml --model bad.h5 --allow-untrusted
     [ "$(grep -c "^romrun: bad.h5: found no digest of its content" <<<"$stderr")" -eq 1 ]
     run --separate-stderr romrun scene.yml --model m.h5 --allow-untrusted
     [[ $stderr != *digest* ]]
-    # the switch
+    # EHDROM_DIGEST=no skips the check
     cp m.h5 bad.h5
     /usr/bin/python3 -c "
 import h5py
@@ -480,7 +481,7 @@ for name in sys.argv[1:]:
             assert h.hexdigest() == digest, (name, n)
 PYTHON
     fullrun moving.yml -o every.h5 --quiet --set output.fields_every=3
-    # shards that are merged, and a run that is killed and resumed
+    # digests of merged shards, and of a run that was killed and resumed
     snapgen plan.yml -o one.h5 --shard 1/2 --quiet
     snapgen plan.yml -o two.h5 --shard 2/2 --quiet
     podbuild one.h5 two.h5 -o x.h5
@@ -494,13 +495,13 @@ PYTHON
     for file in every one two x t; do fullrun --check $file.h5; done
 }
 
-# harmless COMMAND...: nothing of what it says, or prints, controls a terminal, and what it says are lines of its own.
+# harmless COMMAND...: checks that the output has no control characters, and that each line of stderr is the program's.
 harmless() {
     run --separate-stderr "$@"
     echo "$*: $status: $stderr"
     printf '%s\n%s\n' "$output" "$stderr" | /usr/bin/python3 -c '
 import sys
-text = sys.stdin.buffer.read().decode()  # all of it is UTF-8
+text = sys.stdin.buffer.read().decode()  # all of the text is UTF-8
 assert not [c for c in text if (c < " " and c not in "\n\t") or "\x7f" <= c <= "\x9f" or c in "\u2028\u2029\u202e\u2066"], ascii(text)'
     [ -z "$(grep -v "^$(basename "$1"): " <<<"$stderr")" ]
 }
@@ -522,9 +523,9 @@ assert not [c for c in text if (c < " " and c not in "\n\t") or "\x7f" <= c <= "
         grep -F '?' <<<"$output"
     done
     harmless podbuild bad.h5 -o x.h5
-    # an entry of CSV is still one
+    # the text is still one CSV entry
     romrun --print bad.h5 history | /usr/bin/python3 -c 'import csv, sys; assert len(list(csv.reader(sys.stdin))) == 2'
-    # YAML and tables, keys and values
+    # YAML and tables, with keys and values
     printf 'contact: "\\e[2J\\x9b\\x7f"\n' >bad.yml
     harmless fullrun bad.yml
     printf '"\\e[2J\\N": 1\n' >bad.yml

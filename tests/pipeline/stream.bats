@@ -1,10 +1,10 @@
 #!/usr/bin/env bats
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Bases of snapshots that do not fit in memory, and of parts that were compressed before.
+# Tests of bases from snapshots that do not fit in memory, and from parts that were compressed before.
 
 load common
 
-# 48 points of a line contact in one file and in three, and trajectories of it.
+# Solves 48 points of a line contact into one file and into three, and trajectories of it.
 setup_file() {
     cd "$BATS_FILE_TMPDIR" || return
     common_setup_small
@@ -31,8 +31,8 @@ setup() {
     cp "$BATS_FILE_TMPDIR"/* .
 }
 
-# compare BASIS SNAPSHOTS...: the basis leaves out no more than it says, and that no more than 1e-13; its
-# states are those of the snapshots, in order.
+# compare BASIS SNAPSHOTS...: checks that the basis leaves out no more energy than it states, and this is at most 1e-13;
+# its states are those of the snapshots, in order.
 compare() {
     /usr/bin/python3 - "$@" <<'PY'
 import h5py, numpy, os, sys
@@ -47,7 +47,7 @@ left_out = ((rows - rows @ v.T @ v) ** 2).sum() / (rows**2).sum()
 said = b.attrs["pressure_energy_discarded"]
 print("left out", left_out, "at most", said)
 assert 0 < left_out <= said <= 1e-13
-# parts have told them but for what they left out
+# coordinates of states in parts are exact but for the energy that the parts left out
 difference = abs(b["state_pressure"][...] - states @ v.T).max()
 print("coordinates differ by", difference)
 assert difference < float(os.environ.get("WITHIN", 1e-12))
@@ -58,7 +58,7 @@ for name in "exit_node", "moes_M", "alpha_p_H", "rigid_approach", "central_film_
 PY
 }
 
-# films MODEL-NAME: central and minimum film of three scenes by a model of NAME.h5
+# films NAME: prints the central and the minimum film of three scenes by a model of NAME.h5
 films() {
     snapgen -q plan.yml --basis "$1.h5" -f -o r.h5 >log
     deimselect -q --no-check r.h5 --basis "$1.h5" -f -o m.h5 >log
@@ -113,7 +113,7 @@ assert sine < 1e-10 * s[0] / (s[19] - s[20])"
     /usr/bin/python3 -c "
 import h5py, numpy
 a, b = h5py.File('a.h5'), h5py.File('b.h5')
-# deflections of the states, from either's coordinates
+# deflections of the states, computed from the coordinates of either basis
 d, e = (f['state_deformation'][...] @ f['deformation_basis'][...] for f in (a, b))
 assert numpy.linalg.norm(d - e) < 2e-6 * numpy.linalg.norm(d)
 assert numpy.linalg.norm(d - e) > 0"
@@ -181,7 +181,7 @@ assert numpy.array_equal(x, y) and numpy.array_equal(x[: sum(map(len, expected))
     podbuild -q --compress s.h5 --energy 1e-6 -o p.h5
     refuse 65 "found parts that leave out .* expected at most .*; compress them with --energy 1.0e-13 or less" \
         podbuild -q p.h5 -o x.h5
-    # of few modes it leaves out little
+    # a basis of few modes needs less accurate parts
     podbuild -q p.h5 --energy 1e-6 -o y.h5
     podbuild -q p.h5 --pressure-modes 3 -f -o y.h5
     refuse 65 "compress them with --energy" podbuild -q p.h5 --pressure-modes 21 -o x.h5
@@ -221,7 +221,7 @@ with h5py.File('bad.h5', 'r+') as f:
     spoilt "at most 100000" "
     del f['pressure_singular_values']
     f.create_dataset('pressure_singular_values', (10**9,), 'f8', chunks=(1000,))"
-    # one with no more than it has to have
+    # a part with only the required contents is accepted
     /usr/bin/python3 -c "
 import h5py
 a = h5py.File('p.h5')
@@ -240,7 +240,7 @@ assert numpy.array_equal(h5py.File('x.h5')['pressure_basis'][...], h5py.File('y.
 
 # ---- memory and interruption
 
-# 3000 foreign snapshots of 2001 nodes, 48 MB, of rank 150.
+# Writes 3000 foreign snapshots of 2001 nodes, 48 MB, of rank 150.
 many() {
     /usr/bin/python3 -c "
 import h5py, numpy
@@ -260,7 +260,7 @@ with h5py.File('many.h5', 'w') as f:
     f['alpha_p_H'] = numpy.ones(m)"
 }
 
-# peak COMMAND...: its largest resident memory in kB
+# peak COMMAND...: prints the largest resident memory of the command in kB
 peak() {
     /usr/bin/python3 -c "
 import resource, subprocess, sys
@@ -275,7 +275,7 @@ print(resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss)" "$@"
     taken=$(peak podbuild -q many.h5 --memory 30M -o y.h5)
     direct=$(peak podbuild -q many.h5 -f -o y.h5)
     echo "libraries $libraries kB, streamed $taken kB, at once $direct kB"
-    # what is read beside the arrays, a chunk of the file, is below 8 MB
+    # chunks of the file that are read beside the arrays take less than 8 MB
     ((taken < libraries + 30000 + 8000))
     ((direct > libraries + 100000))
 }

@@ -1,11 +1,12 @@
 #!/usr/bin/env bats
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Row selection from residual snapshots that do not fit in memory.
+# Tests of row selection from residual snapshots that do not fit in memory.
 
 load common
 
-# b.h5 and r.h5, a basis of 16 points of a line contact and their residuals; many.h5, 4000 more iterations that mix
-# these, with noise, so that they have directions without end; model.h5, of the rows that are selected from them at once.
+# Makes b.h5 and r.h5, a basis of 16 points of a line contact and their residuals.
+# many.h5 has 4000 more iterations that mix these, with noise, so that the directions do not end.
+# model.h5 has the rows selected from them at once.
 setup_file() {
     cd "$BATS_FILE_TMPDIR" || return
     common_setup_small
@@ -27,7 +28,7 @@ setup() {
     cp "$BATS_FILE_TMPDIR"/* .
 }
 
-# mix FILE NOISE: 4000 mixtures of the iterations of r.h5, with noise of that part of their norm, before these
+# mix FILE NOISE: writes 4000 mixtures of the iterations of r.h5 before these, with noise of this part of their norm
 mix() {
     /usr/bin/python3 - "$@" <<'PY'
 import h5py, numpy, shutil, sys
@@ -48,7 +49,7 @@ with h5py.File(sys.argv[1], "r+") as f:
 PY
 }
 
-# same_rows MODEL MODEL: rows and control rows in order, and their weights but for the error of streamed modes
+# same_rows MODEL MODEL: checks that rows and control rows are equal, and weights up to the error of streamed modes
 same_rows() {
     /usr/bin/python3 - "$@" <<'PY'
 import h5py, numpy, sys
@@ -133,7 +134,7 @@ with h5py.File('many.h5', 'r+') as f: f['weighted_jacobian_step'][7, 3] = float(
         deimselect -q many.h5 --basis b.h5 --memory 5M -o x.h5
 }
 
-# peak COMMAND...: its largest resident memory in kB
+# peak COMMAND...: prints the largest resident memory of the command in kB
 peak() {
     /usr/bin/python3 -c "
 import resource, subprocess, sys
@@ -147,12 +148,12 @@ print(resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss)" "$@"
     taken=$(peak deimselect -q --no-check many.h5 --basis b.h5 --memory 5M -o x.h5)
     direct=$(peak deimselect -q --no-check many.h5 --basis b.h5 -f -o x.h5)
     echo "libraries $libraries kB, streamed $taken kB, at once $direct kB"
-    # what is read beside the arrays is below 8 MB
+    # data that is read beside the arrays takes less than 8 MB
     ((taken < libraries + 5000 + 8000))
     ((direct > libraries + 40000))
 }
 
-# grid_plan FILE N: N values each of M and L
+# grid_plan FILE N: writes a plan with N values each of M and L
 grid_plan() {
     /usr/bin/python3 - "$@" >"$1" <<'PY'
 import numpy, sys
@@ -174,14 +175,14 @@ assert (numpy.diff(state) >= 0).all() and solved.sum() >= 24
 assert numpy.array_equal(numpy.bincount(state, minlength=25), f['newton_iterations'][...] * solved)
 assert numpy.array_equal(f['iteration'][...], numpy.arange(len(state)))"
     [ "$VARIANT" = release ] || skip "sanitizers take memory of their own"
-    # a file is read once more for its digest, a million numbers at a time
+    # a file is read again for its digest, a million numbers at a time
     grid_plan more.yml 16
     grid_plan many.yml 32
     few=$(peak snapgen -q more.yml --basis b.h5 --jobs 2 -f -o x.h5)
     many=$(peak snapgen -q many.yml --basis b.h5 --jobs 2 -f -o x.h5)
     iterations=$(/usr/bin/python3 -c "import h5py; print(h5py.File('x.h5')['iteration'].size)")
     echo "few points $few kB, many $many kB, with $iterations iterations of 601 nodes"
-    ((iterations * 601 * 16 / 1000 > 60000)) # all of them in kB
+    ((iterations * 601 * 16 / 1000 > 60000)) # all iterations in kB
     ((many < few + 12000))
 }
 

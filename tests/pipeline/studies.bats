@@ -1,6 +1,6 @@
 #!/usr/bin/env bats
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Studies at a small size: their tables have a line of what each has asked for.
+# Tests of the studies at a small size: their tables have a line for each requested case.
 
 load common
 
@@ -22,7 +22,7 @@ setup() { unset MAKEFLAGS MAKELEVEL MFLAGS V; }
 
     run_make published LEAST_POINTS=73
     [ "$status" -ne 0 ]
-    run_make published LEAST_POINTS=72 SET='--set grid.x_max=1.1' # too short for the lightest
+    run_make published LEAST_POINTS=72 SET='--set grid.x_max=1.1' # too short for the smallest M
     [ "$status" -ne 0 ]
     echo "$output"
     [[ $output == *"failed: barus,incompressible,5,10,"*"72 points, 9 failed"* ]]
@@ -50,7 +50,7 @@ setup() { unset MAKEFLAGS MAKELEVEL MFLAGS V; }
     run_make figures "${small[@]}"
     echo "$output"
     [ "$status" -eq 0 ]
-    # of each pair on the same grid
+    # compares the rows of each pair on the same grid
     awk 'function abs(x) { return x < 0 ? -x : x }
         $1 == "line" || $1 == "point" { key = $1 $2 $3 $7; off[key, $6] = abs($8); seen[key] }
         END { for (key in seen) { n++; if (!(off[key, "accurate"] < off[key, "published"] / 3)) exit 1 } exit n != 9 }' out/stationary.txt
@@ -63,7 +63,7 @@ setup() { unset MAKEFLAGS MAKELEVEL MFLAGS V; }
 @test "silent failures: every scene drawn is in the table, the same for a seed" {
     copy_scenes studies/stationary-line studies/silent-failures studies/silent-failures/roller
     cd studies || return
-    sed -i 's/step: [0-9.]*/step: 0.01/' stationary-line/scene.yml # of which all scenes then are
+    sed -i 's/step: [0-9.]*/step: 0.01/' stationary-line/scene.yml # all scenes of the study have this step
     cd silent-failures || return
     small='SEED=3 SCENES=24 CALIBRATION_SCENES=60 PROMISES=1e-2'
     run_make $small
@@ -72,14 +72,14 @@ setup() { unset MAKEFLAGS MAKELEVEL MFLAGS V; }
     awk '/lubricant/ { total += $(NF - 7) + $(NF - 6) + $(NF - 3) + $(NF - 2) + $(NF - 1) + $NF }
          /outside/ { outside = $(NF - 7) + $(NF - 6) + $(NF - 3) + $(NF - 2) + $(NF - 1) + $NF }
          END { exit !(total == 24 && outside == 12) }' out/table-3-24.txt
-    # a seed draws the same again, another one does not
+    # the same seed draws the same scenes, another seed does not
     study() { PYTHONPATH=../../lib BIN=$BIN /usr/bin/python3 -B study.py "$@"; }
     study draw again 3 24 ../stationary-line/out-accurate/model.h5 ../stationary-line/scene.yml
     cmp <(sed 's/out.test-3-24/again/' out/test-3-24/scenes.json) again/scenes.json
     cmp out/test-3-24/plan.yml again/plan.yml
     study draw again 4 24 ../stationary-line/out-accurate/model.h5 ../stationary-line/scene.yml
     run -1 cmp -s out/test-3-24/plan.yml again/plan.yml
-    # loads and speeds of a region: within its bounds, by turns even and even in the logarithm
+    # loads and speeds lie in the region; they are drawn by turns evenly and evenly in the logarithm
     study draw drawn 5 60 none roller/scene.yml region
     grep -q '^physical: {load: .*, speed: ' drawn/scene-1.yml
     /usr/bin/python3 - <<'PYTHON'
@@ -89,7 +89,7 @@ load, speed = (numpy.array([float(s[f"physical.{key}"]) for s in scenes]) for ke
 assert len(load) == 60 and load.min() > 50e3 and load.max() < 400e3 and speed.min() > 0.2 and speed.max() < 10
 assert 4 < numpy.median(speed[::2]) < 6.5 and 0.8 < numpy.median(speed[1::2]) < 2.5
 PYTHON
-    # a result that is off without a flag is one, however few they are
+    # a wrong result without a flag counts, however few there are
     printf '%s\n' \
         "promise,where,whose,code,central,minimum,indicated_central,indicated_minimum,friction_coefficient,rolling_resistance,\
 fields,full_central,full_minimum,full_friction_coefficient,full_rolling_resistance" \
@@ -105,7 +105,7 @@ fields,full_central,full_minimum,full_friction_coefficient,full_rolling_resistan
     [[ $output == *"rolling resistance off by more than that, not flagged: 0 of 1; the worst 0 times"* ]]
     [[ $output == *"inside, central film: 0 of 3 below 1, least 2, median 4, 95 % 18"* ]]
     [[ $output == *"inside, minimum film: 1 of 1 below 1, least 0.5, median 0.5, 95 % 0.5"* ]]
-    # what is shifted by less than a node is not off, and a spike elsewhere is
+    # a profile shifted by less than a node counts as equal, a spike elsewhere does not
     PYTHONPATH=../../lib:. /usr/bin/python3 -B -c "
 import numpy, study
 a = numpy.array([0, 1, 5, 2, 1, 0.]); b = numpy.array([0, 0.5, 4, 5, 1, 0.])
@@ -115,7 +115,7 @@ assert study.beyond_neighbours(a, b) == 2
 assert study.beyond_neighbours(numpy.outer(a, a), numpy.outer(b, b)) > 2"
     run_make $small
     [[ $status == 0 && $output != *"  calibrate "* && $output != *"  romrun "* ]]
-    # another model draws anew, also one that is older than what was drawn for this one
+    # another model has scenes drawn anew, also a model that is older than the scenes drawn for this one
     cp ../stationary-line/out-accurate/model.h5 older.h5
     touch -d 2000-01-01 older.h5
     run_make -n $small MODEL=older.h5
@@ -132,7 +132,7 @@ assert study.beyond_neighbours(numpy.outer(a, a), numpy.outer(b, b)) > 2"
     run_make $small low.SIZES="20 40"
     [ "$status" -eq 0 ]
     [ "$(head -c 4 out/conditioning.png | tail -c 3)" = PNG ]
-    # cases, sizes, and all rows in three variants, fewer ones in two, dependent modes at its own size
+    # counts cases and sizes: all rows in three variants, fewer rows in two, dependent modes at one size
     [ "$(wc -l <out/conditioning.csv)" -eq $((1 + 8 * (2 * 7 + 1))) ]
     awk -F, 'NR == 1 { for (i = 1; i <= NF; i++) at[$i] = i; next }
              $at["equations"] < $at["unknowns"] { if ($at["status"] != "failed") bad = 1; next }
@@ -148,11 +148,11 @@ assert study.beyond_neighbours(numpy.outer(a, a), numpy.outer(b, b)) > 2"
     sed -i 's/step: [0-9.]*/step: 0.02/' ../stationary-line/scene.yml
     run_make REGIONS=low MODES=30 WEIGHTS='mode row-norm' METHODS='joint exits' FACTORS=quadrature
     [ "$status" -eq 0 ]
-    # three numbers of rows for each of four variants, all columns filled
+    # each of four variants has three numbers of rows, and all columns have values
     awk -F, 'NF != 17 || /,,/ { bad = 1 } END { exit bad || NR != 13 }' out/study.csv
     [[ $output == *"over 3 sizes"* ]]
     [[ $output =~ mode\ +joint\ +quadrature\ +1.000\ +1.000\ +1.000 ]]
-    # the band preconditioner, with all 301 rows, leaves less than D
+    # the band preconditioner with all 301 rows is more accurate than D
     [[ $output == *"all 301 rows, 30 modes"* ]]
     awk '/^D of the basis/ { plain = $5 } /^band, kernel 10 nodes/ { band = $5 }
         END { exit !(band > 0 && band < plain) }' out/low/30-level-i.txt
@@ -160,10 +160,10 @@ assert study.beyond_neighbours(numpy.outer(a, a), numpy.outer(b, b)) > 2"
     grep -q '</svg>' out/study.svg
     run_make -n REGIONS=low MODES=30 WEIGHTS='mode row-norm' METHODS='joint exits' FACTORS=quadrature
     [[ $status == 0 && ! $output =~ bin/$programs && ! $output =~ study.py ]]
-    # the table follows what it is asked for
+    # the table has the requested variants only
     run_make out/study.csv REGIONS=low MODES=30 WEIGHTS=mode METHODS=joint FACTORS=quadrature
     [[ $status == 0 && $(wc -l <out/study.csv) -eq 4 ]]
-    # what is off the full model lies between the distances from the truth of both
+    # the deviation from the full model agrees with the distances of both models from the converged solution
     run_make truth REGIONS=low MODES=30 METHODS_TRUTH=exits
     [ "$status" -eq 0 ]
     awk '$4 == "full" { if ($7 != 0 || !($9 > 0)) exit 1; full = $9; lines++ }
@@ -183,7 +183,7 @@ assert study.beyond_neighbours(numpy.outer(a, a), numpy.outer(b, b)) > 2"
     [[ $(head -n 1 out/low/curve.csv) == training,points,modes,rows,failures,median,p95,worst,milliseconds,true_worst,* ]]
     [ "$(cut -d, -f 1,2 out/low/curve.csv | grep -c '^adaptive,12$\|^regular,12$\|^regular,30$\|^published,120$')" -eq 4 ]
     awk -F, 'NF != 15 || /,,|nan/ { bad = 1 } END { exit bad || NR != 6 }' out/low/curve.csv
-    # that of 120 points is as far from the truth as the full model
+    # the model of 120 points is as far from the converged solution as the full model
     awk -F, '$1 == "published" && !($13 > 0 && $10 > 0.99 * $13 && $10 < 1.01 * $13) { exit 1 }' out/low/curve.csv
     grep -q 'moes.M: \[5, 10.7721735, 23.2079442, 50\]' out/low/regular-4-3.yml
     # the checks lie in the middle of cells: 5 to 50 and 1 to 20 in three and two parts
@@ -195,8 +195,8 @@ assert study.beyond_neighbours(numpy.outer(a, a), numpy.outer(b, b)) > 2"
     [[ $status == 0 && ! $output =~ bin/$programs && ! $output =~ study.py ]]
 }
 
-# film_csv FILE STATUS H...: film.csv of M = 20, L = 10 with these central films in Moes units on three grids, the last of
-# that status, and the fit of fullrun
+# film_csv FILE STATUS H...: writes the line of M = 20, L = 10 with these central films in Moes units on three grids,
+# and the fit of fullrun. The last grid has that status.
 film_csv() {
     BIN=$BIN PYTHONPATH=../../lib /usr/bin/python3 -B - "$@" <<'PYTHON'
 import sys, results, study
@@ -210,12 +210,12 @@ PYTHON
 @test "the point film table: extrapolation and fit" {
     copy_scene studies/point-film
     table() { PYTHONPATH=../../lib /usr/bin/python3 -B study.py table "$1"; }
-    # 4 + 0.1 h^2 with steps of 4, 2 and 1 is 4 without a step
+    # with steps of 4, 2 and 1 the films are 4 + 0.1 h^2, so the extrapolated film is 4
     film_csv exact.csv 0 5.6 4.4 4.1
     tail -n 1 exact.csv | awk -F, '{ exit !($6 > 1.9999 && $6 < 2.0001 && $7 > 3.9999 && $7 < 4.0001) }'
-    # by hand: asymptotes 0.10336, 1.62230, 4.21853, 5.46483, s = 2.55046
+    # the fit computed by hand: asymptotes 0.10336, 1.62230, 4.21853, 5.46483, s = 2.55046
     tail -n 1 exact.csv | awk -F, '{ exit !($8 > 4.26480 && $8 < 4.26482) }'
-    # what is far off is counted, and there is no table without a solution
+    # large differences are counted; without a solution there is no table
     film_csv off.csv 0 3.6 3.4 3.3
     run -0 table off.csv
     [[ $output == *"1 points, 0 without a solution; largest difference 25.0 %, 1 beyond 10 %"* ]]

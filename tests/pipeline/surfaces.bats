@@ -1,7 +1,7 @@
 #!/usr/bin/env bats
 # SPDX-License-Identifier: GPL-3.0-or-later
-# The studies of surfaces that are not smooth, dimple and waviness, on coarse grids: what physics and published curves say of
-# them. On their own grids they are in long_studies.bats.
+# Tests of the studies of rough surfaces, dimple and waviness, on coarse grids, against physics and published curves.
+# long_studies.bats runs them on their own grids.
 
 load common
 
@@ -18,16 +18,16 @@ def deeper(name, depth):
         film = file["film_thickness"][:, line] * file.attrs["film_unit"]
         return file["time"][...], file["x"][...], file["surface_position"][...], (film - film[0]) / depth
 
-# rolling: what is in the dimple stays in it, since nothing moves a fluid that viscous but the surfaces
+# rolling: the lubricant in the dimple stays in it, since so viscous a fluid moves with the surfaces only
 _, x, place, more = deeper("ssr0", 175e-9)
-moments = [k for k in numpy.where(abs(place) < 0.7)[0] if abs(x - place[k]).min() < 0.01] # when its middle is at a node
+moments = [k for k in numpy.where(abs(place) < 0.7)[0] if abs(x - place[k]).min() < 0.01] # its middle is at a node
 left = [more[k, abs(x - place[k]).argmin()] for k in moments]
 beside = [abs(more[k, (abs(x) < 0.9) & (abs(x - place[k]) > 0.5)]).max() for k in moments]
 print(len(moments), min(left), max(left), max(beside))
 assert len(moments) > 5 and 0.9 < min(left) and max(left) < 0.97, left
 assert max(beside) < 0.02, beside
 
-# sliding, the dimple at half the mean speed: it is flattened, and what the inlet made of it is carried on at the mean speed
+# sliding, with the dimple at half the mean speed: it flattens, and its change of the film moves on at the mean speed
 time, x, place, more = deeper("ssr-05", 160e-9)
 in_plug = (place > -0.3) & (place < 0.3)
 left = [more[k, abs(x - place[k]) < 0.2].max() for k in numpy.where(in_plug)[0]]
@@ -37,17 +37,18 @@ for k in numpy.where(ahead)[0]:
     at = numpy.where((x > place[k] + 0.2) & (x < 0.8))[0]
     i = at[more[k, at].argmax()]
     a, b, c = more[k, i - 1:i + 2]
-    tops.append((time[k], x[i] + (x[1] - x[0]) * (a - c) / (2 * (a - 2 * b + c)), b)) # of the parabola
+    tops.append((time[k], x[i] + (x[1] - x[0]) * (a - c) / (2 * (a - 2 * b + c)), b)) # top of the parabola
 tops = numpy.array(tops)
 speed = numpy.polyfit(tops[:, 0], tops[:, 1], 1)[0]
 speed_of_dimple = numpy.polyfit(time[ahead], place[ahead], 1)[0]
 print(len(tops), min(left), max(left), speed, speed_of_dimple, tops[:, 2].min(), tops[:, 2].max())
 assert abs(speed_of_dimple - 0.5) < 1e-9
 assert len(tops) > 10 and abs(speed - 1) < 0.1, speed
-assert 0.3 < tops[:, 2].min() and tops[:, 2].max() < 0.5, tops # as thick as the dimple has become shallower
+assert 0.3 < tops[:, 2].min() and tops[:, 2].max() < 0.5, tops # as high as the dimple has become shallower
 assert 0.3 < min(left) and max(left) < 0.6, left
 PYTHON
-    # L. Mourier et al., Tribology International 39 (2006): root mean squares off their simulation
+    # L. Mourier et al., Tribology International 39 (2006): limits of the root mean square differences from their
+    # simulation
     awk '$1 == "ssr0" { most = 6 } $1 == "ssr-05" { most = 4 }
          $1 == "ssr0" || $1 == "ssr-05" { found++; if (!($7 > 0 && $7 < most)) bad = 1 }
          END { exit bad || found != 10 }' table
@@ -64,8 +65,8 @@ for contact, M, L, wavelengths, step in ("line", 100, 11, (2, 1, 0.5, 0.25), 0.0
     study.measure("out", 0.1, "--set", f"grid.step={step}", "--set", f"transient.fixed_step={step}")
 PYTHON
     cat table
-    # what is left: of lines near the values that Venner et al. (1997) computed, of circles near the fit of Venner and
-    # Lubrecht (2000); ever more of shorter waves
+    # remaining amplitudes: of lines near the values that Venner et al. (1997) computed, of circles near the fit of
+    # Venner and Lubrecht (2000); the shorter the waves, the larger
     awk '$1 == "line" { off = $11; most = 5 } $1 == "point" { off = $8; most = 10 }
          $1 == "line" || $1 == "point" {
              found++

@@ -1,10 +1,10 @@
 #!/usr/bin/env bats
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Reduced models of flows that the sliding thins (lubricant.shear.in_film), from training to answer.
+# Tests of reduced models of flows that sliding thins (lubricant.shear.in_film), from training to solution.
 
 load common
 
-# sliding_scene KIND LOAD-RADIUS-SPEED SLIDE-ROLL GRID: the text of a scene.
+# sliding_scene KIND LOAD-RADIUS-SPEED SLIDE-ROLL GRID: prints a scene.
 sliding_scene() {
     cat <<YAML
 contact: $1
@@ -19,7 +19,7 @@ grid: {$4}
 YAML
 }
 
-# sliding_line GRID: line.yml; in plan.yml load, speed, sliding and Eyring's stress vary.
+# sliding_line GRID: writes line.yml, and plan.yml, in which load, speed, sliding and Eyring's stress vary.
 sliding_line() {
     sliding_scene line 'load: 1.0e5, radius: 0.01, speed: 0.7' 0.4 "$1" >line.yml
     cat >plan.yml <<'YAML'
@@ -33,7 +33,7 @@ groups:
 YAML
 }
 
-# train NAME: from NAME.yml, a plan, to NAME.h5, a checked model.
+# train NAME [OPTION...]: trains NAME.h5, a checked model, on the plan NAME.yml, with options of podbuild.
 train() {
     snapgen "$1.yml" -o "$1-s.h5" --quiet
     podbuild "$1-s.h5" -o "$1-b.h5" "${@:2}"
@@ -41,7 +41,7 @@ train() {
     deimselect "$1-r.h5" --basis "$1-b.h5" -o "$1.h5"
 }
 
-# plan.h5 of 301 nodes and 54 points, newton.h5 of 9 points of a Newtonian flow.
+# Makes plan.h5 with 301 nodes and 54 points, and newton.h5 with 16 points of a Newtonian flow.
 setup_file() {
     cd "$BATS_FILE_TMPDIR" || return
     sliding_line "x_min: -4, x_max: 2, step: 0.02"
@@ -67,13 +67,13 @@ unseen="--set physical.load=1.07e5 --set physical.speed=0.6 --set slide_roll=0.8
     fullrun line.yml -o full.h5 --quiet $unseen
     # shellcheck disable=SC2086
     fullrun line.yml -o rolled.h5 --quiet $unseen --set lubricant.shear.in_film=false
-    # trusted: it has been checked, and is in the trained range
+    # the result is trusted: the model was checked, and the scene lies in the trained range
     # shellcheck disable=SC2086
     romrun line.yml --model plan.h5 -o red.h5 --quiet $unseen --against full.h5
     close_to "$(number red.h5 central_film_thickness)" "$(number full.h5 central_film_thickness)" 1e-4
     close_to "$(number red.h5 minimum_film_thickness)" "$(number full.h5 minimum_film_thickness)" 3e-4
     close_to "$(number red.h5 friction_coefficient)" "$(number full.h5 friction_coefficient)" 1e-4
-    # which a Newtonian flow would not have
+    # a Newtonian flow would have another film
     far_from "$(number rolled.h5 minimum_film_thickness)" "$(number full.h5 minimum_film_thickness)" 2e-3
     # shellcheck disable=SC2086
     refuse 65 "rolled.h5: thinning: found 0, expected the scene's 0.0" \
@@ -90,18 +90,18 @@ unseen="--set physical.load=1.07e5 --set physical.speed=0.6 --set slide_roll=0.8
     close_to "$(number back.h5 friction_force)" "-$(number one.h5 friction_force)" 1e-12
     close_to "$(number two.h5 thinning)" "$(number one.h5 thinning)" 1e-12
     far_from "$(number two.h5 central_film_thickness)" "$(number one.h5 central_film_thickness)" 3e-4
-    # as the full model has it
+    # the full model agrees
     fullrun line.yml -o full.h5 --quiet --set slide_roll=0.4 --set lubricant.shear.tau0=8e6
     close_to "$(number two.h5 central_film_thickness)" "$(number full.h5 central_film_thickness)" 2e-5
-    # a stress beyond the training, of as much sliding
+    # this stress lies beyond the training, the sliding does not
     run --separate-stderr romrun line.yml --model plan.h5 -o fast.h5 --quiet --set slide_roll=2 \
         --set lubricant.shear.tau0=2e7
     [ "$status" -eq 4 ]
     [[ $stderr == *"a flow that the pressure gradient thins less than any in training"* ]]
 }
 
-# Conry, Wang and Cusano's flow by an independent solver, steps of 0 by extrapolation, to 2e-4; on this step
-# the films are at most 1.3e-4 off it.
+# The films are those of Conry, Wang and Cusano's flow by an independent solver, extrapolated to a step of 0, within
+# 2e-4. On this step the films are at most 1.3e-4 off.
 @test "films of lines are those of the exact flow at any gradient" {
     cat >exact.yml <<'YAML'
 contact: line
@@ -130,7 +130,7 @@ VALUES
     close_to "$(number exact.h5 central_film_thickness)" 0.116899 2e-4
 }
 
-# Rows of points do not count the gradient across along, nor that along across.
+# The rows of point contacts neglect the effect of the gradient across on the flow along, and vice versa.
 @test "points are told where the gradients affect each other" {
     sliding_scene point 'load: 60, radius: 0.0127, speed: 0.8' 0.3 \
         'x_min: -3, x_max: 1.5, step: 0.125, y_max: 2, half: true' >point.yml
@@ -140,19 +140,19 @@ VALUES
     [ "$status" -eq 4 ]
     [[ $stderr == *"pressure gradients along and across affect each other"* ]]
     /usr/bin/python3 -c 'import h5py; assert list(h5py.File("strong.h5")["status"]) == [4]'
-    # in time too
+    # in time the contact is flagged too
     sed 's/stationary/transient/; /^output/d' point.yml >moving.yml
     echo 'transient: {end_time: 0.04, fixed_step: 0.02, load: {law: sine, amplitude: 0.1, period: 0.8}}' >>moving.yml
     fullrun moving.yml -o moving.h5 --quiet --set lubricant.shear.tau0=5e6
     run --separate-stderr fullrun moving.yml -o moving.h5 --quiet --force --set lubricant.shear.tau0=5e5
     [ "$status" -eq 4 ]
-    # from its stationary start on
+    # the stationary start is flagged already
     [[ $stderr == *"first at T = 0,"* ]]
     /usr/bin/python3 -c 'import h5py; assert h5py.File("moving.h5")["status"][0] == 4'
 }
 
 @test "outside of the trained thinning is told" {
-    # told REASON MODEL OPTION...: solved, and not to be trusted
+    # told REASON MODEL OPTION...: checks that romrun solves the scene and flags it with REASON
     told() {
         run --separate-stderr romrun line.yml --model "$2" -o out.h5 --force --quiet "${@:3}"
         [ "$status" -eq 4 ]
@@ -163,10 +163,10 @@ VALUES
     told "a flow that is thinned less than any in training" plan.h5 --set slide_roll=0.05 --set lubricant.shear.tau0=1e7
     told "a flow that is thinned more than any in training" plan.h5 --set lubricant.shear.tau0=5e5
     told "a flow that is thinned more than any in training" newton.h5
-    # thinned as much as other loads were
+    # the flow is thinned as much as at other loads
     told "outside of the trained range of M, alpha p_H and thinning" plan.h5 --set physical.load=6.1e4 \
         --set physical.speed=0.98 --set slide_roll=0.08 --set lubricant.shear.tau0=3.3e6
-    # a model of before has seen none
+    # a model of an earlier version has no thinning in its training
     patch plan.h5 "del f['state_thinning']"
     romrun --check bad.h5
     told "a flow that is thinned more than any in training" bad.h5
@@ -174,11 +174,11 @@ VALUES
 
 @test "a large stress gives the Newtonian film" {
     romrun line.yml --model newton.h5 -o newton-film.h5 --quiet --set lubricant.shear.in_film=false
-    # trusted: no film shows so little
+    # the result is trusted: so small a thinning changes no film
     romrun line.yml --model newton.h5 -o large.h5 --quiet --set lubricant.shear.tau0=1e12
     romrun line.yml --model plan.h5 -o stiff.h5 --quiet --set lubricant.shear.tau0=1e12 --allow-untrusted
     romrun line.yml --model plan.h5 -o rolled.h5 --quiet --set lubricant.shear.in_film=false --allow-untrusted
-    # as far as iterations go; test_reduced_solver.c has more digits
+    # the limit is that of the iteration; test_reduced_solver.c checks more digits
     for name in central_film_thickness minimum_film_thickness; do
         close_to "$(number large.h5 $name)" "$(number newton-film.h5 $name)" 2e-5
         close_to "$(number stiff.h5 $name)" "$(number rolled.h5 $name)" 2e-5

@@ -3,7 +3,7 @@
 
 load common
 
-# A scene of 121 nodes over one period of the load, and a plan with points and trajectories around it.
+# Writes a scene with 121 nodes over one period of the load, and a plan with points and trajectories around it.
 setup() {
     cd "$BATS_TEST_TMPDIR" || return
     base_scene 'step: 0.05'
@@ -23,7 +23,7 @@ groups:
 YAML
 }
 
-# ---- what it is for
+# ---- solutions
 
 @test "runs a scene in time and prints the answer" {
     run --separate-stderr fullrun scene.yml -o result.h5 --quiet
@@ -32,7 +32,7 @@ YAML
     [[ $output == *"T = 0 to 1 in 54 steps"* ]]
     [ ! -e result.h5.partial ]
     fullrun --check result.h5
-    # the start is the stationary solution, but that the exit is at a node in time
+    # the start is the stationary solution, except that in time the exit is at a node
     (cat base.yml && echo 'moes: {M: 14, L: 4}') >still.yml
     fullrun still.yml -o still.h5
     close_to "$(number result.h5 central_film_thickness)" \
@@ -47,7 +47,7 @@ with h5py.File("result.h5") as file:
     assert abs(file["time_effect"][...]).max() < 3e-3 and file["time_effect"][0] == 0
     numpy.testing.assert_allclose(load, 1 + 0.1 * numpy.sin(2 * numpy.pi * time), rtol=1e-8)
     numpy.testing.assert_allclose(file["contact_half_width"][...], load ** 0.5, rtol=1e-8)
-    # the fields are those of the current frame, the scalars of the reference
+    # the fields have the units of the current frame, the scalars those of the reference
     numpy.testing.assert_allclose(file["pressure"][...].sum(axis=1) * 0.05, numpy.pi / 2, rtol=1e-8)
     centre = numpy.argmin(abs(file["x"][...]))
     numpy.testing.assert_allclose(file["film_thickness"][:, centre] * load,
@@ -64,7 +64,7 @@ PYTHON
     [ "$status" -eq 0 ]
 }
 
-# scalars_equal A B: time and scalars are the same to the last bit
+# scalars_equal A B: checks that times and scalars are the same to the last bit
 scalars_equal() {
     /usr/bin/python3 - "$1" "$2" <<'PYTHON'
 import sys, h5py
@@ -94,8 +94,8 @@ with h5py.File("all.h5") as every, h5py.File("some.h5") as some, h5py.File("none
 PYTHON
 }
 
-# leads_back SCENE PROGRAM... : the program's run under the scene's load gives an approach, with which it
-# gives that load
+# leads_back SCENE PROGRAM...: runs the program under the scene's load, then under the approach that this gives, and
+# checks that the second run gives the load again
 leads_back() {
     "${@:2}" "$1" -o loaded.h5 --quiet --force --set approach_length=10
     /usr/bin/python3 - <<'PYTHON'
@@ -125,7 +125,7 @@ PYTHON
 
 # ---- bodies apart
 
-# lose NAME SETTING...: result NAME.h5 of a line whose history is the table NAME.csv
+# lose NAME SETTING HISTORY: solves a line contact whose HISTORY is the table NAME.csv into NAME.h5
 lose() {
     local name=$1
     shift
@@ -152,8 +152,8 @@ with h5py.File("none.h5") as none, h5py.File("little.h5") as little:
     assert (none["pressure"][apart] == 0).all()
     given = numpy.interp(time, [1, 3, 5, 7], [1, 0, 0, 1])
     numpy.testing.assert_allclose(load[~apart], given[~apart], rtol=1e-8)
-    assert given[apart].max() < 0.01  # up to there it is left out
-    # the entrained film is soon the same
+    assert given[apart].max() < 0.01  # contacts with a smaller load are left out
+    # soon the entrained film is the same
     after = time > 5.2
     other = numpy.interp(time[after], little["time"], little["central_film_thickness"])
     assert abs(film[after] / other - 1).max() < 0.01
@@ -177,7 +177,7 @@ with h5py.File("apart.h5") as file:
     assert (file["status"][...] == 0).all()  # the lightest contact has less than 1 % of the load
     assert abs(load[-1] - 1) < 0.01 and abs(film[-1] / film[0] - 1) < 0.1
 PYTHON
-    sed 's/^closure.*/&\napproach: 100/' apart.yml >far.yml # a factor on it, so that they stay apart
+    sed 's/^closure.*/&\napproach: 100/' apart.yml >far.yml # this factor keeps the bodies apart
     fullrun far.yml -o far.h5 --quiet --set transient.end_time=1
     /usr/bin/python3 -c 'import h5py; assert not h5py.File("far.h5")["load"][...].any()'
 }
@@ -201,7 +201,7 @@ PYTHON
         for file in s b r m; do
             fullrun --check $file.h5
         done
-        # a period between those of the training
+        # this period lies between the two of the training
         romrun scene.yml --model m.h5 -o red.h5 --against full.h5 --quiet --force >log
         grep -q "central film thickness *at most" log
         /usr/bin/python3 - <<'PYTHON'
@@ -215,8 +215,8 @@ PYTHON
     done
 }
 
-# The start of another lubricant's trajectory at the same place is no start. Where it was not known what it is of, the
-# iteration began between both: 42 iterations in place of 2 in the training of tests/bench/costs.sh.
+# A trajectory of another lubricant at the same place gives no start. When states had no lubricant, the iteration
+# started between both lubricants: 42 iterations in place of 2 in the training of tests/bench/costs.sh.
 @test "points and trajectories of two lubricants in one training" {
     cat >mixed.yml <<'YAML'
 groups:
@@ -285,7 +285,7 @@ YAML
     podbuild s.h5 -o b.h5 --energy 1e-18
     run --separate-stderr snapgen steps.yml --basis b.h5 -o r.h5 --quiet
     [[ $output == "7 points with the projected system, 7 converged"* && -z $stderr ]]
-    # rows of all of its modes
+    # selects rows for all modes of the basis
     run --separate-stderr deimselect r.h5 --basis b.h5 -o m.h5 --quiet
     echo "$output"
     [ "$status" -eq 0 ]
@@ -343,7 +343,7 @@ groups:
   - scene: scene.yml
     vary: {moes.M: [5000]}
 YAML
-    none() { # NAME COMMAND...: the last line on stderr, and the file as it was
+    none() { # NAME COMMAND...: checks the last line on stderr, and that the file is unchanged
         echo precious >none.h5
         run --separate-stderr "$@" -o none.h5 --force --quiet
         echo "$status $stderr"
@@ -355,7 +355,7 @@ least one" ]
     }
     none snapgen lost.yml
     none snapgen lost.yml --allow-failures 10
-    # with the projected system: a basis of other contacts
+    # the projected system of a basis of other contacts
     snapgen plan.yml -o s.h5 --quiet
     podbuild s.h5 -o b.h5
     none snapgen lost.yml --basis b.h5
@@ -366,7 +366,7 @@ least one" ]
 
 # ---- bad histories
 
-# bad_history PATTERN SETTING...: refused before any work
+# bad_history PATTERN SETTING...: checks that the scene is refused before any work
 bad_history() {
     local pattern=$1 arguments=() setting
     shift
@@ -404,7 +404,7 @@ bad_history() {
     bad_history "transient.end_time" transient.end_time=nan
 }
 
-# bad_table PATTERN, the table on stdin
+# bad_table PATTERN: checks that the scene with the table on stdin is refused
 bad_table() {
     cat >table.csv
     sed 's/load:.*/load: {law: table, file: table.csv, column: load}/' scene.yml >bad.yml
@@ -425,7 +425,7 @@ bad_table() {
     printf 'time,load\n0,1\n0.5,nan\n2,1\n' | bad_table "table.csv:.*nan"
     printf 'time,load\n0,1\n0.5,1e999\n2,1\n' | bad_table "table.csv:.*1e999"
     printf 'time,load\n0,1\n0.5,x\n2,1\n' | bad_table "table.csv:.*x"
-    # columns are found by their names alone
+    # columns are found by their names, in any order
     printf ',"load",T\r\n0,1,0\r\n1,1.1,0.5\r\n2,1,2\r\n' >table.csv
     fullrun good.yml -o named.h5 --quiet
     scalars_equal good.h5 named.h5
@@ -441,19 +441,19 @@ bad_table() {
     refused 66 "table.csv: found" fullrun bad.yml -o r.h5
 }
 
-# of_formula NAME FIELD: that word of the line of a formula in $output.
+# of_formula NAME FIELD: prints a word from the line of a formula in $output.
 of_formula() { sed -n "s/^formula $1 //p" <<<"$output" | tr -d '+%,-' | awk -v field="$2" '{ print $field }'; }
 
 @test "--formulas in time: of the contact at each time, as if it were stationary" {
-    # with the published rows, whose exit is at a node stationary too
+    # with the published rows the exit of the stationary contact is at a node too
     (cat base.yml && echo 'moes: {M: 14, L: 4}') >still.yml
     run fullrun still.yml -o still.h5 --set discretization=published --formulas
     local still=$(of_formula dowson-toyoda 3) name
-    # under a constant load nothing moves, and all times deviate like the stationary contact
+    # under a constant load all times deviate like the stationary contact
     run fullrun scene.yml -o constant.h5 --set discretization=published --formulas --quiet --set transient.load.amplitude=0
     [ "$(grep -c '^formula ' <<<"$output")" -eq 6 ]
     for field in 3 5 7; do close_to "$(of_formula dowson-toyoda $field)" "$still" 1e-3; done
-    # slowly, it goes between the stationary contacts of the smallest and largest load
+    # a slowly varying contact passes through the stationary contacts of the smallest and the largest load
     run fullrun scene.yml -o slow.h5 --set discretization=published --formulas --quiet --set transient.load.period=1e4 \
         --set transient.end_time=1e4 --set transient.fixed_step=100
     cp /dev/stdin slow <<<"$output"
@@ -467,7 +467,7 @@ of_formula() { sed -n "s/^formula $1 //p" <<<"$output" | tr -d '+%,-' | awk -v f
         "$(printf '%s\n' "$light_minimum" "$heavy_minimum" | sort -g | tail -n 1)" 2e-2
 }
 
-# of_traction FIELD: that word of the line of the friction formula in $output.
+# of_traction FIELD: prints a word from the line of the friction formula in $output.
 of_traction() { sed -n 's/^traction evans-johnson //p' <<<"$output" | tr -d '+%,-' | awk -v field="$1" '{ print $field }'; }
 
 @test "--formulas in time: the friction of the contact at each time, as if it were stationary" {
@@ -483,12 +483,12 @@ YAML
     (cat rest.yml && printf 'regime: transient\ntransient: {load: {law: sine, amplitude: 0, period: 1e4}, end_time: 1, fixed_step: 0.5}\n') >moving.yml
     run fullrun still.yml --formulas
     local still=$(of_traction 3) curve=$(sed -n 's/^traction slide-roll: //p' <<<"$output") light heavy
-    # under a constant load nothing moves
+    # a constant load changes nothing
     run -0 fullrun moving.yml -o constant.h5 --formulas --quiet
     for field in 3 5 7; do close_to "$(of_traction $field)" "$still" 2e-3; done
     [ -n "$curve" ]
     grep -qx "traction at T = 0, slide-roll: $curve" <<<"$output"
-    # slowly, it goes between the stationary contacts of the smallest and largest load
+    # a slowly varying contact passes through the stationary contacts of the smallest and the largest load
     run fullrun still.yml --formulas --set physical.load=2.0e5 && light=$(of_traction 3)
     run fullrun still.yml --formulas --set physical.load=4.0e5 && heavy=$(of_traction 3)
     echo "light $light, heavy $heavy"
@@ -497,7 +497,7 @@ YAML
     echo "$output"
     close_to "$(of_traction 3)" "$(printf '%s\n' "$light" "$heavy" | sort -g | tail -n 1)" 1e-2
     far_from "$(of_traction 3)" "$still" 0.1
-    # beyond the range of the formula it says for how long; in pure rolling there is no friction
+    # the output has the share of the time outside of the formula's range; in pure rolling there is no friction
     run -0 fullrun moving.yml -o slow.h5 --formulas --quiet --force --set lubricant.viscosity.alpha=1.0e-8
     grep -q '^traction evans-johnson .*, outside for 100 % of the time$' <<<"$output"
     run -0 fullrun moving.yml -o rolling.h5 --formulas --quiet --set slide_roll=0
@@ -559,7 +559,7 @@ PYTHON
     [ ! -e r.h5 ]
 }
 
-# A contact whose load goes to almost nothing, so that its exit leaves a short grid.
+# The load falls to almost nothing, so that the exit leaves a short grid.
 @test "an exit boundary that leaves the domain is done, flagged, and exit 4" {
     sed -e 's/grid: {/&x_max: 1.2, /' \
         -e 's/load:.*/load: {law: ramp, from: 1, to: 0.02, start: 0, duration: 1}/' scene.yml >out.yml
@@ -579,13 +579,13 @@ with h5py.File("out.h5") as short, h5py.File("wide.h5") as wide:
     assert flagged.sum() > 2 and (short["status"][...][~flagged] == 0).all()
     assert left[flagged].all() and (wide["status"][...] == 0).all()
 PYTHON
-    # of no use for training
+    # such a trajectory is no training state
     run --separate-stderr snapgen out.yml -o s.h5 --quiet --allow-failures 1
     [ "$status" -eq 3 ]
     [[ ${stderr_lines[0]} == *"not converged: the exit boundary outside the domain (grid.x_max)" ]]
 }
 
-# A run of some seconds.
+# Writes a scene that takes some seconds.
 long_scene() {
     sed -e 's/step: 0.05/step: 0.1/' -e 's/end_time: 1/end_time: 40/' \
         -e 's/fixed_step: 0.02/fixed_step: 0.001/' scene.yml >long.yml
@@ -597,12 +597,12 @@ long_scene() {
     fullrun long.yml -o whole.h5 --quiet >log
     stop_when KILL "checkpoint > 0 and len(time) > checkpoint" r.h5 fullrun long.yml -o r.h5 --quiet
     [ ! -e r.h5 ]
-    # what is finished is not thrown away unasked
+    # results of an interrupted run are not overwritten without --force
     cp r.h5.partial before
     refused 73 "r.h5.partial: found an interrupted run with a restart slot, expected --resume .* --force" \
         fullrun long.yml -o r.h5
     cmp r.h5.partial before
-    # another scene, also where only the end differs, does not go on from it
+    # a scene that differs, if only in its end, does not continue the run
     refused 65 "r.h5.partial" fullrun long.yml -o r.h5 --resume --set transient.end_time=41
     run --separate-stderr fullrun long.yml -o r.h5 --resume
     [ "$status" -eq 0 ]
@@ -622,7 +622,7 @@ with h5py.File("whole.h5") as whole, h5py.File("r.h5") as resumed:
 PYTHON
 }
 
-# interrupt COMMAND...: until it has made some steps; the output is x.h5
+# interrupt COMMAND...: stops the command after some steps; the output is x.h5
 interrupt() {
     stop_when INT "len(time) > 100" x.h5 "$@" -o x.h5 --quiet
     [ "$code" -eq 130 ]
@@ -713,14 +713,15 @@ PYTHON
     snapgen plan.yml --basis b.h5 -o r.h5 --quiet
     deimselect --no-check r.h5 --basis b.h5 -o m.h5
     long_scene
-    # steps as trained: with 0.001, a fiftieth of the grid's, the minimum film is 7 % off (exit code 4)
+    # the steps are those of the training: with 0.001, a fiftieth of the grid's, the minimum film is 7 % off (exit code
+    # 4)
     sed -i -e 's/step: 0.1}/step: 0.05}/' -e 's/fixed_step: 0.001/fixed_step: 0.02/' \
         -e 's/end_time: 40/end_time: 800/' long.yml
     romrun --allow-untrusted long.yml --model m.h5 -o whole.h5 --quiet >whole.log
     interrupt romrun --allow-untrusted long.yml --model m.h5
     refused 73 "x.h5.partial: found an interrupted run with a restart slot, expected --resume .* --force" \
         romrun long.yml --model m.h5 -o x.h5
-    # another model, of the same and of another size, and other sizes of the same
+    # the run is not continued by another model with the same or another size, nor by another size of this model
     deimselect --no-check r.h5 --basis b.h5 -o other.h5 --rows 50
     refused 65 "x.h5.partial: found a run with another model than other.h5 is now, expected" \
         romrun long.yml --model other.h5 -o x.h5 --resume
@@ -776,7 +777,7 @@ PYTHON
         "$(/usr/bin/python3 -c "import h5py; print(h5py.File('f.h5')['central_film_thickness'][-1])")" 1e-3
     leads_back scene.yml fullrun
     leads_back scene.yml romrun --allow-untrusted --model m.h5
-    # the filter too: what the scene does not name is that of the training
+    # the filter must agree too; a scene that does not give it has the filter of the training
     sed 's/^transient:/&\n  smoothing: 0.05/' scene.yml >smooth.yml
     refused 65 "transient.smoothing: found 0.05, expected 0.0" \
         romrun smooth.yml --model m.h5 -o x.h5
@@ -794,7 +795,7 @@ PYTHON
     refused 65 "transient.speed: found -1 at T = 0.75, expected at least 0 with a reduced model, which is of one direction" \
         romrun scene.yml --model m.h5 -o z.h5 --set transient.speed.law=sine --set transient.speed.mean=0 \
         --set transient.speed.amplitude=1 --set transient.speed.period=1
-    # two ways in one basis, and in one plan
+    # a basis has one transport, and so has a plan
     snapgen upwind-plan.yml -o u.h5 --quiet
     refused 65 "u.h5: transport: found upwind, expected path, as in s.h5" podbuild s.h5 u.h5 -o x2.h5
     printf '  - scene: scene.yml\n' >>upwind-plan.yml
@@ -826,7 +827,7 @@ transient:
   speed: {law: sine, mean: 0, amplitude: 1, period: 4, phase: 1.5707963267948966}
 YAML
     fullrun fro.yml -o whole.h5 --quiet --formulas >log
-    grep -q "201 nodes from -2.5 to 2.5" log # flooded on either side
+    grep -q "201 nodes from -2.5 to 2.5" log # has an inlet on either side
     run -1 grep "nan\|inf" log
     fullrun --check whole.h5
     /usr/bin/python3 - <<'PYTHON'
@@ -837,7 +838,7 @@ with h5py.File("whole.h5") as file:
     speed = numpy.cos(2 * numpy.pi * time / 4)
     moving = abs(speed) > 0.3
     assert (exits[moving, 0] * speed[moving] > 0).all() and (abs(exits[moving, 0]) < 1.6).all()
-    # the farthest downstream first, then none
+    # exits are in order from the farthest one downstream, then NaN
     for line, direction in zip(exits, numpy.sign(speed)):
         there = ~numpy.isnan(line)
         assert there[0] and (numpy.diff(there.astype(int)) <= 0).all()
@@ -855,13 +856,13 @@ PYTHON
     refused 65 "transient.speed: found -1 at T = 2, expected at least 0; transport: path can reverse" \
         fullrun fro.yml -o x.h5 --set transport=upwind
     refused 65 "transient.speed: found -1 at T = 2, expected at least 0 with a reduced model" snapgen fro.yml -o x.h5
-    # of a plan before its points are solved
+    # a plan is refused before its points are solved
     printf 'groups: [{scene: base.yml, vary: {moes.M: [11, 14], moes.L: [4]}}, {scene: fro.yml}]\n' >fro-plan.yml
     sed -i 's/^grid.*/grid: {x_min: -2.5, x_max: 2.5, step: 0.025}/' base.yml fro.yml
     refused 65 "fro-plan.yml: transient.speed: found -1 at T = 2" snapgen fro-plan.yml -o x.h5
     [ ! -e x.h5 ]
     [ ! -e x.h5.partial ]
-    # from rest
+    # starts from rest
     rest="--set transient.speed.phase=0 --set transient.speed.mean=0"
     refused 65 "found 0 at the start, expected another one, or transient.start_speed, where the approach is given" \
         fullrun fro.yml -o x.h5 $rest --set closure=approach --set approach_length=10
@@ -895,8 +896,8 @@ with h5py.File("fro.h5") as file:
     before, after = speed > 0.3, speed < -0.3
     assert before.any() and after.any()
     assert (inside[before, :, 0] > 0.5).all() and (inside[after, :, 0] < -0.5).all()
-    numpy.testing.assert_array_equal(exits, exits[:, ::-1]) # the half stands for both
-    for line in exits.reshape(-1, 8): # none behind one that is not
+    numpy.testing.assert_array_equal(exits, exits[:, ::-1]) # half of the domain gives both halves
+    for line in exits.reshape(-1, 8): # NaN only behind all exits
         assert (numpy.diff((~numpy.isnan(line)).astype(int)) <= 0).all()
     numpy.savetxt("size", [exits.size], "%d")
 PYTHON
@@ -905,7 +906,7 @@ PYTHON
     [ "$(grep -c . printed)" -eq $((1 + $(cat size))) ]
 }
 
-# Between nodes that the film hardly leaves apart nothing is resolved: a smallest film below zero was told.
+# A film that almost closes is not resolved between nodes: the interpolated minimum was below zero.
 @test "a film that closes is flagged, with exit 4, and ends the march, with exit 3" {
     cat >dry.yml <<'YAML'
 contact: line
@@ -947,9 +948,9 @@ import h5py, numpy
 with h5py.File("dent.h5") as file:
     time, place, film = (file[name][...] for name in ("time", "surface_position", "film_thickness"))
     unit, half_width, x = file.attrs["film_unit"], file.attrs["half_width"], file["x"][...]
-# it comes in at half the wave behind the first boundary node and goes one and a half times as fast
+# the dent enters at half its width behind the first boundary node and moves one and a half times as fast
 assert abs(place - (-3.05 - 3.6 * 3e-5 / half_width + 1.5 * time)).max() < 1e-9
-# far in front of the contact, where there is hardly any pressure, the gap is the deeper by it
+# far in front of the contact, where the pressure is low, the gap is deeper by the dent
 k = abs(place + 2.2).argmin()
 deeper = (film[k] - film[0])[abs(x - place[k]) < 0.026].max() * unit
 assert 0.85e-7 < deeper < 1.1e-7, deeper
@@ -961,7 +962,7 @@ PYTHON
     scalars_equal flat.h5 smooth.h5
     run -1 grep surface <(h5ls smooth.h5)
 
-    # a table of the dent is the dent
+    # a table of the dent's heights gives the same films
     /usr/bin/python3 - <<'PYTHON'
 import math
 with open("dent.csv", "w") as file:
@@ -986,7 +987,7 @@ PYTHON
     fullrun table.yml -o r.h5 --resume --quiet --set transient.fixed_step=0.002
     fullrun table.yml -o at-once.h5 --quiet --set transient.fixed_step=0.002
     scalars_equal r.h5 at-once.h5
-    # another table is another run
+    # a changed table does not continue the run
     stop_when KILL "checkpoint > 0 and len(time) > checkpoint" t.h5 \
         fullrun table.yml -o t.h5 --quiet --set transient.fixed_step=0.001
     awk -F, -v OFS=, 'NR > 1 { $2 /= 2 } 1' dent.csv >half.csv && mv half.csv dent.csv
@@ -998,20 +999,20 @@ PYTHON
         --set surface.units=contact --set surface.radius=0.25 --set surface.position=-3
     refuse 65 "surface.wavelength: found a value, expected none with the kind dent" fullrun dent.yml -o x.h5 \
         --set surface.wavelength=1
-    # lengths in metres without units: si, and a place behind the grid
+    # lengths in metres without units: si, and a position behind the grid
     refuse 65 "grid.step: found 0.05 half widths, expected at most" fullrun dent.yml -o x.h5 --set surface.units=
     refuse 65 "surface.position: found 6.57.* half widths, expected a surface that rests on the grid" fullrun dent.yml \
         -o x.h5 --set surface.speed=0 --set surface.position=1e-3
     refuse 66 "none.csv" fullrun table.yml -o x.h5 --set surface.file=none.csv
     refuse 65 "podbuild|dent.h5: time: found" podbuild dent.h5 -o x.h5
-    # the reduced model knows none, and is told so before it is looked for
+    # a scene with a surface is refused before the reduced model is opened
     refuse 65 "surface.kind: found dent, expected none with a reduced model" romrun dent.yml --model none.h5 -o x.h5
     refuse 65 "surface.kind: found dent, expected none with a reduced model" snapgen dent.yml -o x.h5
 }
 
 @test "long waves are flattened and short ones pass, as published" {
-    # C. H. Venner, F. Couhier, A. A. Lubrecht, J. A. Greenwood, Tribology Series 32 (1997) 103-112: M = 100,
-    # L = 11, by wavelength over half width
+    # C. H. Venner, F. Couhier, A. A. Lubrecht, J. A. Greenwood, Tribology Series 32 (1997) 103-112: amplitudes for M =
+    # 100 and L = 11, by wavelength over half width
     cat >wave.yml <<'YAML'
 contact: line
 regime: transient

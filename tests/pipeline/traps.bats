@@ -1,6 +1,6 @@
 #!/usr/bin/env bats
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Host programs may trap floating-point exceptions: neither the library nor a solver raises one on ordinary scenes.
+# Tests with hosts that trap floating-point exceptions: neither the library nor a solver raises one on ordinary scenes.
 
 load common
 
@@ -34,7 +34,7 @@ setup() {
     cp "$BATS_FILE_TMPDIR"/* .
 }
 
-# trapped COMMAND...: it ends with 0.
+# trapped COMMAND...: checks that the command ends with 0 under the traps.
 trapped() {
     echo "$*"
     LD_PRELOAD=$PWD/trap.so "$@" >said 2>&1 || { echo "exit code $?" && cat said && return 1; }
@@ -77,7 +77,7 @@ trapped() {
     trapped romrun --fmu si.yml --model c.h5 -o c.fmu
 }
 
-# slides KIND LOAD TEXT...: a scene in SI units whose surfaces slide; TEXT: lines of its lubricant
+# slides KIND LOAD TEXT...: solves a scene in SI units whose surfaces slide, with TEXT as lines of its lubricant
 slides() {
     local kind=$1 load=$2
     shift 2

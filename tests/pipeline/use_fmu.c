@@ -1,17 +1,18 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* An importer of FMUs, of both versions of FMI, for fmu.bats:
+/* Imports FMUs of both versions of FMI, for fmu.bats:
  *
- *     use_fmu 2|3 FOLDER run STEPS [SAVED AT]   runs, prints all outputs behind each step; saves the state there
- *     use_fmu 2|3 FOLDER restore STEPS SAVED AT the steps behind AT, from the saved state
- *     use_fmu 2|3 FOLDER parts                  a long step is the same as its parts
- *     use_fmu 2|3 FOLDER calls NAME…            all calls that are offered, in and out of order; the others by name
- *     use_fmu 2|3 FOLDER derivatives            against differences of its own
- *     use_fmu 2|3 FOLDER far                    steps that cannot be done
- *     use_fmu 2|3 FOLDER apart                  bodies that part and come together again
- *     use_fmu 2|3 FOLDER tolerances             steps by tolerances down to 1e-9
- *     use_fmu library FOLDER STEPS [LOAD SPEED RADIUS [slide]]  run, by ehdrom.h; these are the scene's; with traction and inlet heating
+ *     use_fmu 2|3 FOLDER run STEPS [SAVED AT]   makes steps, prints all outputs after each; saves the state after step AT
+ *     use_fmu 2|3 FOLDER restore STEPS SAVED AT restores the state and makes the steps after AT
+ *     use_fmu 2|3 FOLDER parts                  compares a long step with its internal steps
+ *     use_fmu 2|3 FOLDER calls NAME…            makes all supported calls, in and out of order; unsupported ones by name
+ *     use_fmu 2|3 FOLDER derivatives            compares derivatives with differences
+ *     use_fmu 2|3 FOLDER far                    makes steps that cannot succeed
+ *     use_fmu 2|3 FOLDER apart                  parts the bodies and brings them together again
+ *     use_fmu 2|3 FOLDER tolerances             makes steps with tolerances down to 1e-9
+ *     use_fmu library FOLDER STEPS [LOAD SPEED RADIUS [slide]]  like run, by ehdrom.h; the values are those of the scene;
+ *                                               with `slide` also traction and inlet heating
  *
- * FOLDER is an unpacked FMU. What is expected ends in exit code 0. */
+ * FOLDER is an unpacked FMU. The exit code is 0 if all is as expected. */
 #include "romrun/fmu/fmi2.h"
 #include "romrun/fmu/fmi3.h"
 #include "romrun/library/ehdrom.h"
@@ -35,7 +36,7 @@
 
 enum { MAX_VARIABLES = 64 };
 
-/* One variable of modelDescription.xml. */
+/* A variable of modelDescription.xml. */
 typedef struct variable {
     char name[64], causality[16], type[16];
     unsigned reference;
@@ -49,7 +50,7 @@ static variable variables[MAX_VARIABLES];
 static size_t num_variables;
 static int num_errors, num_notes, num_discarded;
 
-// ---- modelDescription.xml: this FMU's, line by line
+// ---- modelDescription.xml, read line by line; enough for this FMU only
 
 static void take_attribute(char *value, size_t size, const char *line, const char *name) {
     char start[64];
@@ -95,7 +96,7 @@ static const variable *find(const char *name, const char *causality) {
     exit(1);
 }
 
-// ---- both versions alike
+// ---- calls of either version
 
 static bool has(const char *name) {
     for (size_t i = 0; i < num_variables; i++)
@@ -113,7 +114,7 @@ static void *symbol(const char *name) {
 }
 #define CALL2(name, ...) (((__typeof__(fmi2##name) *)symbol(#name))(__VA_ARGS__))
 #define CALL3(name, ...) (((__typeof__(fmi3##name) *)symbol(#name))(__VA_ARGS__))
-/* A call that differs in nothing but its name's digit. */
+/* Calls a function whose name and arguments are alike in both versions. */
 #define CALL(name, ...)                                                                            \
     (version == 2 ? (int)CALL2(name, __VA_ARGS__) : (int)CALL3(name, __VA_ARGS__))
 
@@ -141,7 +142,7 @@ static void *instantiate(const char *with_token) {
     char place[PATH_MAX + 64];
 
     if (version == 2) {
-        // of a URI with an escape: an s
+        // a URI with an escape: %73 is an s
         snprintf(place, sizeof place, "file://%s/re%%73ources", folder);
         return CALL2(Instantiate, "one", fmi2CoSimulation, with_token, place, &functions, 0, 1);
     }
@@ -219,9 +220,9 @@ static int step(double time, double length) {
     return status;
 }
 
-// ---- a trajectory: load, or approach, and speed swing
+// ---- a trajectory: load or approach, and speed, oscillate
 
-static const double duration = 250e-6; // s: of the scene about one of a/u
+static const double duration = 250e-6; // s, about one a/u of the scene
 
 static double swing(double part) {
     return 1 + 0.1 * sin(2 * 3.14159265358979 * part);
@@ -275,7 +276,7 @@ static void save(const char *path) {
     EXPECT(version == 2 ? CALL2(SerializeFMUstate, instance, state, bytes, size - 1) == fmi2Error
                         : CALL3(SerializeFMUState, instance, state, (uint8_t *)bytes, size - 1) ==
                               fmi3Error);
-    // a second one into the same memory
+    // gets the state again, into the same memory
     EXPECT(version == 2 ? !CALL2(GetFMUstate, instance, &state)
                         : !CALL3(GetFMUState, instance, &state));
     EXPECT(version == 2 ? !CALL2(SerializedFMUstateSize, instance, state, &size_again)
@@ -344,7 +345,8 @@ static void restore(char **argv) {
     finish();
 }
 
-/* A step that is too long for the one before is made of parts: the same as these, asked for one by one. */
+/* A step much longer than the one before is divided into internal steps. Its result equals that of
+ * the same steps requested one by one. */
 static void parts(void) {
     static const double ends[] = {0, 2e-6, 4e-6, 8e-6};
     double film = 0;
@@ -368,12 +370,12 @@ static void parts(void) {
     }
 }
 
-// ---- all calls
+// ---- all calls of the interface
 
 static void try_others(char **names, int count) {
     static double room[64];
 
-    // what a call that is refused looks at is its instance alone
+    // an unsupported call uses only its instance, so any arguments do
     for (int i = 0; i < count; i++) {
         int (*call)(void *, void *, size_t, void *, void *, void *) =
             (int (*)(void *, void *, size_t, void *, void *, void *))dlsym(object, names[i]);
@@ -423,7 +425,7 @@ static void calls(char **names, int count) {
     // out of order
     EXPECT(step(0, 1e-6) == 3 && CALL(Terminate, instance) == 3);
     EXPECT(CALL(ExitInitializationMode, instance) == 3);
-    EXPECT(enter(-0.0, -1) == 0); // none of both
+    EXPECT(enter(-0.0, -1) == 0); // neither tolerance nor stop time
     EXPECT(enter(0, 0) == 3);
     EXPECT(set("modulus", 200e9) == 0 && set("modulus", NAN) == 3 && set("force", 1) == 3);
     const double soft = output("half_width");
@@ -435,7 +437,7 @@ static void calls(char **names, int count) {
     EXPECT(step(1, 1e-6) == 3 && step(0, -1e-6) == 3 && step(0, INFINITY) == 3);
     EXPECT(step(0, 1e-6) == 0 && get(find("time", NULL)) == 1e-6);
     EXPECT(output("internal_steps") == 1);
-    // a step a thousand times as long is made of several, each at most twice as long as the one before
+    // a step a thousand times as long is divided into several, each at most twice as long as the one before
     EXPECT(step(1e-6, 1e-3) == 0 && output("internal_steps") > 9);
     EXPECT(CALL(Terminate, instance) == 0 && step(1.001e-3, 1e-6) == 3);
     EXPECT(CALL(Reset, instance) == 0);
@@ -462,7 +464,8 @@ static int directional(const variable *of, const variable *by, double *found) {
                                      &by->reference, 1, &one, 1, found, 1);
 }
 
-/* What a step to inputs that are a little different gives, from a state that is saved. */
+/* Returns the central difference of an output over an input, by two steps from the saved state
+ * `before`. */
 static double difference(void *before, const variable *of, const variable *by, double time,
                          double length) {
     const double value = get(by), small = 2e-3 * value;
@@ -484,7 +487,7 @@ static void derivatives(void) {
                                                       "peak_pressure", "friction_force"};
     const size_t num_outputs = has("friction_force") ? MOST_OUTPUTS : MOST_OUTPUTS - 1;
     const char *inputs[NUM_INPUTS] = {NULL, "surface_speed_1", "radius"};
-    // of the radius, which the model's training never changed, rows leave more
+    // the training never changed the radius, so the selected equations are less accurate for it
     const double near[NUM_INPUTS] = {1e-4, 1e-4, 1e-2};
     const double length = duration / 100;
     void *before = NULL, *behind = NULL;
@@ -510,7 +513,7 @@ static void derivatives(void) {
             EXPECT(found == again && output("central_film_thickness") == film);
             const double expected = difference(before, of, by, duration, length);
             printf("d %s / d %s = %.10g, differences %.10g\n", of->name, by->name, found, expected);
-            // both of friction are differences, of other lengths; it sees what the pressure does
+            // the FMU's derivative of friction is a difference too, with another increment
             const double both = k == MOST_OUTPUTS - 1 ? 5e-2 : 0;
             EXPECT(fabs(found - expected) <=
                    (near[i] + both) * fabs(expected) + 1e-4 * fabs(get(of) / get(by)));
@@ -524,8 +527,8 @@ static void derivatives(void) {
     finish();
 }
 
-/* A step that is not done leaves all outputs as they were, and the steps behind it have the bits that they have
- * without it. */
+/* A failed step leaves all outputs as they were. Later steps are equal, to the last bit, to those
+ * without the failed step. */
 static void far(void) {
     enum { NUM_TRIES = 3 };
     double film[2] = {0}, last = NAN;
@@ -537,7 +540,7 @@ static void far(void) {
             EXPECT(set(given_name, given_at(0.01 * i)) == 0 && step(i * 1e-6, 1e-6) == 0);
         for (int i = 0; with && i < NUM_TRIES; i++) {
             const double before = output("peak_pressure");
-            const bool by_speed = i == 1; // the other ones: a contact that no step leads to
+            const bool by_speed = i == 1; // the others: a contact that no step can reach
             EXPECT(set("surface_speed_1", by_speed ? -100 : speed_start) == 0);
             const double far_off = strcmp(given_name, "load") == 0 ? 1e6 : -1e6;
             EXPECT(set(given_name, by_speed ? given_start : far_off * fabs(given_start)) == 0);
@@ -559,7 +562,8 @@ static void far(void) {
     finish();
 }
 
-/* Of FMI's tolerance: what no step makes smaller is accepted, in a number of internal steps that stays in bounds. */
+/* FMI's tolerance: an error that no step length reduces is accepted, and the number of internal
+ * steps is bounded. */
 static void tolerances(void) {
     static const double all[] = {1e-4, 1e-5, 1e-6, 1e-7, 1e-9};
     enum { NUM_STEPS = 20, MOST_PARTS = 600 };
@@ -588,7 +592,8 @@ static void tolerances(void) {
     finish();
 }
 
-/* Three swings out of the contact and back: without a force while the bodies are apart, and never a pull. */
+/* Moves the bodies out of contact and back three times. The force is zero while they are apart, and
+ * never negative. */
 static void apart(void) {
     enum { NUM_STEPS = 150, PERIOD = 50 };
     size_t num_lost = 0, num_found = 0;
@@ -621,9 +626,9 @@ static void apart(void) {
     finish();
 }
 
-// ---- by ehdrom.h
+// ---- the same by ehdrom.h
 
-/* Of the stationary contact of these conditions, under a force. */
+/* Returns stiffness and damping of the stationary contact under a force, at the conditions `at`. */
 static ehdrom_response respond(double *heating, ehdrom_contact *contact, double force,
                                const ehdrom_conditions *at) {
     ehdrom_result result = EHDROM_RESULT_INIT;
@@ -680,7 +685,7 @@ static void by_library(int argc, char **argv) {
                result.indicated_deviation_minimum, result.local_error, (double)result.trusted,
                (double)result.iterations, i > 0 ? 1. : 0., response.stiffness, response.damping,
                response.damping_bound);
-        // of the accepted state, where the FMU has that of the step
+        // traction of the accepted state; the FMU returns that of the step
         EXPECT(argc <= 7 || !ehdrom_slide(contact, i > 0 ? (v + 0.25) - (v - 0.25) : 0, &traction));
         if (argc > 7)
             printf(" friction_force=%a friction_coefficient=%a power_loss=%a rolling_resistance=%a "

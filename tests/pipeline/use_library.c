@@ -1,18 +1,18 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Somebody else's program on the installed library, for library.bats: the same text as C11 and as C++17.
+/* A user's program for the installed library, for library.bats; it compiles as C11 and as C++17.
  *
  *     use_library solve MODEL SCENE [KEY VALUE]...   solution and fields, dimensionless
- *     use_library set MODEL LOCALE                   the same contact by settings, in SI and dimensionless
- *     use_library units MODEL SCENE                  a solution and a step in SI, the same as dimensionless; scales
+ *     use_library set MODEL LOCALE                   one contact by settings, in SI and dimensionless
+ *     use_library units MODEL SCENE                  a solution and a step in SI, compared with dimensionless ones; scales
  *     use_library march MODEL SCENE STEP NUM         steps under a sine of the load, each tried twice
- *     use_library derivatives MODEL SCENE            against differences; stiffness and damping; of a step
- *     use_library tolerances MODEL SCENE             of solutions, and of steps along the path
- *     use_library restart MODEL SCENE                a step after a jump is of first order
- *     use_library wrong MODEL SCENE                  what is refused, and how it is said
- *     use_library sizes MODEL SCENE                  structs of a caller that knows more than the library, or less
+ *     use_library derivatives MODEL SCENE            derivatives against differences; stiffness and damping; a step
+ *     use_library tolerances MODEL SCENE             tolerances of solutions, and of steps along the path
+ *     use_library restart MODEL SCENE                the step after a jump has first order
+ *     use_library wrong MODEL SCENE                  wrong inputs and their messages
+ *     use_library sizes MODEL SCENE                  callers whose structs are longer or shorter than the library's
  *     use_library loaded MODEL SCENE                 a solution and a step, and whether HDF5 is in the process
  *     use_library memory MODEL SCENE STEP NUM        VmRSS after 1000 steps and after NUM
- *     use_library threads MODEL SCENE                four threads, a solved contact and two in time each */
+ *     use_library threads MODEL SCENE                four threads, each with a solved contact and two transient ones */
 #include <ehdrom.h>
 
 #include <errno.h>
@@ -32,7 +32,7 @@
         }                                                                                          \
     } while (0)
 
-/* Passes an outcome on; the program ends with the text of an error. */
+/* Returns the status; on an error it prints the text and ends the program. */
 static ehdrom_status taken(ehdrom_status status, const ehdrom_contact *contact) {
     if (EHDROM_FAILED(status)) {
         fprintf(stderr, "%s\n", ehdrom_contact_error(contact));
@@ -52,7 +52,7 @@ static ehdrom_model *open_model(const char *path) {
     return model;
 }
 
-/* Of a model of the tests, which was not checked. */
+/* Creates a contact that accepts any accuracy, because the models of the tests were not checked. */
 static ehdrom_contact *new_contact(const ehdrom_model *model, const char *scene) {
     ehdrom_contact *contact;
 
@@ -80,7 +80,7 @@ static void show_result(const ehdrom_result *result) {
     show("newton_iterations", (double)result->iterations);
 }
 
-/* The largest pressure of the fields. */
+/* Returns the largest pressure of the fields. */
 static double largest(ehdrom_contact *contact, const ehdrom_model *model, double *first_x) {
     ehdrom_model_info info = EHDROM_MODEL_INFO_INIT;
     size_t num_x, num_y;
@@ -96,7 +96,7 @@ static double largest(ehdrom_contact *contact, const ehdrom_model *model, double
     CHECK(!ehdrom_fields(contact, pressure, NULL));
     CHECK(!ehdrom_axes(contact, x, NULL));
     CHECK(!ehdrom_nodes(contact, &num_x, &num_y) && num_y == info.num_y);
-    // behind the nodes of a part with a grid of its own there is nothing
+    // a part with a grid of its own has fewer nodes; the rest of the arrays is NaN
     for (size_t k = 0; k < count; k++) {
         CHECK(isnan(pressure[k]) == (k >= num_x * num_y) && isnan(film[k]) == isnan(pressure[k]));
         if (pressure[k] > most) most = pressure[k];
@@ -136,7 +136,7 @@ static int near(double found, double expected) {
     return fabs(found / expected - 1) < 1e-12;
 }
 
-/* Whether a result in SI is the dimensionless one by the scales, to the last bit. */
+/* Checks that a result in SI is the dimensionless one times the scales, to the last bit. */
 static int same_by(const ehdrom_scales *scales, const ehdrom_result *si,
                    const ehdrom_result *pure) {
     return si->central_film_thickness == pure->central_film_thickness * scales->film &&
@@ -169,7 +169,7 @@ static void units(char **argv) {
     show("length_scale", scales.half_width);
     CHECK(!ehdrom_respond(si, &response));
     show("stiffness", response.stiffness);
-    // a step, under a load and at a speed that are given in SI
+    // a step with load and speed in SI
     const double step = scales.time / 64;
     CHECK(taken(ehdrom_start(si, NULL, &found), si) == EHDROM_OK);
     CHECK(taken(ehdrom_start(pure, NULL, &expected), pure) == EHDROM_OK);
@@ -181,9 +181,9 @@ static void units(char **argv) {
     CHECK(taken(ehdrom_step(si, &conditions, step, &found), si) != EHDROM_NOT_CONVERGED);
     CHECK(taken(ehdrom_step(pure, &relative, step / scales.time, &expected), pure) == found.status);
     CHECK(same_by(&scales, &found, &expected));
-    // to what the rows of a small model tell
+    // only as accurate as the selected equations of a small model
     CHECK(found.time == step && fabs(found.load / conditions.load - 1) < 1e-3);
-    // and under an approach, in m
+    // a step with the approach, in m
     conditions.given = relative.given = EHDROM_APPROACH;
     conditions.approach = found.approach;
     relative.approach = conditions.approach / scales.film;
@@ -203,7 +203,7 @@ static void set(char **argv) {
     ehdrom_scales scales = EHDROM_SCALES_INIT;
     double x_si, x_pure;
 
-    // where a comma stands for the point
+    // a locale with a decimal comma
     CHECK(setlocale(LC_ALL, argv[3]));
     CHECK(!ehdrom_contact_set(contact, "lubricant.viscosity.law", "barus"));
     CHECK(!ehdrom_contact_set(contact, "lubricant.viscosity.alpha", "2.0e-8"));
@@ -262,7 +262,7 @@ static void march(char **argv) {
         if (i == num) CHECK(!ehdrom_state_save(contact, saved, count));
         CHECK(!ehdrom_accept(contact));
     }
-    // another contact goes on from the state before the last step, and comes to the same bits
+    // another contact continues from the state before the last step, with equal results to the last bit
     CHECK(ehdrom_state_restore(other, saved, count - 1) == EHDROM_DATA);
     CHECK(!ehdrom_state_restore(other, saved, count));
     CHECK(taken(ehdrom_step(other, &conditions, step, &again), other) != EHDROM_NOT_CONVERGED);
@@ -271,14 +271,14 @@ static void march(char **argv) {
     CHECK(!ehdrom_accept(other));
     double first_x;
     const double most = largest(contact, model, &first_x);
-    // both at once
+    // a step of both contacts
     ehdrom_contact *const both[2] = {contact, other};
     const ehdrom_conditions same[2] = {conditions, conditions};
     ehdrom_result results[2] = {result, result};
     CHECK(!EHDROM_FAILED(ehdrom_step_many(both, same, step, results, 2)));
     CHECK(results[0].time > result.time && results[0].time == results[1].time);
     CHECK(results[0].minimum_film_thickness == results[1].minimum_film_thickness);
-    // one that fails says so in its result, whose numbers stay
+    // a failed contact has its status in its result; the other values stay
     const ehdrom_conditions one_is_wrong[2] = {{sizeof conditions, 1024, 0, 0, 0, 0, 0},
                                                conditions};
     const double before = results[0].load;
@@ -288,7 +288,7 @@ static void march(char **argv) {
     CHECK(!EHDROM_FAILED(results[1].status) && *ehdrom_contact_error(contact));
     results[1].size = 0;
     CHECK(ehdrom_step_many(both, NULL, step, results, 2) == EHDROM_DATA);
-    // of a caller that knows less: what its struct has not cannot be given
+    // a shorter struct of an older caller: members that it lacks cannot be given
     ehdrom_conditions shorter = {offsetof(ehdrom_conditions, speed), EHDROM_LOAD, 0, 0, 1, 1, 1};
     shorter.load = conditions.load;
     CHECK(!EHDROM_FAILED(ehdrom_step(contact, &shorter, step, &again)));
@@ -298,7 +298,7 @@ static void march(char **argv) {
     CHECK(most == largest(other, model, &first_x));
     show_result(&result);
     show("largest", most);
-    // what was elsewhere meanwhile keeps nothing of that, nor one whose settings changed and changed back
+    // a restored state is independent of other steps meanwhile, and of settings that changed and changed back
     for (int i = 0; i < 3; i++) {
         if (i == 1) CHECK(!ehdrom_contact_set_number(contact, "moes.M", 12));
         if (i == 2) {
@@ -321,12 +321,12 @@ static void march(char **argv) {
     ehdrom_model_close(model);
 }
 
-/* Whether a derivative is that of a difference, to the part that differences have. */
+/* Checks a derivative against a central difference, to 2e-3. */
 static int as_difference(double found, double before, double behind, double change) {
     return fabs(found - (behind - before) / change) < 2e-3 * fabs(found);
 }
 
-/* Of the solution of a scene in SI units by its load. */
+/* Checks derivatives of the solution by its load, in SI units. */
 static void differentiate_solution(ehdrom_contact *contact, double load) {
     ehdrom_derivatives by_load = EHDROM_DERIVATIVES_INIT, by_approach = EHDROM_DERIVATIVES_INIT;
     ehdrom_conditions direction = EHDROM_CONDITIONS_INIT;
@@ -361,7 +361,7 @@ static void differentiate_solution(ehdrom_contact *contact, double load) {
     show("approach_by_load", by_load.approach);
 }
 
-/* Of a step, which can be accepted afterwards as if nothing had been asked. */
+/* Checks derivatives of a step. The step can still be accepted afterwards. */
 static void differentiate_step(ehdrom_contact *contact, double load) {
     ehdrom_derivatives found = EHDROM_DERIVATIVES_INIT;
     ehdrom_conditions conditions = EHDROM_CONDITIONS_INIT, direction = EHDROM_CONDITIONS_INIT;
@@ -372,7 +372,7 @@ static void differentiate_step(ehdrom_contact *contact, double load) {
     taken(ehdrom_contact_set_number(contact, "physical.load", load), contact);
     taken(ehdrom_contact_scales(contact, &scales), contact);
     taken(ehdrom_start(contact, NULL, &result), contact);
-    taken(ehdrom_differentiate(contact, &direction, &found), contact); // none changes
+    taken(ehdrom_differentiate(contact, &direction, &found), contact); // a direction of zero
     CHECK(found.central_film_thickness == 0 && found.load == 0);
     direction.given = conditions.given = EHDROM_LOAD;
     direction.load = 1;
@@ -386,7 +386,7 @@ static void differentiate_step(ehdrom_contact *contact, double load) {
     CHECK(as_difference(found.approach, sides[0].approach, sides[1].approach, 2e-3 * load));
     CHECK(as_difference(found.central_pressure, sides[0].central_pressure,
                         sides[1].central_pressure, 2e-3 * load));
-    CHECK(ehdrom_respond(contact, &response) == EHDROM_INTERNAL); // not of a step
+    CHECK(ehdrom_respond(contact, &response) == EHDROM_INTERNAL); // not available after a step
     direction.given |= EHDROM_APPROACH;
     CHECK(ehdrom_differentiate(contact, &direction, &found) == EHDROM_DATA);
     CHECK(!ehdrom_accept(contact));
@@ -407,7 +407,7 @@ static void derivatives(char **argv) {
     ehdrom_model_close(model);
 }
 
-/* The film after steps under a load that rises, and how many iterations they took. */
+/* Returns the central film after 20 steps under a rising load, and the number of iterations. */
 static double rise(ehdrom_contact *contact, double load, double step, size_t *iterations) {
     ehdrom_result result = EHDROM_RESULT_INIT;
     ehdrom_conditions conditions = EHDROM_CONDITIONS_INIT;
@@ -441,7 +441,7 @@ static void tolerances(char **argv) {
     CHECK(!ehdrom_contact_set_units(tight, EHDROM_DIMENSIONLESS));
     CHECK(!ehdrom_contact_set_units(loose, EHDROM_DIMENSIONLESS));
     const double all = rise(tight, 1, 0.01, &of_tight);
-    // what was refused counts for nothing
+    // refused tolerances have no effect
     CHECK(rise(loose, 1, 0.01, &of_loose) == all && of_loose == of_tight);
     CHECK(!ehdrom_contact_set_step_tolerance(loose, 5e-2));
     CHECK(fabs(rise(loose, 1, 0.01, &of_loose) / all - 1) < 5e-2 && of_loose < of_tight);
@@ -457,7 +457,7 @@ static void tolerances(char **argv) {
     ehdrom_model_close(model);
 }
 
-/* The central film after a step to a load above that of the start. */
+/* Returns the central film after a step to a higher load than at the start. */
 static double jump(ehdrom_contact *contact, double step) {
     ehdrom_result result = EHDROM_RESULT_INIT;
     ehdrom_conditions conditions = EHDROM_CONDITIONS_INIT;
@@ -468,8 +468,8 @@ static double jump(ehdrom_contact *contact, double step) {
     return result.central_film_thickness;
 }
 
-/* At rest in its state a contact has no past that matters but to the order of the next step: after a restart
- * that is the first step once more. */
+/* A contact that rests in its state has a history that only sets the order of the next step. A step
+ * after a restart therefore equals the first step. */
 static void restart(char **argv) {
     ehdrom_model *model = open_model(argv[2]);
     ehdrom_contact *contact = new_contact(model, argv[3]);
@@ -490,7 +490,7 @@ static void restart(char **argv) {
     show("first", first);
     show("second_order", second_order);
     show("again", again);
-    // at rest in time the rows of a small model leave 2e-5 other than in the start
+    // a contact at rest differs from the start by 2e-5, an error of the selected equations of a small model
     CHECK(fabs(again - first) < 0.05 * fabs(second_order - first));
     ehdrom_contact_free(contact);
     ehdrom_model_close(model);
@@ -538,14 +538,15 @@ static void wrong(char **argv) {
     printf("%s\n", ehdrom_contact_error(contact));
     CHECK(ehdrom_contact_set_number(contact, "physical.load", NAN) == EHDROM_DATA);
     printf("%s\n", ehdrom_contact_error(contact));
-    CHECK(ehdrom_solve(contact, &result) == EHDROM_DATA); // M and L are not SI
+    // SI units need physical settings; this scene has M and L
+    CHECK(ehdrom_solve(contact, &result) == EHDROM_DATA);
     printf("%s\n", ehdrom_contact_error(contact));
     CHECK(!ehdrom_contact_set_units(contact, EHDROM_DIMENSIONLESS));
     CHECK(!ehdrom_solve(contact, &result) && !ehdrom_contact_error(contact)[0]);
     CHECK(ehdrom_fields(contact, NULL, NULL) == EHDROM_OK);
     result.size = 0;
     CHECK(ehdrom_solve(contact, &result) == EHDROM_DATA);
-    result.size = offsetof(ehdrom_result, approach); // of a caller that knows less
+    result.size = offsetof(ehdrom_result, approach); // a shorter struct of an older caller
     result.approach = 17;
     CHECK(!ehdrom_solve(contact, &result) && result.approach == 17 && result.load > 0.9);
     result.size = sizeof result;
@@ -564,7 +565,7 @@ static void wrong(char **argv) {
     CHECK(!ehdrom_contact_set_accuracy(contact, 0.01));
     CHECK(ehdrom_solve(contact, &result) == EHDROM_UNTRUSTED && !result.trusted);
     printf("%s\n", ehdrom_contact_error(contact));
-    // another kind is told before what it leads to: millions of nodes
+    // the wrong kind of contact is reported first, before a grid with millions of nodes is made
     CHECK(!ehdrom_contact_set(contact, "contact", "point"));
     CHECK(!ehdrom_contact_set(contact, "grid.step", "0.001"));
     CHECK(ehdrom_solve(contact, &result) == EHDROM_DATA);
@@ -577,7 +578,7 @@ static void wrong(char **argv) {
 
 // ---- callers of another version
 
-/* What a later header may have: members at the end. */
+/* A struct of a later header, with more members at the end. */
 typedef struct newer_result {
     ehdrom_result known;
     double beyond[2];
@@ -591,7 +592,8 @@ typedef struct newer_scales {
     double beyond[2];
 } newer_scales;
 
-/* Whether a longer struct has what a result has, and the members beyond as they were. */
+/* Checks that a longer struct has the values of `expected`, and that its additional members are
+ * unchanged. */
 static int same_as(const newer_result *found, const ehdrom_result *expected) {
     ehdrom_result known = found->known;
 
@@ -634,16 +636,16 @@ static void sizes(char **argv) {
     CHECK(!ehdrom_start(contacts[0], &conditions, &result));
     CHECK(!ehdrom_start(contacts[1], &of_newer[0].known, &newer[0].known));
     CHECK(same_as(&newer[0], &result));
-    // arrays whose entries are as far apart as the caller's structs are long
+    // in arrays, the distance of the entries is the size of the caller's structs
     CHECK(!ehdrom_start(contacts[0], NULL, &result) && !ehdrom_start(contacts[1], NULL, &result));
     of_newer[1].known.load = conditions.load = 1.02;
-    // their model was trained on stationary states, so that none is trusted
+    // the model was trained on stationary states, so no step is trusted
     CHECK(ehdrom_step_many(contacts, &of_newer[0].known, 0.01, &newer[0].known, 2) ==
           EHDROM_UNTRUSTED);
     CHECK(newer[0].known.load < newer[1].known.load && newer[1].known.time == 0.01);
     CHECK(ehdrom_step(contacts[0], &conditions, 0.01, &result) == EHDROM_UNTRUSTED);
     CHECK(same_as(&newer[1], &result));
-    // and one that knows no modulus, behind which its own memory ends
+    // a shorter struct without the modulus; the memory behind it is not read
     conditions.size = offsetof(ehdrom_conditions, modulus);
     conditions.modulus = NAN;
     CHECK(ehdrom_step(contacts[1], &conditions, 0.01, &newer[0].known) == EHDROM_UNTRUSTED);
@@ -655,7 +657,7 @@ static void sizes(char **argv) {
 
 // ---- threads and memory
 
-/* A number of this process that /proc tells, "Threads:". */
+/* Returns the number behind `name`, such as "Threads:", in /proc/self/status. */
 static int own_number(const char *name) {
     char line[256];
     int count = 0;
@@ -668,7 +670,7 @@ static int own_number(const char *name) {
     return count;
 }
 
-/* How many lines of /proc/self/maps name the library. */
+/* Counts the lines of /proc/self/maps that contain the name of the library. */
 static int count_maps(const char *library) {
     FILE *maps = fopen("/proc/self/maps", "r");
     char line[4096];
@@ -729,7 +731,7 @@ typedef struct worker {
     ehdrom_result steps[10][2];
 } worker;
 
-/* Steps of two contacts at a time, of which other threads have such of their own. */
+/* Makes steps of two contacts at a time, while other threads do so with theirs. */
 static void step_together(worker *self) {
     ehdrom_contact *contacts[2] = {new_contact(self->model, self->scene),
                                    new_contact(self->model, self->scene)};
@@ -760,7 +762,7 @@ static void step_together(worker *self) {
 
 static void *work(void *argument) {
     worker *self = (worker *)argument;
-    ehdrom_model *own = open_model(self->path); // in several threads at a time
+    ehdrom_model *own = open_model(self->path); // opened in several threads at once
     ehdrom_contact *contact = new_contact(self->model, self->scene);
 
     CHECK(!ehdrom_contact_set_units(contact, EHDROM_DIMENSIONLESS));
@@ -776,8 +778,8 @@ static void *work(void *argument) {
     return NULL;
 }
 
-/* What becomes of each signal, and which are held back. */
-enum { NUM_SIGNALS = 65 }; // of Linux, from 1 on
+/* The action of each signal, and the blocked signals. */
+enum { NUM_SIGNALS = 65 }; // signals of Linux are numbered from 1
 struct signals {
     struct sigaction action[NUM_SIGNALS];
     int known[NUM_SIGNALS];
@@ -792,7 +794,7 @@ static void take_signals(struct signals *self) {
         self->known[i] = !sigaction(i, NULL, &self->action[i]);
         num_known += self->known[i];
     }
-    CHECK(num_known > 60); // all but the two that glibc keeps
+    CHECK(num_known > 60); // two are reserved by glibc
     CHECK(!pthread_sigmask(SIG_SETMASK, NULL, &self->held));
 }
 
@@ -822,7 +824,7 @@ static void threads(char **argv) {
         workers[i].model = model;
     }
     work(&workers[4]);
-    CHECK(own_number("Threads:") == 1); // nothing here begins one
+    CHECK(own_number("Threads:") == 1); // the library starts no threads
     for (int i = 0; i < 4; i++)
         CHECK(!pthread_create(&ids[i], NULL, work, &workers[i]));
     for (int i = 0; i < 4; i++)

@@ -1,13 +1,13 @@
 #!/usr/bin/env bats
 # SPDX-License-Identifier: GPL-3.0-or-later
-# --vtk RESULT.h5 -o NAME.vti or NAME.pvd: fields for ParaView, in metres and pascals.
+# Tests of --vtk RESULT.h5 -o NAME.vti or NAME.pvd: fields for ParaView, in metres and pascals.
 
 load common
 
 setup() {
     common_setup
     cat >image.py <<'PYTHON'
-# What an image holds: origin, spacing, arrays [z, y, x], time; read as VTK's documentation says.
+# Reads origin, spacing, arrays [z, y, x] and time of an image, in the format of VTK's documentation.
 import re, sys, numpy as np, xml.etree.ElementTree as tree
 def image(path):
     raw = open(path, "rb").read()
@@ -73,7 +73,7 @@ with h5py.File("t.h5") as file:
         origin, spacing, arrays, time = image("a&b/" + entry.attrib["file"])
         width = file["contact_half_width"][t] * a
         assert np.isclose(time, file["time"][t] * second, rtol=1e-15) and float(entry.attrib["timestep"]) == time
-        # a line contact is a strip that is a step wide
+        # the image of a line contact is a strip one step wide
         assert np.allclose(origin, [-4 * width, -0.01 * width, 0], rtol=1e-9) and np.allclose(spacing, 0.02 * width, rtol=1e-9)
         assert arrays["pressure"].shape == (2, 2, 301)
         assert np.allclose(arrays["pressure"], file["pressure"][t] * p * file["frame_hertz_pressure"][t], rtol=1e-15)
@@ -81,7 +81,7 @@ with h5py.File("t.h5") as file:
 assert sorted(os.listdir("a&b")) == ["t&.pvd"] + ["t&_%04d.vti" % n for n in range(len(times))]
 PYTHON
     refuse 65 "t.h5: found fields of .* times, expected 1 for x.vti" romrun --vtk t.h5 -o x.vti
-    # what is in the way is found before the collection is there
+    # an existing image is found before the collection is written
     rm 'a&b/t&.pvd'
     refused 73 "t&_0000.vti: found an existing file" romrun --quiet --vtk t.h5 -o 'a&b/t&.pvd'
     [ ! -e 'a&b/t&.pvd' ]
@@ -89,8 +89,8 @@ PYTHON
     romrun --quiet --vtk t.h5 -o 'a&b/t&.pvd' --force
 }
 
-# What VTK itself finds, where there is Debian's python3-vtk9, which is too large (244 MB with what it needs) to be
-# installed for these tests: $1 a script, in which read(path) gives an image of VTK.
+# with_vtk: runs the Python script on stdin, in which read(path) reads an image with VTK itself. Tests with it need
+# Debian's python3-vtk9, which is too large (244 MB with its dependencies) to be installed for them.
 with_vtk() {
     cat >vtk_image.py <<'PYTHON'
 import h5py, numpy as np
@@ -132,7 +132,7 @@ with h5py.File("r.h5") as file:
     assert np.allclose(image.GetOrigin(), [-2.5 * a, -2 * a, 0]) and np.allclose(image.GetSpacing(), 0.125 * a)
     for name, unit in ("pressure", p), ("film_thickness", h):
         assert np.all(field(image, name) == file[name][0] * unit), name
-    # along y = 0, between the layers: where VTK 9.1 crashed with one
+    # cuts along y = 0, between the layers: VTK 9.1 crashed on an image of one layer
     plane, cutter = vtkPlane(), vtkCutter()
     plane.SetNormal(0, 1, 0)
     cutter.SetCutFunction(plane)
@@ -154,7 +154,7 @@ YAML
     with_vtk <<'PYTHON'
 from vtk_image import *
 from vtkmodules.vtkIOXMLParser import vtkXMLDataParser
-# no reader of collections is in VTK (ParaView has it), but its parser of their XML
+# VTK has no reader of collections (ParaView has one), but a parser of their XML
 parser = vtkXMLDataParser()
 parser.SetFileName("t&.pvd")
 assert parser.Parse() == 1

@@ -22,7 +22,7 @@ first_line = 1 if point and not half else 0
 num_lines = first_line + num_y + (1 if point else 0)
 x = x_min + step * (numpy.arange(width) - 1)
 y = step * (numpy.arange(num_lines) - (0 if half or not point else (num_y + 1) / 2))
-# the reach of a row upstream, and downstream and across
+# nodes that a row reaches upstream (back), and downstream and across (ahead)
 accurate = basis.attrs.get("discretization", "published") in ("accurate", b"accurate")
 back, ahead = (3, 2) if accurate else (2, 1)
 gap = (x[None, :] ** 2 + y[:, None] ** 2) / 2
