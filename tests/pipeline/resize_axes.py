@@ -18,7 +18,7 @@ import numpy as np
 EVERY_LENGTH = "EVERY_LENGTH" in os.environ
 
 # Exit codes of a proper end: solved, not converged, not to be trusted, wrong use, bad data, no memory.
-MAY_END = {0, 3, 4, 64, 65, 69, 71}
+MAY_END = {0, 3, 4, 64, 65, 71}
 
 
 def lengths_of(length):
