@@ -355,7 +355,7 @@ static void nodes_grow_with_the_grid(void **state) {
 /* On a grid that just resolves the film, twice the step does not resolve it. */
 static void too_coarse_to_tell(void **state) {
     (void)state;
-    ehd_contact contact = sample_contact("barus", "incompressible", 1000, 0, 0.01);
+    ehd_contact contact = sample_contact("barus", "incompressible", 500, 0, 0.01);
     full_resolution resolution = estimate(&contact);
     assert_true(isinf(resolution.effects.of[EFFECT_STEP]));
     assert_true(isinf(resolution.effects.of[EFFECT_STEP_MINIMUM]));
