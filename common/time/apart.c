@@ -158,7 +158,7 @@ static ehd_status attempt_contact(march_step *outcome, apart_march *self,
     if (status) return status;
     if (!parts)
         touch(outcome, self, frame, self->now.doubtful);
-    else if (frame->load > 0 && is_too_long(self, step))
+    else if (is_too_long(self, step))
         *outcome = too_long("the bodies part in this step, which has to be shorter", frame);
     else
         status = part(outcome, self, frame, error);

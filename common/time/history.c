@@ -411,13 +411,18 @@ double histories_path(const ehd_histories *self, double time) {
     return speed->law->integral(speed, time);
 }
 
+/* Returns the next kink of one history after a time. */
+static double kink_after(const history *of, double time, bool *jump) {
+    *jump = false;
+    return of->law->next_kink ? of->law->next_kink(of, time, jump) : INFINITY;
+}
+
 double histories_next_kink(const ehd_histories *self, double time, bool *jump) {
     double next = INFINITY;
     *jump = false;
     for (int i = 0; i < NUM_VARY; i++) {
-        const history *of = &self->of[i];
-        bool jumps = false;
-        const double kink = of->law->next_kink ? of->law->next_kink(of, time, &jumps) : INFINITY;
+        bool jumps;
+        const double kink = kink_after(&self->of[i], time, &jumps);
         *jump = kink < next ? jumps : *jump || (jumps && kink == next);
         next = fmin(next, kink);
     }
@@ -429,6 +434,17 @@ double histories_shortest_time(const ehd_histories *self) {
     for (int i = 0; i < NUM_VARY; i++) {
         const history *of = &self->of[i];
         if (of->law->shortest_time) shortest = fmin(shortest, of->law->shortest_time(of));
+    }
+    return shortest;
+}
+
+double histories_smooth_time(const ehd_histories *self) {
+    double shortest = INFINITY;
+    for (int i = 0; i < NUM_VARY; i++) {
+        const history *of = &self->of[i];
+        bool jump;
+        if (of->law->shortest_time && kink_after(of, -INFINITY, &jump) == INFINITY)
+            shortest = fmin(shortest, of->law->shortest_time(of));
     }
     return shortest;
 }

@@ -73,4 +73,8 @@ double histories_next_kink(
  * smoothly. */
 double histories_shortest_time(const ehd_histories *self);
 
+/* Returns the shortest time scale of the histories that have no kinks, such as sines and splines.
+ * Between kinks the others are monotone, and each kink ends a step. INFINITY: all others. */
+double histories_smooth_time(const ehd_histories *self);
+
 #endif

@@ -36,8 +36,9 @@ static const double NOISE_KEPT = 0.9; // part of the solver's noise that still c
 enum { WATCHED_ATTEMPTS = 3000, STILL_ATTEMPTS = 100, MAX_HALVINGS = 60 };
 static const double MIN_STEP = 1e-9;            // relative to the first step
 static const double ROUNDING = 8 * DBL_EPSILON; // relative round-off of summed times
-// Longest step while the bodies are apart, as a part of the shortest time of the histories: no error limits these steps. The
-// shortest time of a sine is 1/(2 pi) of its period, so a contact that lasts for a hundredth of the period is not missed.
+// Longest step while the bodies are apart, as a part of the shortest time of smooth histories: no
+// error limits these steps. The shortest time of a sine is 1/(2 pi) of its period, so that a contact
+// that lasts for a hundredth of the period is not missed.
 static const double WATCHED_PART = 1. / 16;
 static const double SLIVER = 1e-3; // of a step: times closer than that count as one
 
@@ -432,7 +433,7 @@ static void accept(march *self, march_step *outcome, const next_stop *reached) {
         state->step = first_step_after_jump(self, outcome);
     }
     if (outcome->apart && is_adaptive(self))
-        state->step = fmin(state->step, WATCHED_PART * histories_shortest_time(self->histories));
+        state->step = fmin(state->step, WATCHED_PART * histories_smooth_time(self->histories));
     state->rejected_step = 0;
     // if this step is too long, the march ends as soon as it is rejected
     state->step = fmax(state->step, 2 * min_step(self));

@@ -161,6 +161,19 @@ with h5py.File("none.h5") as none, h5py.File("little.h5") as little:
 PYTHON
 }
 
+@test "a load falls to 0 after long steps, and rises nearly at once" {
+    printf '%s\n' time,load 0,1 2,1 3,0 5,0 5.00000001,1 9,1 >jump.csv
+    lose jump 'closure: load' load
+    /usr/bin/python3 - <<'PYTHON'
+import h5py, numpy
+with h5py.File("jump.h5") as file:
+    time, load = file["time"][...], file["load"][...]
+    assert ((time > 2) & (time < 3)).sum() > 20  # the fall is resolved
+    assert len(time) < 3000  # steps are not as short as the distance of the rows
+    assert not load[(time >= 3) & (time < 5)].any() and abs(load[-1] - 1) < 1e-6
+PYTHON
+}
+
 @test "bodies that part lose their load, and get it back where they touch" {
     printf '%s\n' time,approach 0,1 3,-0.3 4,-0.3 7,1 9,1 >apart.csv
     lose apart 'closure: approach' approach

@@ -299,6 +299,14 @@ static void steps_in_which_bodies_part_or_touch_are_short(void **state) {
     assert_int_equal(step_to(0.2, 1, 0).status, EHD_NOT_CONVERGED);
     contact.longest_step = INFINITY;
     assert_true(step_to(0.2, 1, 0).begins);
+
+    // also to a load of 0
+    set_up_contact("load", "", &given);
+    begin(1, NAN);
+    contact.longest_step = 0.09;
+    assert_int_equal(step_to(0.1, 0, NAN).status, EHD_NOT_CONVERGED);
+    contact.longest_step = 0.1;
+    assert_true(step_to(0.1, 0, NAN).apart);
 }
 
 /* The state of the solver is saved too, and bodies stay apart if a start fails. */

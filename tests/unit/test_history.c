@@ -247,6 +247,23 @@ static void the_shortest_time_scale_is_found(void **state) {
                    0.125);
 }
 
+static void check_smooth(const char *histories, double expected) {
+    ehd_histories *self = accepts(histories);
+    check_close(histories_smooth_time(self), expected, 1e-15, 0);
+    histories_free(self);
+}
+
+static void kinks_need_no_smooth_time_scale(void **state) {
+    (void)state;
+    write_file("hat.csv", "T,F\n0,2\n1,3\n1.25,2\n2.5,5\n");
+    check_smooth("load: {law: step, to: 2, at: 1}", INFINITY);
+    check_smooth("load: {law: table, file: hat.csv, column: F, interpolation: linear}", INFINITY);
+    check_smooth("load: {law: table, file: hat.csv, column: F}", 0.25);
+    check_smooth("load: {law: sine, amplitude: 0.1, period: 1}, "
+                 "speed: {law: ramp, to: 2, duration: 0.125}",
+                 1 / (2 * M_PI));
+}
+
 // ---- values that are not positive
 
 static void histories_that_reach_zero_are_refused(void **state) {
@@ -531,6 +548,7 @@ int main(void) {
         cmocka_unit_test(five_quantities_vary_apart),
         cmocka_unit_test(kinks_and_jumps_come_in_order),
         cmocka_unit_test(the_shortest_time_scale_is_found),
+        cmocka_unit_test(kinks_need_no_smooth_time_scale),
         cmocka_unit_test(histories_that_reach_zero_are_refused),
         cmocka_unit_test(a_load_may_be_zero),
         cmocka_unit_test(a_reversal_is_refused_but_not_rest),
