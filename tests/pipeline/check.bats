@@ -95,6 +95,7 @@ with h5py.File('r.h5', 'r+') as f: del f.attrs['settings']"
     same_data x.h5 n.h5
     run -4 romrun scene.yml --model x.h5
     deimselect r.h5 --basis b.h5 -o y.h5 --no-check
+    /usr/bin/python3 -c 'import h5py; assert "null" not in str(h5py.File("x.h5").attrs["settings"])'
     # residuals of another grid or of a single point give a model that is not checked, too
     cp "$BATS_FILE_TMPDIR"/r.h5 .
     /usr/bin/python3 -c "

@@ -406,6 +406,7 @@ static void calls_of_3(void) {
                   NULL, NULL, NULL));
     EXPECT(!CALL3(InstantiateCoSimulation, "one", token, folder, 0, 0, true, false, NULL, 0,
                   &num_errors, show3, NULL));
+    EXPECT(num_errors == 4); // with that of `calls`
     EXPECT(CALL3(SetInt32, instance, NULL, 0, NULL, 0) == fmi3OK);
     EXPECT(CALL3(SetBoolean, instance, NULL, 0, NULL, 0) == fmi3OK);
     const unsigned reference = 0;

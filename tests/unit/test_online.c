@@ -145,6 +145,8 @@ static void the_library_says_what_it_solved(void **state) {
     check_ok(online_solve(&beyond, solver, &contact, &error));
     assert_int_equal(beyond.status, EHD_NOT_CONVERGED);
     assert_non_null(strstr(beyond.reason, "beyond the limit of the viscosity law"));
+    // a rejected solution has no error estimates
+    assert_true(isnan(online_indicate(solver, &contact).bound[INDICATED_PRESSURE]));
     contact.lubricant.pressure_limit = INFINITY;
     // a pressure that is NaN, or negative by more than round-off
     const double strange[] = {NAN, -1.1e-3, -0.9e-3};

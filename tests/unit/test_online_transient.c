@@ -1262,6 +1262,41 @@ static void what_was_not_trained_is_not_trusted(void **unused) {
     }
 }
 
+/* Changes the load by `rate` for a short time, in steps far shorter than the grid's. The second contact
+ * gets the approaches of the first one. Returns the last results. */
+static void change_load(online_state last[2], online_transient *const contacts[2], double rate) {
+    const double step = 1e-4;
+
+    for (int i = 0; i < 2; i++)
+        start(contacts[i]);
+    for (int k = 1; k <= 60; k++)
+        for (int i = 0; i < 2; i++) {
+            online_conditions at = {1 + rate * k * step, NAN, 1, 1, 1};
+            if (i == 1) at.load = NAN;
+            if (i == 1) at.approach = last[0].scalars.rigid_approach;
+            check_ok(online_step(&last[i], contacts[i], &at, step, &error));
+            assert_int_not_equal(last[i].status, EHD_NOT_CONVERGED);
+            online_accept(contacts[i]);
+        }
+}
+
+/* The rate at which a load changes counts in steps of any length. */
+static void fast_changes_in_short_steps_are_not_trusted(void **unused) {
+    (void)unused;
+    for_both_models {
+        online_transient *contacts[] = {create(models[m]), create(models[m])};
+        online_state last[2];
+        change_load(last, contacts, 1.5);
+        for (int i = 0; i < 2; i++)
+            assert_non_null(strstr(last[i].reason, "changes faster than any in training"));
+        change_load(last, contacts, 0.1);
+        assert_int_equal(last[0].status, EHD_OK);
+        assert_int_equal(last[1].status, EHD_OK);
+        for (int i = 0; i < 2; i++)
+            online_transient_free(contacts[i]);
+    }
+}
+
 // ---- memory
 
 static void a_step_allocates_nothing(void **unused) {
@@ -1354,6 +1389,7 @@ int main(void) {
         cmocka_unit_test(conditions_out_of_range_are_refused),
         cmocka_unit_test(calls_out_of_order_are_refused),
         cmocka_unit_test(what_was_not_trained_is_not_trusted),
+        cmocka_unit_test(fast_changes_in_short_steps_are_not_trusted),
         cmocka_unit_test(a_step_allocates_nothing),
         cmocka_unit_test(a_prepared_model_calls_no_library_that_may_end_the_process),
         cmocka_unit_test(memory_may_fail),
