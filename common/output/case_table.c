@@ -323,8 +323,8 @@ static ehd_status put_text(case_table *self, const char *text, size_t length, eh
 }
 
 /* Checks whether a table has anything after its header. */
-static bool has_rows(const char *partial) {
-    FILE *stream = fopen(partial, "r");
+static bool has_rows(const case_table *self) {
+    FILE *stream = fopen(self->out.partial, "r");
     int character = 0;
 
     while (stream && character != '\n' && character != EOF)
@@ -334,9 +334,9 @@ static bool has_rows(const char *partial) {
     return found;
 }
 
-static ehd_status open_done(case_table *self, const char *partial, ehd_error *error) {
+static ehd_status open_done(case_table *self, ehd_error *error) {
     csv_close(&self->done);
-    ehd_status status = csv_open_rows(&self->done, partial, error);
+    ehd_status status = csv_open_rows(&self->done, self->out.partial, error);
 
     for (size_t i = 0; i < self->done.width && !status; i++)
         if (strcmp(self->done.names[i], "status") == 0) self->status_column = i;
@@ -345,11 +345,10 @@ static ehd_status open_done(case_table *self, const char *partial, ehd_error *er
 
 /* Counts the whole rows within the first `most` bytes of PATH.partial and their bytes, up to the
  * first incomplete row. */
-static ehd_status measure_done(case_table *self, const char *partial, size_t most, size_t *bytes,
-                               ehd_error *error) {
+static ehd_status measure_done(case_table *self, size_t most, size_t *bytes, ehd_error *error) {
     ehd_error torn;
     bool found = true;
-    ehd_status status = open_done(self, partial, error);
+    ehd_status status = open_done(self, error);
 
     if (status) return status;
     self->num_rows = 0;
@@ -360,7 +359,7 @@ static ehd_status measure_done(case_table *self, const char *partial, size_t mos
         self->num_rows++;
     }
     return status == EHD_MEMORY || status == EHD_IO ? ehd_fail(error, status, "%s", torn.text)
-                                                    : open_done(self, partial, error);
+                                                    : open_done(self, error);
 }
 
 /* Computes the SHA-256 of the first `bytes` of a file. Returns false if the file is shorter or
@@ -401,35 +400,35 @@ static size_t last_mark(done_mark *mark, const char *text, size_t size) {
 
 /* Accepts the rows up to the last mark if their checksum is right. *kept: length of the marks up to
  * the last one. */
-static ehd_status take_marked(case_table *self, size_t *kept, size_t *bytes, const char *partial,
-                              const char *marks, ehd_error *error) {
+static ehd_status take_marked(case_table *self, size_t *kept, size_t *bytes, const char *marks,
+                              ehd_error *error) {
     struct stat found;
-    const size_t size = stat(partial, &found) == 0 ? (size_t)found.st_size : 0;
+    const size_t size = stat(self->out.partial, &found) == 0 ? (size_t)found.st_size : 0;
     char checksum[SHA256_TEXT];
 
     *kept = last_mark(&self->mark, marks, size);
     if (*kept == 0) return not_resumable(self, "rows without a checksum", error);
-    if (!hash_file(&self->hash, partial, self->mark.bytes))
+    if (!hash_file(&self->hash, self->out.partial, self->mark.bytes))
         return not_resumable(self, "fewer rows than were written", error);
     struct sha256_ctx so_far = self->hash;
     sha256_end(&so_far, checksum);
     if (strcmp(checksum, self->mark.checksum) != 0)
         return not_resumable(self, "damaged rows", error);
-    const ehd_status status = measure_done(self, partial, self->mark.bytes, bytes, error);
+    const ehd_status status = measure_done(self, self->mark.bytes, bytes, error);
     return status || *bytes == self->mark.bytes ? status
                                                 : not_resumable(self, "damaged rows", error);
 }
 
 /* Returns EHD_CANTCREATE, because an interrupted run left rows. */
-static ehd_status refuse_rows(case_table *self, const char *partial, ehd_error *error) {
+static ehd_status refuse_rows(case_table *self, ehd_error *error) {
     size_t bytes;
-    const ehd_status status = measure_done(self, partial, SIZE_MAX, &bytes, error);
+    const ehd_status status = measure_done(self, SIZE_MAX, &bytes, error);
 
     return status ? status
                   : ehd_fail(error, EHD_CANTCREATE,
                              "%s: found an interrupted run with %zu cases, expected --resume to "
                              "continue it or --force to replace it",
-                             partial, self->num_rows);
+                             self->out.partial, self->num_rows);
 }
 
 /* Finds the rows of an interrupted run. *bytes: their length in the table; *kept: length of
@@ -440,13 +439,13 @@ static ehd_status find_done(case_table *self, size_t *kept, size_t *bytes, const
     char *marks = NULL;
     ehd_status status = EHD_OK;
 
-    if (access(self->identity, F_OK) != 0 || !has_rows(self->out.partial)) return EHD_OK;
-    if (!resume) return refuse_rows(self, self->out.partial, error);
+    if (access(self->identity, F_OK) != 0 || !has_rows(self)) return EHD_OK;
+    if (!resume) return refuse_rows(self, error);
     marks = read_whole(self->identity);
     if (!marks || strncmp(marks, text, length) != 0)
         status = not_resumable(self, "other settings or inputs", error);
     else
-        status = take_marked(self, kept, bytes, self->out.partial, marks + length, error);
+        status = take_marked(self, kept, bytes, marks + length, error);
     free(marks);
     *kept += length;
     return status;

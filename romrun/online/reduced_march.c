@@ -1580,12 +1580,14 @@ static ehd_status restore(void *solver, const double *saved, ehd_error *error) {
     const saved_states states = saved_states_of(self);
     const double *ring = saved + saved_base_size(self), *behind = ring + ring_saved_size(&states);
     saved_rest rest;
-    ehd_status status = restore_base(self, saved, error);
 
+    memcpy(&rest, behind, sizeof rest);
+    if (!frame_is_valid(&rest.load_frame) || !frame_is_valid(&rest.rate_frame))
+        return ehd_fail(error, EHD_DATA, "saved state: found no frame of the load, expected one");
+    ehd_status status = restore_base(self, saved, error);
     forget_attempt(self);
     if (!status) status = ring_restore(&self->ring, self, ring, &states, error);
     if (status) return status;
-    memcpy(&rest, behind, sizeof rest);
     film_errors_set(&self->indicator.errors, behind + NUM_REST + saved_state_size(self->model));
     self->indicator.kept_local = rest.local;
     self->last_load_frame = rest.load_frame;
