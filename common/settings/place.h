@@ -22,8 +22,8 @@ ehd_status place_fail(
 #define place_fail(...) (place_fail(__VA_ARGS__), EHD_DATA)
 #endif
 
-/* Returns the path of `name` in the folder of `path`, or `name` itself if it is absolute; free with
- * free(). NULL: no memory. */
+/* Returns the path of `name` in the folder of `path`. An absolute `name` is returned as it is. The
+ * caller frees the result with free(). Returns NULL without memory. */
 char *path_beside(const char *path, const char *name);
 
 #endif

@@ -589,8 +589,8 @@ static void set_indicated(march_step *outcome, reduced_march *self, const ehd_co
     if (isnan(outcome->indicated_minimum)) outcome->indicated_minimum = INFINITY;
 }
 
-/* Estimates the errors of the start. `contact`: the contact that was solved or, at rest, the dry
- * contact. */
+/* Estimates the errors of the start. `contact` is the solved contact, or the dry contact if the
+ * surfaces are at rest. */
 static void indicate_start(march_step *outcome, reduced_march *self, const ehd_contact *contact) {
     previous_film *first = state_before(self, 0);
 

@@ -6,8 +6,8 @@
 #include "romrun/online/reduced_march.h"
 #include "tests/unit/reduced_problem.h"
 
-/* Trainings for marches of several solvers: a line of few states with bases and rows, as of
- * trained_few_init, and a point contact with an open boundary. */
+/* Trained problems for tests of marches: a line contact with few states, its bases and rows
+ * (trained_few_init), and a point contact with an open boundary. */
 typedef struct marching_trainings {
     trained line, point;
     reduced_basis bases[2], point_basis;

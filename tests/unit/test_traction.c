@@ -542,8 +542,7 @@ static double dissipated_by_profile(const problem *solved) {
     return sum;
 }
 
-/* With a thinned flow, friction and rolling belong to the same flow: the power of the surfaces is
- * the dissipation of the film. */
+/* Checks that the power of the surfaces equals the dissipation in a film that sliding thins. */
 static void energy_of_a_thinned_flow(void **state) {
     (void)state;
     const double slides[] = {0.01, 1}, stresses[] = {5e-4, 2e-3};
