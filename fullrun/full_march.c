@@ -4,6 +4,7 @@
 #include "common/program/arena.h"
 #include "common/time/saved_ring.h"
 #include "common/time/surface.h"
+#include "common/time/time_grid.h"
 #include "fullrun/continuation.h"
 #include "fullrun/judge.h"
 #include "fullrun/previous.h"
@@ -18,6 +19,10 @@
  * by half, on grids to X = 1.15 … 2 against one to 4. After a load step by half the gradient
  * briefly reaches half of it. */
 static const double MAX_END_GRADIENT = 0.3;
+
+/* Largest estimated error of the central film by the length of the inlet; film formulas are as far
+ * off. */
+static const double MAX_INLET_EFFECT = 0.05;
 
 struct full_march {
     ehd_contact reference;
@@ -193,6 +198,17 @@ static ehd_status continue_to_approach(full_info *info, full_march *self, contac
         info->reason = "approach out of reach";
     }
     return status;
+}
+
+/* Estimates the error of the central film by the length of the inlet, unless the contact is nearly
+ * lost. A solution whose film it makes as wrong as a film formula is not to be trusted. */
+static void judge_inlet(march_step *outcome, const ehd_contact *contact, bool backwards) {
+    if (outcome->status || outcome->frame.load <= frame_negligible_load) return;
+    outcome->inlet_effect = time_grid_inlet_effect(contact, backwards);
+    if (!(outcome->inlet_effect > MAX_INLET_EFFECT)) return;
+    outcome->status = EHD_UNTRUSTED;
+    outcome->reason = backwards ? "an inlet too short for the contact at this time (grid.x_max)"
+                                : "an inlet too short for the contact at this time (grid.x_min)";
 }
 
 /* Judges a stationary start by the criteria of a stationary result (judge.h). An untrusted start
@@ -392,6 +408,7 @@ static ehd_status start(march_step *outcome, void *solver, const contact_frame *
                             .scalars = full_evaluate_scalars(&first->state, &contact),
                             .iterations = info.newton_iterations,
                             .residual = info.residual};
+    judge_inlet(outcome, &contact, backwards);
     if (backwards) outcome->scalars.exit_position = exit;
     full_list_exits(self->exits, &first->state, &self->reference.grid, backwards);
     bdf_ring_keep(&self->ring, 0);
@@ -793,6 +810,7 @@ static ehd_status attempt(march_step *outcome, void *solver, const contact_frame
         outcome->status = EHD_UNTRUSTED;
         outcome->reason = doubt;
     }
+    judge_inlet(outcome, &contact, backwards);
     return EHD_OK;
 }
 

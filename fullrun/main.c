@@ -14,6 +14,7 @@
 #include "common/settings/scene_contact.h"
 #include "common/time/history.h"
 #include "common/time/surface.h"
+#include "common/time/time_grid.h"
 #include "common/training/pool.h"
 #include "fullrun/continuation.h"
 #include "fullrun/formulas.h"
@@ -602,21 +603,14 @@ static ehd_status take_grid(ehd_contact *contact, const scene *given, const char
     return status ? status : scene_check_approach(given, contact, error);
 }
 
-/* Widens the grid if the entrainment reverses, so that there is an inlet on either side, unless
- * the scene gives grid.x_max. */
-static ehd_status widen_for_reversal(ehd_contact *contact, const scene *given, ehd_error *error) {
+/* Sets the default grid of a contact that varies with time. */
+static ehd_status set_grid_in_time(ehd_contact *contact, const scene *given, ehd_error *error) {
     ehd_histories *histories;
-    grid_extent needed;
     ehd_status status = histories_init(&histories, given, error);
 
     if (status) return status;
-    const bool reverses = histories_reverse(histories);
+    const grid_extent needed = time_grid_extent(histories, contact, given->transient.end_time);
     histories_free(histories);
-    if (!reverses || !isnan(contact->grid_given.x_max)) return EHD_OK;
-    needed = grid_extent_needed(contact);
-    needed.x_max =
-        fmax(needed.x_max,
-             -(isnan(contact->grid_given.x_min) ? needed.x_min : contact->grid_given.x_min));
     status = scene_set_grid(contact, &needed, error);
     return status ? status : scene_check_approach(given, contact, error);
 }
@@ -630,7 +624,7 @@ static ehd_status run(const program *self, fullrun_options *options, ehd_error *
     if (!status) status = contact_load(&contact, &given, self, NULL, NULL, error);
     bool transient = !status && strcmp(given.regime, "transient") == 0;
 
-    if (transient) status = widen_for_reversal(&contact, &given, error);
+    if (transient) status = set_grid_in_time(&contact, &given, error);
     if (!status) status = take_grid(&contact, &given, options->grid_of, error);
     if (!status) status = check_usage(self, options, transient, error);
     // a step that is not given may be halved

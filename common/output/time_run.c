@@ -26,6 +26,7 @@ typedef struct run_totals {
     // effect of the time steps: int effect^2 dT of the central film, and the largest of each film
     double effect_squares, max_effect, max_effect_minimum;
     double max_indicated, max_indicated_minimum; // error estimates of both films; NaN: unknown
+    double max_inlet, time_of_inlet;             // largest effect of the inlet, and its T
 } run_totals;
 
 /* Offsets in a restart slot, in numbers. */
@@ -251,6 +252,10 @@ static ehd_status store(void *sink, const march_step *step, size_t index, ehd_er
     self->totals.max_effect = larger(self->totals.max_effect, fabs(entry.effect));
     self->totals.max_effect_minimum =
         larger(self->totals.max_effect_minimum, fabs(entry.effect_minimum));
+    if (step->inlet_effect > self->totals.max_inlet) {
+        self->totals.max_inlet = step->inlet_effect;
+        self->totals.time_of_inlet = entry.time;
+    }
     self->totals.max_indicated = larger(entry.indicated, self->totals.max_indicated);
     self->totals.max_indicated_minimum =
         larger(entry.indicated_minimum, self->totals.max_indicated_minimum);
@@ -368,6 +373,9 @@ static void note_effect(const runner *self, const run_totals *totals) {
 static void report_effects(const run_totals *totals, const march_state *state) {
     const double mean = mean_effect(totals, state);
 
+    if (totals->max_inlet > 0)
+        printf("%-24scentral film %.2g %% at most, at T = %.6g\n", "effect of the inlet",
+               100 * totals->max_inlet, totals->time_of_inlet);
     if (isnan(mean)) return;
     printf("%-24scentral film %.2g %% rms, %.2g %% at most", "effect of the steps", 100 * mean,
            100 * totals->max_effect);
@@ -408,7 +416,7 @@ static void report(const runner *self, const run_totals *totals, ehd_status outc
            contact->moes_M, contact->moes_L, contact->alpha_p_H, contact->hertz_pressure * 1e-9);
     grid_print_equations(contact);
     printf("%-24s%s\n", "transport", transport_name(contact->transport));
-    grid_print(contact, "the reference's M and L");
+    grid_print(contact, "the reference and its histories");
     printf("%-24sT = 0 to %.6g in %.0f steps, %.0f more rejected\n", "time", state->time,
            state->num_steps, state->num_rejected);
     report_shortfall(self, outcome);

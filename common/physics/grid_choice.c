@@ -96,8 +96,7 @@ static double grubin_integral(const ehd_contact *contact, double film, double st
     return sum / num_intervals;
 }
 
-/* Returns the length of the domain for which the load that is lacking changes the film by the part
- * `effect`.
+/* Returns the relative change of the film by the load that is lacking beyond a domain.
  *
  * A point contact has far-field pressures lambda S(phi)/r^3 (README.md, far field). Beyond a domain
  * three quarters as wide to either side as long they carry the load 1.66 lambda/length. The
@@ -109,7 +108,7 @@ static double grubin_integral(const ehd_contact *contact, double film, double st
  *
  * M is proportional to the load. The film in Hertz units is proportional to M^(-2/3) (lines: 1/M)
  * times the film in units of the radius. */
-static double load_length(const ehd_contact *contact, double moes_L, double effect) {
+static double load_effect(const ehd_contact *contact, double moes_L, double length) {
     const contact_kind *kind = contact->kind;
     const contact_shape *shape = &contact->grid.shape;
     const bool line = kind->dimensions == 1;
@@ -118,27 +117,32 @@ static double load_length(const ehd_contact *contact, double moes_L, double effe
                                kind->central_film(shape, moes_M, moes_L)) /
                            change;
 
-    if (line) return sqrt(2 * lambda * fmax(thicker - 1, 0) / effect);
-    return 1.66 * 1.925 * lambda * (thicker - 2. / 3) / effect;
+    if (line) return 2 * lambda * fmax(thicker - 1, 0) / (length * length);
+    return 1.66 * 1.925 * lambda * (thicker - 2. / 3) / length;
 }
 
-/* Returns the length of the inlet: the first of 1.5, 2, 3, 4, 6, 8, 12, ... that keeps three limits
- * of the rule. The viscous pressure that is built up before it has at most the allowed effect on
- * the film, which follows the pressure with the exponent 8/11 (Ertel and Grubin). The load that is
- * lacking has at most the allowed effect too. The term c^2/r^4 of H = r^2/2 + c, which the far
- * field omits, is as small as allowed. The first two limits count up to rule->longest. */
+/* Returns the relative change of the film by the viscous pressure that is built up before a domain.
+ * The film follows the pressure with the exponent 8/11 (Ertel and Grubin). */
+static double pressure_effect(const ehd_contact *contact, double film, double length) {
+    return 8. / 11 * grubin_integral(contact, film, length) / grubin_integral(contact, film, 1);
+}
+
+/* Returns the square of the term c of H = r^2/2 + c, relative to H, which the far field omits. */
+static double omitted_terms(double film, double length) {
+    const double part = 2 * film / (length * length);
+    return part * part;
+}
+
+/* Returns the length of the inlet: the first of 1.5, 2, 3, 4, 6, 8, 12, ... that keeps the three
+ * limits of the rule. The limits of the missing pressure and load count up to rule->longest. */
 static double inlet_length(const ehd_contact *contact, const grid_rule *rule, double moes_L,
                            double film) {
-    // length at which the omitted terms are as allowed
-    const double left_out = sqrt(2 * film / sqrt(rule->far_terms));
-    const double all = grubin_integral(contact, film, 1);
-    const double for_load = load_length(contact, moes_L, rule->load_effect);
     double length = rule->shortest;
 
-    while (length < left_out ||
-           (length < rule->longest &&
-            (length < for_load ||
-             8. / 11 * grubin_integral(contact, film, length) > rule->inlet_effect * all)))
+    while (
+        omitted_terms(film, length) > rule->far_terms ||
+        (length < rule->longest && (load_effect(contact, moes_L, length) > rule->load_effect ||
+                                    pressure_effect(contact, film, length) > rule->inlet_effect)))
         length *= fmod(log2(length), 1) == 0 ? 1.5 : 4. / 3;
     return length;
 }
@@ -204,13 +208,25 @@ static double step_needed(const grid_rule *rule, double isoviscous, const contac
     return step;
 }
 
+/* Returns the L that belongs to the Hertz pressure, also if the scene gives that pressure. */
+static double moes_L_of(const ehd_contact *contact) {
+    return contact->alpha_p_H / contact->kind->alpha_p_H(&contact->grid.shape, contact->moes_M, 1);
+}
+
+double grid_inlet_effect(const ehd_contact *contact, double length) {
+    const double moes_L = moes_L_of(contact);
+    const double film = contact->kind->central_film(&contact->grid.shape, contact->moes_M, moes_L);
+
+    if (length <= 1) return INFINITY;
+    if (rule_of(contact) == &open_rule) return omitted_terms(film, length);
+    return pressure_effect(contact, film, length) + load_effect(contact, moes_L, length);
+}
+
 grid_extent grid_extent_needed(const ehd_contact *contact) {
-    const contact_kind *kind = contact->kind;
     const contact_shape *shape = &contact->grid.shape;
     const grid_rule *rule = rule_of(contact);
-    // the L that belongs to the Hertz pressure, also if the scene gives that pressure
-    const double moes_L = contact->alpha_p_H / kind->alpha_p_H(shape, contact->moes_M, 1);
-    const double film = kind->central_film(shape, contact->moes_M, moes_L);
+    const double moes_L = moes_L_of(contact);
+    const double film = contact->kind->central_film(shape, contact->moes_M, moes_L);
     const double length = inlet_length(contact, rule, moes_L, film);
     const double y_max = sides_needed(rule, length, shape);
     const double step = step_needed(rule, isoviscous_film(contact), shape);

@@ -4,9 +4,6 @@
 #include <math.h>
 #include <string.h>
 
-/* Largest neglected load, relative to the reference load. */
-static const double NEGLIGIBLE = 0.01;
-
 static const double SLACK = 1e-9; // relative, of a step: round-off of times
 
 static const apart_moment together = {.approach = -INFINITY, .doubtful = -INFINITY};
@@ -68,11 +65,12 @@ static ehd_status find_known(bool *known, apart_march *self, const contact_frame
                              ehd_error *error) {
     ehd_status status = EHD_OK;
 
-    *known = by_load(frame) ? frame->load <= NEGLIGIBLE
-                            : stationary_film(self, frame, NEGLIGIBLE) <= frame->approach;
+    *known = by_load(frame)
+                 ? frame->load <= frame_negligible_load
+                 : stationary_film(self, frame, frame_negligible_load) <= frame->approach;
     if (*known || by_load(frame)) return EHD_OK;
     status = find_touching(self, frame, error);
-    *known = !status && islessequal(self->load, NEGLIGIBLE) &&
+    *known = !status && islessequal(self->load, frame_negligible_load) &&
              isgreaterequal(frame->approach, self->approach);
     return status;
 }
@@ -126,8 +124,8 @@ static void touch(march_step *outcome, apart_march *self, const contact_frame *f
 static ehd_status find_parting(bool *parts, apart_march *self, const contact_frame *frame,
                                const march_step *attempted, ehd_error *error) {
     const bool failed = attempted->status == EHD_NOT_CONVERGED;
-    const bool may =
-        by_load(frame) ? frame->load <= NEGLIGIBLE : isgreater(frame->approach, self->now.approach);
+    const bool may = by_load(frame) ? frame->load <= frame_negligible_load
+                                    : isgreater(frame->approach, self->now.approach);
     ehd_status status = EHD_OK;
 
     *parts = !failed && !by_load(frame) && attempted->scalars.load <= 0;

@@ -34,6 +34,9 @@ typedef struct march_step {
     // Estimated relative deviation of central and minimum film from the full model with the same
     // steps. NaN: not known.
     double indicated, indicated_minimum;
+    // Estimated relative error of the central film because of the length of the inlet, as if the
+    // contact were stationary. 0: not known.
+    double inlet_effect;
     size_t iterations; // Newton iterations
     double residual;
     bool by_full_model; // the full model solved the step as a fallback

@@ -5,8 +5,8 @@
 #include "common/physics/contact_place.h"
 #include "common/physics/traction.h"
 #include "common/settings/scene_contact.h"
-#include "common/time/history.h"
 #include "common/time/path_filter.h"
+#include "common/time/time_grid.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -73,16 +73,20 @@ static ehd_status check_grid(const ehd_contact *first, const ehd_contact *other,
 }
 
 /* Checks that a reduced model can be trained with the histories: it is for one direction of
- * entrainment. */
-static ehd_status check_histories(const training_set *set, const char *plan_path,
-                                  ehd_error *error) {
+ * entrainment. Sets the grid that each trajectory needs. */
+static ehd_status check_histories(training_set *set, const char *plan_path, ehd_error *error) {
     ehd_status status = EHD_OK;
 
     for (size_t t = 0; t < set->num_trajectories && !status; t++) {
         ehd_histories *histories = NULL;
         ehd_error cause = {""};
-        status = histories_init_training(&histories, &set->trajectories[t].scene, &cause);
-        if (status) ehd_fail(error, status, "%s: %s", plan_path, cause.text);
+        trajectory_scene *moving = &set->trajectories[t];
+        status = histories_init_training(&histories, &moving->scene, &cause);
+        if (status)
+            ehd_fail(error, status, "%s: %s", plan_path, cause.text);
+        else
+            moving->needed =
+                time_grid_extent(histories, &moving->contact, moving->scene.transient.end_time);
         histories_free(histories);
     }
     return status;
@@ -142,7 +146,8 @@ static ehd_status make_points(training_set *set, const plan *of, const char *pla
         status = check_alike(set, &shape, &contact, plan_path, error);
         if (status) break;
         if (strcmp(given->regime, "transient") == 0) {
-            set->trajectories[set->num_trajectories++] = (trajectory_scene){i, *given, contact};
+            set->trajectories[set->num_trajectories++] =
+                (trajectory_scene){.number = i, .scene = *given, .contact = contact};
         } else {
             set->numbers[set->num_points] = i;
             set->groups[set->num_points] = of->points[i].group;
@@ -168,13 +173,19 @@ static ehd_contact *contact_at(const training_set *set, size_t i) {
                                : &set->trajectories[i - set->num_points].contact;
 }
 
+/* Returns the extent that contact i needs, with its histories. */
+static grid_extent needed_at(const training_set *set, size_t i) {
+    return i < set->num_points ? grid_extent_needed(&set->contacts[i])
+                               : set->trajectories[i - set->num_points].needed;
+}
+
 /* Puts all contacts on the grid that they need together, as far as their scenes leave it open. */
 static ehd_status set_common_grid(training_set *set, ehd_error *error) {
-    grid_extent needed = grid_extent_needed(contact_at(set, 0));
+    grid_extent needed = needed_at(set, 0);
     ehd_status status = EHD_OK;
 
     for (size_t i = 1; i < num_contacts(set); i++) {
-        const grid_extent other = grid_extent_needed(contact_at(set, i));
+        const grid_extent other = needed_at(set, i);
         grid_extent_join(&needed, &other);
     }
     for (size_t i = 0; i < num_contacts(set) && !status; i++)
@@ -369,9 +380,9 @@ ehd_status training_set_init(training_set *set, const plan *of, const char *plan
         status = ehd_no_memory(error, plan_path);
 
     if (!status) status = make_points(set, of, plan_path, error);
+    if (!status) status = check_histories(set, plan_path, error);
     if (!status) status = settle_grid(set, plan_path, error);
     if (!status) status = check_carriages(set, plan_path, error);
-    if (!status) status = check_histories(set, plan_path, error);
     size_t num_branches = count_branches(set->num_points);
     size_t most = num_branches + set->num_trajectories;
     if (!status && piece.total > most)

@@ -263,7 +263,7 @@ YAML
     snapgen moving.yml -q --basis tb.h5 -o tr.h5
     deimselect --no-check tr.h5 -q --basis tb.h5 -o tm.h5
     fullrun time.yml -q -o town.h5 >out.txt
-    [[ $(said out.txt) == *" the reference's M and L" ]]
+    [[ $(said out.txt) == *" the reference and its histories" ]]
     fullrun time.yml -q -o tfull.h5 --grid-of tm.h5 >out.txt
     [ "$(said out.txt)" = "$(grid_of ts.h5) " ]
     [ "$(grid_of town.h5)" != "$(grid_of tfull.h5)" ]
@@ -280,6 +280,32 @@ YAML
     refused 65 "x.h5.partial: x: found .* nodes from .* by 0.02, expected .*, as in the scene" \
         fullrun time.yml -o x.h5 --resume
     sed -i 's/, end_time: 20//; s/fixed_step/end_time: 0.5, fixed_step/' time.yml
+}
+
+@test "in time the inlet suits the lightest load, whose film is that of a stationary contact" {
+    cat >light.yml <<'YAML'
+contact: line
+regime: transient
+moes: {M: 20, L: 4}
+lubricant:
+  viscosity: {law: barus, alpha: 2.0e-8}
+  density: {law: dowson-higginson}
+transient: {load: {law: ramp, from: 1, to: 0.05, start: 1, duration: 8}, end_time: 12}
+YAML
+    fullrun light.yml -q -o light.h5 >out.txt
+    [ "$(said out.txt | cut -d' ' -f2)" = -12 ] # half of what M = 1 needs
+    run -4 fullrun light.yml --set grid.x_min=-4 -q -o short.h5
+    [[ $output == *"light.yml: found an inlet too short for the contact at this time (grid.x_min), first at T = "* ]]
+    # a load of 1/20 is M = 1; films of both in units of the reference
+    sed 's/transient$/stationary/; s/^transient: .*//; s/M: 20/M: 1/' light.yml >still.yml
+    fullrun still.yml -q -o still.h5
+    /usr/bin/python3 - <<'PYTHON'
+import h5py
+last = lambda path: h5py.File(path)["central_film_thickness"][-1]
+still = last("still.h5") / 20  # a^2/R of a line is in proportion to the load
+light, short = (last(path) / still - 1 for path in ("light.h5", "short.h5"))
+assert abs(light) < 0.02 and short < -0.05, (light, short)
+PYTHON
 }
 
 @test "an approach is measured from far enough on the grid that is taken" {
