@@ -166,6 +166,42 @@ void against_print(const run_result *result, const stored_result *stored, const 
                against_difference(result->film, grid, stored->film, &other));
 }
 
+/* Entries from `begin` to before `end`, in all of which the bodies are in contact. */
+typedef struct contact_period {
+    size_t begin, end;
+} contact_period;
+
+/* Finds the next period of contact: entries for which `sign` is not 0. Returns false after the last. */
+static bool next_period(contact_period *period, const double *sign, size_t count) {
+    period->begin = period->end;
+    while (period->begin < count && sign[period->begin] == 0)
+        period->begin++;
+    period->end = period->begin;
+    while (period->end < count && sign[period->end] != 0)
+        period->end++;
+    return period->begin < count;
+}
+
+/* Compares one quantity over all times at which the bodies are in contact in both runs. */
+static ehd_status compare_contacts(time_deviation *deviation, const time_trace *trace,
+                                   const double *reduced, const time_series *full,
+                                   const double *other, ehd_error *error) {
+    contact_period now = {0, 0};
+    ehd_status status = EHD_OK;
+
+    *deviation = (time_deviation){0};
+    while (!status && next_period(&now, trace->central_pressure, trace->count)) {
+        contact_period then = {0, 0};
+        while (!status && next_period(&then, full->load, full->num_times)) {
+            if (then.end - then.begin < 3) continue;
+            status = time_compare(deviation, trace->time + now.begin, reduced + now.begin,
+                                  now.end - now.begin, full->time + then.begin, other + then.begin,
+                                  then.end - then.begin, error);
+        }
+    }
+    return status;
+}
+
 ehd_status against_print_in_time(const time_trace *trace, const time_series *full, const char *path,
                                  const ehd_grid *grid, ehd_error *error) {
     const struct {
@@ -174,25 +210,26 @@ ehd_status against_print_in_time(const time_trace *trace, const time_series *ful
     } quantities[] = {
         {"central film thickness", trace->central_film_thickness, full->central_film_thickness},
         {"central pressure", trace->central_pressure, full->central_pressure}};
-    ehd_error cause = {""};
-    size_t num_times = 0, num_reduced = 0;
+    contact_period reduced = {0, 0}, other = {0, 0};
 
-    while (num_times < full->num_times && full->load[num_times] != 0)
-        num_times++;
-    while (num_reduced < trace->count && trace->central_pressure[num_reduced] != 0)
-        num_reduced++;
+    next_period(&reduced, trace->central_pressure, trace->count);
+    next_period(&other, full->load, full->num_times);
     print_heading(path, grid, &full->grid);
-    if (num_times < full->num_times || num_reduced < trace->count)
-        printf("  as long as the bodies are in contact in both\n");
-    if (fmin((double)num_times, (double)num_reduced) < 3) return EHD_OK;
+    if (reduced.end - reduced.begin < trace->count || other.end - other.begin < full->num_times)
+        printf("  while the bodies are in contact in both\n");
     for (size_t i = 0; i < sizeof quantities / sizeof *quantities; i++) {
+        ehd_error cause = {""};
         time_deviation deviation;
-        ehd_status status =
-            time_compare(&deviation, trace->time, quantities[i].reduced, num_reduced, full->time,
-                         quantities[i].full, num_times, &cause);
+        const ehd_status status = compare_contacts(&deviation, trace, quantities[i].reduced, full,
+                                                   quantities[i].full, &cause);
         if (status) return ehd_fail(error, status, "%s: %s", path, cause.text);
+        if (deviation.length == 0) {
+            printf("  %-24s no times in common\n", quantities[i].name);
+            continue;
+        }
         printf("  %-24s at most %.3g %% off, at T = %.6g; %.2g %% in the mean\n",
-               quantities[i].name, deviation.largest * 100, deviation.at, deviation.mean * 100);
+               quantities[i].name, deviation.largest * 100, deviation.at,
+               deviation.sum / deviation.length * 100);
     }
     return EHD_OK;
 }

@@ -27,8 +27,8 @@ double against_difference(const double *nodes, // [num_nodes] of `grid`
 void against_print(const run_result *result, const stored_result *stored, const char *path,
                    const ehd_contact *contact);
 
-/* Prints the largest and the mean deviation over time, while the bodies are in contact in both.
- * EHD_DATA: fewer than 3 common times; EHD_MEMORY. */
+/* Prints the largest and the mean deviation over the times at which the bodies are in contact in
+ * both. EHD_MEMORY. */
 ehd_status against_print_in_time(const time_trace *trace, const time_series *full, const char *path,
                                  const ehd_grid *grid, // grid of the trace
                                  ehd_error *error);

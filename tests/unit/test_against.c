@@ -1,10 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Differences of the fields of two results on different grids. */
+/* Differences of two results: fields on different grids, and films over time. */
 #include "romrun/calibrate/against.h"
 #include "tests/unit/check.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
 
 /* Returns a polynomial of degree 3 in X and Y, which interpolation by four nodes an axis
  * reproduces; even in Y. */
@@ -85,10 +88,61 @@ static void interpolates_points(void **state) {
     }
 }
 
+/* Stores what is printed of a comparison over time. */
+static void print_to(char text[1024], const time_trace *trace, const time_series *full) {
+    FILE *file = tmpfile();
+    const int out = dup(STDOUT_FILENO);
+    const ehd_grid grid = full->grid;
+    ehd_error error = {""};
+
+    assert_true(file && out >= 0);
+    fflush(stdout);
+    assert_true(dup2(fileno(file), STDOUT_FILENO) >= 0);
+    const ehd_status status = against_print_in_time(trace, full, "full.h5", &grid, &error);
+    fflush(stdout);
+    assert_true(dup2(out, STDOUT_FILENO) >= 0);
+    close(out);
+    rewind(file);
+    text[fread(text, 1, 1023, file)] = '\0';
+    fclose(file);
+    assert_int_equal(status, EHD_OK);
+}
+
+/* A film that is 10 % off after the bodies have been apart: both periods of contact count, and the
+ * mean is over their time. */
+static void compares_all_contacts(void **state) {
+    (void)state;
+    enum { COUNT = 31 };
+    static double time[COUNT], film[COUNT], pressure[COUNT], load[COUNT], other[COUNT];
+    char text[1024];
+
+    for (int i = 0; i < COUNT; i++) {
+        const bool apart = i > 10 && i < 20;
+        time[i] = 0.1 * i;
+        load[i] = pressure[i] = apart ? 0 : 1;
+        other[i] = apart ? NAN : 0.2;
+        film[i] = i < 20 ? other[i] : 0.22;
+    }
+    const time_trace trace = {
+        .count = COUNT, .time = time, .central_film_thickness = film, .central_pressure = pressure};
+    const time_series full = {.grid = line(-4, 0.1, 61),
+                              .num_times = COUNT,
+                              .time = time,
+                              .central_film_thickness = other,
+                              .central_pressure = pressure,
+                              .load = load};
+    print_to(text, &trace, &full);
+    if (!strstr(text, "while the bodies are in contact in both\n") ||
+        !strstr(text, "thickness   at most 10 % off, at T = 2; 5 % in the mean\n") ||
+        !strstr(text, "pressure         at most 0 % off"))
+        fail_msg("%s", text);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(interpolates_lines),
         cmocka_unit_test(interpolates_points),
+        cmocka_unit_test(compares_all_contacts),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
