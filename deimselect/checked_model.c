@@ -101,7 +101,8 @@ static void describe_scenes(const check_run *self, const trade_position *whole, 
     const validation *scenes = &self->scenes;
     const size_t num_points = scenes->set.num_points;
 
-    fprintf(stream, "checked on %zu scenes between the training points: ", scenes->num_scenes);
+    fprintf(stream, "checked on %zu scene%s between the training points: ", scenes->num_scenes,
+            scenes->num_scenes == 1 ? "" : "s");
     if (whole->num_failures < scenes->num_scenes)
         fprintf(stream, "central film at most %.2g %% off, minimum film %.2g %%",
                 100 * whole->deviation[TRADE_CENTRAL_FILM][TRADE_WORST],
@@ -117,8 +118,10 @@ static void describe_scenes(const check_run *self, const trade_position *whole, 
 
 static void describe_trajectories(const check_run *self, const trade_position *whole,
                                   FILE *stream) {
-    fprintf(stream, "checked on %zu trajectories between those of the training: ",
-            self->scenes.num_recordings);
+    const size_t count = self->scenes.num_recordings;
+
+    fprintf(stream, "checked on %zu %s between those of the training: ", count,
+            count == 1 ? "trajectory" : "trajectories");
     if (whole->num_lost < self->scenes.num_recordings)
         fprintf(stream, "central film at most %.2g %% off, minimum film %.2g %%",
                 100 * whole->worst_in_time[TRADE_CENTRAL_FILM],
@@ -137,13 +140,27 @@ static void describe(const check_run *self, FILE *stream) {
 }
 
 static void report(char text[CHECK_REPORT], const check_run *self) {
-    const trade_position *whole = &self->table.positions[self->table.num_positions - 1];
     FILE *stream = fmemopen(text, CHECK_REPORT, "w");
 
     if (stream) describe(self, stream);
     if (stream) fclose(stream);
-    if (self->scenes.num_recordings > 0) warn_in_time(self, whole);
-    if (self->scenes.num_scenes > 0) warn_of(self, whole);
+}
+
+/* Warns if the check shows errors or failures. Fails if the model solved none of the scenes, or
+ * none of the trajectories. */
+static ehd_status judge(const check_run *self, ehd_error *error) {
+    const trade_position *whole = &self->table.positions[self->table.num_positions - 1];
+    const size_t num_scenes = self->scenes.num_scenes, num_moving = self->scenes.num_recordings;
+    const bool failed = num_scenes > 0 && whole->num_failures == num_scenes;
+
+    if (failed || (num_moving > 0 && whole->num_lost == num_moving))
+        return ehd_fail(error, EHD_UNTRUSTED,
+                        "%s: written, but the model solved no %s of its check: train it with more "
+                        "points or modes",
+                        self->caller->output, failed ? "scene" : "trajectory");
+    if (num_moving > 0) warn_in_time(self, whole);
+    if (num_scenes > 0) warn_of(self, whole);
+    return EHD_OK;
 }
 
 // ---- all
@@ -188,10 +205,11 @@ ehd_status checked_model_write(char worth[CHECK_REPORT], const reduced_model *mo
     if (!status && !unchecked) status = trade_write(self.output, &self.table, &why);
     if (!status) status = artefact_finish(&self.output, &why);
     if (!status && !unchecked) report(worth, &self);
+    const ehd_status solved = !status && !unchecked ? judge(&self, error) : EHD_OK;
     check_run_free(&self);
     if (!status) stage_end(&checking.stage);
     if (status) return ehd_fail(error, status, "%s", why.text);
-    if (!unchecked) return EHD_OK;
+    if (!unchecked) return solved;
     return ehd_fail(error, EHD_UNTRUSTED,
                     "%s: written, but not checked: %s; romrun --calibrate checks it on a plan "
                     "(--no-check: without a check)",

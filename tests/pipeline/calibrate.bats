@@ -532,7 +532,7 @@ PYTHON
     fast="--set transient.load.period=0.53"
     run --separate-stderr romrun moving.yml --model tm.h5 $fast --quiet
     [ "$status" -eq 4 ]
-    [[ $stderr == *"a model never checked in time at these sizes"* ]]
+    [[ $stderr == *"a model without a successful check in time at these sizes"* ]]
     fullrun moving.yml $fast -o full.h5 --quiet
     run --separate-stderr romrun moving.yml --model tc.h5 $fast -o good.h5 --quiet
     [ "$status" -eq 0 ]

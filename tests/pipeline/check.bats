@@ -179,7 +179,7 @@ YAML
     run --separate-stderr deimselect r1.h5 --basis b1.h5 -o x.h5 --quiet
     [ "$status" -eq 0 ]
     [ -z "$stderr" ]
-    [[ ${lines[-1]} == "checked on 1 trajectories between those of the training: central film at most "*" % off, minimum film "*" %" ]]
+    [[ ${lines[-1]} == "checked on 1 trajectory between those of the training: central film at most "*" % off, minimum film "*" %" ]]
     [[ $(h5dump -a settings x.h5) == *"transient.load.amplitude: 0.05"* ]]
     # the reason is the indicated deviation of the minimum film, 13 %, and not a missing check in time
     run --separate-stderr romrun moving.yml --model x.h5 -o one.h5 --quiet --set transient.load.amplitude=0.07
@@ -190,9 +190,28 @@ YAML
     deimselect r1.h5 --basis b1.h5 -o y.h5 --no-check
     run --separate-stderr romrun moving.yml --model y.h5 -o two.h5 --quiet
     [ "$status" -eq 4 ]
-    [[ $stderr == "romrun: moving.yml: found a model never checked in time at these sizes, which romrun --calibrate does with a transient plan, and deimselect of a transient training without --no-check, first at T = 0, expected a result to be trusted $advice" ]]
+    [[ $stderr == "romrun: moving.yml: found a model without a successful check in time at these sizes, which romrun --calibrate does with a transient plan, and deimselect of a transient training without --no-check, first at T = 0, expected a result to be trusted $advice" ]]
     /usr/bin/python3 -c "
 import h5py
 with h5py.File('two.h5') as f: assert (f['status'][...] == 4).all()"
     romrun moving.yml --model y.h5 -o two.h5 --quiet --force --allow-untrusted
+}
+
+@test "a model that solves no trajectory of its check is written with exit code 4" {
+    cat >moving.yml <<'YAML'
+contact: line
+regime: transient
+moes: {M: 18, L: 4}
+lubricant: {viscosity: {law: barus, alpha: 2.0e-8}, density: {law: dowson-higginson}}
+grid: {x_min: -4, x_max: 2, step: 0.05}
+transient: {end_time: 1, load: {law: sine, amplitude: 0.4, period: 0.5}}
+YAML
+    snapgen moving.yml -o s1.h5 --quiet
+    podbuild s1.h5 -o b1.h5 --pressure-modes 1
+    snapgen moving.yml --basis b1.h5 -o r1.h5 --quiet
+    run -4 --separate-stderr deimselect r1.h5 --basis b1.h5 -o x.h5 --quiet
+    [ "$stderr" = "deimselect: x.h5: written, but the model solved no trajectory of its check: train it with more points or modes" ]
+    [ "${lines[-1]}" = "checked on 1 trajectory between those of the training: 1 not solved" ]
+    run --separate-stderr -4 romrun moving.yml --model x.h5 --quiet
+    [[ $stderr == *"a model without a successful check in time"* ]]
 }

@@ -193,7 +193,7 @@ PYTHON
     [ "$status" -eq 4 ]
     run --separate-stderr romrun moving.yml --model nm.h5 --fallback full -o x.h5
     [ "$status" -eq 0 ]
-    [[ $stderr == *"--fallback full: found a model never checked in time at these sizes, "*", first at T = 0: "* ]]
+    [[ $stderr == *"--fallback full: found a model without a successful check in time at these sizes, "*", first at T = 0: "* ]]
     run --separate-stderr romrun moving.yml --model tm.h5 --fallback full --accuracy 1e-9 -o y.h5
     [ "$status" -eq 0 ]
     [[ $stderr == *"--fallback full: found a film indicated to deviate by more than a tenth of the accuracy, first at T = 0: "* ]]

@@ -210,7 +210,7 @@ PYTHON
         snapgen plan.yml --basis b.h5 -o r2.h5 --jobs 2 --quiet --force
         same_data r.h5 r2.h5
         deimselect r.h5 --basis b.h5 -o m.h5 --force --quiet >log
-        grep -q "^checked on 1 trajectories between those of the training: central film at most .* % off" log
+        grep -q "^checked on 1 trajectory between those of the training: central film at most .* % off" log
         [ "$(romrun --print m.h5 calibration_trajectories | tail -n 1)" -eq 1 ]
         for file in s b r m; do
             fullrun --check $file.h5
