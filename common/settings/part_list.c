@@ -52,7 +52,9 @@ static ehd_status read_tree(part_list *self, const tree_node *root, const char *
         text_show(shown, node->key);
         if (node != models)
             return place_fail(error, (place){path, node->line},
-                              "%s: found an unknown key, expected models", shown);
+                              "%s: found in a list of models, expected models alone (scenes and "
+                              "plans are checked by the program that solves them)",
+                              shown);
     }
     if (!models)
         return place_fail(error, (place){path, 0}, "models: found %s, expected a map with it",

@@ -426,21 +426,36 @@ static const setting *same_meaning(const char *key) {
     return NULL;
 }
 
-/* Returns the key that is meant by an unknown one: of the same meaning, else of a similar spelling,
- * else with the same last part; or NULL. */
-static const setting *nearest(const char *key) {
-    const setting *found = same_meaning(key);
-    size_t nearest_distance = (strlen(key) + 2) / 3 + 1;
-    if (found || strlen(key) >= MAX_KEY) return found;
+/* Stores the key or group of similar spelling in `meant`. Returns false if there is none. */
+static bool find_similar(char meant[MAX_KEY], const char *key) {
+    size_t nearest = (strlen(key) + 2) / 3 + 1;
+    bool found = false;
     for (const setting *row = scene_settings(); row->key; row++) {
-        const size_t distance = edit_distance(key, row->key);
-        if (distance >= nearest_distance) continue;
-        nearest_distance = distance;
-        found = row;
+        const size_t whole = strlen(row->key);
+        for (size_t end = strcspn(row->key, "."); end <= whole;
+             end += 1 + strcspn(row->key + end + (end < whole), ".")) {
+            char part[MAX_KEY];
+            snprintf(part, sizeof part, "%.*s", (int)end, row->key);
+            const size_t distance = edit_distance(key, part);
+            if (distance >= nearest || (end < whole && distance > 2)) continue; // groups: closer
+            nearest = distance;
+            found = true;
+            memcpy(meant, part, sizeof part);
+        }
     }
+    return found;
+}
+
+/* Stores the key or group that is meant by an unknown key: of the same meaning, else of a similar
+ * spelling, else with the same last part. Returns false if there is none. */
+static bool find_meant(char meant[MAX_KEY], const char *key) {
+    const setting *found = same_meaning(key);
+    if (strlen(key) >= MAX_KEY) return false;
+    if (!found && find_similar(meant, key)) return true;
     for (const setting *row = scene_settings(); row->key && !found; row++)
         if (edit_distance(last_part(key), last_part(row->key)) == 0) found = row;
-    return found;
+    if (found) snprintf(meant, MAX_KEY, "%s", found->key);
+    return found != NULL;
 }
 
 /* Lists the keys and groups right below a group: "moes.M, moes.L". */
@@ -460,17 +475,18 @@ static void list_group(char *list, size_t size, const char *group) {
 }
 
 ehd_status setting_unknown(ehd_error *error, place where, const char *key) {
-    char shown[SHOWN_TEXT], list[700];
+    char shown[SHOWN_TEXT], list[700], meant[MAX_KEY];
     text_show(shown, key);
     if (setting_is_group(key)) {
         list_group(list, sizeof list, key);
         return place_fail(error, where, "%s: found a value, expected keys below it: %s", shown,
                           list);
     }
-    const setting *row = nearest(key);
-    if (row)
+    if (strcmp(key, "groups") == 0 || strcmp(key, "region") == 0)
+        return place_fail(error, where, "%s: found a plan, expected a scene", shown);
+    if (find_meant(meant, key))
         return place_fail(error, where, "%s: found an unknown key, expected %s (did you mean it?)",
-                          shown, row->key);
+                          shown, meant);
     return place_fail(error, where, "%s: found an unknown key, expected one of those --help shows",
                       shown);
 }

@@ -216,6 +216,30 @@ static ehd_status prepare_path(reduced_march *self, ehd_error *error) {
     return status || find_way(self) ? status : ehd_no_memory(error, "online solver");
 }
 
+/* Checks whether the training solutions are all stationary. */
+static bool is_of_stationary_scenes(const reduced_states *states) {
+    size_t i = 0;
+
+    while (i < states->num_states && states->stationary[i])
+        i++;
+    return i == states->num_states;
+}
+
+/* Checks that films are carried as on the trajectories of the training. */
+static ehd_status check_carriage(const reduced_model *model, const ehd_contact *reference,
+                                 ehd_error *error) {
+    // values that the scene does not give are those of the training
+    const ehd_carriage carriage = {reference->transport, reference->smoothing};
+    const ehd_status status =
+        carriage_check(&carriage, NULL, &model->carriage, "the model's training", error);
+
+    if (status && is_of_stationary_scenes(&model->states))
+        return ehd_fail(error, status,
+                        "regime: found transient, expected stationary: the model was trained on "
+                        "stationary scenes alone (a plan's `histories` train it in time)");
+    return status;
+}
+
 ehd_status reduced_march_create(reduced_march **created, const reduced_model *model,
                                 const film_splines *splines, const ehd_contact *reference,
                                 const reduced_settings *settings, ehd_error *error) {
@@ -223,10 +247,7 @@ ehd_status reduced_march_create(reduced_march **created, const reduced_model *mo
 
     in_time.exit_at_node = true; // also at the start, as in the full model
     *created = NULL;
-    // values that the scene does not give are those of the training
-    const ehd_carriage carriage = {reference->transport, reference->smoothing};
-    ehd_status status =
-        carriage_check(&carriage, NULL, &model->carriage, "the model's training", error);
+    ehd_status status = check_carriage(model, reference, error);
     if (!status) status = discretization_check_in_time(model->grid.discretization, error);
     if (status) return status;
     reduced_march *self = calloc(1, sizeof *self);

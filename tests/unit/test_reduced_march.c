@@ -324,6 +324,11 @@ static void another_carriage_is_refused(void **state) {
                                           &strict_settings, &error),
                      EHD_DATA);
     assert_null(created);
+    assert_non_null(strstr(error.text, "the model was trained on stationary scenes alone"));
+    self.model.states.stationary[0] = false;
+    assert_int_equal(reduced_march_create(&created, &self.model, &self.splines, &self.reference,
+                                          &strict_settings, &error),
+                     EHD_DATA);
     assert_string_equal(error.text,
                         "transport: found path, expected upwind, as in the model's training");
     self.model.carriage = (ehd_carriage){TRANSPORT_PATH, 0.2};

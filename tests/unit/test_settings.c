@@ -284,6 +284,9 @@ static void refuses_unknown_keys_and_names_the_nearest(void **state) {
     refuses_line("velocity: 1", "expected physical.speed");
     refuses_line("physical: {force: 1}", "expected physical.load");
     refuses_line("physical.viscosty: 1", "expected physical.viscosity");
+    refuses_line("lubrcant: {viscosity: {law: barus}}", "expected lubricant (did you mean it?)");
+    refuses_line("lubricant.viscosty: {law: barus}", "expected lubricant.viscosity (did you mean");
+    refuses_line("groups: [{scene: a.yml}]", "groups: found a plan, expected a scene");
     refuses_line("nothing_like_it_at_all: 1", "expected one of those --help shows");
     refuses_line("'': 1", "found an unknown key");
     refuses_line("\"a\\nb\": 1", "a?b: found an unknown key");
