@@ -202,25 +202,40 @@ static bool has_entry(hid_t file, const char *name, int64_t min) {
     return found;
 }
 
-/* Refuses to replace the finished work of an interrupted run, except with --force. */
-static ehd_status check_unfinished(const artefact *file, ehd_error *error) {
+/* Returns what an interrupted run has finished in a file, or NULL. */
+static const char *find_finished(const char *path) {
     const char *finished = NULL;
-
-    if (file->force) return EHD_OK;
     // the mark of a killed writer allows only the mode for reading beside a writer
-    const hid_t partial = hdf5_open(file->partial, H5F_ACC_RDONLY | H5F_ACC_SWMR_READ, true);
+    const hid_t partial = hdf5_open(path, H5F_ACC_RDONLY | H5F_ACC_SWMR_READ, true);
     char *kind = partial >= 0 ? hdf5_get_string(partial, "schema_name") : NULL;
+
     for (size_t i = 0; kind && i < sizeof resumable / sizeof *resumable; i++)
         if (strcmp(kind, resumable[i].schema->name) == 0 &&
             has_entry(partial, resumable[i].dataset, resumable[i].min))
             finished = resumable[i].finished;
     free(kind);
     hdf5_release(partial);
-    if (!finished) return EHD_OK;
-    return ehd_fail(error, EHD_CANTCREATE,
-                    "%s: found an interrupted run with %s, expected --resume to continue it or "
-                    "--force to replace it",
-                    file->partial, finished);
+    return finished;
+}
+
+/* Refuses to replace the finished work of an interrupted run, or its copy, except with --force. */
+static ehd_status check_unfinished(const artefact *file, ehd_error *error) {
+    const char *finished = file->force ? NULL : find_finished(file->partial);
+    const char *copied = file->force || finished ? NULL : find_finished(file->saved);
+    struct stat about;
+
+    if (copied && fstat(file->lock, &about) == 0 && about.st_size == 0) unlink(file->partial);
+    if (finished)
+        return ehd_fail(error, EHD_CANTCREATE,
+                        "%s: found an interrupted run with %s, expected --resume to continue it or "
+                        "--force to replace it",
+                        file->partial, finished);
+    if (copied)
+        return ehd_fail(error, EHD_CANTCREATE,
+                        "%s: found the copy of an interrupted run with %s, expected it as %s, from "
+                        "which --resume continues, or --force to replace it",
+                        file->saved, copied, file->partial);
+    return EHD_OK;
 }
 
 ehd_status writer_new(artefact **result, const char *path, const artefact_schema *schema,

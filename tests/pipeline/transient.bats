@@ -714,6 +714,24 @@ PYTHON
     [ "$entries" -lt 20001 ]
 }
 
+@test "the copy of an interrupted run is not deleted, and can be resumed" {
+    long_scene
+    stop_when INT "len(time) > 100" r.h5 fullrun long.yml -o r.h5 2>log >out
+    mv r.h5.partial r.h5.saved
+    cp r.h5.saved before.h5
+    refused 73 "r.h5.saved: found the copy of an interrupted run with a restart slot, expected it as r.h5.partial" \
+        fullrun long.yml -o r.h5 --resume --quiet
+    cmp r.h5.saved before.h5
+    [ ! -e r.h5.partial ]
+    mv r.h5.saved r.h5.partial
+    fullrun long.yml -o r.h5 --resume --quiet >out
+    fullrun long.yml -o whole.h5 --quiet
+    scalars_equal r.h5 whole.h5
+    [ ! -e r.h5.saved ]
+    touch r.h5.saved # holds nothing
+    fullrun scene.yml -o r.h5 --force --quiet
+}
+
 @test "--resume without an interrupted run starts one" {
     fullrun scene.yml -o a.h5 --quiet
     fullrun scene.yml -o b.h5 --quiet --resume
