@@ -33,6 +33,13 @@ ehd_status check_readable(const char *path, ehd_error *error) {
 /* HDF5's message for a file that is being written or whose writer was killed. */
 static const char has_writer[] = "already open for";
 
+/* Checks whether HDF5 may open the file beside its writer, after it did not open it otherwise. It
+ * finds the file too short while a writer has set the new end and not yet written up to it. */
+static bool may_have_writer(void) {
+    const hdf5_reason reason = hdf5_last_reason();
+    return strstr(reason.text, has_writer) || strstr(reason.text, "truncated file");
+}
+
 static ehd_status open_failed(const char *path, ehd_error *error) {
     hdf5_reason reason = hdf5_last_reason();
     if (reason.system) {
@@ -428,7 +435,7 @@ static ehd_status open_file(artefact **result, const char *path,
     if (!file) return ehd_no_memory(error, path);
 
     file->id = hdf5_open(path, H5F_ACC_RDONLY, false);
-    if (file->id < 0 && unfinished && strstr(hdf5_last_reason().text, has_writer))
+    if (file->id < 0 && unfinished && may_have_writer())
         file->id = hdf5_open(path, H5F_ACC_RDONLY | H5F_ACC_SWMR_READ, false);
     if (file->id < 0) status = open_failed(path, error);
     if (status == EHD_OK) status = recognise(file, schemas, error);

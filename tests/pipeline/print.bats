@@ -47,6 +47,25 @@ PYTHON
     [[ $status == 74 && $output == "fullrun: stdout: "* ]]
 }
 
+@test "every look at a result that grows prints it" {
+    cat >grows.yml <<'YAML'
+contact: line
+regime: transient
+moes: {M: 18, L: 4}
+lubricant: {viscosity: {law: barus, alpha: 2.0e-8}}
+grid: {x_min: -4, x_max: 2, step: 0.05}
+transient: {end_time: 1000, fixed_step: 0.01, load: {law: sine, amplitude: 0.4, period: 5}}
+YAML
+    fullrun grows.yml -o grows.h5 --quiet &
+    local writer=$!
+    until fullrun --print grows.h5.partial time >/dev/null 2>&1; do sleep 0.1; done
+    for look in {1..60}; do
+        fullrun --print grows.h5.partial time load >look.csv || { kill "$writer"; return 1; }
+    done
+    kill "$writer"
+    ! wait "$writer" # it was still writing
+}
+
 @test "--print: a run that stopped early is printed as far as it came" {
     sed -i -e 's/stationary/transient/' -e '$a transient: {load: {law: ramp, from: 1, to: 200, duration: 1}, end_time: 1}' scene.yml
     run -3 fullrun scene.yml --quiet -o r.h5 --set discretization=published
