@@ -198,8 +198,8 @@ CSV
     harmless
     # the top Makefile runs a demo in such a folder, here without sources to build
     cp "$BATS_TEST_DIRNAME/../../Makefile" "$strange"
-    mkdir -p "$strange/build/release" "$strange/scenes/studies/stationary-line"
-    ln -s "$BIN" "$strange/build/release/bin"
+    mkdir -p "$strange/build/$VARIANT" "$strange/scenes/studies/stationary-line"
+    ln -s "$BIN" "$strange/build/$VARIANT/bin"
     printf 'include ../../lib/common.mk\ndemo: $(BIN)/fullrun\n\t@$< --version\n' >"$strange/scenes/studies/stationary-line/Makefile"
     cd "$strange" || return
     run make demo DEPS=no
