@@ -247,8 +247,8 @@ static ehd_status merge_one(snapshot_compressor *all, compressed_set *set, bool 
     return status;
 }
 
-/* Merges the finished trajectories in the order of the plan. The result therefore does not depend on
- * the number of threads. */
+/* Merges the finished trajectories in the order of the plan. The result therefore does not depend
+ * on the number of threads. */
 static ehd_status finish_trajectory(void *shared, void *worker, size_t number, size_t parent,
                                     ehd_error *error) {
     task *owner = shared;

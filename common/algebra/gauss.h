@@ -3,8 +3,8 @@
 #ifndef EHD_GAUSS_H
 #define EHD_GAUSS_H
 
-/* The integral of a polynomial of degree 2 num - 1 at most is the sum of weight[i] times its value at
- * place[i]. */
+/* The integral of a polynomial of degree 2 num - 1 at most is the sum of weight[i] times its value
+ * at place[i]. */
 enum { GAUSS_4 = 4, GAUSS_8 = 8 };
 extern const double gauss_4_place[GAUSS_4], gauss_4_weight[GAUSS_4];
 extern const double gauss_8_place[GAUSS_8], gauss_8_weight[GAUSS_8];

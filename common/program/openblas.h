@@ -4,7 +4,8 @@
 
 #include <stddef.h>
 
-/* Megabytes of work space that OpenBLAS takes for each thread that calls it (x86-64, 0.3.21 and 0.3.29). */
+/* Megabytes of work space that OpenBLAS takes for each thread that calls it (x86-64, 0.3.21 and
+ * 0.3.29). */
 enum { OPENBLAS_BUFFER_MB = 128 };
 
 /* Takes the work space of `num_threads` threads in advance, because OpenBLAS retries without end

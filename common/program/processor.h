@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Checks that this processor has the instructions that the build may use (MARCH of the Makefile). */
+/* Checks that this processor has the instructions that the build may use (MARCH of the Makefile).
+ */
 #ifndef EHD_PROCESSOR_H
 #define EHD_PROCESSOR_H
 

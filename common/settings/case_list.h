@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Variants of one scene from a table, which has a column for each setting that varies and a row for each variant. It is
- * read row by row, so that memory does not grow with its length. */
+/* Variants of one scene from a table, which has a column for each setting that varies and a row for
+ * each variant. It is read row by row, so that memory does not grow with its length. */
 #ifndef EHD_CASE_LIST_H
 #define EHD_CASE_LIST_H
 
@@ -16,8 +16,9 @@ typedef struct case_texts {
     char **texts; // [case_list_num_columns]
 } case_texts;
 
-/* Opens a table of cases. The scene may lack settings that the table gives. The table is CSV, as for `points` of a plan, and
- * may have a column `name`. EHD_DATA, EHD_NOINPUT, EHD_IO, EHD_MEMORY. */
+/* Opens a table of cases. The scene may lack settings that the table gives. The table is CSV, as
+ * for `points` of a plan, and may have a column `name`. EHD_DATA, EHD_NOINPUT, EHD_IO, EHD_MEMORY.
+ */
 ehd_status case_list_open(
     // output:
     case_list **list, // free with case_list_free
@@ -25,8 +26,8 @@ ehd_status case_list_open(
     const char *scene_path, const char *table_path, const char *const *overrides,
     size_t num_overrides, ehd_error *error);
 
-/* Reads the next row; *found is false after the last one. EHD_DATA, with the line: a row that is wrong, or a table
- * without rows. */
+/* Reads the next row; *found is false after the last one. EHD_DATA, with the line: a row that is
+ * wrong, or a table without rows. */
 ehd_status case_list_next(
     // output:
     case_texts *row, // free with case_texts_free, also after a failure

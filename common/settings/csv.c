@@ -62,8 +62,8 @@ static csv_state state_after(csv_state state, char next, const char *separators)
     return next == '"' ? IN_QUOTES : strchr(" \t\r", next) ? FIELD_BEGINS : IN_FIELD;
 }
 
-/* Finds the end of the record that begins at `start`. *end becomes the index of its line break, or of the end of the text. A
- * quoted field may go on over several lines, which are read as needed. */
+/* Finds the end of the record that begins at `start`. *end becomes the index of its line break, or
+ * of the end of the text. A quoted field may go on over several lines, which are read as needed. */
 static ehd_status find_end(size_t *end, csv_file *self, size_t start, const char *separators,
                            ehd_error *error) {
     csv_state state = FIELD_BEGINS;
@@ -176,7 +176,8 @@ static ehd_status check_once(const csv_file *self, ehd_error *error) {
                       shown, all);
 }
 
-/* Returns the separator: a comma if the header has one outside of quotes, else a semicolon or a tab. */
+/* Returns the separator: a comma if the header has one outside of quotes, else a semicolon or a
+ * tab. */
 static char separator_of(const char *header) {
     const char all[] = ",;\t";
     bool has[sizeof all] = {false};

@@ -52,8 +52,9 @@ ehd_status variation_read(
     // input:
     const tree_node *group, double times, const char *plan_path, ehd_error *error);
 
-/* Finds the setting of each column of a table. `beside` names a column that is not a setting and gets NULL (NULL: there is no
- * such column). EHD_DATA, with a list of all columns: a column without a name, an unknown setting, or one twice. */
+/* Finds the setting of each column of a table. `beside` names a column that is not a setting and
+ * gets NULL (NULL: there is no such column). EHD_DATA, with a list of all columns: a column without
+ * a name, an unknown setting, or one twice. */
 ehd_status table_settings(
     // output:
     const setting **rows, // [table->width]

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Lets a contact be lost and found again. Once nothing presses on the film, the bodies are apart: they exert no force until
- * they touch again (README.md, Bodies apart). */
+/* Lets a contact be lost and found again. Once nothing presses on the film, the bodies are apart:
+ * they exert no force until they touch again (README.md, Bodies apart). */
 #ifndef EHD_APART_H
 #define EHD_APART_H
 

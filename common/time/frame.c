@@ -96,7 +96,8 @@ double frame_shortest_step(const contact_frame *frame, const ehd_grid *grid) {
 }
 
 double frame_step_share(const contact_frame *frame, double step, const ehd_grid *grid) {
-    // a sixteenth of the grid's step: with a quarter, films drifted in fixed steps of a fifth of the grid's step
+    // a sixteenth of the grid's step: with a quarter, films drifted in fixed steps of a fifth of
+    // the grid's step
     return fmin(16 * step / frame_grid_step(frame, grid), 1);
 }
 

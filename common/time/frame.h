@@ -53,13 +53,15 @@ double frame_shift(const contact_frame *now, const contact_frame *then);
  * entrainment counts as at least 1. */
 double frame_grid_step(const contact_frame *frame, const ehd_grid *grid);
 
-/* Returns the shortest step in T that error control takes along the path: a quarter of frame_grid_step. Interpolation dominates
- * the error of shorter steps. Starts, events and other integrators may take them. */
+/* Returns the shortest step in T that error control takes along the path: a quarter of
+ * frame_grid_step. Interpolation dominates the error of shorter steps. Starts, events and other
+ * integrators may take them. */
 double frame_shortest_step(const contact_frame *frame, const ehd_grid *grid);
 
-/* Returns the path of a step in sixteenths of the grid's step, at most 1. Noise of the solution does not shrink with the step. The
- * filter, the error estimates, the rates and the load's forecast are multiplied by this share, so that noise adds up along the
- * path and not with the number of steps. */
+/* Returns the path of a step in sixteenths of the grid's step, at most 1. Noise of the solution
+ * does not shrink with the step. The filter, the error estimates, the rates and the load's forecast
+ * are multiplied by this share, so that noise adds up along the path and not with the number of
+ * steps. */
 double frame_step_share(const contact_frame *frame, double step, const ehd_grid *grid);
 
 /* Returns the frame scaled by another load. */
@@ -115,8 +117,8 @@ contact_scalars frame_to_reference(const contact_scalars *current, const contact
 contact_scalars frame_from_reference(const contact_scalars *scalars, const contact_frame *frame,
                                      const ehd_contact *reference);
 
-/* Converts a traction from the current frame to the constant reference frame. Unlike frame_to_reference it needs the frame
- * alone. */
+/* Converts a traction from the current frame to the constant reference frame. Unlike
+ * frame_to_reference it needs the frame alone. */
 contact_traction frame_traction_to_reference(contact_traction current, const contact_frame *frame);
 
 #endif

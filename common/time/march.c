@@ -37,8 +37,8 @@ enum { WATCHED_ATTEMPTS = 3000, STILL_ATTEMPTS = 100, MAX_HALVINGS = 60 };
 static const double MIN_STEP = 1e-9;            // relative to the first step
 static const double ROUNDING = 8 * DBL_EPSILON; // relative round-off of summed times
 // Longest step while the bodies are apart, as a part of the shortest time of smooth histories: no
-// error limits these steps. The shortest time of a sine is 1/(2 pi) of its period, so that a contact
-// that lasts for a hundredth of the period is not missed.
+// error limits these steps. The shortest time of a sine is 1/(2 pi) of its period, so that a
+// contact that lasts for a hundredth of the period is not missed.
 static const double WATCHED_PART = 1. / 16;
 static const double SLIVER = 1e-3; // of a step: times closer than that count as one
 
@@ -402,10 +402,10 @@ static double step_after(const march *self, const march_step *outcome) {
     return fmax(next_step(self, outcome), fmin(fmax(state->step, before), 2 * outcome->step));
 }
 
-/* Returns the first step after a jump. This step is of first order, and along the path the film keeps
- * its error. The time scale of the histories does not limit the step, because a jump has no time
- * scale. With the shortest step along the path, the central film after a jump of the load by 30 %
- * (scenes/studies/time-steps) is 0.16 % off (rms). With a step of 0.007 it was 0.40 % off. */
+/* Returns the first step after a jump. This step is of first order, and along the path the film
+ * keeps its error. The time scale of the histories does not limit the step, because a jump has no
+ * time scale. With the shortest step along the path, the central film after a jump of the load by
+ * 30 % (scenes/studies/time-steps) is 0.16 % off (rms). With a step of 0.007 it was 0.40 % off. */
 static double first_step_after_jump(const march *self, const march_step *outcome) {
     const double first = self->settings.first_step;
 

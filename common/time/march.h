@@ -69,9 +69,9 @@ extern const double march_exit_margin;
 /* A solver that can take steps. `self` is the solver's own data. */
 typedef struct march_solver {
     void *self;
-    /* Solves the state that is `step` later, in the frame given. The accepted states do not change, so a step can be
-     * repeated. outcome->frame is the given frame, except when the bodies are apart or have just touched. A step that does not
-     * converge is an outcome, not an error. */
+    /* Solves the state that is `step` later, in the frame given. The accepted states do not change,
+     * so a step can be repeated. outcome->frame is the given frame, except when the bodies are
+     * apart or have just touched. A step that does not converge is an outcome, not an error. */
     ehd_status (*attempt)(march_step *outcome, void *self, const contact_frame *frame, double step,
                           ehd_error *error);
     void (*accept)(void *self); // accepts the state of the last attempt
@@ -82,9 +82,10 @@ typedef struct march_solver {
      * stands for the approach that belongs to the load. */
     ehd_status (*start)(march_step *outcome, void *self, const contact_frame *frame,
                         ehd_error *error);
-    /* Finds the lightest stationary contact that the solver can solve, at the speed, radius and modulus of a frame with a load
-     * of 1. Returns its rigid approach H0 in the reference frame and its load, or NaN for both if there is no such contact.
-     * apart_march (apart.h), the only caller, takes this approach for the one at which the bodies touch. After the call the
+    /* Finds the lightest stationary contact that the solver can solve, at the speed, radius and
+     * modulus of a frame with a load of 1. Returns its rigid approach H0 in the reference frame and
+     * its load, or NaN for both if there is no such contact. apart_march (apart.h), the only
+     * caller, takes this approach for the one at which the bodies touch. After the call the
      * accepted states are valid, and the last attempt is not. */
     ehd_status (*touching)(double *approach, double *load, void *self, const contact_frame *frame,
                            ehd_error *error);
@@ -117,8 +118,8 @@ typedef struct march_settings {
     double reference_approach; // H0 for a factor of 1, when the approach is given
 } march_settings;
 
-/* Forecast of the load that scales the next frame, where the load is an outcome. All members are doubles, so that the struct can
- * be saved. */
+/* Forecast of the load that scales the next frame, where the load is an outcome. All members are
+ * doubles, so that the struct can be saved. */
 typedef struct load_forecast {
     double load;      // of the last accepted state; while bodies are apart the reference load
     double scale;     // load that scaled the frame of that state
@@ -178,9 +179,10 @@ bool march_deviates(char reason[MARCH_REASON], double central, double minimum, d
 void load_forecast_start(load_forecast *self, const march_step *start);
 void load_forecast_accept(load_forecast *self, const march_step *step);
 
-/* Returns a load near the next one, to scale the frame of a step. The rate is extrapolated over at most bdf_most_growth times the
- * last step, since a shorter step gives no reliable rate. In short steps the scale moves only by frame_step_share towards the
- * forecast. Otherwise the error of the last forecast would change the frame at an unlimited rate. */
+/* Returns a load near the next one, to scale the frame of a step. The rate is extrapolated over at
+ * most bdf_most_growth times the last step, since a shorter step gives no reliable rate. In short
+ * steps the scale moves only by frame_step_share towards the forecast. Otherwise the error of the
+ * last forecast would change the frame at an unlimited rate. */
 double load_forecast_scale(const load_forecast *self, double step, const ehd_grid *grid);
 
 /* Solves the start of the march, at time 0. EHD_NOT_CONVERGED is an outcome; no other call may

@@ -408,7 +408,8 @@ ehd_status surface_check_start(const ehd_surface *self, const contact_frame *fra
                     self->given.position, forwards ? "at most" : "at least", most);
 }
 
-/* Checks the step, along and across, against the length of a wave that has the largest curvature of the surface. */
+/* Checks the step, along and across, against the length of a wave that has the largest curvature of
+ * the surface. */
 static ehd_status check_step(const ehd_surface *self, const ehd_grid *grid, ehd_error *error) {
     const bool varies_across =
         grid->inner_lines > 1 && (self->y || self->kind->height == dent_height);

@@ -171,7 +171,8 @@ typedef struct contact_period {
     size_t begin, end;
 } contact_period;
 
-/* Finds the next period of contact: entries for which `sign` is not 0. Returns false after the last. */
+/* Finds the next period of contact: entries for which `sign` is not 0. Returns false after the
+ * last. */
 static bool next_period(contact_period *period, const double *sign, size_t count) {
     period->begin = period->end;
     while (period->begin < count && sign[period->begin] == 0)

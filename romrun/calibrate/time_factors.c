@@ -15,8 +15,8 @@ static double estimate(const film_factors *factors, const film_bounds *bounds, r
                      factors->minimum_floor;
 }
 
-/* Returns the factors with another floor of a film. The factor of this film becomes the smallest one, from
- * `least` on, with which each estimate is at least time_margin times the error. */
+/* Returns the factors with another floor of a film. The factor of this film becomes the smallest
+ * one, from `least` on, with which each estimate is at least time_margin times the error. */
 static film_factors with_floor(film_factors factors, const step_samples *steps, reduced_film film,
                                double least, double floor) {
     const bool central = film == REDUCED_CENTRAL_FILM;
@@ -51,8 +51,8 @@ static double sum_of_largest(film_factors factors, const step_samples *steps, re
     return sum + largest;
 }
 
-/* Returns the factors with the floor of a film for which sum_of_largest has its minimum. The sum is convex in
- * the floor, and the search divides the interval in three. */
+/* Returns the factors with the floor of a film for which sum_of_largest has its minimum. The sum is
+ * convex in the floor, and the search divides the interval in three. */
 static film_factors with_best_floor(film_factors factors, const step_samples *steps,
                                     reduced_film film, const bool *lost, double *errors) {
     const double usual = 0.95, precision = 1e-3;
