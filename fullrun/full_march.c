@@ -20,10 +20,6 @@
  * briefly reaches half of it. */
 static const double MAX_END_GRADIENT = 0.3;
 
-/* Largest estimated error of the central film by the length of the inlet; film formulas are as far
- * off. */
-static const double MAX_INLET_EFFECT = 0.05;
-
 struct full_march {
     ehd_contact reference;
     double start_film;
@@ -201,11 +197,12 @@ static ehd_status continue_to_approach(full_info *info, full_march *self, contac
 }
 
 /* Estimates the error of the central film by the length of the inlet, unless the contact is nearly
- * lost. A solution whose film it makes as wrong as a film formula is not to be trusted. */
+ * lost. With too short an inlet the outcome is not to be trusted. */
 static void judge_inlet(march_step *outcome, const ehd_contact *contact, bool backwards) {
-    if (outcome->status || outcome->frame.load <= frame_negligible_load) return;
-    outcome->inlet_effect = time_grid_inlet_effect(contact, backwards);
-    if (!(outcome->inlet_effect > MAX_INLET_EFFECT)) return;
+    if (outcome->status == EHD_NOT_CONVERGED || outcome->frame.load <= frame_negligible_load)
+        return;
+    const bool is_short = time_grid_is_short(&outcome->inlet_effect, contact, backwards);
+    if (outcome->status || !is_short) return;
     outcome->status = EHD_UNTRUSTED;
     outcome->reason = backwards ? "an inlet too short for the contact at this time (grid.x_max)"
                                 : "an inlet too short for the contact at this time (grid.x_min)";

@@ -218,7 +218,8 @@ static const char *find_finished(const char *path) {
     return finished;
 }
 
-/* Refuses to replace the finished work of an interrupted run, or its copy, except with --force. */
+/* Refuses to replace the finished work of an interrupted run, or its copy, except with --force.
+ * Beside a copy it removes the partial file if that is empty. */
 static ehd_status check_unfinished(const artefact *file, ehd_error *error) {
     const char *finished = file->force ? NULL : find_finished(file->partial);
     const char *copied = file->force || finished ? NULL : find_finished(file->saved);
@@ -232,8 +233,8 @@ static ehd_status check_unfinished(const artefact *file, ehd_error *error) {
                         file->partial, finished);
     if (copied)
         return ehd_fail(error, EHD_CANTCREATE,
-                        "%s: found the copy of an interrupted run with %s, expected it as %s, from "
-                        "which --resume continues, or --force to replace it",
+                        "%s: found the copy of an interrupted run with %s: rename it to %s and use "
+                        "--resume, or replace it with --force",
                         file->saved, copied, file->partial);
     return EHD_OK;
 }

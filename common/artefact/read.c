@@ -8,6 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <time.h>
 #include <unistd.h>
 
 // ---- opening
@@ -33,11 +34,21 @@ ehd_status check_readable(const char *path, ehd_error *error) {
 /* HDF5's message for a file that is being written or whose writer was killed. */
 static const char has_writer[] = "already open for";
 
-/* Checks whether HDF5 may open the file beside its writer, after it did not open it otherwise. It
- * finds the file too short while a writer has set the new end and not yet written up to it. */
-static bool may_have_writer(void) {
-    const hdf5_reason reason = hdf5_last_reason();
-    return strstr(reason.text, has_writer) || strstr(reason.text, "truncated file");
+/* Opens a file that may be unfinished, beside its writer if it has one. HDF5 finds the file too
+ * short while the writer has set the new end and not yet written up to it. */
+static hid_t open_beside_writer(const char *path) {
+    enum { ATTEMPTS = 50 }; // half a second
+    const struct timespec pause = {.tv_nsec = 10000000};
+    hid_t file = hdf5_open(path, H5F_ACC_RDONLY, false);
+
+    for (int i = 0; file < 0 && i < ATTEMPTS; i++) {
+        if (strstr(hdf5_last_reason().text, has_writer))
+            return hdf5_open(path, H5F_ACC_RDONLY | H5F_ACC_SWMR_READ, false);
+        if (!strstr(hdf5_last_reason().text, "truncated file")) return file;
+        nanosleep(&pause, NULL);
+        file = hdf5_open(path, H5F_ACC_RDONLY, false);
+    }
+    return file;
 }
 
 static ehd_status open_failed(const char *path, ehd_error *error) {
@@ -434,9 +445,7 @@ static ehd_status open_file(artefact **result, const char *path,
     artefact *file = artefact_new(path);
     if (!file) return ehd_no_memory(error, path);
 
-    file->id = hdf5_open(path, H5F_ACC_RDONLY, false);
-    if (file->id < 0 && unfinished && may_have_writer())
-        file->id = hdf5_open(path, H5F_ACC_RDONLY | H5F_ACC_SWMR_READ, false);
+    file->id = unfinished ? open_beside_writer(path) : hdf5_open(path, H5F_ACC_RDONLY, false);
     if (file->id < 0) status = open_failed(path, error);
     if (status == EHD_OK) status = recognise(file, schemas, error);
     if (status == EHD_OK && completeness(file) != 1 && hdf5_has_attribute(file->id, "complete")) {

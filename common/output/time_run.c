@@ -252,7 +252,7 @@ static ehd_status store(void *sink, const march_step *step, size_t index, ehd_er
     self->totals.max_effect = larger(self->totals.max_effect, fabs(entry.effect));
     self->totals.max_effect_minimum =
         larger(self->totals.max_effect_minimum, fabs(entry.effect_minimum));
-    if (step->inlet_effect > self->totals.max_inlet) {
+    if (!(step->inlet_effect <= self->totals.max_inlet)) {
         self->totals.max_inlet = step->inlet_effect;
         self->totals.time_of_inlet = entry.time;
     }
@@ -373,7 +373,7 @@ static void note_effect(const runner *self, const run_totals *totals) {
 static void report_effects(const run_totals *totals, const march_state *state) {
     const double mean = mean_effect(totals, state);
 
-    if (totals->max_inlet > 0)
+    if (totals->max_inlet > 0 && isfinite(totals->max_inlet))
         printf("%-24scentral film %.2g %% at most, at T = %.6g\n", "effect of the inlet",
                100 * totals->max_inlet, totals->time_of_inlet);
     if (isnan(mean)) return;

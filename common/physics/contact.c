@@ -621,6 +621,10 @@ void contact_take_grid(ehd_contact *contact, const ehd_grid *grid) {
     contact->grid_given = grid_extent_of(grid);
 }
 
+double contact_moes_L(const ehd_contact *contact) {
+    return contact->alpha_p_H / contact->kind->alpha_p_H(&contact->grid.shape, contact->moes_M, 1);
+}
+
 void contact_set_moes(ehd_contact *contact, double moes_M, double moes_L) {
     contact->moes_M = moes_M;
     contact->moes_L = moes_L;

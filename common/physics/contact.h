@@ -306,6 +306,9 @@ ehd_status contact_init(
     // input:
     const contact_settings *given, ehd_error *error);
 
+/* Returns the L that belongs to M and the Hertz pressure, also if the scene gives that pressure. */
+double contact_moes_L(const ehd_contact *contact);
+
 /* Changes M and L of a contact that keeps its lubricant and grid, for continuation. Lambda and
  * the Hertz pressure follow from them (README.md, Moes numbers). */
 void contact_set_moes(ehd_contact *contact, double moes_M, double moes_L);

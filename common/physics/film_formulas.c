@@ -121,7 +121,7 @@ film_numbers film_numbers_of(const ehd_contact *contact) {
                             .ellipticity = shape->ellipticity,
                             .width_ratio = cbrt(shape->compliance)};
 
-    numbers.moes_L = contact->alpha_p_H / kind->alpha_p_H(shape, contact->moes_M, 1);
+    numbers.moes_L = contact_moes_L(contact);
     if (!(contact->alpha_p_H > 0)) return numbers;
     // p_H = w/(a^dimensions b/a kind->load), and L = G (2 U)^(1/4)
     numbers.load = pow(ratio * shape->ellipticity * kind->load *

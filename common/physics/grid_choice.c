@@ -133,8 +133,13 @@ static double omitted_terms(double film, double length) {
     return part * part;
 }
 
-/* Returns the length of the inlet: the first of 1.5, 2, 3, 4, 6, 8, 12, ... that keeps the three
- * limits of the rule. The limits of the missing pressure and load count up to rule->longest. */
+/* Returns the next one of the lengths 1.5, 2, 3, 4, 6, 8, 12, ... */
+static double next_length(double length) {
+    return length * (fmod(log2(length), 1) == 0 ? 1.5 : 4. / 3);
+}
+
+/* Returns the shortest inlet that keeps the three limits of the rule. The limits of the missing
+ * pressure and load count up to rule->longest. */
 static double inlet_length(const ehd_contact *contact, const grid_rule *rule, double moes_L,
                            double film) {
     double length = rule->shortest;
@@ -143,7 +148,7 @@ static double inlet_length(const ehd_contact *contact, const grid_rule *rule, do
         omitted_terms(film, length) > rule->far_terms ||
         (length < rule->longest && (load_effect(contact, moes_L, length) > rule->load_effect ||
                                     pressure_effect(contact, film, length) > rule->inlet_effect)))
-        length *= fmod(log2(length), 1) == 0 ? 1.5 : 4. / 3;
+        length = next_length(length);
     return length;
 }
 
@@ -208,13 +213,8 @@ static double step_needed(const grid_rule *rule, double isoviscous, const contac
     return step;
 }
 
-/* Returns the L that belongs to the Hertz pressure, also if the scene gives that pressure. */
-static double moes_L_of(const ehd_contact *contact) {
-    return contact->alpha_p_H / contact->kind->alpha_p_H(&contact->grid.shape, contact->moes_M, 1);
-}
-
 double grid_inlet_effect(const ehd_contact *contact, double length) {
-    const double moes_L = moes_L_of(contact);
+    const double moes_L = contact_moes_L(contact);
     const double film = contact->kind->central_film(&contact->grid.shape, contact->moes_M, moes_L);
 
     if (length <= 1) return INFINITY;
@@ -222,12 +222,12 @@ double grid_inlet_effect(const ehd_contact *contact, double length) {
     return pressure_effect(contact, film, length) + load_effect(contact, moes_L, length);
 }
 
-grid_extent grid_extent_needed(const ehd_contact *contact) {
+/* Returns the extent with an inlet of this length. */
+static grid_extent extent_of(const ehd_contact *contact, double length) {
     const contact_shape *shape = &contact->grid.shape;
     const grid_rule *rule = rule_of(contact);
-    const double moes_L = moes_L_of(contact);
-    const double film = contact->kind->central_film(shape, contact->moes_M, moes_L);
-    const double length = inlet_length(contact, rule, moes_L, film);
+    const double film =
+        contact->kind->central_film(shape, contact->moes_M, contact_moes_L(contact));
     const double y_max = sides_needed(rule, length, shape);
     const double step = step_needed(rule, isoviscous_film(contact), shape);
 
@@ -235,6 +235,22 @@ grid_extent grid_extent_needed(const ehd_contact *contact) {
                          .x_max = end_needed(shape, film, y_max, step),
                          .step = step,
                          .y_max = y_max};
+}
+
+grid_extent grid_extent_needed(const ehd_contact *contact) {
+    const double moes_L = contact_moes_L(contact);
+    const double film = contact->kind->central_film(&contact->grid.shape, contact->moes_M, moes_L);
+
+    return extent_of(contact, inlet_length(contact, rule_of(contact), moes_L, film));
+}
+
+grid_extent grid_extent_within(const ehd_contact *contact, double effect) {
+    const double needed = -grid_extent_needed(contact).x_min;
+    double length = rule_of(contact)->shortest;
+
+    while (length < needed && !(grid_inlet_effect(contact, length) <= effect))
+        length = next_length(length);
+    return extent_of(contact, length);
 }
 
 void grid_extent_join(grid_extent *self, const grid_extent *other) {

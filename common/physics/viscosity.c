@@ -118,9 +118,8 @@ const lubricant_law viscosity_barus = {.name = "barus",
                                        .evaluate = barus,
                                        .exponential = true};
 
-// ---- Roelands: ln eta = (ln eta0 + 9.67) [(1 + p/1.96e8)^z - 1], and for the temperature the
-// factor
-// ((T - 138)/(T_ref - 138))^-S0 on ln eta0 + 9.67 (README.md, Temperature)
+// ---- Roelands: ln eta = (ln eta0 + 9.67) [(1 + p/1.96e8)^z - 1]. The temperature brings the
+// factor ((T - 138)/(T_ref - 138))^-S0 on ln eta0 + 9.67 (README.md, Temperature).
 
 static const double ROELANDS_PRESSURE = 1.96e8; // Pa
 static const double ROELANDS_TEMPERATURE = 138; // K

@@ -50,11 +50,13 @@ static ehd_status read_tree(part_list *self, const tree_node *root, const char *
 
     for (const tree_node *node = root->first; root->kind == TREE_MAP && node; node = node->next) {
         text_show(shown, node->key);
-        if (node != models)
+        if (node == models) continue;
+        if (strcmp(node->key, "groups") == 0 || strcmp(node->key, "contact") == 0)
             return place_fail(error, (place){path, node->line},
-                              "%s: found in a list of models, expected models alone (scenes and "
-                              "plans are checked by the program that solves them)",
-                              shown);
+                              "%s: found a %s, expected a list of models", shown,
+                              strcmp(node->key, "groups") == 0 ? "plan" : "scene");
+        return place_fail(error, (place){path, node->line},
+                          "%s: found an unknown key, expected models", shown);
     }
     if (!models)
         return place_fail(error, (place){path, 0}, "models: found %s, expected a map with it",

@@ -5,21 +5,23 @@
 
 #include <math.h>
 
-/* Largest number of nodes that light loads may cause. A step of a line contact takes 0.13 s with
- * 10,000 nodes; the full model solves larger grids of point contacts without factors. */
-static const size_t MOST_NODES = 10000;
+/* Largest number of nodes that light loads may cause, unless they only double the grid. A step of a
+ * line contact takes 0.13 s with 10,000 nodes. On larger grids of points the full model has no
+ * factors of the whole system (full_is_large). */
+static const double MOST_NODES = 10000;
 
-/* Part of the length that a default grid gives the inlet, for the smallest M. The central film of
- * lines is then at most 2.9 % too thin, with a third up to 18 % (M 0.3 to 100, L 0 to 15). */
-static const double SUFFICIENT = 0.5;
+/* Estimated errors of the central film by the length of the inlet: of default grids, for the
+ * smallest M, and the largest that is trusted. Film formulas are as far off as the latter. */
+static const double USUAL_EFFECT = 0.03, LARGEST_EFFECT = 0.05;
 
-enum { NUM_TIMES = 1000 }; // at which the histories are looked at, besides their kinks
+/* Times at which the histories are looked at: a number for all, and a number for a period. */
+enum { NUM_TIMES = 1000, MOST_TIMES = 100000, TIMES_A_PERIOD = 25 };
 
-/* Returns the stationary contact with the Moes numbers of a frame's contact. */
+/* Returns the stationary contact with the M and the Hertz pressure of a frame's contact. */
 static ehd_contact stationary_of(const ehd_contact *contact) {
     ehd_contact stationary = *contact;
 
-    contact_set_moes(&stationary, contact->moes_M, contact->moes_L);
+    stationary.lambda = contact->kind->lambda(&contact->grid.shape, contact->moes_M);
     return stationary;
 }
 
@@ -38,14 +40,21 @@ static void lower_M(ehd_contact *contact, const ehd_histories *histories,
     if (found.moes_M < contact->moes_M) *contact = found;
 }
 
+static int count_times(const ehd_histories *histories, double end_time) {
+    const double period = 2 * M_PI * histories_smooth_time(histories); // of a sine
+
+    return (int)fmin(fmax(TIMES_A_PERIOD * end_time / period, NUM_TIMES), MOST_TIMES);
+}
+
 /* Returns the contact at the time of the smallest M, if loads are at least `least`. */
 static ehd_contact contact_of_least_M(const ehd_histories *histories, const ehd_contact *reference,
                                       double end_time, double least) {
+    const int count = count_times(histories, end_time);
     ehd_contact lowest = *reference;
     double kink = 0;
 
-    for (int i = 0; i <= NUM_TIMES; i++) {
-        const double time = end_time * i / NUM_TIMES;
+    for (int i = 0; i <= count; i++) {
+        const double time = end_time * i / count;
         for (bool jump; kink < time; kink = histories_next_kink(histories, kink, &jump))
             lower_M(&lowest, histories, reference, kink, least);
         lower_M(&lowest, histories, reference, time, least);
@@ -59,34 +68,40 @@ static grid_extent extent_of(const ehd_contact *reference, const ehd_contact *lo
                              bool reverses) {
     const double given = reference->grid_given.x_min;
     const ehd_contact stationary = stationary_of(lowest);
-    grid_extent longest = grid_extent_needed(&stationary);
+    const grid_extent longest = grid_extent_within(&stationary, USUAL_EFFECT);
     grid_extent extent = grid_extent_needed(reference);
     const double step = extent.step;
 
-    longest.x_min *= SUFFICIENT;
-    longest.y_max *= SUFFICIENT;
     grid_extent_join(&extent, &longest);
     extent.step = step;
     if (reverses) extent.x_max = fmax(extent.x_max, -(isnan(given) ? extent.x_min : given));
     return extent;
 }
 
+static double count_nodes(const ehd_contact *reference, const grid_extent *extent) {
+    return (double)grid_choose(&reference->grid_given, extent, &reference->grid).num_inner;
+}
+
 grid_extent time_grid_extent(const ehd_histories *histories, const ehd_contact *reference,
                              double end_time) {
     const bool reverses = histories_reverse(histories);
+    const grid_extent own = extent_of(reference, reference, reverses);
+    const double most = fmax(2 * count_nodes(reference, &own), MOST_NODES);
 
-    for (double least = frame_negligible_load; least < 1; least *= 2) {
+    for (double least = frame_negligible_load; contact_has_chosen_grid(reference) && least < 1;
+         least *= 2) {
         const ehd_contact lowest = contact_of_least_M(histories, reference, end_time, least);
         const grid_extent extent = extent_of(reference, &lowest, reverses);
-        const ehd_grid grid = grid_choose(&reference->grid_given, &extent, &reference->grid);
-        if (grid.num_inner <= MOST_NODES) return extent;
+        if (count_nodes(reference, &extent) <= most) return extent;
     }
-    return extent_of(reference, reference, reverses);
+    return own;
 }
 
-double time_grid_inlet_effect(const ehd_contact *contact, bool backwards) {
+bool time_grid_is_short(double *effect, const ehd_contact *contact, bool backwards) {
     const ehd_grid *grid = &contact->grid;
     const ehd_contact stationary = stationary_of(contact);
+    const double length = backwards ? grid_x(grid, grid->inner_x) : -grid->x_min;
 
-    return grid_inlet_effect(&stationary, backwards ? grid_x(grid, grid->inner_x) : -grid->x_min);
+    *effect = grid_inlet_effect(&stationary, length);
+    return !(*effect <= LARGEST_EFFECT) && length < -grid_extent_needed(&stationary).x_min;
 }

@@ -72,9 +72,9 @@ static ehd_status check_grid(const ehd_contact *first, const ehd_contact *other,
                     expected->num_inner, expected->x_min, expected->step, first_name);
 }
 
-/* Checks that a reduced model can be trained with the histories: it is for one direction of
- * entrainment. Sets the grid that each trajectory needs. */
-static ehd_status check_histories(training_set *set, const char *plan_path, ehd_error *error) {
+/* Reads the histories of all trajectories for the grid that each one needs. Refuses those that no
+ * reduced model can be trained with, which is of one direction of entrainment. */
+static ehd_status read_histories(training_set *set, const char *plan_path, ehd_error *error) {
     ehd_status status = EHD_OK;
 
     for (size_t t = 0; t < set->num_trajectories && !status; t++) {
@@ -244,9 +244,7 @@ void training_set_places(tree_point *places, const training_set *set) {
     for (size_t i = 0; i < set->num_points; i++) {
         const ehd_contact *contact = &set->contacts[i];
         double log_M = log(contact->moes_M);
-        // the L that belongs to the Hertz pressure, also if the scene gives that pressure
-        double material =
-            contact->alpha_p_H / contact->kind->alpha_p_H(&contact->grid.shape, contact->moes_M, 1);
+        const double material = contact_moes_L(contact);
         const flow_thinning thinning = traction_thinning(contact);
         places[i] = (tree_point){.family = family_of(set, i),
                                  .place = {log_M, material, thinning_coordinate(thinning.sliding),
@@ -380,7 +378,7 @@ ehd_status training_set_init(training_set *set, const plan *of, const char *plan
         status = ehd_no_memory(error, plan_path);
 
     if (!status) status = make_points(set, of, plan_path, error);
-    if (!status) status = check_histories(set, plan_path, error);
+    if (!status) status = read_histories(set, plan_path, error);
     if (!status) status = settle_grid(set, plan_path, error);
     if (!status) status = check_carriages(set, plan_path, error);
     size_t num_branches = count_branches(set->num_points);

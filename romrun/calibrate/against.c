@@ -187,6 +187,7 @@ static bool next_period(contact_period *period, const double *sign, size_t count
 static ehd_status compare_contacts(time_deviation *deviation, const time_trace *trace,
                                    const double *reduced, const time_series *full,
                                    const double *other, ehd_error *error) {
+    enum { MIN_SPLINE = 3 }; // times of the full run between which it is interpolated
     contact_period now = {0, 0};
     ehd_status status = EHD_OK;
 
@@ -194,7 +195,7 @@ static ehd_status compare_contacts(time_deviation *deviation, const time_trace *
     while (!status && next_period(&now, trace->central_pressure, trace->count)) {
         contact_period then = {0, 0};
         while (!status && next_period(&then, full->load, full->num_times)) {
-            if (then.end - then.begin < 3) continue;
+            if (then.end - then.begin < MIN_SPLINE) continue;
             status = time_compare(deviation, trace->time + now.begin, reduced + now.begin,
                                   now.end - now.begin, full->time + then.begin, other + then.begin,
                                   then.end - then.begin, error);
@@ -211,12 +212,12 @@ ehd_status against_print_in_time(const time_trace *trace, const time_series *ful
     } quantities[] = {
         {"central film thickness", trace->central_film_thickness, full->central_film_thickness},
         {"central pressure", trace->central_pressure, full->central_pressure}};
-    contact_period reduced = {0, 0}, other = {0, 0};
+    contact_period now = {0, 0}, then = {0, 0};
 
-    next_period(&reduced, trace->central_pressure, trace->count);
-    next_period(&other, full->load, full->num_times);
+    next_period(&now, trace->central_pressure, trace->count);
+    next_period(&then, full->load, full->num_times);
     print_heading(path, grid, &full->grid);
-    if (reduced.end - reduced.begin < trace->count || other.end - other.begin < full->num_times)
+    if (now.end - now.begin < trace->count || then.end - then.begin < full->num_times)
         printf("  while the bodies are in contact in both\n");
     for (size_t i = 0; i < sizeof quantities / sizeof *quantities; i++) {
         ehd_error cause = {""};
@@ -225,7 +226,7 @@ ehd_status against_print_in_time(const time_trace *trace, const time_series *ful
                                                    quantities[i].full, &cause);
         if (status) return ehd_fail(error, status, "%s: %s", path, cause.text);
         if (deviation.length == 0) {
-            printf("  %-24s no times in common\n", quantities[i].name);
+            printf("  %-24s fewer than two times in common\n", quantities[i].name);
             continue;
         }
         printf("  %-24s at most %.3g %% off, at T = %.6g; %.2g %% in the mean\n",

@@ -168,7 +168,7 @@ YAML
     grep "^deimselect: x.h5.*interrupted" log
 }
 
-@test "in time: one trajectory is checked with half its swing, and a model never checked in time says so" {
+@test "in time: one trajectory is checked with half its swing, and a model without a check in time is flagged" {
     sed 's/stationary/transient/' scene.yml >moving.yml
     cat >>moving.yml <<'YAML'
 transient: {end_time: 1, load: {law: sine, amplitude: 0.1, period: 1}}

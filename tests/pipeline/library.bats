@@ -336,7 +336,7 @@ PYTHON
     [ "$status" -eq 0 ]
     [ -z "$stderr" ]
     [[ ${lines[0]} == "missing.h5: "* ]]
-    [[ ${lines[1]} == "scene.yml:1: contact: found in a list of models, expected models alone (scenes and plans are checked by the program that solves them)" ]]
+    [[ ${lines[1]} == "scene.yml:1: contact: found a scene, expected a list of models" ]]
     [[ ${lines[2]} == "physical.lod: found"*"physical.load"* ]]
     [[ ${lines[3]} == "physical.load: found nan, expected a number from "* ]]
     [[ ${lines[4]} == "units: found moes.M and moes.L"* ]]

@@ -323,7 +323,7 @@ PYTHON
     }
     bad "models: found nothing, expected a map with it" "{}"
     bad "models: found .*, expected a map with it" "- low.h5"
-    bad "model: found in a list of models, expected models alone" "model: [low.h5]"
+    bad "model: found an unknown key, expected models" "model: [low.h5]"
     bad "models: found an empty list, expected a list of one to 16 model.h5" "models: []"
     bad "models: found .*, expected a list of one to 16 model.h5" "models: low.h5"
     bad "models: found a longer list" "models: [$(printf 'low.h5, %.0s' {1..16}) low.h5]"

@@ -58,12 +58,14 @@ transient: {end_time: 1000, fixed_step: 0.01, load: {law: sine, amplitude: 0.4, 
 YAML
     fullrun grows.yml -o grows.h5 --quiet &
     local writer=$!
-    until fullrun --print grows.h5.partial time >/dev/null 2>&1; do sleep 0.1; done
+    until fullrun --print grows.h5.partial time >/dev/null 2>&1; do kill -0 "$writer" && sleep 0.1; done
     for look in {1..60}; do
         fullrun --print grows.h5.partial time load >look.csv || { kill "$writer"; return 1; }
     done
-    kill "$writer"
+    kill -KILL "$writer"
     ! wait "$writer" # it was still writing
+    truncate -s -20000 grows.h5.partial
+    refused 65 "grows.h5.partial: found a damaged file \(truncated file" fullrun --print grows.h5.partial time load
 }
 
 @test "--print: a run that stopped early is printed as far as it came" {

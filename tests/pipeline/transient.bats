@@ -719,7 +719,7 @@ PYTHON
     stop_when INT "len(time) > 100" r.h5 fullrun long.yml -o r.h5 2>log >out
     mv r.h5.partial r.h5.saved
     cp r.h5.saved before.h5
-    refused 73 "r.h5.saved: found the copy of an interrupted run with a restart slot, expected it as r.h5.partial" \
+    refused 73 "r.h5.saved: found the copy of an interrupted run with a restart slot: rename it to r.h5.partial and use --resume, or" \
         fullrun long.yml -o r.h5 --resume --quiet
     cmp r.h5.saved before.h5
     [ ! -e r.h5.partial ]
@@ -728,8 +728,8 @@ PYTHON
     fullrun long.yml -o whole.h5 --quiet
     scalars_equal r.h5 whole.h5
     [ ! -e r.h5.saved ]
-    touch r.h5.saved # holds nothing
-    fullrun scene.yml -o r.h5 --force --quiet
+    touch other.h5.saved # holds nothing
+    fullrun scene.yml -o other.h5 --quiet
 }
 
 @test "--resume without an interrupted run starts one" {
