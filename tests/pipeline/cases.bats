@@ -301,7 +301,7 @@ PYTHON
     romrun base.yml --cases many.csv --model c.h5 -o t.csv --quiet --resume >/dev/null
     cmp <(rows_of whole.csv) <(rows_of t.csv)
     # one changed bit in the unfinished table is found at each place
-    stop_when KILL 'bytes 300000' t.csv romrun base.yml --cases many.csv --model c.h5 -o t.csv --quiet --jobs 1 --force
+    stop_when KILL 'marks 2' t.csv romrun base.yml --cases many.csv --model c.h5 -o t.csv --quiet --jobs 1 --force
     cp t.csv.partial partial && cp t.csv.resume resume
     last=$(tail -n 1 resume)
     header=$(head -n 1 partial | wc -c)

@@ -2,11 +2,16 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Stops a program while it writes: stop_when.py SIGNAL CONDITION OUTPUT COMMAND...
 
-Sends the signal as soon as the condition holds of OUTPUT.partial: "exists", "bytes NUMBER" it has at least, or a Python expression of
-`states`, the finished points of a training, `time`, the times of a run, and `checkpoint`, how many of
-these a resumed run would keep; or of what is said in the file "log": "says PATTERN", a regular expression. A run that ended before the signal came, because the machine was busy
-with something else, is taken back and started again. What a reader sees of a growing file is checked
-on the way.
+Sends the signal as soon as the condition holds:
+    exists         OUTPUT.partial exists
+    bytes NUMBER   OUTPUT.partial has at least so many bytes
+    marks NUMBER   OUTPUT.resume, of a table of cases, has at least so many marks
+    says PATTERN   the file "log" matches a regular expression
+    EXPRESSION     a Python expression of OUTPUT.partial: `states`, the finished points of a training, `time`, the
+                   times of a run, and `checkpoint`, how many of these a resumed run keeps
+
+A run that ends before the signal, because the machine is busy, is repeated. What a reader sees of a growing file is
+checked on the way.
 
 The exit code is the program's, 128 + N after a deadly signal N. After the signal STOP the program
 stays as it is, and its process id is printed.
@@ -41,6 +46,12 @@ def holds(condition, path, before):
         return os.path.exists(path)
     if condition.startswith("bytes "):
         return os.path.exists(path) and os.path.getsize(path) >= int(condition.split()[1])
+    if condition.startswith("marks "):
+        marks = path.replace(".partial", ".resume")
+        if not os.path.exists(marks):
+            return False
+        with open(marks) as file:
+            return len(re.findall(r"^[0-9]+ [0-9a-f]{64}$", file.read(), re.M)) >= int(condition.split()[1])
     if condition.startswith("says "):
         with open("log") as log:
             return re.search(condition[len("says "):], log.read()[before["said"]:])
