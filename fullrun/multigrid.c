@@ -461,7 +461,7 @@ static void restrict_rest(void *context, const team_part *part) {
 }
 
 /* Returns the value of a coarse line at a fine column. */
-static double along(const double *of_line, size_t column, const level *coarse) {
+static double value_at_column(const double *of_line, size_t column, const level *coarse) {
     if (column % coarse->stride == 0) return of_line[column / coarse->stride];
     return 0.5 *
            (of_line[column / 2] + (column / 2 + 1 < coarse->columns ? of_line[column / 2 + 1] : 0));
@@ -477,7 +477,8 @@ static void add_correction(void *context, const team_part *part) {
         const double *correction = coarse->solution + l * coarse->columns;
         const size_t first = 2 * l * fine->columns;
         for (size_t c = 0; c < fine->columns; c++)
-            if (fine->unknown[first + c]) fine->solution[first + c] += along(correction, c, coarse);
+            if (fine->unknown[first + c])
+                fine->solution[first + c] += value_at_column(correction, c, coarse);
     }
 }
 

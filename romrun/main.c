@@ -649,7 +649,7 @@ static ehd_status choose_sizes(romrun_options *options, const program *self, boo
 }
 
 /* Returns the first option that does not fit --cases; NULL: none. */
-static const char *beside_cases(const romrun_options *options, const char *mode) {
+static const char *option_unfit_for_cases(const romrun_options *options, const char *mode) {
     if (options->calibrate || options->trade || options->exported) return mode;
     if (options->verify) return "--verify";
     if (options->against) return "--against";
@@ -699,7 +699,7 @@ static ehd_status check_usage(const program *self, const romrun_options *options
     if (options->num_jobs > 0 && !options->calibrate && !options->cases)
         return ehd_fail(error, EHD_USAGE,
                         "--jobs: found without --calibrate or --cases, expected with one of them");
-    const char *alone = beside_cases(options, mode);
+    const char *alone = option_unfit_for_cases(options, mode);
     if (options->cases && alone)
         return ehd_fail(error, EHD_USAGE, "--cases: found with %s, expected without", alone);
     if (!solves && ((sized && !options->exported) || options->verify || options->accuracy > 0 ||

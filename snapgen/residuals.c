@@ -141,7 +141,7 @@ static ehd_status trace_point(void *shared, void *worker, size_t point, size_t p
 
 /* Hands the iterations of finished points over in the order of the plan, so that
  * threads change no result. */
-static ehd_status hand_over(repeated_training *training, ehd_error *error) {
+static ehd_status write_finished(repeated_training *training, ehd_error *error) {
     ehd_status status = EHD_OK;
 
     while (training->num_taken < training->set->num_points && !status) {
@@ -171,7 +171,7 @@ static ehd_status finish_point(void *shared, void *worker, size_t point, size_t 
     }
     progress_show(&training->progress, ++training->num_done, name);
     trace->is_finished = true;
-    return hand_over(training, error);
+    return write_finished(training, error);
 }
 
 static void free_traces(repeated_training *training) {

@@ -268,18 +268,18 @@ hid_t hdf5_create(const char *path) {
 /* Checks whether a failed look-up is to be repeated: after a lack of memory, because HDF5 has freed
  * memory since then. Otherwise a reader would go on as if the file lacked the item. After a read
  * failure, the second look-up would wrongly return "no". */
-static bool is_worth_another(htri_t found) {
+static bool is_to_be_repeated(htri_t found) {
     return found < 0 && errno == ENOMEM;
 }
 
 bool hdf5_has_dataset(hid_t root, const char *name) {
     const htri_t found = H5Lexists(root, name, H5P_DEFAULT);
-    return exists(is_worth_another(found) ? H5Lexists(root, name, H5P_DEFAULT) : found);
+    return exists(is_to_be_repeated(found) ? H5Lexists(root, name, H5P_DEFAULT) : found);
 }
 
 bool hdf5_has_attribute(hid_t object, const char *name) {
     const htri_t found = H5Aexists(object, name);
-    return exists(is_worth_another(found) ? H5Aexists(object, name) : found);
+    return exists(is_to_be_repeated(found) ? H5Aexists(object, name) : found);
 }
 
 typedef struct attribute_visitor {

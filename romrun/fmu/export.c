@@ -336,7 +336,7 @@ static ehd_status add_licences(export_job *job, ehd_error *error) {
 }
 
 /* Reads SOURCE_DATE_EPOCH; 0: not set. */
-static ehd_status time_told(time_t *when, ehd_error *error) {
+static ehd_status source_date_epoch(time_t *when, ehd_error *error) {
     const char *text = getenv("SOURCE_DATE_EPOCH");
     size_t seconds = 0;
     // the time of a zip ends in 2107
@@ -377,7 +377,7 @@ static ehd_status pack(export_job *job, ehd_error *error) {
     const bool fmi2 = job->request->fmi == 2;
     char binary[NAME_SIZE];
     time_t when = 0;
-    ehd_status status = time_told(&when, error);
+    ehd_status status = source_date_epoch(&when, error);
 
     if (!status) status = write_texts(job, when, error);
     if (!status)

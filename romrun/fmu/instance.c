@@ -50,7 +50,7 @@ struct fmu_instance {
     ehdrom_model *model;
     ehdrom_contact *contact;
     ehdrom_contact *stationary; // for the stationary outputs; NULL: not read yet
-    bool responded;             // the stationary outputs belong to the present outputs
+    bool has_stationary;        // the stationary outputs belong to the present outputs
     bool slid;                  // the friction belongs to the present outputs
     void *before;               // saved state before a step
     moment now;
@@ -186,7 +186,7 @@ static const fmu_variable *find(const fmu_instance *self, unsigned reference, fm
 }
 
 static bool start(fmu_instance *self);
-static bool respond_now(fmu_instance *self);
+static bool update_stationary(fmu_instance *self);
 static bool slide_now(fmu_instance *self);
 
 static bool is_stationary(unsigned reference) {
@@ -205,7 +205,7 @@ bool fmu_get(fmu_instance *self, unsigned reference, fmu_type type, double *valu
     if (variable->role == FMU_OUTPUT && self->now.mode == MODE_INITIALIZATION && !start(self))
         return false;
     const bool early = self->now.mode < MODE_INITIALIZATION;
-    if (is_stationary(reference) && !early && !respond_now(self)) return false;
+    if (is_stationary(reference) && !early && !update_stationary(self)) return false;
     if (is_friction(reference) && !early && !slide_now(self)) return false;
     *value = reference == FMU_TIME ? self->now.time : self->now.values[reference];
     return true;
@@ -332,7 +332,7 @@ static bool start(fmu_instance *self) {
     tell_trust(self, &result);
     take_outputs(now->values, &result);
     now->solved = true;
-    self->responded = self->slid = false;
+    self->has_stationary = self->slid = false;
     return true;
 }
 
@@ -380,12 +380,12 @@ static bool respond(fmu_instance *self, const conditions *at, double force,
 }
 
 /* Computes the stationary outputs that belong to the present outputs, unless they are known. */
-static bool respond_now(fmu_instance *self) {
+static bool update_stationary(fmu_instance *self) {
     moment *now = &self->now;
 
-    if (!self->responded)
-        self->responded = respond(self, &now->aimed, now->values[FMU_FORCE], now->values);
-    return self->responded;
+    if (!self->has_stationary)
+        self->has_stationary = respond(self, &now->aimed, now->values[FMU_FORCE], now->values);
+    return self->has_stationary;
 }
 
 // ---- traction
@@ -638,7 +638,7 @@ fmu_outcome fmu_step(fmu_instance *self, double time, double step) {
     tell_trust(self, &result);
     take_outputs(now->values, &result);
     now->values[FMU_STEPS] = (double)of.steps;
-    self->responded = self->slid = false;
+    self->has_stationary = self->slid = false;
     return FMU_DONE;
 }
 
@@ -856,7 +856,7 @@ static bool restore(fmu_instance *self, fmu_state *state) {
     const size_t count = (state->size - sizeof self->now) / sizeof(double);
     ehdrom_result result = EHDROM_RESULT_INIT;
 
-    self->responded = self->slid = false;
+    self->has_stationary = self->slid = false;
     // repeats the step that was not accepted yet, or the start, with equal bits
     return take_parameters(self, self->contact) &&
            took(self, ehdrom_state_restore(self->contact, numbers_of(state), count)) &&
@@ -869,7 +869,7 @@ bool fmu_state_set(fmu_instance *self, void *state) {
     if (!saved || !check_state(self, saved->bytes, saved->size)) return false;
     memcpy(&self->now, saved->bytes, sizeof self->now);
     if (has_contact(&self->now)) return restore(self, saved);
-    self->responded = self->slid = false;
+    self->has_stationary = self->slid = false;
     self->now.solved = false; // the contact itself may be at another time
     return true;
 }

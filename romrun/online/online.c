@@ -817,8 +817,8 @@ static double distance_of(const solved_frame *of, const online_direction *direct
 }
 
 /* Sets the frame of the conditions at a distance along a direction. */
-static void set_frame_beside(contact_frame *frame, const solved_frame *of,
-                             const online_direction *direction, double distance) {
+static void set_frame_at_distance(contact_frame *frame, const solved_frame *of,
+                                  const online_direction *direction, double distance) {
     online_conditions at = of->at;
 
     if (of->by_approach)
@@ -858,24 +858,24 @@ static ehd_status linearise(const solved_frame *of, ehd_error *error) {
 }
 
 /* Frames half a distance before and behind along a direction. */
-typedef struct frames_beside {
+typedef struct frame_pair {
     contact_frame side[2];
     double distance; // 0: the direction is zero
-} frames_beside;
+} frame_pair;
 
-static frames_beside beside(const solved_frame *of, const online_direction *direction) {
-    frames_beside found = {.distance = distance_of(of, direction)};
+static frame_pair frames_around(const solved_frame *of, const online_direction *direction) {
+    frame_pair found = {.distance = distance_of(of, direction)};
 
     for (int i = 0; i < 2; i++)
-        set_frame_beside(&found.side[i], of, direction, (i - 0.5) * found.distance);
+        set_frame_at_distance(&found.side[i], of, direction, (i - 0.5) * found.distance);
     return found;
 }
 
 /* Computes derivatives along a direction, which has the load or the approach that the solution was
  * given. */
-static ehd_status along(frame_quantities *found, const solved_frame *of,
-                        const online_direction *direction, ehd_error *error) {
-    const frames_beside frames = beside(of, direction);
+static ehd_status derivatives_along(frame_quantities *found, const solved_frame *of,
+                                    const online_direction *direction, ehd_error *error) {
+    const frame_pair frames = frames_around(of, direction);
     reduced_change change;
 
     *found = (frame_quantities){.half_width = 0};
@@ -895,8 +895,8 @@ static online_direction direction_of_given(const solved_frame *of) {
  * direction. Another closure in the solution's own frame would be another problem. A frame that
  * does not follow the load needs pressures that the modes lack: the stiffness of the point contact
  * of scenes/examples would be 13 % off, that of the line 0.4 %. */
-static void exchange(frame_quantities *found, const frame_quantities *by_given,
-                     const solved_frame *of, const online_direction *direction) {
+static void correct_outcome(frame_quantities *found, const frame_quantities *by_given,
+                            const solved_frame *of, const online_direction *direction) {
     const double *add = (const double *)by_given;
     double *target = (double *)found;
     const double part = of->by_approach
@@ -910,21 +910,21 @@ static void exchange(frame_quantities *found, const frame_quantities *by_given,
 
 static ehd_status differentiate(online_derivatives *derivatives, const solved_frame *of,
                                 const online_direction *direction, ehd_error *error) {
-    const bool exchanged = of->by_approach == isnan(direction->approach);
+    const bool of_outcome = of->by_approach == isnan(direction->approach);
     const online_direction given = direction_of_given(of);
     online_direction own = *direction;
     frame_quantities found, by_given;
     ehd_status status = check_direction(direction, of->reference, error);
 
-    if (exchanged) {
+    if (of_outcome) {
         own.load = of->by_approach ? NAN : 0;
         own.approach = of->by_approach ? 0 : NAN;
     }
     if (!status) status = linearise(of, error);
-    if (!status) status = along(&found, of, &own, error);
-    if (!status && exchanged) status = along(&by_given, of, &given, error);
+    if (!status) status = derivatives_along(&found, of, &own, error);
+    if (!status && of_outcome) status = derivatives_along(&by_given, of, &given, error);
     if (status) return status;
-    if (exchanged) exchange(&found, &by_given, of, direction);
+    if (of_outcome) correct_outcome(&found, &by_given, of, direction);
     *derivatives = (online_derivatives){found.scalars, found.peak_pressure, found.half_width};
     return EHD_OK;
 }
@@ -934,7 +934,7 @@ static ehd_status differentiate(online_derivatives *derivatives, const solved_fr
  * the residual that least squares leave in the load balance. */
 static ehd_status respond(online_response *response, const solved_frame *of, ehd_error *error) {
     const online_direction by_load = {.load = 1, .approach = NAN};
-    const frames_beside frames = beside(of, &by_load);
+    const frame_pair frames = frames_around(of, &by_load);
     frame_quantities found;
     reduced_change change;
     contact_frame at;

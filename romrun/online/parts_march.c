@@ -141,7 +141,7 @@ static void find_change(double change[NUM_ERROR_PLACES], parts_march *self,
 
 /* Hands the accepted states of the part that solved the last one to another part, with their errors
  * and, along the path, the base. */
-static ehd_status hand_over(parts_march *self, size_t part, ehd_error *error) {
+static ehd_status take_states_over(parts_march *self, size_t part, ehd_error *error) {
     const reduced_march *from = self->parts[self->accepted];
     reduced_march *to = self->parts[part];
     const size_t num_states = reduced_march_num_states(from);
@@ -169,15 +169,15 @@ static ehd_status hand_over(parts_march *self, size_t part, ehd_error *error) {
     return EHD_OK;
 }
 
-static bool knows(const parts_march *self, size_t part, const contact_frame *frame) {
+static bool covers(const parts_march *self, size_t part, const contact_frame *frame) {
     return !reduced_march_check_range(self->parts[part], frame, frame);
 }
 
 /* Returns a part while a frame lies in its range, or in that of none. */
-static size_t stay_or_leave(const parts_march *self, size_t part, const contact_frame *frame) {
-    if (self->num_parts == 1 || knows(self, part, frame)) return part;
+static size_t part_for(const parts_march *self, size_t part, const contact_frame *frame) {
+    if (self->num_parts == 1 || covers(self, part, frame)) return part;
     const size_t other = deepest(self, frame);
-    return knows(self, other, frame) ? other : part;
+    return covers(self, other, frame) ? other : part;
 }
 
 /* Returns the part for a solved step. If the approach is given, the load of the frame was a guess,
@@ -188,7 +188,7 @@ static size_t part_of_outcome(const parts_march *self, const march_step *outcome
 
     if (isnan(frame->approach) || outcome->status != EHD_UNTRUSTED) return self->attempted;
     const contact_frame loaded = frame_of_load(kind, frame, outcome->scalars.load);
-    return stay_or_leave(self, self->attempted, &loaded);
+    return part_for(self, self->attempted, &loaded);
 }
 
 /* Makes a part the only one with accepted states. */
@@ -230,7 +230,7 @@ static ehd_status start(march_step *outcome, void *solver, const contact_frame *
 static ehd_status attempt_with(march_step *outcome, parts_march *self, size_t part,
                                const contact_frame *frame, double step, ehd_error *error) {
     self->attempted = part;
-    const ehd_status status = self->holds[part] ? EHD_OK : hand_over(self, part, error);
+    const ehd_status status = self->holds[part] ? EHD_OK : take_states_over(self, part, error);
     const march_solver of = reduced_march_solver(self->parts[part]);
 
     return status ? status : of.attempt(outcome, of.self, frame, step, error);
@@ -239,7 +239,7 @@ static ehd_status attempt_with(march_step *outcome, parts_march *self, size_t pa
 static ehd_status attempt(march_step *outcome, void *solver, const contact_frame *frame,
                           double step, ehd_error *error) {
     parts_march *self = solver;
-    const size_t first = stay_or_leave(self, self->accepted, frame);
+    const size_t first = part_for(self, self->accepted, frame);
     const ehd_status status = attempt_with(outcome, self, first, frame, step, error);
     if (status) return status;
 

@@ -161,7 +161,7 @@ static bool is_along_path(const reduced_march *self) {
 
 /* Returns whether errors in time of the minimum film are estimated. The minimum film of a point
  * contact lies beside the central line. */
-static bool tells_minimum(const reduced_march *self) {
+static bool estimates_minimum(const reduced_march *self) {
     return is_along_path(self) && self->model->band.num_lines == 1;
 }
 
@@ -660,7 +660,7 @@ static ehd_status start(march_step *outcome, void *solver, const contact_frame *
                             .frame = first->frame,
                             .scalars = info.scalars,
                             .effect = is_along_path(self) ? 0 : NAN,
-                            .effect_minimum = tells_minimum(self) ? 0 : NAN,
+                            .effect_minimum = estimates_minimum(self) ? 0 : NAN,
                             .indicated = NAN,
                             .indicated_minimum = NAN,
                             .iterations = info.iterations,
@@ -1005,7 +1005,7 @@ static void set_effects(march_step *outcome, reduced_march *self, const ehd_cont
     outcome->taken_up = largest_taken_up(self);
     outcome->effect = -film_errors_at(&self->taken_up, 0) /
                       (scalars->central_film_thickness * hertz_density(contact, 0));
-    if (!tells_minimum(self)) return;
+    if (!estimates_minimum(self)) return;
     outcome->effect_minimum =
         -film_errors_at(&self->taken_up, scalars->minimum_position) /
         (scalars->minimum_film_thickness * hertz_density(contact, scalars->minimum_position));
