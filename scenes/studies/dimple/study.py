@@ -5,14 +5,12 @@
     study.py undisturbed FOLDER OPTIONS...           moment 1 of pure rolling on other grids and with other numbers
     study.py draw PICTURE.png ROLLING.h5 SLIDING.h5
 """
-import os
-
 import h5py
 import numpy as np
 
 import results
 
-FOLDER = os.path.join(os.path.dirname(os.path.abspath(__file__)), "mourier-2006")
+TABLE = "mourier-2006.csv"
 WITHIN = 90  # um from the centre: beyond, the digitised films are steep
 
 # Of the published simulations where the middle of the dimple is, um: where it is deepest, in rolling the middle at half
@@ -21,9 +19,10 @@ CASES = {"ssr0": [None, -99.0, -43.5, 21.6, 106.0], "ssr-05": [-128.0, -69.0, -3
 
 
 def published(case, kind, moment):
-    """x (um) and film (nm) of a published curve: sim, exp."""
-    name = f"mourier_{case}_{kind}_{moment}" + ("_h" if kind == "sim" else "")
-    return np.genfromtxt(os.path.join(FOLDER, name + ".csv"), delimiter=",", skip_header=1).T
+    """Returns x (um) and film (nm) of a published curve; kind: sim, exp."""
+    curve = [(line["x"], line["value"]) for line in results.read_csv(TABLE)
+             if (line["case"], line["kind"], line["moment"], line["quantity"]) == (case, kind, str(moment), "film")]
+    return np.array(curve, dtype=float).T
 
 
 def films(file, case):
