@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Does a reduced model know when it is wrong (README.md)?
 
+    study.py training NAME FOLDER                               writes FOLDER/scene.yml and plan.yml of a training
     study.py draw FOLDER SEED COUNT MODEL.h5 SCENE.yml [own|region|oils]
                                                                 random scenes around the training points of the model,
                                                                 trained on SCENE.yml: FOLDER/plan.yml and more
@@ -44,11 +45,89 @@ SHEARS = {"law: newtonian": {}, "law: eyring": {"tau0": (2e6, 2e7)}, "law: limit
           "law: carreau": {"G": (1e5, 1e7), "n": (0.3, 0.9)}}
 MOST_L = 40
 
+# Trainings on all LAWS, compressible and not: kind of contact and grid; bounds on M and L; candidates for each law; the law,
+# M and L of scene.yml; and for some laws bounds on alpha p_H. Above these bounds a WLF law does not hold, or
+# ../stationary-line-high has no training. Laws without an alpha are trained on ALPHAS.
+ALPHAS = [1e-8, 3e-8]
+LUBRICANTS = {
+    "lubricants": {
+        "contact": "line", "grid": "x_min: -12, x_max: 2, step: 0.01", "M": [5, 50], "L": [1, 20], "candidates": 300,
+        "own": "law: wlf, preset: no1", "moes": "M: 12, L: 12", "alpha_p_H": {"law: wlf, preset: no2": [0, 48]}},
+    "lubricants-high": {
+        "contact": "line", "grid": "x_min: -4, x_max: 2, step: 0.002", "M": [50, 1000], "L": [1, 20], "candidates": 300,
+        "own": "law: wlf, preset: no1", "moes": "M: 100, L: 10",
+        "alpha_p_H": {**{law: [4, 80] for law in LAWS}, "law: wlf, preset: no2": [4, 48], "law: wlf, preset: no3": [4, 64]}},
+    "lubricants-point": {
+        "contact": "point", "grid": "x_min: -8, x_max: 2, step: 0.125, y_max: 6, half: true", "M": [10, 46], "L": [2.5, 13],
+        "candidates": 100, "own": "law: barus", "moes": "M: 20, L: 8", "own_alpha": 2.2e-8, "alpha_p_H": {}},
+}
+# Trainings in SI units on the loads and speeds of one contact with one oil. The plan of the roller chooses its grid by M and
+# L; the grid of scene.yml is the one that it chooses.
+LOADS_AND_SPEEDS = {
+    "roller": {
+        "contact": "line", "grid": "x_min: -32, x_max: 2, step: 0.01", "chosen_grid": True,
+        "bodies": "radius: 0.0125, modulus: 226e9, viscosity: 0.08", "load": [50e3, 400e3], "speed": [0.2, 10],
+        "own": "load: 200e3, speed: 2", "viscosity": "law: roelands, eta0: 0.08, alpha: 2.0e-8"},
+    "line-oils": {
+        "contact": "line", "grid": "x_min: -6, x_max: 2, step: 0.01",
+        "bodies": "radius: 0.0125, modulus: 230e9, viscosity: 0.04", "load": [150e3, 400e3], "speed": [0.8, 3],
+        "own": "load: 250e3, speed: 1.5", "viscosity": "law: roelands, eta0: 0.04, alpha: 1.8e-8"},
+    "point-oils": {
+        "contact": "point", "grid": "x_min: -4, x_max: 2, step: 0.125, y_max: 3",
+        "bodies": "radius: 0.01, modulus: 230e9, viscosity: 0.06", "load": [15, 60], "speed": [0.3, 1.2],
+        "own": "load: 30, speed: 0.6", "viscosity": "law: roelands, eta0: 0.06, alpha: 1.6e-8"},
+}
+
 FILMS = ["central", "minimum"]
 FORCES = ["friction_coefficient", "rolling_resistance"]  # of scenes that slide
 RUN = ["promise", "where", "whose", "code", "central", "minimum", "indicated_central", "indicated_minimum", *FORCES, "fields",
        "full_central", "full_minimum", *(f"full_{force}" for force in FORCES)]
 LEAST_OFF = 1e-7  # below, deviations are no longer those of the model
+
+
+# ---- Trainings
+
+
+def scene_text(contact, settings, viscosity, grid=""):
+    """A scene with lines of settings; density by the first law."""
+    return (f"contact: {contact}\nregime: stationary\n{settings}\nlubricant:\n  viscosity: {{{viscosity}}}\n"
+            f"  density: {{law: {DENSITIES[0]}}}\n" + (f"grid: {{{grid}}}\n" if grid else ""))
+
+
+def plan_of_lubricants(of):
+    """A group for each law, the law of scene.yml first."""
+    plan = "groups:\n"
+    for law in sorted(LAWS, key=lambda law: law != of["own"]):
+        alpha = f", lubricant.viscosity.alpha: {ALPHAS}" if LAWS[law][0] is None else ""
+        plan += (f"  - scene: {{contact: {of['contact']}, regime: stationary, grid: {{{of['grid']}}}, "
+                 f"lubricant: {{viscosity: {{{law}}}}}}}\n"
+                 f"    region: {{moes.M: {of['M']}, moes.L: {of['L']}{alpha}}}\n"
+                 f"    vary: {{lubricant.density.law: [{', '.join(DENSITIES)}]}}\n"
+                 f"    candidates: {of['candidates']}\n")
+        if law in of["alpha_p_H"]:
+            plan += f"    where: {{alpha_p_H: {of['alpha_p_H'][law]}}}\n"
+    return plan
+
+
+def training(name, folder):
+    """scene.yml is one of the trained contacts: draw takes its kind, grid and lubricant."""
+    if name in LUBRICANTS:
+        of = LUBRICANTS[name]
+        own = of["own"] + (f", alpha: {of['own_alpha']}" if "own_alpha" in of else "")
+        scene = scene_text(of["contact"], f"moes: {{{of['moes']}}}", own, of["grid"])
+        plan = plan_of_lubricants(of)
+    elif name in LOADS_AND_SPEEDS:
+        of = LOADS_AND_SPEEDS[name]
+        scene = scene_text(of["contact"], f"physical: {{{of['own']}, {of['bodies']}}}", of["viscosity"], of["grid"])
+        trained = scene_text(of["contact"], f"physical: {{{of['bodies']}}}", of["viscosity"],
+                             "" if of.get("chosen_grid") else of["grid"])
+        plan = ("groups:\n  - scene:\n" + re.sub("^", " " * 6, trained, flags=re.M).rstrip() +
+                f"\n    region: {{physical.load: {of['load']}, physical.speed: {of['speed']}}}\n")
+    else:
+        results.stop(f"found training '{name}', expected one of: {' '.join([*LUBRICANTS, *LOADS_AND_SPEEDS])}")
+    os.makedirs(folder, exist_ok=True)
+    results.write_changed(f"{folder}/plan.yml", plan)
+    results.write_changed(f"{folder}/scene.yml", scene)
 
 
 # ---- Scenes
@@ -417,4 +496,4 @@ def table(file, seed, calibration):
 
 
 if __name__ == "__main__":
-    results.commands(draw, run, table)
+    results.commands(training, draw, run, table)
