@@ -10,6 +10,12 @@ import numpy as np
 
 import results
 
+# Settings of scene.yml for each contact. The waves of the point contact are as long across as the contact is wide; its grid
+# has 129 by 129 nodes.
+CONTACTS = {"line": {},
+            "point": {"contact": "point", "grid.x_min": -3, "grid.x_max": 1.5, "grid.step": 0.03515625, "grid.y_max": 2.25,
+                      "transient.end_time": 7, "transient.fixed_step": 0.03515625}}
+
 # M, L and wavelengths over the half width
 CASES = {"line": [(100, 11, (2, 1, 0.5, 0.25, 0.125)), (200, 5, (1, 0.5, 0.25)), (50, 5, (2, 1, 0.5)),
                   (20, 10, (2, 1, 0.5))],
@@ -41,9 +47,9 @@ def left(file, wavelength, amplitude):
     return np.hypot(*wave) / amplitude
 
 
-def central_film(scene, settings, file, options):
+def central_film(settings, file, options):
     """Of smooth surfaces: the start."""
-    results.run("fullrun", scene, "-o", file, "--force", "--quiet", *options,
+    results.run("fullrun", "scene.yml", "-o", file, "--force", "--quiet", *options,
                 *results.sets({**settings, "transient.end_time": 1e-3, "transient.fixed_step": 1e-3}))
     return results.printed(file, "central_film_thickness")["central_film_thickness"][0]
 
@@ -53,12 +59,13 @@ def measure(folder, amplitude, *options):
           f"{'computed 1997':>15}{'off':>9}")
     file = f"{folder}/wave.h5"
     for contact, cases in CASES.items():
+        changed = [*results.sets(CONTACTS[contact]), *options]
         for M, L, wavelengths in cases:
             settings = {"moes.M": M, "moes.L": L}
-            film = central_film(f"{contact}.yml", settings, file, options)
+            film = central_film(settings, file, changed)
             for wavelength in wavelengths:
                 height = float(amplitude) * film
-                results.run("fullrun", f"{contact}.yml", "-o", file, "--force", "--quiet", *options, *results.sets(
+                results.run("fullrun", "scene.yml", "-o", file, "--force", "--quiet", *changed, *results.sets(
                     {**settings, "surface.wavelength": wavelength, "surface.amplitude": height}))
                 x, found = argument(contact, M, L, wavelength), left(file, wavelength, height)
                 fit, then = curve(contact, x), PUBLISHED.get((M, L, wavelength), np.nan)
