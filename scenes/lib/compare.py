@@ -1,9 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Full and reduced results of all cases of cases.csv beside each other.
+"""Results beside each other.
 
-    compare.py table FOLDER MODEL_FILE    reads it, NAME.h5 or .yml, FOLDER/full/NUMBER.h5 and FOLDER/NAME/NUMBER.h5
+    compare.py table FOLDER MODEL_FILE      full and reduced results of all cases of cases.csv: reads MODEL_FILE, NAME.h5 or
+                                            .yml, FOLDER/full/NUMBER.h5 and FOLDER/NAME/NUMBER.h5
+    compare.py runs FIRST.csv OTHER.csv...  how far runs of the same program are from the first
 """
 import os
+
+import numpy as np
 
 import results
 
@@ -84,4 +88,16 @@ def table(folder, file):
         print("inlet, step: what the domain's start and the grid's step do to the full model's own central film")
 
 
-results.commands(table)
+def runs(first, *others):
+    """Prints the largest deviation of each column."""
+    expected = np.genfromtxt(first, delimiter=",", names=True)
+    for path in others:
+        found = np.genfromtxt(path, delimiter=",", names=True)
+        if len(found) != len(expected):
+            results.stop(f"{path}: found {len(found)} times, expected the {len(expected)} of {first}")
+        print(f"{path}: largest deviation from {first}, of the largest value: " + ", ".join(
+            f"{name.replace('_', ' ')} {np.max(np.abs(found[name] - expected[name])) / np.max(np.abs(expected[name])):.2g}"
+            for name in expected.dtype.names[1:]))
+
+
+results.commands(table, runs)

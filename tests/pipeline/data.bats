@@ -122,7 +122,7 @@ CSV
     [ -e other/model.h5 ]
     # the folder of a user's own program has headers of such names
     touch '$(shell touch ran).h' 'a;touch ran.h'
-    printf '%s\n' 'include ../lib/common.mk' 'LIBRARY_PROGRAMS = x' 'include ../lib/library.mk' >own.mk
+    printf '%s\n' 'include ../lib/common.mk' 'LIBRARY_PROGRAMS = x' 'include ../lib/programs.mk' >own.mk
     run_make -n -f own.mk out/x
     harmless
 }

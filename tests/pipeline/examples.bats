@@ -83,8 +83,8 @@ small_oscillator() {
         run_make -n variants
         [[ $status == 0 && ! $output =~ "csv " ]]
         head -n 9 out/python.csv >short.csv
-        run --separate-stderr /usr/bin/python3 -B ../../lib/variants.py out/reduced.csv short.csv
-        [[ $status == 1 && $stderr == "variants.py: short.csv: found 8 times, expected the 1201 of out/reduced.csv" ]]
+        run --separate-stderr /usr/bin/python3 -B ../../lib/compare.py runs out/reduced.csv short.csv
+        [[ $status == 1 && $stderr == "compare.py: short.csv: found 8 times, expected the 1201 of out/reduced.csv" ]]
     fi
     run --separate-stderr env PYTHONPATH="$BIN/../python" /usr/bin/python3 -B oscillator.py scene.yml none.h5 x.csv
     [[ $status == 1 && $stderr == "oscillator.py: none.h5"* && ! -e x.csv ]]
