@@ -108,8 +108,9 @@ static double grubin_integral(const ehd_contact *contact, double film, double st
  *
  * M is proportional to the load. The film in Hertz units is proportional to M^(-2/3) (lines: 1/M)
  * times the film in units of the radius. */
-static double load_effect(const ehd_contact *contact, double moes_L, double length) {
+static double load_effect(const ehd_contact *contact, double length) {
     const contact_kind *kind = contact->kind;
+    const double moes_L = contact_moes_L(contact);
     const contact_shape *shape = &contact->grid.shape;
     const bool line = kind->dimensions == 1;
     const double change = 1e-3, moes_M = contact->moes_M, lambda = contact->lambda / kind->load;
@@ -122,9 +123,10 @@ static double load_effect(const ehd_contact *contact, double moes_L, double leng
 }
 
 /* Returns the relative change of the film by the viscous pressure that is built up before a domain.
- * The film follows the pressure with the exponent 8/11 (Ertel and Grubin). */
-static double pressure_effect(const ehd_contact *contact, double film, double length) {
-    return 8. / 11 * grubin_integral(contact, film, length) / grubin_integral(contact, film, 1);
+ * `all`: grubin_integral up to X = -1. The film follows the pressure with the exponent 8/11 (Ertel
+ * and Grubin). */
+static double pressure_effect(const ehd_contact *contact, double film, double all, double length) {
+    return 8. / 11 * grubin_integral(contact, film, length) / all;
 }
 
 /* Returns the square of the term c of H = r^2/2 + c, relative to H, which the far field omits. */
@@ -133,21 +135,27 @@ static double omitted_terms(double film, double length) {
     return part * part;
 }
 
+static double central_film(const ehd_contact *contact) {
+    return contact->kind->central_film(&contact->grid.shape, contact->moes_M,
+                                       contact_moes_L(contact));
+}
+
 /* Returns the next one of the lengths 1.5, 2, 3, 4, 6, 8, 12, ... */
 static double next_length(double length) {
     return length * (fmod(log2(length), 1) == 0 ? 1.5 : 4. / 3);
 }
 
-/* Returns the shortest inlet that keeps the three limits of the rule. The limits of the missing
- * pressure and load count up to rule->longest. */
-static double inlet_length(const ehd_contact *contact, const grid_rule *rule, double moes_L,
-                           double film) {
+/* Returns the shortest inlet whose three effects are within the limits of the rule. From
+ * rule->longest on, only the terms that the far field omits are limited. */
+static double inlet_length(const ehd_contact *contact) {
+    const grid_rule *rule = rule_of(contact);
+    const double film = central_film(contact), all = grubin_integral(contact, film, 1);
     double length = rule->shortest;
 
-    while (
-        omitted_terms(film, length) > rule->far_terms ||
-        (length < rule->longest && (load_effect(contact, moes_L, length) > rule->load_effect ||
-                                    pressure_effect(contact, film, length) > rule->inlet_effect)))
+    while (omitted_terms(film, length) > rule->far_terms ||
+           (length < rule->longest &&
+            (load_effect(contact, length) > rule->load_effect ||
+             pressure_effect(contact, film, all, length) > rule->inlet_effect)))
         length = next_length(length);
     return length;
 }
@@ -214,38 +222,33 @@ static double step_needed(const grid_rule *rule, double isoviscous, const contac
 }
 
 double grid_inlet_effect(const ehd_contact *contact, double length) {
-    const double moes_L = contact_moes_L(contact);
-    const double film = contact->kind->central_film(&contact->grid.shape, contact->moes_M, moes_L);
+    const double film = central_film(contact);
 
     if (length <= 1) return INFINITY;
     if (rule_of(contact) == &open_rule) return omitted_terms(film, length);
-    return pressure_effect(contact, film, length) + load_effect(contact, moes_L, length);
+    return pressure_effect(contact, film, grubin_integral(contact, film, 1), length) +
+           load_effect(contact, length);
 }
 
 /* Returns the extent with an inlet of this length. */
 static grid_extent extent_of(const ehd_contact *contact, double length) {
     const contact_shape *shape = &contact->grid.shape;
     const grid_rule *rule = rule_of(contact);
-    const double film =
-        contact->kind->central_film(shape, contact->moes_M, contact_moes_L(contact));
     const double y_max = sides_needed(rule, length, shape);
     const double step = step_needed(rule, isoviscous_film(contact), shape);
 
     return (grid_extent){.x_min = -length,
-                         .x_max = end_needed(shape, film, y_max, step),
+                         .x_max = end_needed(shape, central_film(contact), y_max, step),
                          .step = step,
                          .y_max = y_max};
 }
 
 grid_extent grid_extent_needed(const ehd_contact *contact) {
-    const double moes_L = contact_moes_L(contact);
-    const double film = contact->kind->central_film(&contact->grid.shape, contact->moes_M, moes_L);
-
-    return extent_of(contact, inlet_length(contact, rule_of(contact), moes_L, film));
+    return extent_of(contact, inlet_length(contact));
 }
 
 grid_extent grid_extent_within(const ehd_contact *contact, double effect) {
-    const double needed = -grid_extent_needed(contact).x_min;
+    const double needed = inlet_length(contact);
     double length = rule_of(contact)->shortest;
 
     while (length < needed && !(grid_inlet_effect(contact, length) <= effect))

@@ -426,28 +426,32 @@ static const setting *same_meaning(const char *key) {
     return NULL;
 }
 
-/* Stores the key or group of similar spelling in `meant`. Returns false if there is none. */
+/* Finds the setting, or the group of settings, whose name is spelled most like `key`, and copies its
+ * name to `meant`. Returns false if no name is similar. */
 static bool find_similar(char meant[MAX_KEY], const char *key) {
     size_t nearest = (strlen(key) + 2) / 3 + 1;
     bool found = false;
     for (const setting *row = scene_settings(); row->key; row++) {
-        const size_t whole = strlen(row->key);
-        for (size_t end = strcspn(row->key, "."); end <= whole;
-             end += 1 + strcspn(row->key + end + (end < whole), ".")) {
+        const char *end = row->key;
+        do { // for each group above the setting, and for the setting itself
             char part[MAX_KEY];
-            snprintf(part, sizeof part, "%.*s", (int)end, row->key);
+            end += strcspn(end, ".");
+            snprintf(part, sizeof part, "%.*s", (int)(end - row->key), row->key);
             const size_t distance = edit_distance(key, part);
-            if (distance >= nearest || (end < whole && distance > 2)) continue; // groups: closer
-            nearest = distance;
-            found = true;
-            memcpy(meant, part, sizeof part);
-        }
+            const bool near_group = *end != '.' || distance <= 2; // groups have many settings
+            if (distance < nearest && near_group) {
+                nearest = distance;
+                found = true;
+                memcpy(meant, part, sizeof part);
+            }
+        } while (*end++);
     }
     return found;
 }
 
-/* Stores the key or group that is meant by an unknown key: of the same meaning, else of a similar
- * spelling, else with the same last part. Returns false if there is none. */
+/* Finds the setting or group that an unknown key probably stands for, and copies its name to
+ * `meant`: one of the same meaning, else one of similar spelling, else one with the same last part.
+ * Returns false if there is none. */
 static bool find_meant(char meant[MAX_KEY], const char *key) {
     const setting *found = same_meaning(key);
     if (strlen(key) >= MAX_KEY) return false;

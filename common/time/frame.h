@@ -117,8 +117,7 @@ contact_scalars frame_to_reference(const contact_scalars *current, const contact
 contact_scalars frame_from_reference(const contact_scalars *scalars, const contact_frame *frame,
                                      const ehd_contact *reference);
 
-/* Converts a traction from the current frame to the constant reference frame. Unlike
- * frame_to_reference it needs the frame alone. */
+/* Converts a traction from the current frame to the constant reference frame. */
 contact_traction frame_traction_to_reference(contact_traction current, const contact_frame *frame);
 
 #endif

@@ -5,8 +5,8 @@
 
 #include <math.h>
 
-/* Largest number of nodes that light loads may cause, unless they only double the grid. A step of a
- * line contact takes 0.13 s with 10,000 nodes. On larger grids of points the full model has no
+/* Largest number of nodes of a grid that the histories lengthen to more than twice the reference's.
+ * A step of a line contact then takes 0.13 s. On larger grids of points the full model has no
  * factors of the whole system (full_is_large). */
 static const double MOST_NODES = 10000;
 
@@ -25,14 +25,15 @@ static ehd_contact stationary_of(const ehd_contact *contact) {
     return stationary;
 }
 
-/* Sets `contact` to the contact at a time, with at least the load `least`, if its M is smaller. */
+/* Sets `contact` to the contact at a time if its M is smaller. Negligible loads count as the least
+ * one that is not. */
 static void lower_M(ehd_contact *contact, const ehd_histories *histories,
-                    const ehd_contact *reference, double time, double least) {
+                    const ehd_contact *reference, double time) {
     double values[NUM_VARY];
     ehd_contact found;
 
     histories_at(values, histories, time);
-    values[VARY_LOAD] = fmax(values[VARY_LOAD], least);
+    values[VARY_LOAD] = fmax(values[VARY_LOAD], frame_negligible_load);
     if (time == 0)
         values[VARY_SPEED] = fmax(fabs(values[VARY_SPEED]), fabs(histories_start_speed(histories)));
     const contact_frame frame = frame_at(reference->kind, time, values, NAN);
@@ -46,9 +47,9 @@ static int count_times(const ehd_histories *histories, double end_time) {
     return (int)fmin(fmax(TIMES_A_PERIOD * end_time / period, NUM_TIMES), MOST_TIMES);
 }
 
-/* Returns the contact at the time of the smallest M, if loads are at least `least`. */
+/* Returns the contact at the time of the smallest M. */
 static ehd_contact contact_of_least_M(const ehd_histories *histories, const ehd_contact *reference,
-                                      double end_time, double least) {
+                                      double end_time) {
     const int count = count_times(histories, end_time);
     ehd_contact lowest = *reference;
     double kink = 0;
@@ -56,8 +57,8 @@ static ehd_contact contact_of_least_M(const ehd_histories *histories, const ehd_
     for (int i = 0; i <= count; i++) {
         const double time = end_time * i / count;
         for (bool jump; kink < time; kink = histories_next_kink(histories, kink, &jump))
-            lower_M(&lowest, histories, reference, kink, least);
-        lower_M(&lowest, histories, reference, time, least);
+            lower_M(&lowest, histories, reference, kink);
+        lower_M(&lowest, histories, reference, time);
     }
     return lowest;
 }
@@ -88,11 +89,12 @@ grid_extent time_grid_extent(const ehd_histories *histories, const ehd_contact *
     const grid_extent own = extent_of(reference, reference, reverses);
     const double most = fmax(2 * count_nodes(reference, &own), MOST_NODES);
 
-    for (double least = frame_negligible_load; contact_has_chosen_grid(reference) && least < 1;
-         least *= 2) {
-        const ehd_contact lowest = contact_of_least_M(histories, reference, end_time, least);
+    if (!contact_has_chosen_grid(reference)) return own;
+    ehd_contact lowest = contact_of_least_M(histories, reference, end_time);
+    while (lowest.moes_M < reference->moes_M) {
         const grid_extent extent = extent_of(reference, &lowest, reverses);
         if (count_nodes(reference, &extent) <= most) return extent;
+        contact_set_moes(&lowest, 2 * lowest.moes_M, contact_moes_L(&lowest));
     }
     return own;
 }

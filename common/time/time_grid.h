@@ -6,12 +6,13 @@
 #include "common/physics/grid_choice.h"
 #include "common/time/history.h"
 
-/* Returns the extent that a contact needs from T = 0 to `end_time`. The step is that of the
- * reference. At the smallest M of all times, where the film is thick, the estimated error of the
- * central film by the inlet is at most 3 %. Loads below frame_negligible_load count as this load.
- * If the grid would have more than 10,000 nodes, and more than twice those of the reference alone,
- * the load that counts is doubled until it has not. If the entrainment reverses, there is an inlet
- * on either side. */
+/* Returns the extent that a contact needs from T = 0 to `end_time`. Its step is that of the
+ * reference. Its inlet suits the time of the smallest M, when the film is thickest: the estimated
+ * error of the central film is at most 3 % there. Three rules limit the length:
+ * - Loads below frame_negligible_load count as this load.
+ * - A grid has at most 10,000 nodes, or twice those of the reference. If it would have more, this M
+ *   is doubled until it has not.
+ * - If the entrainment reverses, both ends have an inlet. */
 grid_extent time_grid_extent(const ehd_histories *histories, const ehd_contact *reference,
                              double end_time);
 

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "romrun/calibrate/against.h"
 
+#include "common/algebra/spline.h"
 #include "common/output/grid_file.h"
 #include "common/physics/traction.h"
 #include "common/program/text.h"
-#include "romrun/calibrate/time_compare.h"
 
 #include <limits.h>
 #include <math.h>
@@ -166,6 +166,57 @@ void against_print(const run_result *result, const stored_result *stored, const 
                against_difference(result->film, grid, stored->film, &other));
 }
 
+// ---- over time
+
+/* Relative deviation of one quantity, at the times of the first run that the second one covers. If
+ * the times differ, the second run is interpolated by a cubic spline. */
+typedef struct time_deviation {
+    double largest;     // relative
+    double at;          // time T of the largest deviation
+    double sum, length; // integral over T of the relative size, and the time that it covers
+} time_deviation;
+
+/* Times are equal up to this relative difference. */
+static const double SAME_TIME = 1e-12;
+
+/* Returns a value of the second run at a time. `near`: in and out, index of the spline interval. */
+static double value_at(double time, const double *other_time, const double *other_values,
+                       const spline *between, size_t *near) {
+    *near = spline_interval(between, time, *near);
+    // no interpolation if the times are equal, as with fixed steps
+    for (size_t i = *near; i <= *near + 1; i++)
+        if (fabs(time - other_time[i]) <= SAME_TIME * fmax(fabs(time), 1)) return other_values[i];
+    return spline_value(between, time, *near);
+}
+
+/* Adds the deviations of a part of both runs. The second part has at least 3 times. */
+static ehd_status add_deviations(time_deviation *deviation, const double *time,
+                                 const double *values, size_t num_times, const double *other_time,
+                                 const double *other_values, size_t num_other, ehd_error *error) {
+    double last = NAN;
+    size_t near = 0;
+
+    spline *between = spline_create(num_other);
+    if (!between) return ehd_no_memory(error, "time");
+    spline_fit(between, other_time, other_values);
+    for (size_t i = 0; i < num_times; i++) {
+        if (time[i] < other_time[0] || time[i] > other_time[num_other - 1]) continue;
+        const double there = value_at(time[i], other_time, other_values, between, &near);
+        const double relative = fabs(values[i] / there - 1);
+        if (!isnan(deviation->largest) && !(relative <= deviation->largest)) {
+            deviation->largest = relative;
+            deviation->at = time[i];
+        }
+        if (!isnan(last)) {
+            deviation->sum += relative * (time[i] - last);
+            deviation->length += time[i] - last;
+        }
+        last = time[i];
+    }
+    spline_free(between);
+    return EHD_OK;
+}
+
 /* Entries from `begin` to before `end`, in all of which the bodies are in contact. */
 typedef struct contact_period {
     size_t begin, end;
@@ -188,18 +239,20 @@ static ehd_status compare_contacts(time_deviation *deviation, const time_trace *
                                    const double *reduced, const time_series *full,
                                    const double *other, ehd_error *error) {
     enum { MIN_SPLINE = 3 }; // times of the full run between which it is interpolated
-    contact_period now = {0, 0};
+    contact_period now = {0, 0}, then = {0, 0};
+    bool more = next_period(&now, trace->central_pressure, trace->count) &&
+                next_period(&then, full->load, full->num_times);
     ehd_status status = EHD_OK;
 
     *deviation = (time_deviation){0};
-    while (!status && next_period(&now, trace->central_pressure, trace->count)) {
-        contact_period then = {0, 0};
-        while (!status && next_period(&then, full->load, full->num_times)) {
-            if (then.end - then.begin < MIN_SPLINE) continue;
-            status = time_compare(deviation, trace->time + now.begin, reduced + now.begin,
-                                  now.end - now.begin, full->time + then.begin, other + then.begin,
-                                  then.end - then.begin, error);
-        }
+    while (more && !status) {
+        if (then.end - then.begin >= MIN_SPLINE)
+            status = add_deviations(deviation, trace->time + now.begin, reduced + now.begin,
+                                    now.end - now.begin, full->time + then.begin,
+                                    other + then.begin, then.end - then.begin, error);
+        more = trace->time[now.end - 1] < full->time[then.end - 1]
+                   ? next_period(&now, trace->central_pressure, trace->count)
+                   : next_period(&then, full->load, full->num_times);
     }
     return status;
 }

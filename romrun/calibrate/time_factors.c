@@ -51,8 +51,8 @@ static double sum_of_largest(film_factors factors, const step_samples *steps, re
     return sum + largest;
 }
 
-/* Returns the factors with the floor of a film for which sum_of_largest has its minimum. The sum is
- * convex in the floor, and the search divides the interval in three. */
+/* Returns the factors with the floor of a film for which sum_of_largest is smallest. The sum is a
+ * convex function of the floor, so a ternary search finds its minimum. */
 static film_factors with_best_floor(film_factors factors, const step_samples *steps,
                                     reduced_film film, const bool *lost, double *errors) {
     const double usual = 0.95, precision = 1e-3;

@@ -48,15 +48,8 @@ PYTHON
 }
 
 @test "every look at a result that grows prints it" {
-    cat >grows.yml <<'YAML'
-contact: line
-regime: transient
-moes: {M: 18, L: 4}
-lubricant: {viscosity: {law: barus, alpha: 2.0e-8}}
-grid: {x_min: -4, x_max: 2, step: 0.05}
-transient: {end_time: 1000, fixed_step: 0.01, load: {law: sine, amplitude: 0.4, period: 5}}
-YAML
-    fullrun grows.yml -o grows.h5 --quiet &
+    moving_scene 'x_min: -4, x_max: 2, step: 0.05' 'end_time: 1000, fixed_step: 0.01'
+    fullrun moving.yml -o grows.h5 --quiet &
     local writer=$!
     until fullrun --print grows.h5.partial time >/dev/null 2>&1; do kill -0 "$writer" && sleep 0.1; done
     for look in {1..60}; do

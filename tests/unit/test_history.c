@@ -228,40 +228,40 @@ static void kinks_and_jumps_come_in_order(void **state) {
     check_events("load: {law: table, file: hat.csv, column: F}", 0, NULL, NULL);
 }
 
-static void check_shortest(const char *histories, double expected) {
+static void check_scale(double (*scale)(const ehd_histories *), const char *histories,
+                        double expected) {
     ehd_histories *self = accepts(histories);
-    check_close(histories_shortest_time(self), expected, 1e-15, 0);
+    check_close(scale(self), expected, 1e-15, 0);
     histories_free(self);
 }
 
 static void the_shortest_time_scale_is_found(void **state) {
     (void)state;
     write_file("hat.csv", "T,F\n0,2\n1,3\n1.25,2\n2.5,5\n");
-    check_shortest("load: {law: step, to: 2, at: 1}", INFINITY);
-    check_shortest("load: {law: sine, amplitude: 0, period: 1}", INFINITY);
-    check_shortest("load: {law: ramp, from: 2, to: 2, duration: 1}", INFINITY);
-    check_shortest("load: {law: sine, amplitude: 0.1, period: 0.5}", 0.5 / (2 * M_PI));
-    check_shortest("load: {law: table, file: hat.csv, column: F}", 0.25);
-    check_shortest("load: {law: sine, amplitude: 0.1, period: 1}, "
-                   "speed: {law: ramp, to: 2, duration: 0.125}",
-                   0.125);
-}
-
-static void check_smooth(const char *histories, double expected) {
-    ehd_histories *self = accepts(histories);
-    check_close(histories_smooth_time(self), expected, 1e-15, 0);
-    histories_free(self);
+    check_scale(histories_shortest_time, "load: {law: step, to: 2, at: 1}", INFINITY);
+    check_scale(histories_shortest_time, "load: {law: sine, amplitude: 0, period: 1}", INFINITY);
+    check_scale(histories_shortest_time, "load: {law: ramp, from: 2, to: 2, duration: 1}",
+                INFINITY);
+    check_scale(histories_shortest_time, "load: {law: sine, amplitude: 0.1, period: 0.5}",
+                0.5 / (2 * M_PI));
+    check_scale(histories_shortest_time, "load: {law: table, file: hat.csv, column: F}", 0.25);
+    check_scale(histories_shortest_time,
+                "load: {law: sine, amplitude: 0.1, period: 1}, "
+                "speed: {law: ramp, to: 2, duration: 0.125}",
+                0.125);
 }
 
 static void kinks_need_no_smooth_time_scale(void **state) {
     (void)state;
     write_file("hat.csv", "T,F\n0,2\n1,3\n1.25,2\n2.5,5\n");
-    check_smooth("load: {law: step, to: 2, at: 1}", INFINITY);
-    check_smooth("load: {law: table, file: hat.csv, column: F, interpolation: linear}", INFINITY);
-    check_smooth("load: {law: table, file: hat.csv, column: F}", 0.25);
-    check_smooth("load: {law: sine, amplitude: 0.1, period: 1}, "
-                 "speed: {law: ramp, to: 2, duration: 0.125}",
-                 1 / (2 * M_PI));
+    check_scale(histories_smooth_time, "load: {law: step, to: 2, at: 1}", INFINITY);
+    check_scale(histories_smooth_time,
+                "load: {law: table, file: hat.csv, column: F, interpolation: linear}", INFINITY);
+    check_scale(histories_smooth_time, "load: {law: table, file: hat.csv, column: F}", 0.25);
+    check_scale(histories_smooth_time,
+                "load: {law: sine, amplitude: 0.1, period: 1}, "
+                "speed: {law: ramp, to: 2, duration: 0.125}",
+                1 / (2 * M_PI));
 }
 
 // ---- values that are not positive

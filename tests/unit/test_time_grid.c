@@ -51,9 +51,9 @@ static ehd_contact still_contact(const char *kind, double moes_M) {
     return contact;
 }
 
-/* M of a line is in proportion to the load and to one over the root of the speed, M of a point to
- * the load. At the smallest M the estimated error is at most 3 %, and with three quarters of the
- * length it is more. */
+/* M is proportional to the load. For a line it is also proportional to one over the root of the
+ * speed. At the smallest M the estimated error is at most 3 %. With three quarters of the length it
+ * is larger. */
 static void ends_suit_the_smallest_M(void **state) {
     (void)state;
     static const struct {
@@ -85,8 +85,8 @@ static void ends_suit_the_smallest_M(void **state) {
                 grid_extent_needed(&light).x_min, 0, 1e-12);
 }
 
-/* Light loads count wherever they are: at a kink between the regular times, where each of these
- * falls on the end of a period, and at the exact end. */
+/* The grid suits light loads that last for a short time: at a kink, in each of a thousand periods,
+ * and at the end. Samples once a period would all see the mean load. */
 static void no_minimum_is_missed(void **state) {
     (void)state;
     static const char *const transients[] = {
@@ -102,7 +102,7 @@ static void no_minimum_is_missed(void **state) {
     }
 }
 
-/* Returns whether the default grid is too short for the load `load`. */
+/* Checks whether the default grid is too short at the end of a step from a load of 1 to `load`. */
 static bool is_short_at(const char *kind, double moes_M, double moes_L, double load) {
     char transient[128];
     ehd_histories *histories;
@@ -120,8 +120,8 @@ static bool is_short_at(const char *kind, double moes_M, double moes_L, double l
     return time_grid_is_short(&effect, &frame, false);
 }
 
-/* Default grids suffice for the histories that they are made for: those of lines for all loads from
- * 1 % on as long as M exceeds 0.3, those of points from M = 20 on for a fifth of the load. */
+/* A default grid is trusted under the loads of its own history. The limit of nodes allows this for
+ * lines with M above 0.3 at all times, and for points of M from 20 on with a fifth of the load. */
 static void default_grids_suffice(void **state) {
     (void)state;
     static const double all_M[] = {1, 3, 8, 20, 50, 150}, all_L[] = {0, 4, 8, 15};
@@ -167,9 +167,9 @@ static void both_ends_have_an_inlet(void **state) {
     assert_true(found.x_max == -found.x_min && found.x_min < -3);
 }
 
-/* The estimate of a frame is that of the stationary contact with the same M. A line at M = 1, L = 0
- * on an inlet of 12 half widths has a central film that is 1.6 % too thin against one of 96, with 8
- * it is 3.6 % (fullrun). */
+/* A frame has the estimate of the stationary contact with the same M. For a line at M = 1, L = 0 it
+ * is above the error of the central film and below twice it. The errors are measured against an
+ * inlet of 96 half widths: 1.6 % with 12 half widths, 3.6 % with 8. */
 static void effects_of_inlets(void **state) {
     (void)state;
     static const double error[] = {0.0162, 0.0357}, length[] = {12, 8};
