@@ -167,6 +167,24 @@ static void both_ends_have_an_inlet(void **state) {
     assert_true(found.x_max == -found.x_min && found.x_min < -3);
 }
 
+/* Errors of the central film, by fullrun against four times the length of the default grid
+ * (Roelands, compressible). The estimate is 1.1 to 5 times the error. */
+static void estimates_are_bounds(void **state) {
+    (void)state;
+    static const struct {
+        double moes_M, moes_L, length, error;
+    } cases[] = {{0.3, 0, 96, 0.0050},    {0.3, 15, 24, 0.0593},    {1, 5, 12, 0.0103},
+                 {3, 0, 3, 0.0296},       {10, 0, 2, 0.0102},       {10, 5, 2, 0.0474},
+                 {30, 0, 4. / 3, 0.0097}, {30, 15, 4. / 3, 0.1776}, {100, 15, 1.5, 0.0236}};
+
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        ehd_contact contact = still_contact("line", 1);
+        contact_set_moes(&contact, cases[i].moes_M, cases[i].moes_L);
+        const double ratio = grid_inlet_effect(&contact, cases[i].length) / cases[i].error;
+        if (!(ratio > 1.1 && ratio < 5)) fail_msg("case %zu: found %g times the error", i, ratio);
+    }
+}
+
 /* A frame has the estimate of the stationary contact with the same M. For a line at M = 1, L = 0 it
  * is above the error of the central film and below twice it. The errors are measured against an
  * inlet of 96 half widths: 1.6 % with 12 half widths, 3.6 % with 8. */
@@ -199,7 +217,8 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(ends_suit_the_smallest_M), cmocka_unit_test(no_minimum_is_missed),
         cmocka_unit_test(default_grids_suffice),    cmocka_unit_test(grids_stay_within_bounds),
-        cmocka_unit_test(both_ends_have_an_inlet),  cmocka_unit_test(effects_of_inlets),
+        cmocka_unit_test(both_ends_have_an_inlet),  cmocka_unit_test(estimates_are_bounds),
+        cmocka_unit_test(effects_of_inlets),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);
