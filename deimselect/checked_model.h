@@ -15,10 +15,12 @@ typedef struct check_task {
 
 /* Solves the check scenes (check_scenes.h) with the full model and measures the sizes of the model
  * like romrun --calibrate. Writes caller->output with the table of sizes. Warns if the whole model
- * exceeds the default accuracy or fails on a scene. EHD_UNTRUSTED: the model is written without a
- * table, because there is no scene between the training points, or none that the full model solves;
- * or the model solves none of the check scenes, or none of the trajectories.
- * With any other error nothing is written: EHD_INTERRUPTED, and the errors of model_write. */
+ * exceeds the default accuracy or fails on a scene.
+ *
+ * EHD_UNTRUSTED: the model is written. Either it has no table, because there is no scene between
+ * the training points or the full model solves none. Or it has one, but the model solves none of
+ * the scenes or none of the trajectories. With any other error nothing is written: EHD_INTERRUPTED,
+ * and the errors of model_write. */
 enum { CHECK_REPORT = 512 };
 ehd_status checked_model_write(
     // output:

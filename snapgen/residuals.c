@@ -139,8 +139,8 @@ static ehd_status trace_point(void *shared, void *worker, size_t point, size_t p
     return status;
 }
 
-/* Hands the iterations of finished points over in the order of the plan, so that
- * threads change no result. */
+/* Writes the iterations of finished points in the order of the plan, so that threads change no
+ * result. */
 static ehd_status write_finished(repeated_training *training, ehd_error *error) {
     ehd_status status = EHD_OK;
 

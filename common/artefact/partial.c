@@ -219,7 +219,7 @@ static const char *find_finished(const char *path) {
 }
 
 /* Refuses to replace the finished work of an interrupted run, or its copy, except with --force.
- * Beside a copy it removes the partial file if that is empty. */
+ * Then it removes an empty partial file, which writer_new has just made. */
 static ehd_status check_unfinished(const artefact *file, ehd_error *error) {
     const char *finished = file->force ? NULL : find_finished(file->partial);
     const char *copied = file->force || finished ? NULL : find_finished(file->saved);

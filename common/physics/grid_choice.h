@@ -9,8 +9,8 @@
 /* Returns the extent that a contact needs in the accurate discretisation, from its M and L. */
 grid_extent grid_extent_needed(const ehd_contact *contact);
 
-/* Returns an extent with the shortest inlet for which grid_inlet_effect is at most `effect`, or with
- * that of grid_extent_needed. */
+/* Returns an extent with the shortest inlet for which grid_inlet_effect is at most `effect`. The
+ * inlet is not longer than that of grid_extent_needed. */
 grid_extent grid_extent_within(const ehd_contact *contact, double effect);
 
 /* Estimates the relative error of the central film of a stationary contact with this M if its

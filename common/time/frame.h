@@ -72,8 +72,8 @@ contact_frame frame_with_load(const contact_kind *kind, const contact_frame *fra
  * solution. */
 contact_frame frame_of_load(const contact_kind *kind, const contact_frame *frame, double ratio);
 
-/* Load, relative to the reference load, below which a contact may count as lost: results are
- * trusted if no more is neglected, and the film of a lighter contact is not judged. */
+/* Largest load, relative to the reference load, that a trusted result may neglect. The inlet of a
+ * lighter contact is not checked. */
 extern const double frame_negligible_load;
 
 /* Rates of change of a contact between two frames. */

@@ -5,16 +5,16 @@
 
 #include <math.h>
 
-/* Largest number of nodes of a grid that the histories lengthen to more than twice the reference's.
- * A step of a line contact then takes 0.13 s. On larger grids of points the full model has no
- * factors of the whole system (full_is_large). */
+/* Largest number of nodes of a grid that is longer because of light loads. Twice the nodes of the
+ * reference's own grid are always allowed. With 10,000 nodes a step of a line contact takes 0.13 s.
+ * On larger grids of points the full model has no factors of the whole system (full_is_large). */
 static const double MOST_NODES = 10000;
 
-/* Estimated errors of the central film by the length of the inlet: of default grids, for the
- * smallest M, and the largest that is trusted. Film formulas are as far off as the latter. */
+/* Limits of the estimated error of the central film by the length of the inlet. Default grids keep
+ * the first one, trusted results the second one, which is the error of a film formula. */
 static const double USUAL_EFFECT = 0.03, LARGEST_EFFECT = 0.05;
 
-/* Times at which the histories are looked at: a number for all, and a number for a period. */
+/* Numbers of times at which the histories are sampled: at least, at most, and in a period. */
 enum { NUM_TIMES = 1000, MOST_TIMES = 100000, TIMES_A_PERIOD = 25 };
 
 /* Returns the stationary contact with the M and the Hertz pressure of a frame's contact. */
@@ -25,8 +25,8 @@ static ehd_contact stationary_of(const ehd_contact *contact) {
     return stationary;
 }
 
-/* Sets `contact` to the contact at a time if its M is smaller. Negligible loads count as the least
- * one that is not. */
+/* Replaces `contact` by the contact at a time if that has a smaller M. Loads below
+ * frame_negligible_load count as this load. */
 static void lower_M(ehd_contact *contact, const ehd_histories *histories,
                     const ehd_contact *reference, double time) {
     double values[NUM_VARY];

@@ -10,8 +10,8 @@
  * reference. Its inlet suits the time of the smallest M, when the film is thickest: the estimated
  * error of the central film is at most 3 % there. Three rules limit the length:
  * - Loads below frame_negligible_load count as this load.
- * - A grid has at most 10,000 nodes, or twice those of the reference. If it would have more, this M
- *   is doubled until it has not.
+ * - A grid has at most 10,000 nodes, or twice those of the reference. M is
+ *   doubled until the grid is small enough.
  * - If the entrainment reverses, both ends have an inlet. */
 grid_extent time_grid_extent(const ehd_histories *histories, const ehd_contact *reference,
                              double end_time);

@@ -72,8 +72,8 @@ static ehd_status check_grid(const ehd_contact *first, const ehd_contact *other,
                     expected->num_inner, expected->x_min, expected->step, first_name);
 }
 
-/* Reads the histories of all trajectories for the grid that each one needs. Refuses those that no
- * reduced model can be trained with, which is of one direction of entrainment. */
+/* Reads the histories of all trajectories and sets the grid that each one needs. Refuses histories
+ * that no reduced model can be trained with: a reversing entrainment, or a load of 0. */
 static ehd_status read_histories(training_set *set, const char *plan_path, ehd_error *error) {
     ehd_status status = EHD_OK;
 

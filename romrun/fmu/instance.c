@@ -50,7 +50,7 @@ struct fmu_instance {
     ehdrom_model *model;
     ehdrom_contact *contact;
     ehdrom_contact *stationary; // for the stationary outputs; NULL: not read yet
-    bool has_stationary;        // the stationary outputs belong to the present outputs
+    bool has_stationary;        // the stationary outputs are up to date
     bool slid;                  // the friction belongs to the present outputs
     void *before;               // saved state before a step
     moment now;

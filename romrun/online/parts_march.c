@@ -173,7 +173,8 @@ static bool covers(const parts_march *self, size_t part, const contact_frame *fr
     return !reduced_march_check_range(self->parts[part], frame, frame);
 }
 
-/* Returns a part while a frame lies in its range, or in that of none. */
+/* Returns `part` if the frame lies in its range or in no range, else the part in whose range it
+ * lies deepest. */
 static size_t part_for(const parts_march *self, size_t part, const contact_frame *frame) {
     if (self->num_parts == 1 || covers(self, part, frame)) return part;
     const size_t other = deepest(self, frame);
