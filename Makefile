@@ -2,6 +2,7 @@
 # ehdrom: two commands on a fresh Debian 12 or 13 are enough, `make demo` and `make check`.
 # They install what is missing, after a question on a terminal. `make help` lists targets and settings.
 
+# The one place of the version. `make version` writes it to header, Python package and citation.
 VERSION := 0.3.0
 
 # ---- Settings (make NAME=value)
@@ -275,6 +276,27 @@ $(PC_FILE): $(BUILD)/flags FORCE
 	    'Name: ehdrom' 'Version: $(VERSION)' 'Description: Reduced-order elastohydrodynamic lubrication' \
 	    'Cflags: -I$${includedir}' 'Libs: -L$${libdir} -lehdrom' 'Libs.private: $(LIBRARY_LIBS) -lsz -laec -lz -pthread' > $@
 
+# ---- A release
+
+# The three numbers are those of VERSION.
+numbers = $(subst ., ,$(VERSION))
+version: ## write the Makefile's VERSION to header, Python package and citation
+	@sed -i -e 's/^\(#define EHDROM_VERSION_MAJOR \).*/\1$(word 1,$(numbers))/' \
+	    -e 's/^\(#define EHDROM_VERSION_MINOR \).*/\1$(word 2,$(numbers))/' \
+	    -e 's/^\(#define EHDROM_VERSION_PATCH \).*/\1$(word 3,$(numbers))/' \
+	    -e 's/^\(#define EHDROM_VERSION  *\)".*/\1"$(VERSION)"/' romrun/library/ehdrom.h
+	@sed -i 's/^version = .*/version = "$(VERSION)"/' romrun/python/pyproject.toml
+	@sed -i 's/^version: .*/version: $(VERSION)/' CITATION.cff
+
+# What is committed, built and tested in a folder outside of this one.
+ARCHIVE := build/ehdrom-$(VERSION).tar.gz
+dist: version ## a source archive of HEAD, which is built and tested apart
+	@git diff --quiet HEAD || { echo 'make dist: found changes that are not committed, expected none' >&2; exit 1; }
+	@mkdir -p build && git archive --prefix=ehdrom-$(VERSION)/ -o $(ARCHIVE) HEAD
+	@folder=$$(mktemp -d) && trap 'rm -rf "$$folder"' EXIT && tar -xzf $(ARCHIVE) -C "$$folder" && \
+	    $(MAKE) -C "$$folder"/ehdrom-$(VERSION) check
+	@echo $(ARCHIVE)
+
 ALL_C := $(SOURCES) $(FAULT_SOURCES) $(sort $(wildcard scenes/*.c scenes/*/*.c scenes/*/*/*.c))
 
 FORMATTED := $(ALL_C) $(HEADERS) $(wildcard tests/pipeline/*.c scenes/examples/*/*.h)
@@ -308,7 +330,7 @@ print-%:
 	@echo '$* = $($*)'
 
 .PHONY: all deps lint-deps coverage-deps slurm-deps fuzz-deps fuzz-coverage demo demo-point check check-long check-slurm \
-        run-slurm-tests coverage fuzz bench costs figures examples trade man python install uninstall format format-check lint clean help FORCE
+        run-slurm-tests coverage fuzz bench costs figures examples trade man python install uninstall version dist format format-check lint clean help FORCE
 
 # ---- What has to be installed
 
@@ -449,12 +471,12 @@ $(BUILD)/lib/ehdrom/fmu.so: $(FMU)/fmu.so
 
 # Of all that is linked, as Debian keeps them.
 FMU_LICENCES := libgsl-dev libfftw3-dev libyaml-dev nettle-dev
-$(BUILD)/lib/ehdrom/licenses: LICENSE $(FMU)/flags
-	@rm -rf $@ && mkdir -p $@ && cp LICENSE $@/ehdrom.txt
+$(BUILD)/lib/ehdrom/licenses: LICENSE COPYING $(FMU)/flags
+	@rm -rf $@ && mkdir -p $@ && cp LICENSE $@/ehdrom.txt && cp COPYING $@/GPL-3.txt
 	@for package in $(FMU_LICENCES); do \
 	    cp /usr/share/doc/$$package/copyright $@/$$package.txt || exit; \
 	done
-	@for text in GPL-3 LGPL-3 GPL-2; do cp /usr/share/common-licenses/$$text $@/$$text.txt || exit; done
+	@for text in LGPL-3 GPL-2; do cp /usr/share/common-licenses/$$text $@/$$text.txt || exit; done
 
 link = mkdir -p $(@D) && $(CC) $(ALL_CFLAGS) $(ALL_LDFLAGS) -o $@ $(filter %.o %.a,$^)
 

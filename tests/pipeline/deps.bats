@@ -1,7 +1,7 @@
 #!/usr/bin/env bats
 # SPDX-License-Identifier: GPL-3.0-or-later
 # Tests which packages make installs on a machine that lacks two, and when it asks before. Stand-ins for sudo, apt-get,
-# id and dpkg-query ensure that nothing is installed.
+# id and dpkg-query ensure that nothing is installed. Also tests that the version stands in one place.
 
 bats_require_minimum_version 1.5.0
 
@@ -72,4 +72,18 @@ installs() {
     run -0 make_deps </dev/null
     [[ $output == *"deps: installing bats cmake"* && $output != *"[Y/n]"* ]]
     installs sudo
+}
+
+@test "the version of the Makefile is that of header, Python package and citation, and make version writes it there" {
+    files=(romrun/library/ehdrom.h romrun/python/pyproject.toml CITATION.cff)
+    (cd "$root" && cp --parents Makefile "${files[@]}" "$BATS_TEST_TMPDIR")
+    env -u MAKEFLAGS -u MAKELEVEL make DEPS=no version
+    for file in "${files[@]}"; do cmp "$file" "$root/$file"; done
+    env -u MAKEFLAGS -u MAKELEVEL make DEPS=no version VERSION=1.22.3
+    grep -qx '#define EHDROM_VERSION_MAJOR 1' "${files[0]}"
+    grep -qx '#define EHDROM_VERSION_MINOR 22' "${files[0]}"
+    grep -qx '#define EHDROM_VERSION_PATCH 3' "${files[0]}"
+    grep -qx '#define EHDROM_VERSION  *"1.22.3"' "${files[0]}"
+    grep -qx 'version = "1.22.3"' "${files[1]}"
+    grep -qx 'version: 1.22.3' "${files[2]}"
 }
