@@ -41,6 +41,27 @@ train() {
     grep -qx "boundary                zero pressure" zero.txt
 }
 
+@test "the effect of the domain is found on steps that are fine enough" {
+    cat >short.yml <<'YAML'
+contact: point
+regime: stationary
+moes: {M: 2.984, L: 0}
+lubricant: {viscosity: {law: barus, alpha: 2.0e-8}}
+grid: {x_min: -4.25, x_max: 2, step: 0.25, y_max: 3.25}
+output: {fields: false}
+YAML
+    fullrun short.yml -o short.h5
+    fullrun short.yml --set grid.x_min=-17 --set grid.x_max=8 --set grid.y_max=13 -o wide.h5
+    /usr/bin/python3 - <<'PYTHON'
+import h5py
+short, wide = h5py.File("short.h5"), h5py.File("wide.h5")
+here, endless = (file["central_film_thickness"][0] for file in (short, wide))
+change, effect = abs(endless / here - 1), short.attrs["inlet_effect"]
+assert 0.8 < effect / change < 1.5, (effect, change)
+assert effect + short.attrs["step_effect"] > change, (effect, change)
+PYTHON
+}
+
 @test "lines have none, and the published rows zero pressure" {
     fullrun scene.yml --set discretization=published -o p.h5 --quiet >/dev/null
     [ "$(fullrun --print p.h5 boundary)" = $'boundary\nzero' ]

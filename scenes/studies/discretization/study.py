@@ -276,12 +276,23 @@ output: {{fields: false}}
     def grid(self, length=1, step=None):
         """The domain times a length, of whole steps."""
         length, step = length * self.shorter, step or self.step
-        x_max = self.x_max * max(1, length / 2)
+        x_max = self.x_max * max(1, length)  # exits of a wider point lie farther behind
         x_min = x_max - math.ceil((x_max - min(length * self.x_min, -1.25)) / step - 1e-6) * step
         if self.is_line:
             return {"x_min": x_min, "x_max": x_max, "step": step}
         sides = math.ceil(max(length, 0.7) * self.y_max / (step * self.cell) - 1e-6) * step * self.cell
         return {"x_min": x_min, "x_max": x_max, "y_max": max(sides, 1.5), "step": step}
+
+    def domain_effects(self, finer):
+        """What an endless domain changes of both films. FINER: films of half the step."""
+        short, long, longer = (self.films(self.grid(by)) for by in (1, 2, 4))
+        changes = (longer + (longer - long) / 3 - short) / short
+        if self.is_line:
+            return changes
+        # The minimum film of a point jumps by nodes. So its change is that by twice the domain on half the step, times
+        # the ratio of these changes of the central film.
+        beyond = changes[0] / (long[0] / short[0] - 1)
+        return beyond * (self.films(self.grid(2, self.step / 2)) / finer - 1)
 
     def compare(self):
         """What fullrun says of both films' errors by step and inlet, and what they are; None: too coarse to tell."""
@@ -292,11 +303,7 @@ output: {{fields: false}}
             return None
         finer = [self.films({**own, "step": self.step / by}) for by in (1, 2, 4)]
         exact = finer[2] + (finer[2] - finer[1]) / 3  # at most of second order
-        # on twice the step, of a point, whose domain grows along and across
-        coarse = self.step if self.is_line else 2 * self.step
-        short, long, longer = (self.films(self.grid(by, coarse)) for by in (1, 2, 4))
-        endless = longer + (longer - long) / 3
-        return np.array([said, np.abs([*(exact / finer[0] - 1), *(endless / short - 1)])])
+        return np.array([said, np.abs([*(exact / finer[0] - 1), *self.domain_effects(finer[1])])])
 
 
 def random(folder, kind, count, seed):
