@@ -484,7 +484,7 @@ static ehd_status build_model(reduced_model *model, trial_costs *costs, const ad
 /* Reports how long the stages after the training are expected to take at least: as long as with
  * the present points. The check takes full solutions; solve_round reports it. The number of
  * rounds to come is not known, and extrapolation of the estimates does not give it
- * (scenes/studies/adaptive-training). */
+ * (docs/history.md, adaptive-training). */
 static void tell_costs(const adaptive *self, const trial_costs *costs) {
     const stage *here = &self->caller->stage;
 

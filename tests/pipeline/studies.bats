@@ -172,30 +172,6 @@ assert study.beyond_neighbours(numpy.outer(a, a), numpy.outer(b, b)) > 2"
          END { exit lines != 4 }' out/low/mode/30/exits-truth.txt
 }
 
-@test "adaptive training: a line of the curve for each training, its points between the edges of the region" {
-    copy_scenes studies/stationary-line studies/adaptive-training
-    cd studies || return
-    sed -i 's/step: [0-9.]*/step: 0.02/' stationary-line/scene.yml
-    cd adaptive-training || return
-    small=(CANDIDATES='6 5' CHECKS='3 2' ADAPTIVE=12 REGULAR='4-3 6-5')
-    run_make "${small[@]}"
-    echo "$output"
-    [ "$status" -eq 0 ]
-    [[ $(head -n 1 out/low/curve.csv) == training,points,modes,rows,failures,median,p95,worst,milliseconds,true_worst,* ]]
-    [ "$(cut -d, -f 1,2 out/low/curve.csv | grep -c '^adaptive,12$\|^regular,12$\|^regular,30$\|^published,120$')" -eq 4 ]
-    awk -F, 'NF != 15 || /,,|nan/ { bad = 1 } END { exit bad || NR != 6 }' out/low/curve.csv
-    # the model of 120 points is as far from the converged solution as the full model
-    awk -F, '$1 == "published" && !($13 > 0 && $10 > 0.99 * $13 && $10 < 1.01 * $13) { exit 1 }' out/low/curve.csv
-    grep -q 'moes.M: \[5, 10.7721735, 23.2079442, 50\]' out/low/regular-4-3.yml
-    # the checks lie in the middle of cells: 5 to 50 and 1 to 20 in three and two parts
-    grep -q 'moes.M: \[7.33899634, 15.8113883, 34.0646035\]' out/low/check.yml
-    grep -q 'moes.L: \[5.75, 15.25\]' out/low/check.yml
-    [ "$(head -c 4 out/low/curve.png | tail -c 3)" = PNG ]
-    grep -q '</svg>' out/low/curve.svg
-    run_make -n "${small[@]}"
-    [[ $status == 0 && ! $output =~ bin/$programs && ! $output =~ study.py ]]
-}
-
 # film_csv FILE STATUS H...: writes the line of M = 20, L = 10 with these central films in Moes units on three grids,
 # and the fit of fullrun. The last grid has that status.
 film_csv() {
