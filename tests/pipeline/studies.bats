@@ -123,27 +123,6 @@ assert study.beyond_neighbours(numpy.outer(a, a), numpy.outer(b, b)) > 2"
     [[ $status == 0 && $output == *"study.py draw"*"romrun --calibrate"* ]]
 }
 
-@test "conditioning: all solvers on each case and size agree where the systems allow it" {
-    copy_scenes studies/stationary-line studies/conditioning
-    cd studies || return
-    sed -i -n '1,2p' stationary-line/cases.csv
-    sed -i 's/step: [0-9.]*/step: 0.02/' stationary-line/scene.yml
-    cd conditioning || return
-    small='REGIONS=low low.MODES=40 low.ROWS=70 DEPENDENT=1e-2 DEPENDENT_MODES=40'
-    run_make $small low.SIZES="20 40"
-    [ "$status" -eq 0 ]
-    [ "$(head -c 4 out/conditioning.png | tail -c 3)" = PNG ]
-    # counts cases and sizes: all rows in three variants, fewer rows in two, dependent modes at one size
-    [ "$(wc -l <out/conditioning.csv)" -eq $((1 + 8 * (2 * 7 + 1))) ]
-    awk -F, 'NR == 1 { for (i = 1; i <= NF; i++) at[$i] = i; next }
-             $at["equations"] < $at["unknowns"] { if ($at["status"] != "failed") bad = 1; next }
-             $at["status"] != "converged" { next }
-             $at["solver"] == "used" { seen++; if ($at["from_extended"]^2 > 1e-16 || $at["step_error"] > 1e-2) bad = 1 }
-             $at["solver"] == "qr" && $at["step_error"] > 1e-4 { bad = 1 }
-             $at["scaled_condition"] < 1 { bad = 1 }
-             END { exit bad || seen < 12 }' out/conditioning.csv
-}
-
 @test "the study of rows and weights: every variant is in the table, and all rows are measured too" {
     copy_scene studies/row-study
     sed -i 's/step: [0-9.]*/step: 0.02/' ../stationary-line/scene.yml
