@@ -123,34 +123,6 @@ assert study.beyond_neighbours(numpy.outer(a, a), numpy.outer(b, b)) > 2"
     [[ $status == 0 && $output == *"study.py draw"*"romrun --calibrate"* ]]
 }
 
-@test "the study of rows and weights: every variant is in the table, and all rows are measured too" {
-    copy_scene studies/row-study
-    sed -i 's/step: [0-9.]*/step: 0.02/' ../stationary-line/scene.yml
-    run_make REGIONS=low MODES=30 WEIGHTS='mode row-norm' METHODS='joint exits' FACTORS=quadrature
-    [ "$status" -eq 0 ]
-    # each of four variants has three numbers of rows, and all columns have values
-    awk -F, 'NF != 17 || /,,/ { bad = 1 } END { exit bad || NR != 13 }' out/study.csv
-    [[ $output == *"over 3 sizes"* ]]
-    [[ $output =~ mode\ +joint\ +quadrature\ +1.000\ +1.000\ +1.000 ]]
-    # the band preconditioner with all 301 rows is more accurate than D
-    [[ $output == *"all 301 rows, 30 modes"* ]]
-    awk '/^D of the basis/ { plain = $5 } /^band, kernel 10 nodes/ { band = $5 }
-        END { exit !(band > 0 && band < plain) }' out/low/30-level-i.txt
-    [ "$(head -c 4 out/study.png | tail -c 3)" = PNG ]
-    grep -q '</svg>' out/study.svg
-    run_make -n REGIONS=low MODES=30 WEIGHTS='mode row-norm' METHODS='joint exits' FACTORS=quadrature
-    [[ $status == 0 && ! $output =~ bin/$programs && ! $output =~ study.py ]]
-    # the table has the requested variants only
-    run_make out/study.csv REGIONS=low MODES=30 WEIGHTS=mode METHODS=joint FACTORS=quadrature
-    [[ $status == 0 && $(wc -l <out/study.csv) -eq 4 ]]
-    # the deviation from the full model agrees with the distances of both models from the converged solution
-    run_make truth REGIONS=low MODES=30 METHODS_TRUTH=exits
-    [ "$status" -eq 0 ]
-    awk '$4 == "full" { if ($7 != 0 || !($9 > 0)) exit 1; full = $9; lines++ }
-         $1 == "low" && $4 != "full" { if (!($6 > 0) && ($9 > 1.02 * (full + $7) || $7 > 1.02 * (full + $9))) exit 1; lines++ }
-         END { exit lines != 4 }' out/low/mode/30/exits-truth.txt
-}
-
 # film_csv FILE STATUS H...: writes the line of M = 20, L = 10 with these central films in Moes units on three grids,
 # and the fit of fullrun. The last grid has that status.
 film_csv() {
