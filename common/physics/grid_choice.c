@@ -21,7 +21,7 @@ typedef struct grid_rule {
 } grid_rule;
 
 /* Measured at 192 line contacts, M 1 to 2000, L 0 to 25, Barus incompressible and Roelands
- * compressible, against long inlets and the limit of small steps (scenes/studies/default-grid). H_c
+ * compressible, against long inlets and the limit of small steps (docs/history.md, default-grid). H_c
  * is within 0.9 % and H_m within 1.2 %, where 1 and 3 % are wanted. With four times the step H_m is
  * not within 3 % (M = 240, L = 0). With the next shorter inlet H_c is off by 1.6 % (M = 1). */
 static const grid_rule line_rule = {

@@ -138,7 +138,7 @@ static double error_on(const ehd_contact *contact, double central, double smalle
                 fabs(films.minimum_film_thickness / smallest - 1) / 0.03);
 }
 
-/* Films of infinitely long inlets and fine steps (scenes/studies/default-grid). `step` and `length`
+/* Films of infinitely long inlets and fine steps (docs/history.md, default-grid). `step` and `length`
  * are factors on the default grid that make it insufficient. */
 typedef struct enough {
     double moes_M, moes_L, central, smallest, step, length;
