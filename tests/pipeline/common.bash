@@ -261,7 +261,7 @@ copy_scenes() {
     mkdir -p "$BATS_TEST_TMPDIR/scenes"
     cd "$BATS_TEST_TMPDIR/scenes" || return
     cp -r "$root"/scenes/lib .
-    for folder in "$@" studies/trade studies/stationary-line; do
+    for folder in "$@" studies/stationary-line; do
         mkdir -p "$folder"
         find "$root/scenes/$folder" -maxdepth 1 -type f -exec cp {} "$folder" \;
         [ ! -e "$folder/Makefile" ] || sed -i 's/^ACCURATE *=.*/ACCURATE = --set discretization=accurate/' "$folder/Makefile"

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # Deviation against time of all that a user could do: sizes of the reduced model, the full model on coarser grids and
-# with looser tolerances, published film formulas. Included by studies that have a check-plan.yml, behind a file of lib.
+# with looser tolerances, published film formulas. Included by studies that have a check-plan.yml, behind another file of lib.
 
 # Regime of the scenes of check-plan.yml that are compared: stationary | transient.
 TRADE_REGIME ?= stationary
@@ -22,7 +22,6 @@ TRADE_STEPS ?= 5e-4 1.5e-3 5e-3 1.5e-2 fixed0.005 fixed0.02 still300
 # Of the picture, in pixels.
 TRADE_WIDTH ?= 1500
 
-TRADE_SCRIPT  := $(dir $(lastword $(MAKEFILE_LIST)))trade.py
 TRADE_OPTIONS := $(TRADE_REGIME) '$(TRADE_STRETCHES)' '$(TRADE_TOLERANCES)' '$(TRADE_STEPS)' '$(TRADE_TRUTH)' $(TRADE_REPEAT)
 
 # Where the scene asks for published rows, all of this is with accurate ones: the same in a folder of its own.
@@ -47,8 +46,8 @@ $(OUT)/calibrated.h5: $(OUT)/$(MODEL).h5 check-plan.yml scene.yml $(BIN)/romrun 
 	$(call quiet,romrun    ,$@)$(BIN)/romrun --calibrate check-plan.yml --model $< -o $@ --force $(SET)
 
 # Also polish.csv, polish.txt of stationary scenes. What was measured already is taken from $(OUT)/trade.
-$(OUT)/trade.csv: $(OUT)/calibrated.h5 $(TRADE_SCRIPT) $(BIN)/fullrun $(call options,trade,$(TRADE_OPTIONS))
-	$(call quiet,measure   ,$@)$(python) $(TRADE_SCRIPT) measure $(OUT) $(TRADE_OPTIONS)
+$(OUT)/trade.csv: $(OUT)/calibrated.h5 $(SHARED)trade.py $(BIN)/fullrun $(call options,trade,$(TRADE_OPTIONS))
+	$(call quiet,measure   ,$@)$(python) $(SHARED)trade.py measure $(OUT) $(TRADE_OPTIONS)
 
 $(OUT)/trade.png: $(OUT)/trade.csv $(call options,trade-picture,$(TRADE_WIDTH))
-	$(call quiet,picture   ,$@)$(python) $(TRADE_SCRIPT) draw $(OUT) $(TRADE_REGIME) $(TRADE_WIDTH)
+	$(call quiet,picture   ,$@)$(python) $(SHARED)trade.py draw $(OUT) $(TRADE_REGIME) $(TRADE_WIDTH)
