@@ -231,7 +231,7 @@ examples: $(PROGRAMS) ## run all examples
 	done
 
 trade: $(PROGRAMS) ## deviation against time of models, full solutions and film formulas, minutes
-	@for scene in $(patsubst %/check-plan.yml,%,$(wildcard scenes/studies/*/check-plan.yml)); do \
+	@for scene in $(patsubst %/Makefile,%,$(shell grep -l check-plan.yml scenes/studies/*/Makefile)); do \
 	    $(MAKE) -C $$scene trade BIN=../../../$(BIN) || exit; \
 	done
 

@@ -86,6 +86,15 @@ accurate      = $(if $(wildcard $1/Makefile),$(shell sed -n 's/^ACCURATE *= *//p
 accurate_out  = $1/out$(if $(call accurate,$1),-accurate)
 accurate_make = $(MAKE) -C $1 OUT=$(notdir $(call accurate_out,$1)) SET='$(call accurate,$1)' BIN="$$(realpath $(BIN))"
 
+# $(call differs,FILE,TEXT): not empty if the file has another text.
+differs = $(subst |$(file <$1)|,,|$2|)
+
+# Plans that stand in a Makefile, before it includes this: each of PLANS is a file of OUT and the name of the variable that
+# has its text (define NAME.yml ... endef). `scene: scene.yml` there is the scene of the Makefile's folder.
+PLANS ?=
+$(if $(PLANS),$(call link,scene.yml,scene.yml))
+$(foreach plan,$(PLANS),$(if $(call differs,$(OUT)/$(plan),$(value $(plan))),$(file >$(OUT)/$(plan),$(value $(plan)))))
+
 # Scripts, with what they share.
 PYTHON ?= /usr/bin/python3
 python  = PYTHONPATH=$(SHARED) $(PYTHON) -B
@@ -111,7 +120,6 @@ tell_pictures = $(call tell,picture,$1,$(,) .svg)
 # $(call options,NAME,TEXT): a file that changes with its text only, so that what other options made is
 # made again.
 options = $(OUT)/$1.options$(if $(call differs,$(OUT)/$1.options,$(strip $1 $2)),$(file >$(OUT)/$1.options,$(strip $1 $2)))
-differs = $(subst |$(file <$1)|,,|$2|)
 
 clean: ## remove what was made
 	rm -rf $(OUT) $(if $(ACCURATE),out-accurate)

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # Deviation against time of all that a user could do: sizes of the reduced model, the full model on coarser grids and
-# with looser tolerances, published film formulas. Included by studies that have a check-plan.yml, behind another file of lib.
+# with looser tolerances, published film formulas. Included behind another file of lib. The scenes are those of
+# the plan check-plan.yml of the Makefile (PLANS in common.mk): none may be a training point.
 
 # Regime of the scenes of check-plan.yml that are compared: stationary | transient.
 TRADE_REGIME ?= stationary
@@ -42,8 +43,8 @@ endif
 
 .PHONY: trade
 
-$(OUT)/calibrated.h5: $(OUT)/$(MODEL).h5 check-plan.yml scene.yml $(BIN)/romrun $(call options,calibrated,$(SET))
-	$(call quiet,romrun    ,$@)$(BIN)/romrun --calibrate check-plan.yml --model $< -o $@ --force $(SET)
+$(OUT)/calibrated.h5: $(OUT)/$(MODEL).h5 $(OUT)/check-plan.yml scene.yml $(BIN)/romrun $(call options,calibrated,$(SET))
+	$(call quiet,romrun    ,$@)$(BIN)/romrun --calibrate $(OUT)/check-plan.yml --model $< -o $@ --force $(SET)
 
 # Also polish.csv, polish.txt of stationary scenes. What was measured already is taken from $(OUT)/trade.
 $(OUT)/trade.csv: $(OUT)/calibrated.h5 $(SHARED)trade.py $(BIN)/fullrun $(call options,trade,$(TRADE_OPTIONS))

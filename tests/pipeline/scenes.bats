@@ -17,7 +17,7 @@ small_high() {
     copy_scene studies/stationary-line-high
     awk -F, 'NR == 1 || ($1 >= 77 && $1 <= 118 && $2 >= 7 && $2 <= 15)' points.csv >few.csv
     mv few.csv points.csv
-    sed -i 's/moes.M: .*/moes.M: [85, 95, 108], moes.L: [8, 10, 12]}/' lubricants.yml
+    sed -i '/^define lubricants/,/^endef/s/moes.M: .*/moes.M: [85, 95, 108], moes.L: [8, 10, 12]}/' Makefile
     sed -i -n '1,2p' cases.csv
     sed -i -e 's/^PROFILES .*/PROFILES = no1-M100-L10-p1.69/' Makefile
 }
