@@ -725,9 +725,9 @@ static bool mark_runs(full_solver *self, const full_state *state) {
 /* Extends the intervals of pressure of a line from the marked nodes, in both directions, until
  * the multipliers add up to zero. There the film without pressure carries on the flow through
  * the end. If intervals grew by one node an iteration, the march of
- * scenes/examples/reciprocating would take 4313 iterations instead of 2850. A second zone of
- * pressure grows by hundreds of nodes and would exceed the limit of iterations. On point
- * contacts it would take 4 % more iterations. */
+ * scenes/examples/line-in-time to and fro would take 4313 iterations instead of 2850. A second
+ * zone of pressure grows by hundreds of nodes and would exceed the limit of iterations. On
+ * point contacts it would take 4 % more iterations. */
 static void grow_intervals(full_solver *self, const full_state *state) {
     const size_t num_rows = self->grid.num_inner;
     double sum[2] = {0, 0}; // multipliers from the marked nodes on, forwards and backwards

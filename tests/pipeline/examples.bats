@@ -296,12 +296,12 @@ YAML
 }
 
 @test "a contact that goes to and fro: an example at a small size" {
-    copy_scene examples/reciprocating
-    run_make
+    copy_scene examples/line-in-time
+    run_make to-and-fro
     echo "$output"
     [ "$status" -eq 0 ]
     [[ $output == *"601 nodes from -6 to 6"*"T = 0 to 24"* ]]
-    [ "$(head -c 4 out/picture.png | tail -c 3)" = PNG ]
+    [ "$(head -c 4 out/to-and-fro.png | tail -c 3)" = PNG ]
 }
 
 @test "a point contact in SI units: an example at a small size" {

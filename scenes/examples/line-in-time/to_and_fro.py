@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Draws speed, exit and film over time, and the film across the contact on one stroke:
-picture.py PICTURE.png RESULT.h5"""
+to_and_fro.py PICTURE.png RESULT.h5"""
 import re
 import sys
 
