@@ -152,6 +152,32 @@ def scene_in_time(picture, files):
     save(figure, picture)
 
 
+# ---- Tables of programs
+
+
+def runs(picture, files, over, panels, title):
+    """Columns of one table, or of those of the full and of the reduced model (files), over a first one. That, and each of the
+    panels, is a column, a factor and a label, and of a panel the range if it is given."""
+    tables = [np.genfromtxt(file, delimiter=",", names=True) for file in files]
+    name, factor, label = over
+    x = [float(factor) * table[name] for table in tables]
+    figure, rows = page(1000, 300 * len(panels), len(panels), sharex=True)
+    for axes, (name, factor, panel_label, *limits) in zip(rows, panels):
+        curves = [(of_x, float(factor) * table[name]) for of_x, table in zip(x, tables)]
+        if len(curves) > 1:
+            pair(axes, *curves, every=10)
+        else:
+            axes.plot(*curves[0])
+        axes.set(ylabel=panel_label, xlim=(0, x[0][-1]))
+        if limits:
+            axes.set_ylim(*map(float, limits))
+    rows[0].set_title(title)
+    if len(files) > 1:
+        rows[0].legend(loc="upper right")
+    rows[-1].set_xlabel(label)
+    save(figure, picture)
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
     kinds = parser.add_subparsers(required=True)
@@ -179,6 +205,14 @@ def main():
     kind.add_argument("picture")
     kind.add_argument("files", nargs=2, help="results of full and reduced model")
     kind.set_defaults(draw=scene_in_time)
+
+    kind = kinds.add_parser("runs", help="columns of tables that programs have written")
+    kind.add_argument("picture")
+    kind.add_argument("files", nargs="+", help="CSV: one, or those of full and reduced model")
+    kind.add_argument("--over", nargs=3, metavar=("COLUMN", "FACTOR", "LABEL"), required=True)
+    kind.add_argument("--panel", nargs="+", metavar="COLUMN FACTOR LABEL LOW HIGH", action="append", dest="panels", required=True)
+    kind.add_argument("--title")
+    kind.set_defaults(draw=runs)
 
     options = vars(parser.parse_args())
     options.pop("draw")(**options)
