@@ -80,7 +80,7 @@ film() { /usr/bin/python3 -c 'import json, sys; print(json.load(open(sys.argv[1]
 @test "a point contact: its own formulas, grids that are no whole multiples" {
     copy_scene studies/point-stationary
     sed -i -e 's/step: 0.02/step: 0.125/' scene.yml
-    sed -i -e 's/moes.M: .*/moes.M: [15, 17, 19.5, 22.5]/' -e 's/moes.L: .*/moes.L: [4.7, 5.5, 6.3]/' plan.yml
+    sed -i -e '/^define plan.yml/,/^endef/ { s/moes.M: .*/moes.M: [15, 17, 19.5, 22.5]/; s/moes.L: .*/moes.L: [4.7, 5.5, 6.3]/ }' Makefile
     sed -i -e '/^define check-plan/,/^endef/ { s/moes.M: .*/moes.M: [16, 21]/; s/moes.L: .*/moes.L: [5, 6]/ }' Makefile
     out=out
     run_make trade model.PRESSURE_MODES=9 model.ROWS=60 TRADE_TRUTH="2 0.8 0.5" TRADE_STRETCHES="1.333333333333 2" TRADE_TOLERANCES=1e-2 TRADE_REPEAT=1
@@ -107,7 +107,7 @@ inlet" ]
 @test "a transient scene: sizes, steps, grids and formulas at each time" {
     copy_scene studies/transient-load
     sed -i 's/end_time: .*/end_time: 1.5/' scene.yml # up to T = 1 the central film does not vary
-    sed -i 's/period: \[.*/period: [0.5, 1]/' plan.yml
+    sed -i '/^define plan.yml/,/^endef/ s/period: \[.*/period: [0.5, 1]/' Makefile
     sed -i '/^define check-plan/,/^endef/ s/period: \[.*/period: [0.75]/' Makefile
     small="MODELS=model model.PRESSURE_MODES=70 model.ROWS=120 TRADE_STRETCHES=2 TRADE_REPEAT=1"
     run_make trade $small TRADE_TRUTH='0.5 0.0025' TRADE_STEPS='5e-4 1.5e-3 1.5e-2 fixed0.01 still40'
