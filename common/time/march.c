@@ -23,7 +23,7 @@ static const double PASSAGE = 30;
 /* Largest error that a film may have taken up at any one time, in tolerances; the tolerance itself
  * is a root mean square over time. Errors that travel with a front do not cancel along the way. If
  * the error exceeds this bound, steps become more accurate by the same factor. A load that swings
- * by 40 % (scenes/studies/time-steps) is then 1.8 tolerances of 5e-3 off, in place of 6.0. */
+ * by 40 % (scenes/studies/transient-load) is then 1.8 tolerances of 5e-3 off, in place of 6.0. */
 static const double MOST_TAKEN_UP = 8;
 
 static const double FIRST_OF_FIXED = 1. / 8; // first step; a longer one launches a front
@@ -405,7 +405,8 @@ static double step_after(const march *self, const march_step *outcome) {
 /* Returns the first step after a jump. This step is of first order, and along the path the film
  * keeps its error. The time scale of the histories does not limit the step, because a jump has no
  * time scale. With the shortest step along the path, the central film after a jump of the load by
- * 30 % (scenes/studies/time-steps) is 0.16 % off (rms). With a step of 0.007 it was 0.40 % off. */
+ * 30 % (scenes/studies/transient-load) is 0.16 % off (rms). With a step of 0.007 it was 0.40 %
+ * off. */
 static double first_step_after_jump(const march *self, const march_step *outcome) {
     const double first = self->settings.first_step;
 
