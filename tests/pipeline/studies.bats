@@ -122,37 +122,3 @@ assert study.beyond_neighbours(numpy.outer(a, a), numpy.outer(b, b)) > 2"
     run_make -n $small MODEL=older.h5
     [[ $status == 0 && $output == *"study.py draw"*"romrun --calibrate"* ]]
 }
-
-# film_csv FILE STATUS H...: writes the line of M = 20, L = 10 with these central films in Moes units on three grids,
-# and the fit of fullrun. The last grid has that status.
-film_csv() {
-    BIN=$BIN PYTHONPATH=../../lib /usr/bin/python3 -B - "$@" <<'PYTHON'
-import sys, results, study
-file, status, *films = sys.argv[1:]
-states = [(0, float(film) / 30 ** (2 / 3), 1, 1e9, 0) for film in films]
-states[2] = (int(status), *states[2][1:])
-results.write_csv(file, study.HEADER, [study.film_line(20, 10, study.fit(20, 10, "."), states)])
-PYTHON
-}
-
-@test "the point film table: extrapolation and fit" {
-    copy_scene studies/point-film
-    table() { PYTHONPATH=../../lib /usr/bin/python3 -B study.py table "$1"; }
-    # with steps of 4, 2 and 1 the films are 4 + 0.1 h^2, so the extrapolated film is 4
-    film_csv exact.csv 0 5.6 4.4 4.1
-    tail -n 1 exact.csv | awk -F, '{ exit !($6 > 1.9999 && $6 < 2.0001 && $7 > 3.9999 && $7 < 4.0001) }'
-    # the fit computed by hand: asymptotes 0.10336, 1.62230, 4.21853, 5.46483, s = 2.55046
-    tail -n 1 exact.csv | awk -F, '{ exit !($8 > 4.26480 && $8 < 4.26482) }'
-    # large differences are counted; without a solution there is no table
-    film_csv off.csv 0 3.6 3.4 3.3
-    run -0 table off.csv
-    [[ $output == *"1 points, 0 without a solution; largest difference 25.0 %, 1 beyond 10 %"* ]]
-    film_csv lost.csv 1 4.4 4.3 4.25
-    run -1 table lost.csv
-
-    run_make CELLS='48 96 192' M=10 L='2.5, 5'
-    [ "$status" -eq 0 ]
-    [[ $output == *"2 points, 0 without a solution; largest difference "*", 0 beyond 10 %"* ]]
-    run_make -n CELLS='48 96 192' M=10 L='2.5, 5'
-    [[ ! $output =~ bin/$programs ]]
-}

@@ -255,6 +255,13 @@ static void nijenbanning_goes_to_its_asymptotes(void **unused) {
     }
 }
 
+/* By hand: asymptotes 0.10336, 1.62230, 4.21853 and 5.46483, s = 2.55046. */
+static void nijenbanning_between_its_asymptotes(void **unused) {
+    (void)unused;
+
+    check_close(film_nijenbanning_ellipse(20, 10, 1), 4.26481, 2e-6, 0);
+}
+
 /* Compares H = (h/R_x) R_x^2/a^2 with the published formulas. */
 static void films_of_an_ellipse(void **unused) {
     const film_numbers n = ellipse(3, 200, 10);
@@ -417,6 +424,7 @@ int main(void) {
         cmocka_unit_test(isoviscous_contact),
         cmocka_unit_test(a_circle_is_an_ellipse),
         cmocka_unit_test(nijenbanning_goes_to_its_asymptotes),
+        cmocka_unit_test(nijenbanning_between_its_asymptotes),
         cmocka_unit_test(films_of_an_ellipse),
         cmocka_unit_test(slender_ellipses_are_lines),
         cmocka_unit_test(an_elliptical_contact),
