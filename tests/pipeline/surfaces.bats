@@ -1,13 +1,13 @@
 #!/usr/bin/env bats
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Tests of the studies of rough surfaces, dimple and waviness, on coarse grids, against physics and published curves.
-# long_studies.bats runs them on their own grids.
+# Tests of the study of rough surfaces, a dimple and a waviness, on coarse grids, against physics and published curves.
+# long_studies.bats runs them on the grids of the study.
 
 load common
 
 @test "a dimple passes as it is in pure rolling; in sliding it is flattened and a patch of its film runs ahead" {
-    copy_whole_study dimple
-    make SET='--set grid.step=0.0703125' | tee table # 65 by 65 nodes
+    copy_whole_study surfaces
+    make dimple SET='--set grid.step=0.0703125' | tee table # 65 by 65 nodes
     /usr/bin/python3 - <<'PYTHON'
 import h5py, numpy
 
@@ -55,14 +55,14 @@ PYTHON
 }
 
 @test "short waves pass a contact that rolls and long ones are flattened, near the published curves" {
-    copy_whole_study waviness
+    copy_whole_study surfaces
     mkdir -p out
     PYTHONPATH=../../lib /usr/bin/python3 -B - >table <<'PYTHON'
 import study
 # lines of 301 and circles of 65 by 65 nodes
 for contact, M, L, wavelengths, step in ("line", 100, 11, (2, 1, 0.5, 0.25), 0.02), ("point", 100, 10, (2, 1), 0.0703125):
-    study.CASES = {contact: [(M, L, wavelengths)]}
-    study.measure("out", 0.1, "--set", f"grid.step={step}", "--set", f"transient.fixed_step={step}")
+    study.WAVES = {contact: [(M, L, wavelengths)]}
+    study.waviness("out", 0.1, "--set", f"grid.step={step}", "--set", f"transient.fixed_step={step}")
 PYTHON
     cat table
     # remaining amplitudes: of lines near the values that Venner et al. (1997) computed, of circles near the fit of
