@@ -1,10 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # Programs of a scene's own in C and Python. Included behind common.mk (in studies) or training.mk. A Makefile may set before:
 #   LIBRARY_PROGRAMS  names: each NAME.c becomes $(OUT)/NAME on the library as others see it
-#   VARIED            one of these: NAME.py on the Python package (make python) and NAME_fmu.py on FMUs do the same, by one
-#                     integrator in Python
+#   VARIED            one of these: NAME.py does the same on the Python package (make python), and on FMUs
 #   VARIED_RUN        the table that VARIED writes, with a rule for it
-#   INTEGRATOR        the module of both
 #   FMU_SET           settings of the scene whose contact becomes an FMU, with the approach given
 # Every other NAME.c may become $(OUT)/NAME on the sources, with the library that was built with the programs.
 
@@ -31,13 +29,13 @@ variants: $(OUT)/variants.txt ## the same on the library in Python (make python)
 .PHONY: variants
 
 # The package and its library where `make python` puts them, else where Python finds it.
-$(OUT)/python.csv: $(VARIED).py $(INTEGRATOR).py scene.yml $(OUT)/$(MODEL).h5
-	$(call quiet,python    ,$@)PYTHONPATH="$$(realpath -m $(BESIDE)/python):$$PYTHONPATH" $(PYTHON) -B $(filter-out $(INTEGRATOR).py,$^) $@ $(ends_well)
+$(OUT)/python.csv: $(VARIED).py scene.yml $(OUT)/$(MODEL).h5
+	$(call quiet,python    ,$@)PYTHONPATH="$$(realpath -m $(BESIDE)/python):$$PYTHONPATH" $(PYTHON) -B $^ $@ $(ends_well)
 
 $(OUT)/contact.fmu: scene.yml $(OUT)/$(MODEL).h5 $(BIN)/romrun
 	$(call quiet,romrun    ,$@)$(BIN)/romrun --fmu $< --model $(OUT)/$(MODEL).h5 --set closure=approach $(FMU_SET) $(SET) -o $@ --force --quiet
 
-$(OUT)/fmu.csv: $(VARIED)_fmu.py $(OUT)/contact.fmu scene.yml $(INTEGRATOR).py $(SHARED)fmu.py
+$(OUT)/fmu.csv: $(VARIED).py scene.yml $(OUT)/contact.fmu $(SHARED)fmu.py
 	$(call quiet,python    ,$@)$(python) $(wordlist 1,3,$^) $@ $(ends_well)
 
 # Exit code 4: not to be trusted, as the program that they are compared with.

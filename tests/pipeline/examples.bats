@@ -131,7 +131,7 @@ small_oscillator() {
     sed -i 's/step: 0.02/step: 0.04/' scene.yml
     sed -i -e '/^model.ROWS/d' -e 's/^ENERGY.*/model.PRESSURE_MODES = 40\nmodel.ROWS = 70/' Makefile
     sed -i 's/BEHIND = .*; /BEHIND = 3e-3; /' roller.c
-    sed -i 's/^BEHIND = .*/BEHIND = 3e-3/' sliced_slide.py
+    sed -i 's/^BEHIND = .*/BEHIND = 3e-3/' roller.py
     local short=(SET='--set transient.end_time=1')
     run_make "${short[@]}"
     echo "$output"
