@@ -47,7 +47,7 @@ setup() { unset MAKEFLAGS MAKELEVEL MFLAGS V; }
     cp "$BATS_TEST_DIRNAME/../../scenes/studies/transient-load/scene.yml" ../transient-load
     small=(LINE_STEPS='0.02 0.01 0.005' POINT_STEPS='0.1875 0.125 0.0625' TIME_STEPS='0.04 0.02 0.01' END=0.3
         ALL_M='10 50' ALL_L=5 INLET_M=5 INLET_L=5 POINT_M=20 POINT_L=5)
-    run_make figures "${small[@]}"
+    run_make stationary in-time estimates "${small[@]}"
     echo "$output"
     [ "$status" -eq 0 ]
     # compares the rows of each pair on the same grid
@@ -56,7 +56,7 @@ setup() { unset MAKEFLAGS MAKELEVEL MFLAGS V; }
         END { for (key in seen) { n++; if (!(off[key, "accurate"] < off[key, "published"] / 3)) exit 1 } exit n != 9 }' out/stationary.txt
     awk '$1 == "published" && $2 == 0.02 { published = $5 } $1 == "accurate" && $2 == 0.02 { accurate = $5 }
         END { exit !(accurate > 0 && accurate < published / 3) }' out/in-time.txt
-    run_make -n figures "${small[@]}"
+    run_make -n stationary in-time estimates "${small[@]}"
     [[ $status == 0 && ! $output =~ study.py ]]
 }
 
