@@ -50,7 +50,7 @@ $(foreach name,$(filter-out $(texts),$(.VARIABLES)),$(if $(filter command,$(firs
 unsafe := $(call unsafe_name,$(OUT))$(foreach name,$(MODELS),$(call unsafe_name,$(name)))
 $(if $(strip $(unsafe)),$(error OUT, MODELS: found '$(OUT)', '$(MODELS)', expected names without blanks and any of $(not_in_names)))
 
-# $(call link,NAME,FOLDER): makes the link OUT/NAME to a folder, or removes it if there is no such folder.
+# $(call link,NAME,PLACE): makes the link OUT/NAME to a folder or file, or removes it if there is none.
 link = $(shell mkdir -p $(OUT); there=$$(realpath -e -- $(call quoted,$2) 2>/dev/null) || rm -f $(OUT)/$1; \
     [ -z "$$there" ] || [ $(OUT)/$1 -ef "$$there" ] || ln -sfn -- "$$there" $(OUT)/$1)
 
