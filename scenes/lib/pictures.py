@@ -210,7 +210,8 @@ def main():
     kind.add_argument("picture")
     kind.add_argument("files", nargs="+", help="CSV: one, or those of full and reduced model")
     kind.add_argument("--over", nargs=3, metavar=("COLUMN", "FACTOR", "LABEL"), required=True)
-    kind.add_argument("--panel", nargs="+", metavar="COLUMN FACTOR LABEL LOW HIGH", action="append", dest="panels", required=True)
+    kind.add_argument("--panel", nargs="+", action="append", dest="panels", required=True,
+                      help="COLUMN FACTOR LABEL, and the range LOW HIGH if it is given")
     kind.add_argument("--title")
     kind.set_defaults(draw=runs)
 
