@@ -70,8 +70,8 @@ def growth(folder, step, modes, rows):
         "snapshots", "basis", "residuals", "model", "result"))
     grid = ["--force", "--set", f"grid.step={step}"]
     results.run("podbuild", snapshots, "-o", basis, "--pressure-modes", modes, "--weight", "row-norm", "--plan",
-                f"{out}/growth-plan.yml", *grid, outcomes=[0])
-    results.run("snapgen", f"{out}/growth-plan.yml", "--basis", basis, "-o", residuals, "--quiet", *grid, outcomes=[0])
+                f"{folder}/growth-plan.yml", *grid, outcomes=[0])
+    results.run("snapgen", f"{folder}/growth-plan.yml", "--basis", basis, "-o", residuals, "--quiet", *grid, outcomes=[0])
     results.run("deimselect", residuals, "--no-check", "--basis", basis, "-o", model, "--force", "--method", "exits", "--rows", rows,
                 outcomes=[0])
     solved = []
