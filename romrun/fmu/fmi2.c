@@ -263,83 +263,12 @@ fmi2Status fmi2GetBooleanStatus(fmi2Component c, fmi2StatusKind kind, fmi2Boolea
 }
 
 // ---- not offered
-// strings, derivatives in time, steps that continue after the call returns, model exchange
 
 #pragma GCC diagnostic ignored "-Wunused-parameter"
 
-fmi2Status fmi2GetString(fmi2Component c, const fmi2ValueReference refs[], size_t num,
-                         fmi2String values[]) {
-    return refuse(c, __func__);
-}
+#define REFUSE(name, arguments)                                                                    \
+    fmi2Status name arguments {                                                                    \
+        return refuse(c, __func__);                                                                \
+    }
 
-fmi2Status fmi2SetString(fmi2Component c, const fmi2ValueReference refs[], size_t num,
-                         const fmi2String values[]) {
-    return refuse(c, __func__);
-}
-
-fmi2Status fmi2SetRealInputDerivatives(fmi2Component c, const fmi2ValueReference refs[], size_t num,
-                                       const fmi2Integer orders[], const fmi2Real values[]) {
-    return refuse(c, __func__);
-}
-
-fmi2Status fmi2GetRealOutputDerivatives(fmi2Component c, const fmi2ValueReference refs[],
-                                        size_t num, const fmi2Integer orders[], fmi2Real values[]) {
-    return refuse(c, __func__);
-}
-
-fmi2Status fmi2CancelStep(fmi2Component c) {
-    return refuse(c, __func__);
-}
-
-fmi2Status fmi2GetIntegerStatus(fmi2Component c, fmi2StatusKind kind, fmi2Integer *value) {
-    return refuse(c, __func__);
-}
-
-fmi2Status fmi2GetStringStatus(fmi2Component c, fmi2StatusKind kind, fmi2String *value) {
-    return refuse(c, __func__);
-}
-
-fmi2Status fmi2EnterEventMode(fmi2Component c) {
-    return refuse(c, __func__);
-}
-
-fmi2Status fmi2NewDiscreteStates(fmi2Component c, fmi2EventInfo *info) {
-    return refuse(c, __func__);
-}
-
-fmi2Status fmi2EnterContinuousTimeMode(fmi2Component c) {
-    return refuse(c, __func__);
-}
-
-fmi2Status fmi2CompletedIntegratorStep(fmi2Component c, fmi2Boolean no_state_before,
-                                       fmi2Boolean *enter_event_mode, fmi2Boolean *terminate) {
-    return refuse(c, __func__);
-}
-
-fmi2Status fmi2SetTime(fmi2Component c, fmi2Real time) {
-    return refuse(c, __func__);
-}
-
-fmi2Status fmi2SetContinuousStates(fmi2Component c, const fmi2Real states[], size_t num) {
-    return refuse(c, __func__);
-}
-
-fmi2Status fmi2GetDerivatives(fmi2Component c, fmi2Real derivatives[], size_t num) {
-    return refuse(c, __func__);
-}
-
-fmi2Status fmi2GetEventIndicators(fmi2Component c, fmi2Real indicators[], size_t num) {
-    return refuse(c, __func__);
-}
-
-fmi2Status fmi2GetContinuousStates(fmi2Component c, fmi2Real states[], size_t num) {
-    return refuse(c, __func__);
-}
-
-fmi2Status fmi2GetNominalsOfContinuousStates(fmi2Component c, fmi2Real nominals[], size_t num) {
-    return refuse(c, __func__);
-}
-
-fmi2Status fmi2GetStatus(fmi2Component c, fmi2StatusKind kind, fmi2Status *value) {
-    return refuse(c, __func__);
-}
+FMI2_NOT_OFFERED(REFUSE)

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* FMI 2.0 (Functional Mock-up Interface for Model Exchange and Co-Simulation, 2.0.4): its types
- * and all its functions, in the order of the standard, which explains them. */
+ * and all its functions. The standard explains them and has their order; functions that are not
+ * offered stand at the end. */
 #ifndef EHD_FMI2_H
 #define EHD_FMI2_H
 
@@ -82,16 +83,12 @@ FMI2_EXPORT fmi2Status fmi2GetInteger(fmi2Component c, const fmi2ValueReference 
                                       fmi2Integer values[]);
 FMI2_EXPORT fmi2Status fmi2GetBoolean(fmi2Component c, const fmi2ValueReference refs[], size_t num,
                                       fmi2Boolean values[]);
-FMI2_EXPORT fmi2Status fmi2GetString(fmi2Component c, const fmi2ValueReference refs[], size_t num,
-                                     fmi2String values[]);
 FMI2_EXPORT fmi2Status fmi2SetReal(fmi2Component c, const fmi2ValueReference refs[], size_t num,
                                    const fmi2Real values[]);
 FMI2_EXPORT fmi2Status fmi2SetInteger(fmi2Component c, const fmi2ValueReference refs[], size_t num,
                                       const fmi2Integer values[]);
 FMI2_EXPORT fmi2Status fmi2SetBoolean(fmi2Component c, const fmi2ValueReference refs[], size_t num,
                                       const fmi2Boolean values[]);
-FMI2_EXPORT fmi2Status fmi2SetString(fmi2Component c, const fmi2ValueReference refs[], size_t num,
-                                     const fmi2String values[]);
 
 FMI2_EXPORT fmi2Status fmi2GetFMUstate(fmi2Component c, fmi2FMUstate *state);
 FMI2_EXPORT fmi2Status fmi2SetFMUstate(fmi2Component c, fmi2FMUstate state);
@@ -112,38 +109,43 @@ FMI2_EXPORT fmi2Status fmi2GetDirectionalDerivative(fmi2Component c,
 
 // ---- co-simulation
 
-FMI2_EXPORT fmi2Status fmi2SetRealInputDerivatives(fmi2Component c, const fmi2ValueReference refs[],
-                                                   size_t num, const fmi2Integer orders[],
-                                                   const fmi2Real values[]);
-FMI2_EXPORT fmi2Status fmi2GetRealOutputDerivatives(fmi2Component c,
-                                                    const fmi2ValueReference refs[], size_t num,
-                                                    const fmi2Integer orders[], fmi2Real values[]);
 FMI2_EXPORT fmi2Status fmi2DoStep(fmi2Component c, fmi2Real time, fmi2Real step,
                                   fmi2Boolean no_state_before);
-FMI2_EXPORT fmi2Status fmi2CancelStep(fmi2Component c);
-FMI2_EXPORT fmi2Status fmi2GetStatus(fmi2Component c, fmi2StatusKind kind, fmi2Status *value);
 FMI2_EXPORT fmi2Status fmi2GetRealStatus(fmi2Component c, fmi2StatusKind kind, fmi2Real *value);
-FMI2_EXPORT fmi2Status fmi2GetIntegerStatus(fmi2Component c, fmi2StatusKind kind,
-                                            fmi2Integer *value);
 FMI2_EXPORT fmi2Status fmi2GetBooleanStatus(fmi2Component c, fmi2StatusKind kind,
                                             fmi2Boolean *value);
-FMI2_EXPORT fmi2Status fmi2GetStringStatus(fmi2Component c, fmi2StatusKind kind, fmi2String *value);
 
-// ---- model exchange
+// ---- not offered: refused by each instance
 
-FMI2_EXPORT fmi2Status fmi2EnterEventMode(fmi2Component c);
-FMI2_EXPORT fmi2Status fmi2NewDiscreteStates(fmi2Component c, fmi2EventInfo *info);
-FMI2_EXPORT fmi2Status fmi2EnterContinuousTimeMode(fmi2Component c);
-FMI2_EXPORT fmi2Status fmi2CompletedIntegratorStep(fmi2Component c, fmi2Boolean no_state_before,
-                                                   fmi2Boolean *enter_event_mode,
-                                                   fmi2Boolean *terminate);
-FMI2_EXPORT fmi2Status fmi2SetTime(fmi2Component c, fmi2Real time);
-FMI2_EXPORT fmi2Status fmi2SetContinuousStates(fmi2Component c, const fmi2Real states[],
-                                               size_t num);
-FMI2_EXPORT fmi2Status fmi2GetDerivatives(fmi2Component c, fmi2Real derivatives[], size_t num);
-FMI2_EXPORT fmi2Status fmi2GetEventIndicators(fmi2Component c, fmi2Real indicators[], size_t num);
-FMI2_EXPORT fmi2Status fmi2GetContinuousStates(fmi2Component c, fmi2Real states[], size_t num);
-FMI2_EXPORT fmi2Status fmi2GetNominalsOfContinuousStates(fmi2Component c, fmi2Real nominals[],
-                                                         size_t num);
+/* Strings, derivatives in time, steps that continue after the call returns, model exchange: the
+ * functions with their arguments. */
+#define FMI2_NOT_OFFERED(F)                                                                        \
+    F(fmi2GetString,                                                                               \
+      (fmi2Component c, const fmi2ValueReference refs[], size_t num, fmi2String values[]))         \
+    F(fmi2SetString,                                                                               \
+      (fmi2Component c, const fmi2ValueReference refs[], size_t num, const fmi2String values[]))   \
+    F(fmi2SetRealInputDerivatives, (fmi2Component c, const fmi2ValueReference refs[], size_t num,  \
+                                    const fmi2Integer orders[], const fmi2Real values[]))          \
+    F(fmi2GetRealOutputDerivatives, (fmi2Component c, const fmi2ValueReference refs[], size_t num, \
+                                     const fmi2Integer orders[], fmi2Real values[]))               \
+    F(fmi2CancelStep, (fmi2Component c))                                                           \
+    F(fmi2GetStatus, (fmi2Component c, fmi2StatusKind kind, fmi2Status * value))                   \
+    F(fmi2GetIntegerStatus, (fmi2Component c, fmi2StatusKind kind, fmi2Integer * value))           \
+    F(fmi2GetStringStatus, (fmi2Component c, fmi2StatusKind kind, fmi2String * value))             \
+    F(fmi2EnterEventMode, (fmi2Component c))                                                       \
+    F(fmi2NewDiscreteStates, (fmi2Component c, fmi2EventInfo * info))                              \
+    F(fmi2EnterContinuousTimeMode, (fmi2Component c))                                              \
+    F(fmi2CompletedIntegratorStep, (fmi2Component c, fmi2Boolean no_state_before,                  \
+                                    fmi2Boolean * enter_event_mode, fmi2Boolean * terminate))      \
+    F(fmi2SetTime, (fmi2Component c, fmi2Real time))                                               \
+    F(fmi2SetContinuousStates, (fmi2Component c, const fmi2Real states[], size_t num))             \
+    F(fmi2GetDerivatives, (fmi2Component c, fmi2Real derivatives[], size_t num))                   \
+    F(fmi2GetEventIndicators, (fmi2Component c, fmi2Real indicators[], size_t num))                \
+    F(fmi2GetContinuousStates, (fmi2Component c, fmi2Real states[], size_t num))                   \
+    F(fmi2GetNominalsOfContinuousStates, (fmi2Component c, fmi2Real nominals[], size_t num))
+
+#define FMI2_DECLARE(name, arguments) FMI2_EXPORT fmi2Status name arguments;
+
+FMI2_NOT_OFFERED(FMI2_DECLARE)
 
 #endif

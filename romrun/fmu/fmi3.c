@@ -113,8 +113,7 @@ static bool same_length(fmi3Instance instance, size_t num_refs, size_t num_value
 
 /* Get and set variables of one type; `kind` is its name in instance.h. */
 #define VARIABLES_OF(type, kind)                                                                   \
-    fmi3Status fmi3Get##type(fmi3Instance instance, const fmi3ValueReference refs[],               \
-                             size_t num_refs, fmi3##type values[], size_t num_values) {            \
+    FMI3_GET(type) {                                                                               \
         double value = 0;                                                                          \
         bool good = same_length(instance, num_refs, num_values);                                   \
                                                                                                    \
@@ -124,8 +123,7 @@ static bool same_length(fmi3Instance instance, size_t num_refs, size_t num_value
         }                                                                                          \
         return outcome(good);                                                                      \
     }                                                                                              \
-    fmi3Status fmi3Set##type(fmi3Instance instance, const fmi3ValueReference refs[],               \
-                             size_t num_refs, const fmi3##type values[], size_t num_values) {      \
+    FMI3_SET(type) {                                                                               \
         bool good = same_length(instance, num_refs, num_values);                                   \
                                                                                                    \
         for (size_t i = 0; i < num_refs && good; i++)                                              \
@@ -195,7 +193,6 @@ fmi3Status fmi3GetDirectionalDerivative(fmi3Instance instance, const fmi3ValueRe
 }
 
 // ---- not offered
-// other types, arrays, clocks, events, derivatives in time, configuration, other kinds of FMU
 
 #pragma GCC diagnostic ignored "-Wunused-parameter"
 
@@ -220,188 +217,17 @@ fmi3Instance fmi3InstantiateScheduledExecution(
     return NULL;
 }
 
-fmi3Status fmi3EnterEventMode(fmi3Instance instance) {
-    return refuse(instance, __func__);
-}
-
-/* Refuse types that no variable has. */
-#define NO_VARIABLES_OF(type)                                                                      \
-    fmi3Status fmi3Get##type(fmi3Instance instance, const fmi3ValueReference refs[],               \
-                             size_t num_refs, fmi3##type values[], size_t num_values) {            \
+#define REFUSE(name, arguments)                                                                    \
+    fmi3Status name arguments {                                                                    \
+        return refuse(instance, __func__);                                                         \
+    }
+#define REFUSE_TYPE(type)                                                                          \
+    FMI3_GET(type) {                                                                               \
         return refuse(instance, __func__);                                                         \
     }                                                                                              \
-    fmi3Status fmi3Set##type(fmi3Instance instance, const fmi3ValueReference refs[],               \
-                             size_t num_refs, const fmi3##type values[], size_t num_values) {      \
+    FMI3_SET(type) {                                                                               \
         return refuse(instance, __func__);                                                         \
     }
 
-NO_VARIABLES_OF(Float32)
-NO_VARIABLES_OF(Int8)
-NO_VARIABLES_OF(UInt8)
-NO_VARIABLES_OF(Int16)
-NO_VARIABLES_OF(UInt16)
-NO_VARIABLES_OF(UInt32)
-NO_VARIABLES_OF(Int64)
-NO_VARIABLES_OF(UInt64)
-NO_VARIABLES_OF(String)
-
-fmi3Status fmi3GetBinary(fmi3Instance instance, const fmi3ValueReference refs[], size_t num_refs,
-                         size_t sizes[], fmi3Binary values[], size_t num_values) {
-    return refuse(instance, __func__);
-}
-
-fmi3Status fmi3GetClock(fmi3Instance instance, const fmi3ValueReference refs[], size_t num_refs,
-                        fmi3Clock values[]) {
-    return refuse(instance, __func__);
-}
-
-fmi3Status fmi3SetBinary(fmi3Instance instance, const fmi3ValueReference refs[], size_t num_refs,
-                         const size_t sizes[], const fmi3Binary values[], size_t num_values) {
-    return refuse(instance, __func__);
-}
-
-fmi3Status fmi3SetClock(fmi3Instance instance, const fmi3ValueReference refs[], size_t num_refs,
-                        const fmi3Clock values[]) {
-    return refuse(instance, __func__);
-}
-
-fmi3Status fmi3GetNumberOfVariableDependencies(fmi3Instance instance, fmi3ValueReference ref,
-                                               size_t *num) {
-    return refuse(instance, __func__);
-}
-
-fmi3Status fmi3GetVariableDependencies(fmi3Instance instance, fmi3ValueReference dependent,
-                                       size_t elements_of_dependent[],
-                                       fmi3ValueReference independents[],
-                                       size_t elements_of_independents[],
-                                       fmi3DependencyKind kinds[], size_t num) {
-    return refuse(instance, __func__);
-}
-
-fmi3Status fmi3GetAdjointDerivative(fmi3Instance instance, const fmi3ValueReference unknowns[],
-                                    size_t num_unknowns, const fmi3ValueReference knowns[],
-                                    size_t num_knowns, const fmi3Float64 seed[], size_t num_seed,
-                                    fmi3Float64 sensitivity[], size_t num_sensitivity) {
-    return refuse(instance, __func__);
-}
-
-fmi3Status fmi3EnterConfigurationMode(fmi3Instance instance) {
-    return refuse(instance, __func__);
-}
-
-fmi3Status fmi3ExitConfigurationMode(fmi3Instance instance) {
-    return refuse(instance, __func__);
-}
-
-fmi3Status fmi3GetIntervalDecimal(fmi3Instance instance, const fmi3ValueReference refs[],
-                                  size_t num_refs, fmi3Float64 intervals[],
-                                  fmi3IntervalQualifier qualifiers[]) {
-    return refuse(instance, __func__);
-}
-
-fmi3Status fmi3GetIntervalFraction(fmi3Instance instance, const fmi3ValueReference refs[],
-                                   size_t num_refs, fmi3UInt64 counters[], fmi3UInt64 resolutions[],
-                                   fmi3IntervalQualifier qualifiers[]) {
-    return refuse(instance, __func__);
-}
-
-fmi3Status fmi3GetShiftDecimal(fmi3Instance instance, const fmi3ValueReference refs[],
-                               size_t num_refs, fmi3Float64 shifts[]) {
-    return refuse(instance, __func__);
-}
-
-fmi3Status fmi3GetShiftFraction(fmi3Instance instance, const fmi3ValueReference refs[],
-                                size_t num_refs, fmi3UInt64 counters[], fmi3UInt64 resolutions[]) {
-    return refuse(instance, __func__);
-}
-
-fmi3Status fmi3SetIntervalDecimal(fmi3Instance instance, const fmi3ValueReference refs[],
-                                  size_t num_refs, const fmi3Float64 intervals[]) {
-    return refuse(instance, __func__);
-}
-
-fmi3Status fmi3SetIntervalFraction(fmi3Instance instance, const fmi3ValueReference refs[],
-                                   size_t num_refs, const fmi3UInt64 counters[],
-                                   const fmi3UInt64 resolutions[]) {
-    return refuse(instance, __func__);
-}
-
-fmi3Status fmi3SetShiftDecimal(fmi3Instance instance, const fmi3ValueReference refs[],
-                               size_t num_refs, const fmi3Float64 shifts[]) {
-    return refuse(instance, __func__);
-}
-
-fmi3Status fmi3SetShiftFraction(fmi3Instance instance, const fmi3ValueReference refs[],
-                                size_t num_refs, const fmi3UInt64 counters[],
-                                const fmi3UInt64 resolutions[]) {
-    return refuse(instance, __func__);
-}
-
-fmi3Status fmi3EvaluateDiscreteStates(fmi3Instance instance) {
-    return refuse(instance, __func__);
-}
-
-fmi3Status fmi3UpdateDiscreteStates(fmi3Instance instance, fmi3Boolean *need_update,
-                                    fmi3Boolean *terminate, fmi3Boolean *nominals_changed,
-                                    fmi3Boolean *states_changed, fmi3Boolean *has_next_event,
-                                    fmi3Float64 *next_event) {
-    return refuse(instance, __func__);
-}
-
-fmi3Status fmi3EnterContinuousTimeMode(fmi3Instance instance) {
-    return refuse(instance, __func__);
-}
-
-fmi3Status fmi3CompletedIntegratorStep(fmi3Instance instance, fmi3Boolean no_state_before,
-                                       fmi3Boolean *enter_event_mode, fmi3Boolean *terminate) {
-    return refuse(instance, __func__);
-}
-
-fmi3Status fmi3SetTime(fmi3Instance instance, fmi3Float64 time) {
-    return refuse(instance, __func__);
-}
-
-fmi3Status fmi3SetContinuousStates(fmi3Instance instance, const fmi3Float64 states[], size_t num) {
-    return refuse(instance, __func__);
-}
-
-fmi3Status fmi3GetContinuousStateDerivatives(fmi3Instance instance, fmi3Float64 derivatives[],
-                                             size_t num) {
-    return refuse(instance, __func__);
-}
-
-fmi3Status fmi3GetEventIndicators(fmi3Instance instance, fmi3Float64 indicators[], size_t num) {
-    return refuse(instance, __func__);
-}
-
-fmi3Status fmi3GetContinuousStates(fmi3Instance instance, fmi3Float64 states[], size_t num) {
-    return refuse(instance, __func__);
-}
-
-fmi3Status fmi3GetNominalsOfContinuousStates(fmi3Instance instance, fmi3Float64 nominals[],
-                                             size_t num) {
-    return refuse(instance, __func__);
-}
-
-fmi3Status fmi3GetNumberOfEventIndicators(fmi3Instance instance, size_t *num) {
-    return refuse(instance, __func__);
-}
-
-fmi3Status fmi3GetNumberOfContinuousStates(fmi3Instance instance, size_t *num) {
-    return refuse(instance, __func__);
-}
-
-fmi3Status fmi3EnterStepMode(fmi3Instance instance) {
-    return refuse(instance, __func__);
-}
-
-fmi3Status fmi3GetOutputDerivatives(fmi3Instance instance, const fmi3ValueReference refs[],
-                                    size_t num_refs, const fmi3Int32 orders[], fmi3Float64 values[],
-                                    size_t num_values) {
-    return refuse(instance, __func__);
-}
-
-fmi3Status fmi3ActivateModelPartition(fmi3Instance instance, fmi3ValueReference clock,
-                                      fmi3Float64 time) {
-    return refuse(instance, __func__);
-}
+FMI3_TYPES_NOT_OFFERED(REFUSE_TYPE)
+FMI3_NOT_OFFERED(REFUSE)

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* FMI 3.0 (Functional Mock-up Interface 3.0): its types and all its functions, in the order of the
- * standard, which explains them. */
+/* FMI 3.0 (Functional Mock-up Interface 3.0): its types and all its functions. The standard
+ * explains them and has their order; functions that are not offered stand at the end. */
 #ifndef EHD_FMI3_H
 #define EHD_FMI3_H
 
@@ -88,80 +88,24 @@ FMI3_EXPORT fmi3Status fmi3EnterInitializationMode(fmi3Instance instance, fmi3Bo
                                                    fmi3Float64 tolerance, fmi3Float64 start,
                                                    fmi3Boolean has_stop, fmi3Float64 stop);
 FMI3_EXPORT fmi3Status fmi3ExitInitializationMode(fmi3Instance instance);
-FMI3_EXPORT fmi3Status fmi3EnterEventMode(fmi3Instance instance);
 FMI3_EXPORT fmi3Status fmi3Terminate(fmi3Instance instance);
 FMI3_EXPORT fmi3Status fmi3Reset(fmi3Instance instance);
 
-FMI3_EXPORT fmi3Status fmi3GetFloat32(fmi3Instance instance, const fmi3ValueReference refs[],
-                                      size_t num_refs, fmi3Float32 values[], size_t num_values);
-FMI3_EXPORT fmi3Status fmi3GetFloat64(fmi3Instance instance, const fmi3ValueReference refs[],
-                                      size_t num_refs, fmi3Float64 values[], size_t num_values);
-FMI3_EXPORT fmi3Status fmi3GetInt8(fmi3Instance instance, const fmi3ValueReference refs[],
-                                   size_t num_refs, fmi3Int8 values[], size_t num_values);
-FMI3_EXPORT fmi3Status fmi3GetUInt8(fmi3Instance instance, const fmi3ValueReference refs[],
-                                    size_t num_refs, fmi3UInt8 values[], size_t num_values);
-FMI3_EXPORT fmi3Status fmi3GetInt16(fmi3Instance instance, const fmi3ValueReference refs[],
-                                    size_t num_refs, fmi3Int16 values[], size_t num_values);
-FMI3_EXPORT fmi3Status fmi3GetUInt16(fmi3Instance instance, const fmi3ValueReference refs[],
-                                     size_t num_refs, fmi3UInt16 values[], size_t num_values);
-FMI3_EXPORT fmi3Status fmi3GetInt32(fmi3Instance instance, const fmi3ValueReference refs[],
-                                    size_t num_refs, fmi3Int32 values[], size_t num_values);
-FMI3_EXPORT fmi3Status fmi3GetUInt32(fmi3Instance instance, const fmi3ValueReference refs[],
-                                     size_t num_refs, fmi3UInt32 values[], size_t num_values);
-FMI3_EXPORT fmi3Status fmi3GetInt64(fmi3Instance instance, const fmi3ValueReference refs[],
-                                    size_t num_refs, fmi3Int64 values[], size_t num_values);
-FMI3_EXPORT fmi3Status fmi3GetUInt64(fmi3Instance instance, const fmi3ValueReference refs[],
-                                     size_t num_refs, fmi3UInt64 values[], size_t num_values);
-FMI3_EXPORT fmi3Status fmi3GetBoolean(fmi3Instance instance, const fmi3ValueReference refs[],
-                                      size_t num_refs, fmi3Boolean values[], size_t num_values);
-FMI3_EXPORT fmi3Status fmi3GetString(fmi3Instance instance, const fmi3ValueReference refs[],
-                                     size_t num_refs, fmi3String values[], size_t num_values);
-FMI3_EXPORT fmi3Status fmi3GetBinary(fmi3Instance instance, const fmi3ValueReference refs[],
-                                     size_t num_refs, size_t sizes[], fmi3Binary values[],
-                                     size_t num_values);
-FMI3_EXPORT fmi3Status fmi3GetClock(fmi3Instance instance, const fmi3ValueReference refs[],
-                                    size_t num_refs, fmi3Clock values[]);
-FMI3_EXPORT fmi3Status fmi3SetFloat32(fmi3Instance instance, const fmi3ValueReference refs[],
-                                      size_t num_refs, const fmi3Float32 values[],
-                                      size_t num_values);
-FMI3_EXPORT fmi3Status fmi3SetFloat64(fmi3Instance instance, const fmi3ValueReference refs[],
-                                      size_t num_refs, const fmi3Float64 values[],
-                                      size_t num_values);
-FMI3_EXPORT fmi3Status fmi3SetInt8(fmi3Instance instance, const fmi3ValueReference refs[],
-                                   size_t num_refs, const fmi3Int8 values[], size_t num_values);
-FMI3_EXPORT fmi3Status fmi3SetUInt8(fmi3Instance instance, const fmi3ValueReference refs[],
-                                    size_t num_refs, const fmi3UInt8 values[], size_t num_values);
-FMI3_EXPORT fmi3Status fmi3SetInt16(fmi3Instance instance, const fmi3ValueReference refs[],
-                                    size_t num_refs, const fmi3Int16 values[], size_t num_values);
-FMI3_EXPORT fmi3Status fmi3SetUInt16(fmi3Instance instance, const fmi3ValueReference refs[],
-                                     size_t num_refs, const fmi3UInt16 values[], size_t num_values);
-FMI3_EXPORT fmi3Status fmi3SetInt32(fmi3Instance instance, const fmi3ValueReference refs[],
-                                    size_t num_refs, const fmi3Int32 values[], size_t num_values);
-FMI3_EXPORT fmi3Status fmi3SetUInt32(fmi3Instance instance, const fmi3ValueReference refs[],
-                                     size_t num_refs, const fmi3UInt32 values[], size_t num_values);
-FMI3_EXPORT fmi3Status fmi3SetInt64(fmi3Instance instance, const fmi3ValueReference refs[],
-                                    size_t num_refs, const fmi3Int64 values[], size_t num_values);
-FMI3_EXPORT fmi3Status fmi3SetUInt64(fmi3Instance instance, const fmi3ValueReference refs[],
-                                     size_t num_refs, const fmi3UInt64 values[], size_t num_values);
-FMI3_EXPORT fmi3Status fmi3SetBoolean(fmi3Instance instance, const fmi3ValueReference refs[],
-                                      size_t num_refs, const fmi3Boolean values[],
-                                      size_t num_values);
-FMI3_EXPORT fmi3Status fmi3SetString(fmi3Instance instance, const fmi3ValueReference refs[],
-                                     size_t num_refs, const fmi3String values[], size_t num_values);
-FMI3_EXPORT fmi3Status fmi3SetBinary(fmi3Instance instance, const fmi3ValueReference refs[],
-                                     size_t num_refs, const size_t sizes[],
-                                     const fmi3Binary values[], size_t num_values);
-FMI3_EXPORT fmi3Status fmi3SetClock(fmi3Instance instance, const fmi3ValueReference refs[],
-                                    size_t num_refs, const fmi3Clock values[]);
+/* First arguments of functions of variables. */
+#define FMI3_REFERENCES fmi3Instance instance, const fmi3ValueReference refs[], size_t num_refs
 
-FMI3_EXPORT fmi3Status fmi3GetNumberOfVariableDependencies(fmi3Instance instance,
-                                                           fmi3ValueReference ref, size_t *num);
-FMI3_EXPORT fmi3Status fmi3GetVariableDependencies(fmi3Instance instance,
-                                                   fmi3ValueReference dependent,
-                                                   size_t elements_of_dependent[],
-                                                   fmi3ValueReference independents[],
-                                                   size_t elements_of_independents[],
-                                                   fmi3DependencyKind kinds[], size_t num);
+/* The functions that get and set variables of a type. */
+#define FMI3_GET(type)                                                                             \
+    fmi3Status fmi3Get##type(FMI3_REFERENCES, fmi3##type values[], size_t num_values)
+#define FMI3_SET(type)                                                                             \
+    fmi3Status fmi3Set##type(FMI3_REFERENCES, const fmi3##type values[], size_t num_values)
+
+FMI3_EXPORT FMI3_GET(Float64);
+FMI3_EXPORT FMI3_SET(Float64);
+FMI3_EXPORT FMI3_GET(Int32);
+FMI3_EXPORT FMI3_SET(Int32);
+FMI3_EXPORT FMI3_GET(Boolean);
+FMI3_EXPORT FMI3_SET(Boolean);
 
 FMI3_EXPORT fmi3Status fmi3GetFMUState(fmi3Instance instance, fmi3FMUState *state);
 FMI3_EXPORT fmi3Status fmi3SetFMUState(fmi3Instance instance, fmi3FMUState state);
@@ -177,84 +121,83 @@ FMI3_EXPORT fmi3Status fmi3GetDirectionalDerivative(
     fmi3Instance instance, const fmi3ValueReference unknowns[], size_t num_unknowns,
     const fmi3ValueReference knowns[], size_t num_knowns, const fmi3Float64 seed[], size_t num_seed,
     fmi3Float64 sensitivity[], size_t num_sensitivity);
-FMI3_EXPORT fmi3Status fmi3GetAdjointDerivative(
-    fmi3Instance instance, const fmi3ValueReference unknowns[], size_t num_unknowns,
-    const fmi3ValueReference knowns[], size_t num_knowns, const fmi3Float64 seed[], size_t num_seed,
-    fmi3Float64 sensitivity[], size_t num_sensitivity);
-
-FMI3_EXPORT fmi3Status fmi3EnterConfigurationMode(fmi3Instance instance);
-FMI3_EXPORT fmi3Status fmi3ExitConfigurationMode(fmi3Instance instance);
-
-FMI3_EXPORT fmi3Status fmi3GetIntervalDecimal(fmi3Instance instance,
-                                              const fmi3ValueReference refs[], size_t num_refs,
-                                              fmi3Float64 intervals[],
-                                              fmi3IntervalQualifier qualifiers[]);
-FMI3_EXPORT fmi3Status fmi3GetIntervalFraction(fmi3Instance instance,
-                                               const fmi3ValueReference refs[], size_t num_refs,
-                                               fmi3UInt64 counters[], fmi3UInt64 resolutions[],
-                                               fmi3IntervalQualifier qualifiers[]);
-FMI3_EXPORT fmi3Status fmi3GetShiftDecimal(fmi3Instance instance, const fmi3ValueReference refs[],
-                                           size_t num_refs, fmi3Float64 shifts[]);
-FMI3_EXPORT fmi3Status fmi3GetShiftFraction(fmi3Instance instance, const fmi3ValueReference refs[],
-                                            size_t num_refs, fmi3UInt64 counters[],
-                                            fmi3UInt64 resolutions[]);
-FMI3_EXPORT fmi3Status fmi3SetIntervalDecimal(fmi3Instance instance,
-                                              const fmi3ValueReference refs[], size_t num_refs,
-                                              const fmi3Float64 intervals[]);
-FMI3_EXPORT fmi3Status fmi3SetIntervalFraction(fmi3Instance instance,
-                                               const fmi3ValueReference refs[], size_t num_refs,
-                                               const fmi3UInt64 counters[],
-                                               const fmi3UInt64 resolutions[]);
-FMI3_EXPORT fmi3Status fmi3SetShiftDecimal(fmi3Instance instance, const fmi3ValueReference refs[],
-                                           size_t num_refs, const fmi3Float64 shifts[]);
-FMI3_EXPORT fmi3Status fmi3SetShiftFraction(fmi3Instance instance, const fmi3ValueReference refs[],
-                                            size_t num_refs, const fmi3UInt64 counters[],
-                                            const fmi3UInt64 resolutions[]);
-
-FMI3_EXPORT fmi3Status fmi3EvaluateDiscreteStates(fmi3Instance instance);
-FMI3_EXPORT fmi3Status fmi3UpdateDiscreteStates(fmi3Instance instance, fmi3Boolean *need_update,
-                                                fmi3Boolean *terminate,
-                                                fmi3Boolean *nominals_changed,
-                                                fmi3Boolean *states_changed,
-                                                fmi3Boolean *has_next_event,
-                                                fmi3Float64 *next_event);
-
-// ---- model exchange
-
-FMI3_EXPORT fmi3Status fmi3EnterContinuousTimeMode(fmi3Instance instance);
-FMI3_EXPORT fmi3Status fmi3CompletedIntegratorStep(fmi3Instance instance,
-                                                   fmi3Boolean no_state_before,
-                                                   fmi3Boolean *enter_event_mode,
-                                                   fmi3Boolean *terminate);
-FMI3_EXPORT fmi3Status fmi3SetTime(fmi3Instance instance, fmi3Float64 time);
-FMI3_EXPORT fmi3Status fmi3SetContinuousStates(fmi3Instance instance, const fmi3Float64 states[],
-                                               size_t num);
-FMI3_EXPORT fmi3Status fmi3GetContinuousStateDerivatives(fmi3Instance instance,
-                                                         fmi3Float64 derivatives[], size_t num);
-FMI3_EXPORT fmi3Status fmi3GetEventIndicators(fmi3Instance instance, fmi3Float64 indicators[],
-                                              size_t num);
-FMI3_EXPORT fmi3Status fmi3GetContinuousStates(fmi3Instance instance, fmi3Float64 states[],
-                                               size_t num);
-FMI3_EXPORT fmi3Status fmi3GetNominalsOfContinuousStates(fmi3Instance instance,
-                                                         fmi3Float64 nominals[], size_t num);
-FMI3_EXPORT fmi3Status fmi3GetNumberOfEventIndicators(fmi3Instance instance, size_t *num);
-FMI3_EXPORT fmi3Status fmi3GetNumberOfContinuousStates(fmi3Instance instance, size_t *num);
 
 // ---- co-simulation
 
-FMI3_EXPORT fmi3Status fmi3EnterStepMode(fmi3Instance instance);
-FMI3_EXPORT fmi3Status fmi3GetOutputDerivatives(fmi3Instance instance,
-                                                const fmi3ValueReference refs[], size_t num_refs,
-                                                const fmi3Int32 orders[], fmi3Float64 values[],
-                                                size_t num_values);
 FMI3_EXPORT fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 time, fmi3Float64 step,
                                   fmi3Boolean no_state_before, fmi3Boolean *event_needed,
                                   fmi3Boolean *terminate, fmi3Boolean *early_return,
                                   fmi3Float64 *last_time);
 
-// ---- scheduled execution
+// ---- not offered: refused by each instance
 
-FMI3_EXPORT fmi3Status fmi3ActivateModelPartition(fmi3Instance instance, fmi3ValueReference clock,
-                                                  fmi3Float64 time);
+/* Types that no variable has. */
+#define FMI3_TYPES_NOT_OFFERED(F)                                                                  \
+    F(Float32) F(Int8) F(UInt8) F(Int16) F(UInt16) F(UInt32) F(Int64) F(UInt64) F(String)
+
+/* Other functions, with their arguments: clocks, arrays, events, derivatives in time,
+ * configuration, model exchange, scheduled execution. */
+#define FMI3_NOT_OFFERED(F)                                                                        \
+    F(fmi3EnterEventMode, (fmi3Instance instance))                                                 \
+    F(fmi3GetBinary, (FMI3_REFERENCES, size_t sizes[], fmi3Binary values[], size_t num_values))    \
+    F(fmi3GetClock, (FMI3_REFERENCES, fmi3Clock values[]))                                         \
+    F(fmi3SetBinary,                                                                               \
+      (FMI3_REFERENCES, const size_t sizes[], const fmi3Binary values[], size_t num_values))       \
+    F(fmi3SetClock, (FMI3_REFERENCES, const fmi3Clock values[]))                                   \
+    F(fmi3GetNumberOfVariableDependencies,                                                         \
+      (fmi3Instance instance, fmi3ValueReference ref, size_t * num))                               \
+    F(fmi3GetVariableDependencies,                                                                 \
+      (fmi3Instance instance, fmi3ValueReference dependent, size_t elements_of_dependent[],        \
+       fmi3ValueReference independents[], size_t elements_of_independents[],                       \
+       fmi3DependencyKind kinds[], size_t num))                                                    \
+    F(fmi3GetAdjointDerivative,                                                                    \
+      (fmi3Instance instance, const fmi3ValueReference unknowns[], size_t num_unknowns,            \
+       const fmi3ValueReference knowns[], size_t num_knowns, const fmi3Float64 seed[],             \
+       size_t num_seed, fmi3Float64 sensitivity[], size_t num_sensitivity))                        \
+    F(fmi3EnterConfigurationMode, (fmi3Instance instance))                                         \
+    F(fmi3ExitConfigurationMode, (fmi3Instance instance))                                          \
+    F(fmi3GetIntervalDecimal,                                                                      \
+      (FMI3_REFERENCES, fmi3Float64 intervals[], fmi3IntervalQualifier qualifiers[]))              \
+    F(fmi3GetIntervalFraction, (FMI3_REFERENCES, fmi3UInt64 counters[], fmi3UInt64 resolutions[],  \
+                                fmi3IntervalQualifier qualifiers[]))                               \
+    F(fmi3GetShiftDecimal, (FMI3_REFERENCES, fmi3Float64 shifts[]))                                \
+    F(fmi3GetShiftFraction, (FMI3_REFERENCES, fmi3UInt64 counters[], fmi3UInt64 resolutions[]))    \
+    F(fmi3SetIntervalDecimal, (FMI3_REFERENCES, const fmi3Float64 intervals[]))                    \
+    F(fmi3SetIntervalFraction,                                                                     \
+      (FMI3_REFERENCES, const fmi3UInt64 counters[], const fmi3UInt64 resolutions[]))              \
+    F(fmi3SetShiftDecimal, (FMI3_REFERENCES, const fmi3Float64 shifts[]))                          \
+    F(fmi3SetShiftFraction,                                                                        \
+      (FMI3_REFERENCES, const fmi3UInt64 counters[], const fmi3UInt64 resolutions[]))              \
+    F(fmi3EvaluateDiscreteStates, (fmi3Instance instance))                                         \
+    F(fmi3UpdateDiscreteStates,                                                                    \
+      (fmi3Instance instance, fmi3Boolean * need_update, fmi3Boolean * terminate,                  \
+       fmi3Boolean * nominals_changed, fmi3Boolean * states_changed, fmi3Boolean * has_next_event, \
+       fmi3Float64 * next_event))                                                                  \
+    F(fmi3EnterContinuousTimeMode, (fmi3Instance instance))                                        \
+    F(fmi3CompletedIntegratorStep, (fmi3Instance instance, fmi3Boolean no_state_before,            \
+                                    fmi3Boolean * enter_event_mode, fmi3Boolean * terminate))      \
+    F(fmi3SetTime, (fmi3Instance instance, fmi3Float64 time))                                      \
+    F(fmi3SetContinuousStates, (fmi3Instance instance, const fmi3Float64 states[], size_t num))    \
+    F(fmi3GetContinuousStateDerivatives,                                                           \
+      (fmi3Instance instance, fmi3Float64 derivatives[], size_t num))                              \
+    F(fmi3GetEventIndicators, (fmi3Instance instance, fmi3Float64 indicators[], size_t num))       \
+    F(fmi3GetContinuousStates, (fmi3Instance instance, fmi3Float64 states[], size_t num))          \
+    F(fmi3GetNominalsOfContinuousStates,                                                           \
+      (fmi3Instance instance, fmi3Float64 nominals[], size_t num))                                 \
+    F(fmi3GetNumberOfEventIndicators, (fmi3Instance instance, size_t * num))                       \
+    F(fmi3GetNumberOfContinuousStates, (fmi3Instance instance, size_t * num))                      \
+    F(fmi3EnterStepMode, (fmi3Instance instance))                                                  \
+    F(fmi3GetOutputDerivatives,                                                                    \
+      (FMI3_REFERENCES, const fmi3Int32 orders[], fmi3Float64 values[], size_t num_values))        \
+    F(fmi3ActivateModelPartition,                                                                  \
+      (fmi3Instance instance, fmi3ValueReference clock, fmi3Float64 time))
+
+#define FMI3_DECLARE_TYPE(type)                                                                    \
+    FMI3_EXPORT FMI3_GET(type);                                                                    \
+    FMI3_EXPORT FMI3_SET(type);
+#define FMI3_DECLARE(name, arguments) FMI3_EXPORT fmi3Status name arguments;
+
+FMI3_TYPES_NOT_OFFERED(FMI3_DECLARE_TYPE)
+FMI3_NOT_OFFERED(FMI3_DECLARE)
 
 #endif
