@@ -27,12 +27,9 @@ void artefact_delete(artefact *file) {
     if (file->lock >= 0) close(file->lock);
     free(file->copy);
     free(file->saved);
-    free(file->held);
-    free(file->shapes);
+    free(file->datasets);
     free(file->outcomes);
-    free(file->checked);
     free(file->digests);
-    free(file->lengths);
     free(file->history_line);
     free(file->partial);
     free(file->path);
@@ -75,23 +72,42 @@ const char *shown_name(const artefact *file) {
     return file->partial ? file->partial : file->path;
 }
 
-const artefact_field *find_field(const artefact *file, const char *name) {
-    for (const artefact_field *field = file->schema->fields; field->name; field++) {
-        if (strcmp(field->name, name) == 0) return field;
+bool set_schema(artefact *file, const artefact_schema *schema) {
+    size_t num_axes = 0, num_fields = 0;
+
+    file->schema = schema;
+    while (schema->axes[num_axes].name)
+        num_axes++;
+    while (schema->fields[num_fields].name)
+        num_fields++;
+    file->datasets = calloc(num_axes + num_fields + 1, sizeof *file->datasets);
+    if (!file->datasets) return false;
+    file->fields = file->datasets + num_axes;
+    for (size_t i = 0; i < num_axes; i++) {
+        const artefact_axis *axis = &schema->axes[i];
+        file->datasets[i].field =
+            (artefact_field){.name = axis->name, .type = ARTEFACT_REAL, .axes = {axis->name}};
+        file->datasets[i].axis = axis;
     }
+    for (size_t i = 0; i < num_fields; i++)
+        file->fields[i].field = schema->fields[i];
+    return true;
+}
+
+file_dataset *find_dataset(const artefact *file, const char *name) {
+    for (file_dataset *of = file->datasets; of->field.name; of++)
+        if (strcmp(of->field.name, name) == 0) return of;
     return NULL;
+}
+
+const artefact_field *find_field(const artefact *file, const char *name) {
+    const file_dataset *found = find_dataset(file, name);
+    return found && !found->axis ? &found->field : NULL;
 }
 
 const artefact_attribute *find_attribute(const artefact *file, const char *name) {
     for (const artefact_attribute *entry = file->schema->attributes; entry->name; entry++) {
         if (strcmp(entry->name, name) == 0) return entry;
-    }
-    return NULL;
-}
-
-size_t *find_length(const artefact *file, const char *axis) {
-    for (size_t i = 0; file->schema->axes[i].name; i++) {
-        if (strcmp(file->schema->axes[i].name, axis) == 0) return &file->lengths[i];
     }
     return NULL;
 }
@@ -125,20 +141,15 @@ bool artefact_has(const artefact *file, const char *field_or_attribute) {
 }
 
 size_t artefact_length(const artefact *file, const char *axis) {
-    const size_t *length = find_length(file, axis);
-    return length ? *length : 0;
+    const file_dataset *found = find_dataset(file, axis);
+    return found ? found->length : 0;
 }
 
 /* Returns where the id of a dataset is kept while streaming; NULL: it is not kept open. */
 static hid_t *held_dataset(const artefact *file, const char *name) {
     if (!file->growing || !file->streaming) return NULL;
-    const artefact_field *field = find_field(file, name);
-    if (field) return field_grows(file, field) ? &file->held[field - file->schema->fields] : NULL;
-    if (strcmp(name, file->growing) != 0) return NULL;
-    size_t num_fields = 0;
-    while (file->schema->fields[num_fields].name)
-        num_fields++;
-    return &file->held[num_fields];
+    file_dataset *found = find_dataset(file, name);
+    return found && field_grows(file, &found->field) ? &found->held : NULL;
 }
 
 bool field_exists(const artefact *file, const artefact_field *field) {
@@ -181,12 +192,6 @@ bool set_dataset_length(hid_t dataset, size_t length) {
 
 bool extend_dataset(hid_t dataset, size_t length) {
     return dataset_length(dataset) >= length || set_dataset_length(dataset, length);
-}
-
-/* Checks whether the name is a field on the growing axis, or that axis. */
-static bool grows(const artefact *file, const char *name) {
-    const artefact_field *field = find_field(file, name);
-    return field ? field_grows(file, field) : file->growing && strcmp(name, file->growing) == 0;
 }
 
 /* Selects the entries in the dataset's space and makes the space of the same shape in memory. */
@@ -253,7 +258,8 @@ ehd_status write_entries(artefact *file, const char *name, artefact_type type, s
                          size_t count, const void *data, ehd_error *error) {
     hdf5_start();
     selection of = {open_dataset(file, name), -1, -1};
-    const bool may_grow = count != WHOLE_FIELD && grows(file, name);
+    const file_dataset *found = find_dataset(file, name);
+    const bool may_grow = count != WHOLE_FIELD && found && field_grows(file, &found->field);
     ehd_status status = of.dataset < 0 ? hdf5_read_failed(file, name, error) : EHD_OK;
 
     if (!status && may_grow && !extend_dataset(of.dataset, first + count))

@@ -188,11 +188,8 @@ ehd_status learn_digests(artefact *file, ehd_error *error) {
                         shown_name(file), attribute_name);
     hash_attributes(file, digest);
     ehd_status status = check_digest(file, of_attributes, digest, error);
-    const dataset_shape *shape = file->shapes;
-    for (const artefact_axis *axis = file->schema->axes; axis->name && !status; axis++)
-        status = check_listed(file, axis->name, (shape++)->there, error);
-    for (const artefact_field *field = file->schema->fields; field->name && !status; field++)
-        status = check_listed(file, field->name, (shape++)->there, error);
+    for (const file_dataset *of = file->datasets; of->field.name && !status; of++)
+        status = check_listed(file, of->field.name, of->there, error);
     return status;
 }
 
@@ -223,12 +220,8 @@ static ehd_status list_all(FILE *list, artefact *file, ehd_error *error) {
 
     hash_attributes(file, digest);
     fprintf(list, "%s %s\n", digest, of_attributes);
-    for (const artefact_axis *axis = file->schema->axes; axis->name && !status; axis++) {
-        const artefact_field scale = field_of_axis(axis);
-        status = list_dataset(list, file, &scale, error);
-    }
-    for (const artefact_field *field = file->schema->fields; field->name && !status; field++)
-        status = list_dataset(list, file, field, error);
+    for (const file_dataset *of = file->datasets; of->field.name && !status; of++)
+        status = list_dataset(list, file, &of->field, error);
     return status;
 }
 

@@ -9,14 +9,20 @@
 
 #include <hdf5.h>
 
-/* Shape of a dataset when the file was opened. */
-typedef struct dataset_shape {
+/* A dataset of the schema. An axis is a field of real numbers along itself. */
+typedef struct file_dataset {
+    artefact_field field;
+    const artefact_axis *axis; // NULL: it is no axis
+    size_t length;             // of an axis, 0: not known (yet)
+    // when the file was opened:
     bool there;
     haddr_t address; // of its object header; HDF5 references to the dataset contain it
     int rank;
     hsize_t dims[ARTEFACT_MAX_RANK]; // the first ARTEFACT_MAX_RANK lengths
     double chunk;                    // numbers in a chunk
-} dataset_shape;
+    bool checked;                    // digest was checked before a part was read
+    hid_t held; // of a dataset on the growing axis, kept open while streaming; 0: not open
+} file_dataset;
 
 struct artefact {
     hid_t id; // of the HDF5 file; negative when it is not open
@@ -29,17 +35,14 @@ struct artefact {
     double saved_at, save_seconds; // end of the last artefact_save and its duration, s
     char *history_line; // of the run that resumes the file, added at the end; NULL: not resumed
     char *digests;      // content_sha256 of a file being read; NULL: not to be checked
-    bool *checked;      // [number of the schema's fields] digest was checked before a part was read
     int64_t *outcomes;  // `status` of the entries of outcome_axis; NULL: none
     const char *outcome_axis;
-    dataset_shape *shapes; // [axes of the schema, then its fields], as examined
-    size_t *lengths;       // [number of the schema's axes], 0: not known (yet)
-    const char *growing;   // name of the axis that grows while writing; NULL: none
-    hid_t *held;           // [number of the schema's fields + 1] datasets on the growing axis, kept
-                           // open while streaming; the last is the axis; 0: not open
-    int lock;              // descriptor that holds the writer's lock; -1 when reading
-    int copy_lock;         // descriptor that holds the lock of the copy; -1: no copy
-    bool force;            // an existing final file may be replaced
+    file_dataset *datasets; // the schema's axes, then its fields; ends with {0}
+    file_dataset *fields;   // the first of its fields
+    const char *growing;    // name of the axis that grows while writing; NULL: none
+    int lock;               // descriptor that holds the writer's lock; -1 when reading
+    int copy_lock;          // descriptor that holds the lock of the copy; -1: no copy
+    bool force;             // an existing final file may be replaced
     bool streaming;
     bool keep;   // --resume can use the partial file
     bool copied; // made by artefact_copy; NEED_OWN items may be missing
@@ -247,10 +250,12 @@ ehd_status give_final_name(artefact *file, ehd_error *error);
 /* Functions for reading, writing and resuming. */
 artefact *artefact_new(const char *path);
 void artefact_delete(artefact *file); // closes the HDF5 file without error checks; accepts NULL
+/* Sets the schema of a file. Returns false without memory. */
+bool set_schema(artefact *file, const artefact_schema *schema);
+file_dataset *find_dataset(const artefact *file, const char *name); // NULL: not in the schema
 const artefact_field *find_field(const artefact *file, const char *name);
 const artefact_attribute *find_attribute(const artefact *file, const char *name);
-size_t *find_length(const artefact *file, const char *axis); // NULL: no such axis in the schema
-const char *shown_name(const artefact *file);                // name on disk, for messages
+const char *shown_name(const artefact *file); // name on disk, for messages
 bool axis_is_optional(const artefact_schema *schema, const char *name);
 bool field_grows(const artefact *file, const artefact_field *field);
 
@@ -290,8 +295,6 @@ ehd_status check_readable(const char *path, ehd_error *error);
 ehd_status examine(artefact *file, const artefact_schema *const *schemas, ehd_error *error);
 /* Returns the name of the axis whose scale has unlimited length; NULL: none. */
 const char *find_growing(const artefact *file);
-/* Returns an axis as a field along itself. */
-artefact_field field_of_axis(const artefact_axis *axis);
 /* Reads all of a field in slices, and checks its numbers. */
 ehd_status read_field(artefact *file, const artefact_field *field,
                       char digest[65], // NULL: not wanted

@@ -247,16 +247,7 @@ ehd_status writer_new(artefact **result, const char *path, const artefact_schema
     if (asprintf(&file->copy, "%s.finishing", path) < 0) file->copy = NULL;
     if (asprintf(&file->saved, "%s.saved", path) < 0) file->saved = NULL;
     if (!file->partial || !file->copy || !file->saved) goto no_memory;
-    size_t num_axes = 0;
-    while (schema->axes[num_axes].name)
-        num_axes++;
-    file->lengths = calloc(num_axes + 1, sizeof *file->lengths);
-    size_t num_fields = 0;
-    while (schema->fields[num_fields].name)
-        num_fields++;
-    file->held = calloc(num_fields + 1, sizeof *file->held);
-    if (!file->lengths || !file->held) goto no_memory;
-    file->schema = schema;
+    if (!set_schema(file, schema)) goto no_memory;
     file->force = caller->force;
 
     ehd_status status = output_file_check(file->path, file->force, error);

@@ -182,7 +182,7 @@ static bool type_fits(hid_t dataset, artefact_type type) {
  * cut. */
 static ehd_status check_length(artefact *file, const char *object, const char *axis, size_t found,
                                ehd_error *error) {
-    size_t *length = find_length(file, axis);
+    size_t *length = &find_dataset(file, axis)->length;
     const ehd_status status = check_axis_length(file, object, axis, found, error);
     if (status != EHD_OK) return status;
     if (file->growing && strcmp(axis, file->growing) == 0) {
@@ -201,26 +201,18 @@ static ehd_status check_length(artefact *file, const char *object, const char *a
     return EHD_OK;
 }
 
-static ehd_status check_shape(artefact *file, const dataset_shape *shape, const char *name,
-                              const char *const *axes, size_t rank, ehd_error *error) {
-    if (shape->rank != (int)rank) {
+static ehd_status check_shape(artefact *file, const file_dataset *of, const char *const *axes,
+                              size_t rank, ehd_error *error) {
+    const char *name = of->field.name;
+    if (of->rank != (int)rank) {
         return ehd_fail(error, EHD_DATA, "%s: %s: found %d axes, expected %zu", shown_name(file),
-                        name, shape->rank, rank);
+                        name, of->rank, rank);
     }
     ehd_status status = EHD_OK;
     for (size_t i = 0; i < rank && status == EHD_OK; i++) {
-        status = check_length(file, name, axes[i], (size_t)shape->dims[i], error);
+        status = check_length(file, name, axes[i], (size_t)of->dims[i], error);
     }
     return status;
-}
-
-/* Returns the shapes of the fields, which follow those of the axes. */
-static const dataset_shape *field_shapes(const artefact *file) {
-    const dataset_shape *shape = file->shapes;
-
-    for (const artefact_axis *axis = file->schema->axes; axis->name; axis++)
-        shape++;
-    return shape;
 }
 
 /* Entry of a scale's REFERENCE_LIST: a dataset and the axis where the scale belongs. */
@@ -259,14 +251,12 @@ static scale_use *read_scale_uses(hid_t scale, size_t *num_uses) {
  * axis is right, or the schema does not have the dataset. */
 static const artefact_field *find_misfit(const artefact *file, const scale_use *use,
                                          const char *axis) {
-    const artefact_field *field = file->schema->fields;
-
-    for (const dataset_shape *shape = field_shapes(file); field->name; field++, shape++) {
+    for (const file_dataset *of = file->fields; of->field.name; of++) {
         const char *axes[ARTEFACT_MAX_RANK];
-        if (!shape->there || shape->address != use->dataset) continue;
-        const size_t rank = artefact_axes(axes, file, field);
+        if (!of->there || of->address != use->dataset) continue;
+        const size_t rank = artefact_axes(axes, file, &of->field);
         if (use->axis < 0 || use->axis >= (int)rank || strcmp(axes[use->axis], axis) != 0)
-            return field;
+            return &of->field;
     }
     return NULL;
 }
@@ -295,72 +285,56 @@ static ehd_status check_scale(const artefact *file, const char *axis, ehd_error 
 
 /* Reads the shape of a dataset, if there is one, and checks that it is the file's own and has the
  * right type. */
-static ehd_status look_at(dataset_shape *shape, const artefact *file, const char *name,
-                          artefact_type type, ehd_error *error) {
+static ehd_status look_at(file_dataset *of, const artefact *file, ehd_error *error) {
+    const char *name = of->field.name, *found = NULL;
     hsize_t dims[H5S_MAX_RANK] = {0};
-    const char *found = NULL;
 
-    *shape = (dataset_shape){.there = hdf5_has_dataset(file->id, name)};
-    if (!shape->there) return EHD_OK;
-    const hid_t dataset = hdf5_open_own(&found, &shape->chunk, &shape->address, file->id, name);
+    of->there = hdf5_has_dataset(file->id, name);
+    if (!of->there) return EHD_OK;
+    const hid_t id = hdf5_open_own(&found, &of->chunk, &of->address, file->id, name);
     if (found) return hdf5_refuse(shown_name(file), name, found, error);
-    if (dataset < 0) return hdf5_read_failed(file, name, error);
-    const hid_t space = H5Dget_space(dataset);
-    shape->rank = H5Sget_simple_extent_dims(space, dims, NULL);
-    memcpy(shape->dims, dims, sizeof shape->dims);
+    if (id < 0) return hdf5_read_failed(file, name, error);
+    const hid_t space = H5Dget_space(id);
+    of->rank = H5Sget_simple_extent_dims(space, dims, NULL);
+    memcpy(of->dims, dims, sizeof of->dims);
     ehd_status status = EHD_OK;
-    if (!type_fits(dataset, type))
-        status =
-            ehd_fail(error, EHD_DATA, "%s: %s: found values of another type, expected %ss",
-                     shown_name(file), name, type == ARTEFACT_REAL ? "real number" : "integer");
+    if (!type_fits(id, of->field.type))
+        status = ehd_fail(error, EHD_DATA, "%s: %s: found values of another type, expected %ss",
+                          shown_name(file), name,
+                          of->field.type == ARTEFACT_REAL ? "real number" : "integer");
     hdf5_release(space);
-    hdf5_release(dataset);
+    hdf5_release(id);
     return status;
 }
 
-static ehd_status look_at_all(artefact *file, ehd_error *error) {
-    dataset_shape *shape = file->shapes;
-    ehd_status status = EHD_OK;
+/* Returns the length of a dataset along an axis of the schema; 0 if the dataset has fewer or more
+ * axes than in the schema. */
+static size_t length_along(const file_dataset *of, const char *axis) {
+    size_t rank = 0, place = ARTEFACT_MAX_RANK;
 
-    for (const artefact_axis *axis = file->schema->axes; axis->name && !status; axis++)
-        status = look_at(shape++, file, axis->name, ARTEFACT_REAL, error);
-    for (const artefact_field *field = file->schema->fields; field->name && !status; field++)
-        status = look_at(shape++, file, field->name, field->type, error);
-    return status;
-}
-
-/* Returns the length of a dataset along an axis, or 0 if it does not have `rank` axes. */
-static size_t length_along(const dataset_shape *shape, size_t rank, size_t axis) {
-    return shape->there && shape->rank == (int)rank ? (size_t)shape->dims[axis] : 0;
+    for (; rank < ARTEFACT_MAX_RANK && of->field.axes[rank]; rank++)
+        if (strcmp(of->field.axes[rank], axis) == 0) place = rank;
+    return place < rank && of->there && of->rank == (int)rank ? (size_t)of->dims[place] : 0;
 }
 
 /* Finds the lengths of optional axes. A file has an optional axis if it has the scale. Files of
  * other programs may lack scales; then a field with all of its axes is enough. */
 static void learn_optional_axes(artefact *file) {
-    const dataset_shape *of_axis = file->shapes;
-
-    for (const artefact_axis *axis = file->schema->axes; axis->name; axis++, of_axis++) {
-        if (!axis->optional) continue;
-        size_t *length = find_length(file, axis->name);
-        const dataset_shape *shape = field_shapes(file);
-        *length = length_along(of_axis, 1, 0);
-        for (const artefact_field *field = file->schema->fields; field->name && *length == 0;
-             field++, shape++) {
-            size_t rank = 0, place = ARTEFACT_MAX_RANK;
-            for (; rank < ARTEFACT_MAX_RANK && field->axes[rank]; rank++)
-                if (strcmp(field->axes[rank], axis->name) == 0) place = rank;
-            if (place < rank) *length = length_along(shape, rank, place);
-        }
+    for (file_dataset *axis = file->datasets; axis < file->fields; axis++) {
+        if (!axis->axis->optional) continue;
+        axis->length = length_along(axis, axis->field.name);
+        for (const file_dataset *of = file->fields; of->field.name && axis->length == 0; of++)
+            axis->length = length_along(of, axis->field.name);
     }
 }
 
 /* Checks the shape of a field, if the file has the field. EHD_DATA: a NEED_ALWAYS field is
  * missing. */
-static ehd_status check_field(artefact *file, const artefact_field *field,
-                              const dataset_shape *shape, ehd_error *error) {
+static ehd_status check_field(artefact *file, const file_dataset *of, ehd_error *error) {
+    const artefact_field *field = &of->field;
     const char *axes[ARTEFACT_MAX_RANK];
 
-    if (!shape->there) {
+    if (!of->there) {
         if (field->need != NEED_ALWAYS) return EHD_OK;
         return ehd_fail(error, EHD_DATA, "%s: found no dataset %s, expected %s", shown_name(file),
                         field->name, field->long_name);
@@ -369,24 +343,24 @@ static ehd_status check_field(artefact *file, const artefact_field *field,
     if (rank == 0)
         return ehd_fail(error, EHD_DATA, "%s: %s: found no axis %s, expected it", shown_name(file),
                         field->name, field->axes[0]);
-    return check_shape(file, shape, field->name, axes, rank, error);
+    return check_shape(file, of, axes, rank, error);
 }
 
-static ehd_status check_fields(artefact *file, ehd_error *error) {
-    const dataset_shape *shape = file->shapes;
-    ehd_status status = look_at_all(file, error);
+/* Checks the shape of an axis, and which axes of fields it belongs to. */
+static ehd_status check_axis(artefact *file, const file_dataset *of, ehd_error *error) {
+    if (!of->there) return EHD_OK;
+    const ehd_status status = check_shape(file, of, of->field.axes, 1, error);
+    return status ? status : check_scale(file, of->field.name, error);
+}
 
-    if (status == EHD_OK) learn_optional_axes(file);
-    for (const artefact_axis *axis = file->schema->axes; axis->name && status == EHD_OK;
-         axis++, shape++) {
-        const char *own[] = {axis->name};
-        if (!shape->there) continue;
-        status = check_shape(file, shape, axis->name, own, 1, error);
-        if (status == EHD_OK) status = check_scale(file, axis->name, error);
-    }
-    for (const artefact_field *field = file->schema->fields; field->name && status == EHD_OK;
-         field++, shape++)
-        status = check_field(file, field, shape, error);
+static ehd_status check_datasets(artefact *file, ehd_error *error) {
+    ehd_status status = EHD_OK;
+
+    for (file_dataset *of = file->datasets; of->field.name && !status; of++)
+        status = look_at(of, file, error);
+    if (!status) learn_optional_axes(file);
+    for (const file_dataset *of = file->datasets; of->field.name && !status; of++)
+        status = of->axis ? check_axis(file, of, error) : check_field(file, of, error);
     return status;
 }
 
@@ -395,12 +369,8 @@ const char *find_growing(const artefact *file) {
     for (const artefact_axis *axis = file->schema->axes; axis->name && !growing; axis++) {
         if (!hdf5_has_dataset(file->id, axis->name)) continue;
         if (hdf5_find_foreign(file->id, axis->name)) continue;
-        hsize_t max_dims[H5S_MAX_RANK] = {0};
         hid_t dataset = H5Dopen2(file->id, axis->name, H5P_DEFAULT);
-        hid_t space = H5Dget_space(dataset);
-        H5Sget_simple_extent_dims(space, NULL, max_dims);
-        if (max_dims[0] == H5S_UNLIMITED) growing = axis->name;
-        hdf5_release(space);
+        if (is_extendible(dataset)) growing = axis->name;
         hdf5_release(dataset);
     }
     return growing;
@@ -411,23 +381,10 @@ ehd_status examine(artefact *file, const artefact_schema *const *schemas, ehd_er
     if (status == EHD_OK) status = check_version(file, error);
     if (status != EHD_OK) return status;
 
-    size_t num_axes = 0;
-    while (file->schema->axes[num_axes].name)
-        num_axes++;
-    size_t num_fields = 0;
-    while (file->schema->fields[num_fields].name)
-        num_fields++;
-    free(file->lengths);
-    file->lengths = calloc(num_axes + 1, sizeof *file->lengths);
-    free(file->checked);
-    file->checked = calloc(num_fields + 1, sizeof *file->checked);
-    free(file->shapes);
-    file->shapes = calloc(num_axes + num_fields + 1, sizeof *file->shapes);
-    if (!file->lengths || !file->checked || !file->shapes) {
+    if (!file->datasets && !set_schema(file, file->schema))
         return ehd_no_memory(error, shown_name(file));
-    }
     status = check_attributes(file, error);
-    if (status == EHD_OK) status = check_fields(file, error);
+    if (status == EHD_OK) status = check_datasets(file, error);
     if (status == EHD_OK) status = check_unpacking(file, error);
     if (status == EHD_OK) status = learn_outcomes(file, error);
     if (status == EHD_OK) status = learn_digests(file, error);
@@ -544,10 +501,6 @@ ehd_status read_field(artefact *file, const artefact_field *field, char digest[6
     return status;
 }
 
-artefact_field field_of_axis(const artefact_axis *axis) {
-    return (artefact_field){.name = axis->name, .type = ARTEFACT_REAL, .axes = {axis->name}};
-}
-
 /* Reads a field that the file has, and compares it with the file's digest. */
 static ehd_status verify_field(artefact *file, const artefact_field *field, ehd_error *error) {
     char digest[65];
@@ -558,10 +511,10 @@ static ehd_status verify_field(artefact *file, const artefact_field *field, ehd_
 
 /* Verifies a field once, before its first part is read. */
 static ehd_status verify_once(artefact *file, const artefact_field *field, ehd_error *error) {
-    const size_t index = (size_t)(field - file->schema->fields);
+    file_dataset *of = find_dataset(file, field->name);
 
-    if (!file->digests || file->checked[index]) return EHD_OK;
-    file->checked[index] = true;
+    if (!file->digests || of->checked) return EHD_OK;
+    of->checked = true;
     return verify_field(file, field, error);
 }
 
@@ -634,9 +587,8 @@ ehd_status artefact_get_axis(artefact *file, const char *axis, double *values, s
     // the axis of a file that is being written may have grown since
     const ehd_status status = read_entries(file, axis, ARTEFACT_REAL, 0,
                                            artefact_length(file, axis), values, room, error);
-    const artefact_axis named = {.name = axis};
-    const artefact_field scale = field_of_axis(&named);
-    return status != EHD_OK ? status : check_content(file, &scale, values, error);
+    return status != EHD_OK ? status
+                            : check_content(file, &find_dataset(file, axis)->field, values, error);
 }
 
 static ehd_status get_number(artefact *file, const char *attribute, H5T_class_t wanted, void *value,
@@ -735,15 +687,11 @@ void artefact_visit_attributes(const artefact *file, void (*visit)(const char *n
 
 ehd_status read_everything(artefact *file, bool partial, ehd_error *error) {
     ehd_status status = EHD_OK;
-    for (const artefact_axis *axis = file->schema->axes; axis->name && status == EHD_OK; axis++) {
-        const artefact_field scale = field_of_axis(axis);
-        if (hdf5_has_dataset(file->id, axis->name)) status = verify_field(file, &scale, error);
-    }
-    for (const artefact_field *field = file->schema->fields; field->name && status == EHD_OK;
-         field++) {
-        if (partial && is_kept_apart(file, field)) continue;
-        if (file->growing && !field_grows(file, field)) continue;
-        if (hdf5_has_dataset(file->id, field->name)) status = verify_field(file, field, error);
+    for (const file_dataset *of = file->datasets; of->field.name && status == EHD_OK; of++) {
+        if (partial && is_kept_apart(file, &of->field)) continue;
+        if (file->growing && !of->axis && !field_grows(file, &of->field)) continue;
+        if (hdf5_has_dataset(file->id, of->field.name))
+            status = verify_field(file, &of->field, error);
     }
     return status;
 }
@@ -763,11 +711,9 @@ static ehd_status read_entry(artefact *file, const artefact_field *field, size_t
 
 ehd_status artefact_check_entry(artefact *file, size_t entry, ehd_error *error) {
     ehd_status status = EHD_OK;
-    for (const artefact_field *field = file->schema->fields; field->name && status == EHD_OK;
-         field++) {
-        if (is_finished_by_entry(file, field) && field_exists(file, field))
-            status = read_entry(file, field, entry, error);
-    }
+    for (const file_dataset *of = file->fields; of->field.name && status == EHD_OK; of++)
+        if (is_finished_by_entry(file, &of->field) && field_exists(file, &of->field))
+            status = read_entry(file, &of->field, entry, error);
     return status;
 }
 

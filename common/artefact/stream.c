@@ -192,13 +192,11 @@ ehd_status artefact_cut_axis(artefact *file, const char *name, size_t length, eh
                         "%s: found axis %s, expected the one that grows, before streaming",
                         file->path, name);
     }
-    ehd_status status = cut_dataset(file, name, length, error);
-    for (const artefact_field *field = file->schema->fields; field->name && status == EHD_OK;
-         field++) {
-        if (!field_grows(file, field) || !field_exists(file, field)) continue;
-        status = cut_dataset(file, field->name, length, error);
-    }
-    *find_length(file, name) = length;
+    ehd_status status = EHD_OK;
+    for (const file_dataset *of = file->datasets; of->field.name && status == EHD_OK; of++)
+        if (field_grows(file, &of->field) && field_exists(file, &of->field))
+            status = cut_dataset(file, of->field.name, length, error);
+    find_dataset(file, name)->length = length;
     if (status == EHD_OK) status = read_everything(file, true, error);
     return status == EHD_OK ? artefact_begin_streaming(file, error) : status;
 }

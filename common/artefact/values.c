@@ -248,13 +248,11 @@ ehd_status learn_outcomes(artefact *file, ehd_error *error) {
 
 ehd_status check_axis_length(const artefact *file, const char *object, const char *axis,
                              size_t length, ehd_error *error) {
-    const artefact_axis *found = file->schema->axes;
+    const file_dataset *found = find_dataset(file, axis);
 
-    while (found->name && strcmp(found->name, axis) != 0)
-        found++;
-    if (length <= found->max) return EHD_OK;
+    if (length <= found->axis->max) return EHD_OK;
     return ehd_fail(error, EHD_DATA, "%s: %s: found length %zu along %s, expected at most %zu",
-                    shown_name(file), object, length, axis, found->max);
+                    shown_name(file), object, length, axis, found->axis->max);
 }
 
 size_t num_entries(const artefact *file, const artefact_field *field) {
@@ -309,32 +307,24 @@ static double count_numbers(const artefact *file, const artefact_field *field) {
 }
 
 /* Checks the size of a chunk, because HDF5 unpacks all of it to read a part of it. */
-static ehd_status check_chunk(const artefact *file, const char *name, const dataset_shape *shape,
-                              double numbers, ehd_error *error) {
+static ehd_status check_chunk(const artefact *file, const file_dataset *of, double numbers,
+                              ehd_error *error) {
     const double small = 1 << 20, most = fmax(numbers, small);
 
-    if (shape->chunk <= most) return EHD_OK;
+    if (of->chunk <= most) return EHD_OK;
     return ehd_fail(error, EHD_DATA, "%s: %s: found a chunk of %.0f numbers, expected at most %.0f",
-                    shown_name(file), name, shape->chunk, most);
+                    shown_name(file), of->field.name, of->chunk, most);
 }
 
 /* Adds up the numbers that a reader may read at once, and checks the chunk sizes. */
 static ehd_status add_numbers(double *numbers, const artefact *file, ehd_error *error) {
-    const dataset_shape *shape = file->shapes;
     ehd_status status = EHD_OK;
 
-    for (const artefact_axis *axis = file->schema->axes; axis->name && !status; axis++, shape++) {
-        const double count = (double)artefact_length(file, axis->name);
-        if (!shape->there) continue;
+    for (const file_dataset *of = file->datasets; of->field.name && !status; of++) {
+        if (!of->there) continue;
+        const double count = count_numbers(file, &of->field);
         *numbers += count;
-        status = check_chunk(file, axis->name, shape, count, error);
-    }
-    for (const artefact_field *field = file->schema->fields; field->name && !status;
-         field++, shape++) {
-        const double count = count_numbers(file, field);
-        if (!shape->there) continue;
-        *numbers += count;
-        status = check_chunk(file, field->name, shape, count, error);
+        status = check_chunk(file, of, count, error);
     }
     return status;
 }

@@ -158,11 +158,9 @@ static bool write_scale(hid_t root, const artefact_axis *axis, size_t length,
 /* Returns the schema's axis of this name; NULL if the schema has none, the file already has it, or
  * the file is streaming. */
 static const artefact_axis *new_axis(const artefact *file, const char *name) {
-    const artefact_axis *axis = file->schema->axes;
-    while (axis->name && strcmp(axis->name, name) != 0)
-        axis++;
-    bool usable = axis->name && !file->streaming && !hdf5_has_dataset(file->id, name);
-    return usable ? axis : NULL;
+    const file_dataset *found = find_dataset(file, name);
+    bool usable = found && found->axis && !file->streaming && !hdf5_has_dataset(file->id, name);
+    return usable ? found->axis : NULL;
 }
 
 ehd_status artefact_put_axis(artefact *file, const char *name, size_t length, const double *values,
@@ -175,7 +173,7 @@ ehd_status artefact_put_axis(artefact *file, const char *name, size_t length, co
             file->path, name, length, file->schema->name);
     }
     if (!write_scale(file->id, axis, length, values)) return hdf5_write_failed(file, name, error);
-    *find_length(file, name) = length;
+    find_dataset(file, name)->length = length;
     return EHD_OK;
 }
 
@@ -301,13 +299,12 @@ ehd_status artefact_put_integers_part(artefact *file, const char *field, size_t 
 static ehd_status extend_fields(artefact *file, size_t length, ehd_error *error) {
     ehd_status status = EHD_OK;
     hdf5_start();
-    for (const artefact_field *field = file->schema->fields; field->name && status == EHD_OK;
-         field++) {
-        if (!field_grows(file, field) || !field_exists(file, field)) continue;
-        hid_t dataset = open_dataset(file, field->name);
-        if (dataset < 0 || !extend_dataset(dataset, length))
-            status = hdf5_write_failed(file, field->name, error);
-        hdf5_release(dataset);
+    for (const file_dataset *of = file->fields; of->field.name && status == EHD_OK; of++) {
+        if (!field_grows(file, &of->field) || !field_exists(file, &of->field)) continue;
+        hid_t id = open_dataset(file, of->field.name);
+        if (id < 0 || !extend_dataset(id, length))
+            status = hdf5_write_failed(file, of->field.name, error);
+        hdf5_release(id);
     }
     return status;
 }
@@ -318,7 +315,7 @@ ehd_status artefact_put_axis_part(artefact *file, const char *name, size_t first
         return ehd_fail(error, EHD_INTERNAL, "%s: found axis %s, expected the one that grows",
                         file->path, name);
     }
-    size_t *length = find_length(file, name);
+    size_t *length = &find_dataset(file, name)->length;
     ehd_status status = EHD_OK;
     if (first + count > *length) {
         status = extend_fields(file, first + count, error);
