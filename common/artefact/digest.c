@@ -23,12 +23,6 @@ static bool is_wanted(void) {
 
 // ---- one dataset
 
-struct content_digest {
-    struct sha256_ctx context;
-    size_t entry; // numbers in an entry
-    bool by_entry;
-};
-
 static void add_text(struct sha256_ctx *context, const char *text) {
     sha256_update(context, strlen(text), (const uint8_t *)text);
 }
@@ -47,13 +41,11 @@ static void add_numbers(struct sha256_ctx *context, const void *numbers, size_t 
     }
 }
 
-content_digest *digest_begin(const artefact *file, const artefact_field *field) {
+void digest_begin(content_digest *self, const artefact *file, const artefact_field *field) {
     const char *axes[ARTEFACT_MAX_RANK];
     const size_t rank = artefact_axes(axes, file, field);
-    content_digest *self = malloc(sizeof *self);
     char text[32];
 
-    if (!self) return NULL;
     self->entry = entry_size(file, field);
     self->by_entry = field->by_entry;
     sha256_init(&self->context);
@@ -64,7 +56,6 @@ content_digest *digest_begin(const artefact *file, const artefact_field *field) 
         add_text(&self->context, text);
     }
     add_text(&self->context, "\n");
-    return self;
 }
 
 static bool is_known(const double *numbers, size_t count) {
@@ -92,7 +83,6 @@ void digest_add(content_digest *self, size_t first, size_t count, const void *nu
 
 void digest_end(content_digest *self, char text[65]) {
     sha256_end(&self->context, text);
-    free(self);
 }
 
 // ---- attributes
@@ -160,13 +150,13 @@ ehd_status check_digest(const artefact *file, const char *name, const char *dige
 
 ehd_status check_content(const artefact *file, const artefact_field *field, const void *numbers,
                          ehd_error *error) {
+    content_digest hash;
     char digest[65];
 
     if (!file->digests) return EHD_OK;
-    content_digest *self = digest_begin(file, field);
-    if (!self) return ehd_no_memory(error, shown_name(file));
-    digest_add(self, 0, num_entries(file, field), numbers);
-    digest_end(self, digest);
+    digest_begin(&hash, file, field);
+    digest_add(&hash, 0, num_entries(file, field), numbers);
+    digest_end(&hash, digest);
     return check_digest(file, field->name, digest, error);
 }
 

@@ -169,10 +169,13 @@ ehd_status check_memory(const artefact *file, const artefact_field *field, size_
 
 // ---- digest.c
 
-typedef struct content_digest content_digest;
-/* Computes the SHA-256 of a dataset from its entries in their order. digest_begin returns NULL
- * without memory; digest_end frees the object. */
-content_digest *digest_begin(const artefact *file, const artefact_field *field);
+typedef struct content_digest {
+    struct sha256_ctx context;
+    size_t entry; // numbers in an entry
+    bool by_entry;
+} content_digest;
+/* Compute the SHA-256 of a dataset from its entries in their order. */
+void digest_begin(content_digest *self, const artefact *file, const artefact_field *field);
 void digest_add(content_digest *self, size_t first, size_t count, const void *numbers);
 void digest_end(content_digest *self, char text[65]);
 /* Compare a digest, or the digest of all numbers of a field, with the stored digest. EHD_DATA: they

@@ -489,14 +489,15 @@ ehd_status read_field(artefact *file, const artefact_field *field, char digest[6
     if (status) return status;
 
     void *numbers = array_new(slice, entry_size(file, field), sizeof(double));
-    content_digest *hash = digest ? digest_begin(file, field) : NULL;
-    if (!numbers || (digest && !hash)) status = ehd_no_memory(error, shown_name(file));
+    content_digest hash;
+    if (digest) digest_begin(&hash, file, field);
+    if (!numbers) status = ehd_no_memory(error, shown_name(file));
     for (size_t first = 0; first < length && !status; first += slice) {
         status = read_slice(file, field, first, length - first < slice ? length - first : slice,
-                            numbers, hash, error);
+                            numbers, digest ? &hash : NULL, error);
         if (!status && first + slice < length) status = check_interrupted(file, error);
     }
-    if (hash) digest_end(hash, digest);
+    if (digest) digest_end(&hash, digest);
     free(numbers);
     return status;
 }
