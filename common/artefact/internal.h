@@ -9,6 +9,13 @@
 
 #include <hdf5.h>
 
+/* What hdf5_open_own finds of a dataset. */
+typedef struct own_dataset {
+    const char *foreign; // why it must not be read; NULL: no reason
+    double chunk;        // numbers in a chunk, 1 without chunks
+    haddr_t address;     // of its object header; HDF5 references to the dataset contain it
+} own_dataset;
+
 /* A dataset of the schema. An axis is a field of real numbers along itself. */
 typedef struct file_dataset {
     artefact_field field;
@@ -16,10 +23,9 @@ typedef struct file_dataset {
     size_t length;             // of an axis, 0: not known (yet)
     // when the file was opened:
     bool there;
-    haddr_t address; // of its object header; HDF5 references to the dataset contain it
+    own_dataset own;
     int rank;
     hsize_t dims[ARTEFACT_MAX_RANK]; // the first ARTEFACT_MAX_RANK lengths
-    double chunk;                    // numbers in a chunk
     bool checked;                    // digest was checked before a part was read
     hid_t held; // of a dataset on the growing axis, kept open while streaming; 0: not open
 } file_dataset;
@@ -118,18 +124,12 @@ void hdf5_visit_attributes(hid_t object, void (*visit)(const char *name, void *d
 
 // ---- own_data.c
 
-/* Returns why an existing dataset must not be read: a link that is not hard, data in other files,
- * or a filter other than gzip, shuffle and Fletcher-32. NULL: no reason. Call it before any other
- * access to the dataset. `name` may lead through groups. */
-const char *hdf5_find_foreign(hid_t root, const char *name);
-/* Opens a dataset that hdf5_find_foreign accepts. Otherwise returns a negative id and the reason in
- * *found, which is NULL if the dataset is damaged. *chunk: numbers in a chunk, 1 without chunks.
- * *address: address of its object header. */
-hid_t hdf5_open_own(const char **found, double *chunk, haddr_t *address, hid_t root,
-                    const char *name);
+/* Opens an existing dataset. Negative, with the reason in `foreign`: a link is not hard, the data
+ * are in other files, or a filter is not gzip, shuffle or Fletcher-32. Negative without a reason:
+ * the dataset is damaged. Call it before any other access to the dataset. `name` may lead through
+ * groups. */
+hid_t hdf5_open_own(own_dataset *about, hid_t root, const char *name);
 ehd_status hdf5_refuse(const char *path, const char *name, const char *found, ehd_error *error);
-/* Returns EHD_DATA if hdf5_find_foreign finds a reason. `path` names the file in the message. */
-ehd_status hdf5_check_own(hid_t root, const char *path, const char *name, ehd_error *error);
 
 // ---- values.c
 

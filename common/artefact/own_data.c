@@ -83,40 +83,24 @@ static const char *other_layout(double *chunk, hid_t dataset) {
     return found;
 }
 
-hid_t hdf5_open_own(const char **found, double *chunk, haddr_t *address, hid_t root,
-                    const char *name) {
+hid_t hdf5_open_own(own_dataset *about, hid_t root, const char *name) {
     H5O_info_t info;
 
-    *found = other_step(address, root, name);
-    if (*found) return -1;
+    about->foreign = other_step(&about->address, root, name);
+    if (about->foreign) return -1;
     const hid_t dataset = H5Dopen2(root, name, H5P_DEFAULT);
     if (dataset >= 0) {
-        *found = other_layout(chunk, dataset);
-        if (!*found) return dataset;
+        about->foreign = other_layout(&about->chunk, dataset);
+        if (!about->foreign) return dataset;
         hdf5_release(dataset);
     } else if (H5Oget_info_by_name2(root, name, &info, H5O_INFO_BASIC, H5P_DEFAULT) >= 0 &&
                info.type != H5O_TYPE_DATASET) {
-        *found = "no dataset";
+        about->foreign = "no dataset";
     }
     return -1;
-}
-
-const char *hdf5_find_foreign(hid_t root, const char *name) {
-    const char *found;
-    double chunk;
-    haddr_t address;
-
-    hdf5_release(hdf5_open_own(&found, &chunk, &address, root, name));
-    return found;
 }
 
 ehd_status hdf5_refuse(const char *path, const char *name, const char *found, ehd_error *error) {
     return ehd_fail(error, EHD_DATA, "%s: %s: found %s, expected a dataset of the file itself",
                     path, name, found);
-}
-
-ehd_status hdf5_check_own(hid_t root, const char *path, const char *name, ehd_error *error) {
-    const char *found = hdf5_find_foreign(root, name);
-
-    return found ? hdf5_refuse(path, name, found, error) : EHD_OK;
 }

@@ -181,8 +181,11 @@ bool is_kept_apart(const artefact *file, const artefact_field *field) {
 /* Checks whether an entry of the dataset is at least `min`. Reads one entry at a time, because a
  * killed writer leaves the entry that it was writing damaged. */
 static bool has_entry(hid_t file, const char *name, int64_t min) {
-    if (!hdf5_has_dataset(file, name) || hdf5_find_foreign(file, name)) return false;
-    const hid_t dataset = H5Dopen2(file, name, H5P_DEFAULT), space = H5Dget_space(dataset);
+    own_dataset about;
+    if (!hdf5_has_dataset(file, name)) return false;
+    const hid_t dataset = hdf5_open_own(&about, file, name);
+    if (dataset < 0) return false;
+    const hid_t space = H5Dget_space(dataset);
     const hid_t scalar = H5Screate(H5S_SCALAR);
     const bool is_list = H5Sget_simple_extent_ndims(space) == 1;
     const hssize_t count = is_list ? H5Sget_simple_extent_npoints(space) : 0;

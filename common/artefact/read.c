@@ -253,7 +253,7 @@ static const artefact_field *find_misfit(const artefact *file, const scale_use *
                                          const char *axis) {
     for (const file_dataset *of = file->fields; of->field.name; of++) {
         const char *axes[ARTEFACT_MAX_RANK];
-        if (!of->there || of->address != use->dataset) continue;
+        if (!of->there || of->own.address != use->dataset) continue;
         const size_t rank = artefact_axes(axes, file, &of->field);
         if (use->axis < 0 || use->axis >= (int)rank || strcmp(axes[use->axis], axis) != 0)
             return &of->field;
@@ -286,13 +286,13 @@ static ehd_status check_scale(const artefact *file, const char *axis, ehd_error 
 /* Reads the shape of a dataset, if there is one, and checks that it is the file's own and has the
  * right type. */
 static ehd_status look_at(file_dataset *of, const artefact *file, ehd_error *error) {
-    const char *name = of->field.name, *found = NULL;
+    const char *name = of->field.name;
     hsize_t dims[H5S_MAX_RANK] = {0};
 
     of->there = hdf5_has_dataset(file->id, name);
     if (!of->there) return EHD_OK;
-    const hid_t id = hdf5_open_own(&found, &of->chunk, &of->address, file->id, name);
-    if (found) return hdf5_refuse(shown_name(file), name, found, error);
+    const hid_t id = hdf5_open_own(&of->own, file->id, name);
+    if (of->own.foreign) return hdf5_refuse(shown_name(file), name, of->own.foreign, error);
     if (id < 0) return hdf5_read_failed(file, name, error);
     const hid_t space = H5Dget_space(id);
     of->rank = H5Sget_simple_extent_dims(space, dims, NULL);
@@ -366,10 +366,10 @@ static ehd_status check_datasets(artefact *file, ehd_error *error) {
 
 const char *find_growing(const artefact *file) {
     const char *growing = NULL;
+    own_dataset about;
     for (const artefact_axis *axis = file->schema->axes; axis->name && !growing; axis++) {
         if (!hdf5_has_dataset(file->id, axis->name)) continue;
-        if (hdf5_find_foreign(file->id, axis->name)) continue;
-        hid_t dataset = H5Dopen2(file->id, axis->name, H5P_DEFAULT);
+        hid_t dataset = hdf5_open_own(&about, file->id, axis->name);
         if (is_extendible(dataset)) growing = axis->name;
         hdf5_release(dataset);
     }

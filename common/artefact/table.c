@@ -87,16 +87,16 @@ static ehd_status read_column(table_column *column, size_t *count, hid_t file, c
                               ehd_error *error) {
     char shown[SHOWN_TEXT];
     const char *name = find_name(file, column->names);
+    own_dataset about;
 
     if (!*name && column->optional) return EHD_OK;
     if (!*name) return fail_missing(column, file, path, error);
     text_show(shown, name);
-    ehd_status status = hdf5_check_own(file, path, name, error);
-    if (status) return status;
-    const hid_t dataset = H5Dopen2(file, name, H5P_DEFAULT);
+    const hid_t dataset = hdf5_open_own(&about, file, name);
+    if (about.foreign) return hdf5_refuse(path, name, about.foreign, error);
     if (dataset < 0)
         return ehd_fail(error, EHD_DATA, "%s: found no dataset %s, expected one", path, shown);
-    status = read_values(&column->values, count, dataset, path, shown, error);
+    const ehd_status status = read_values(&column->values, count, dataset, path, shown, error);
     hdf5_release(dataset);
     return status;
 }

@@ -311,9 +311,9 @@ static ehd_status check_chunk(const artefact *file, const file_dataset *of, doub
                               ehd_error *error) {
     const double small = 1 << 20, most = fmax(numbers, small);
 
-    if (of->chunk <= most) return EHD_OK;
+    if (of->own.chunk <= most) return EHD_OK;
     return ehd_fail(error, EHD_DATA, "%s: %s: found a chunk of %.0f numbers, expected at most %.0f",
-                    shown_name(file), of->field.name, of->chunk, most);
+                    shown_name(file), of->field.name, of->own.chunk, most);
 }
 
 /* Adds up the numbers that a reader may read at once, and checks the chunk sizes. */
