@@ -12,13 +12,13 @@ const char *const residual_names[] = {"residuals", "Jacobian products"};
 
 static const char *const field_names[] = {"weighted_residual", "weighted_jacobian_step"};
 
-/* Parts of the energy that streams may omit: as for trajectories (compress.h), and for lack of
+/* Parts of the energy that streams may omit: as for trajectories, and for lack of
  * room. Weaker modes would select rows by round-off. */
-static const stream_settings of_sets = {.local_energy = 1e-22, .root_energy = 1e-16};
+static const pod_stream_settings of_sets = {.local_energy = 1e-22, .dropped_energy = 1e-16};
 
 /* Parts of the energy that streams of residuals of unit norm may omit. Only their largest entries
  * matter for the control rows. */
-static const stream_settings of_units = {.local_energy = 1e-12, .root_energy = 1e-8};
+static const pod_stream_settings of_units = {.local_energy = 1e-12, .dropped_energy = 1e-8};
 
 ehd_status residual_snapshots_init(residual_snapshots *snapshots, size_t count,
                                    const residual_reader *reader, ehd_error *error) {
@@ -97,7 +97,7 @@ static void make_unit(double *residual, size_t num_inner) {
 // ---- streams
 
 /* Streams a set. With `units` streams only the converged residuals, scaled to unit norm. */
-static ehd_status stream_all(stream_pod *stream, const residual_snapshots *snapshots,
+static ehd_status stream_all(pod_stream *stream, const residual_snapshots *snapshots,
                              residual_kind kind, bool units, size_t num_inner, double *field,
                              ehd_error *error) {
     const residual_reader *reader = snapshots->reader;
@@ -110,7 +110,7 @@ static ehd_status stream_all(stream_pod *stream, const residual_snapshots *snaps
             status =
                 artefact_get_part(reader->file, field_names[kind], i, 1, field, num_inner, error);
             if (!status && units) make_unit(field, num_inner);
-            if (!status) status = stream_pod_add(stream, field, error);
+            if (!status) status = pod_stream_add(stream, field, 1, error);
         }
         if (!status && program_interrupted())
             status = ehd_fail(error, EHD_INTERRUPTED, "%s: interrupted", residual_names[kind]);
@@ -124,18 +124,17 @@ static ehd_status stream_pod_of(pod_basis *pod, const residual_snapshots *snapsh
                                 residual_kind kind, bool units, size_t num_inner, size_t num_modes,
                                 ehd_error *error) {
     const pod_settings wanted = {.num_modes = num_modes, .at_most = true};
-    stream_settings settings = units ? of_units : of_sets;
+    pod_stream_settings settings = units ? of_units : of_sets;
     double *field = array_new(num_inner, 1, sizeof *field);
-    stream_pod *stream = NULL;
-    stream_error bound;
+    pod_stream *stream = NULL;
 
     settings.block = snapshots->reader->block;
     settings.max_rank = snapshots->reader->max_rank;
-    ehd_status status = field ? stream_pod_create(&stream, num_inner, &settings, error)
+    ehd_status status = field ? pod_stream_create(&stream, num_inner, &settings, error)
                               : ehd_no_memory(error, "residuals");
     if (!status) status = stream_all(stream, snapshots, kind, units, num_inner, field, error);
-    if (!status) status = stream_pod_finish(pod, &bound, stream, &wanted, error);
-    stream_pod_free(stream);
+    if (!status) status = pod_stream_finish(pod, stream, &wanted, error);
+    pod_stream_free(stream);
     free(field);
     return status;
 }
@@ -148,8 +147,7 @@ ehd_status residual_snapshots_pod(pod_basis *pod, const residual_snapshots *snap
     if (snapshots->reader)
         return stream_pod_of(pod, snapshots, kind, false, num_inner, num_modes, error);
     const double *fields = kind == RESIDUALS ? snapshots->residuals : snapshots->steps;
-    const ehd_status status = pod_check_snapshots(fields, snapshots->count, num_inner, 0, error);
-    return status ? status : pod_build(pod, fields, snapshots->count, num_inner, &settings, error);
+    return pod_build(pod, fields, snapshots->count, num_inner, &settings, error);
 }
 
 // ---- converged residuals
@@ -164,7 +162,7 @@ static ehd_status stream_units(double **rows, size_t *num_rows, const residual_s
 
     if (status) return status;
     for (size_t k = 0; k < pod.num_modes; k++)
-        cblas_dscal((int)num_inner, pod.singular_values[k], pod.modes + k * num_inner, 1);
+        pod_row(pod.modes + k * num_inner, &pod, k);
     *rows = pod.modes;
     *num_rows = pod.num_modes;
     pod.modes = NULL;

@@ -5,7 +5,7 @@
 #define EHD_RESIDUAL_SNAPSHOTS_H
 
 #include "common/artefact/artefact.h"
-#include "podbuild/stream_pod.h"
+#include "podbuild/pod_stream.h"
 #include <stdint.h>
 
 /* Kinds of snapshots. */
@@ -20,7 +20,7 @@ extern const char *const residual_names[]; // "residuals", "Jacobian products"
 typedef struct residual_reader {
     artefact *file;
     const program *caller;  // for progress messages; NULL: none
-    size_t block, max_rank; // sizes of the streams of the PODs (stream_pod.h)
+    size_t block, max_rank; // sizes of the streams of the PODs (pod_stream.h)
 } residual_reader;
 
 /* Iterations of the training with the reduced basis and all rows. */
@@ -58,7 +58,7 @@ size_t residual_snapshots_converged(const residual_snapshots *snapshots);
 
 /* Computes the POD of a set with at most num_modes modes. If the set is streamed, the POD has
  * singular values above 1e-11 of the first as long as there is room for their directions. Otherwise
- * it drops directions below 1e-8 of the first. Errors as pod_build and stream_pod_add;
+ * it drops directions below 1e-8 of the first. Errors as pod_build and pod_stream_add;
  * EHD_INTERRUPTED. */
 ehd_status residual_snapshots_pod(
     // output:

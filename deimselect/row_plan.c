@@ -101,14 +101,14 @@ static double bytes_at_once(const row_sizes *sizes) {
            fmax(2 * sizes->snapshots * a_field + fmax(pod, select), bytes_of_model(sizes));
 }
 
-/* Returns the memory of a streamed selection (a stream_work_bytes): the largest over the second POD
+/* Returns the memory of a streamed selection (a pod_work_bytes): the largest over the second POD
  * beside the modes of the first, the selection of rows, and the selection of control rows. */
 static double bytes_of_stream(const void *work, size_t block, size_t max_rank) {
     const row_sizes *sizes = work;
     const double a_field = 8 * sizes->rows_in_all;
     const double rank = (double)max_rank, modes = fmin(sizes->num_modes, rank);
-    const stream_settings settings = {.block = block, .max_rank = max_rank};
-    const double stream = stream_pod_bytes(sizes->num_inner, &settings);
+    const pod_stream_settings settings = {.block = block, .max_rank = max_rank};
+    const double stream = pod_stream_bytes(sizes->num_inner, (size_t)sizes->snapshots, &settings);
     const double pod = modes * a_field + stream;
     const double select = bytes_of_modes(sizes, modes, fmax(stream, 2 * rank * a_field));
 
@@ -129,7 +129,7 @@ ehd_status row_plan_make(row_plan *plan, const residual_snapshots *snapshots,
     const size_t most = snapshots->count < sizes.num_inner ? snapshots->count : sizes.num_inner;
     const size_t wanted = row_choice_num_modes(basis, settings);
     const size_t least = wanted < most ? wanted : most;
-    const bool enough = stream_pod_room(&plan->block, &plan->max_rank, snapshots->count, least,
+    const bool enough = pod_stream_room(&plan->block, &plan->max_rank, snapshots->count, least,
                                         most, limit, bytes_of_stream, &sizes);
     plan->bytes = bytes_of_stream(&sizes, plan->block, plan->max_rank);
     if (enough) return EHD_OK;

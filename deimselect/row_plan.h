@@ -11,7 +11,7 @@ typedef struct row_plan {
     double limit; // memory limit, bytes
     double bytes; // upper bound of the memory of this plan, bytes, without the tables of the model
                   // and its check
-    size_t block, max_rank; // sizes of the streams (stream_pod.h) if not direct
+    size_t block, max_rank; // sizes of the streams (pod_stream.h) if not direct
 } row_plan;
 
 /* Makes the plan before the snapshots are read. Their number and states must be known. EHD_MEMORY:

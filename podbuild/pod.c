@@ -1,7 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Computes the POD of one block of snapshots: X = Q R = Q (U S Vᵀ), with modes Q U.
+ * Equations: Sirovich 1987; the error of the first k modes is the tail of S² (Eckart and Young).
+ * Called by pod_stream.c and by deimselect/residual_snapshots.c. */
 #include "podbuild/pod.h"
 
 #include "common/algebra/lapack.h"
+#include "common/program/arena.h"
 
 #include <float.h>
 #include <lapacke.h>
@@ -11,24 +15,19 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* LAPACK reads a row-major [num_states, num_nodes] array as a num_nodes x num_states matrix with a
- * snapshot in each column. The modes are its left singular vectors, and nothing is transposed. */
+/* LAPACK reads a row-major [num_snapshots, num_nodes] array as a num_nodes x num_snapshots matrix
+ * with a snapshot in each column. The modes are its left singular vectors, and nothing is
+ * transposed. */
 
-static ehd_status check_input(const double *snapshots, size_t num_states, size_t num_nodes,
-                              const pod_settings *settings, ehd_error *error) {
-    if (num_states == 0 || num_nodes == 0 || num_states > INT_MAX || num_nodes > INT_MAX)
+static ehd_status check_input(size_t num_snapshots, size_t num_nodes, const pod_settings *settings,
+                              ehd_error *error) {
+    if (num_snapshots == 0 || num_nodes == 0 || num_snapshots > INT_MAX || num_nodes > INT_MAX)
         return ehd_fail(error, EHD_DATA,
-                        "snapshots: found %zu states of %zu nodes, expected 1 to %d", num_states,
+                        "snapshots: found %zu states of %zu nodes, expected 1 to %d", num_snapshots,
                         num_nodes, INT_MAX);
     if (settings->num_modes == 0 && !(settings->discarded_energy >= 0.0))
         return ehd_fail(error, EHD_DATA, "discarded energy: found %g, expected >= 0",
                         settings->discarded_energy);
-    for (size_t i = 0; i < num_states * num_nodes; i++)
-        if (!isfinite(snapshots[i]))
-            return ehd_fail(
-                error, EHD_DATA,
-                "snapshots: found %g in state %zu at node %zu, expected a finite number",
-                snapshots[i], i / num_nodes, i % num_nodes);
     return EHD_OK;
 }
 
@@ -81,9 +80,10 @@ ehd_status pod_check_snapshots(const double *snapshots, size_t count, size_t num
                     snapshots[i], first + i / num_nodes, i % num_nodes, LARGEST_VALUE);
 }
 
-ehd_status pod_choose_num_modes(size_t *num_modes, const double *singular_values,
-                                size_t num_singular_values, const pod_settings *settings,
-                                ehd_error *error) {
+/* Chooses the number of modes that the settings select. */
+static ehd_status choose_num_modes(size_t *num_modes, const double *singular_values,
+                                   size_t num_singular_values, const pod_settings *settings,
+                                   ehd_error *error) {
     const size_t rank = numerical_rank(singular_values, num_singular_values);
     if (rank == 0)
         return ehd_fail(error, EHD_DATA, "snapshots: found only zeros, expected rank > 0");
@@ -114,29 +114,17 @@ typedef struct pod_work {
     double *triangle; // [num_values, num_values] R or L
     double *left;     // [num_values, num_values] left singular vectors of the triangle
     double *right;    // [num_values, num_values]
+    arena memory;     // of all arrays but the matrix
 } pod_work;
 
-static void work_free(pod_work *work) {
-    free(work->matrix);
-    free(work->scales);
-    free(work->triangle);
-    free(work->left);
-    free(work->right);
-}
+static void work_init(pod_work *work, double *matrix, size_t num_nodes, size_t num_states) {
+    const size_t num = num_states < num_nodes ? num_states : num_nodes;
 
-static ehd_status work_allocate(pod_work *work, size_t num_nodes, size_t num_states,
-                                ehd_error *error) {
-    const size_t num_values = num_states < num_nodes ? num_states : num_nodes;
-    *work = (pod_work){num_nodes, num_states, num_values, NULL, NULL, NULL, NULL, NULL};
-    work->matrix = malloc(num_nodes * num_states * sizeof *work->matrix);
-    work->scales = malloc(num_values * sizeof *work->scales);
-    work->triangle = calloc(num_values * num_values, sizeof *work->triangle);
-    work->left = malloc(num_values * num_values * sizeof *work->left);
-    work->right = malloc(num_values * num_values * sizeof *work->right);
-    if (work->matrix && work->scales && work->triangle && work->left && work->right) return EHD_OK;
-    return ehd_fail(error, EHD_MEMORY, "POD of %zu snapshots: found no memory, expected %.0f MB",
-                    num_states,
-                    8e-6 * (double)(num_nodes * num_states + 3 * num_values * num_values));
+    *work = (pod_work){num_nodes, num_states, num, .matrix = matrix};
+    work->scales = arena_array(&work->memory, num, sizeof(double));
+    work->triangle = arena_table(&work->memory, num, num, sizeof(double));
+    work->left = arena_table(&work->memory, num, num, sizeof(double));
+    work->right = arena_table(&work->memory, num, num, sizeof(double));
 }
 
 /* Factorises the snapshots: Q R if there are more nodes than states, otherwise L Q. The triangle, R
@@ -190,35 +178,49 @@ static ehd_status decompose(pod_basis *basis, pod_work *work, const pod_settings
                                            work->right, values),
                             error);
     if (status) return status;
-    status = pod_choose_num_modes(&basis->num_modes, basis->singular_values, work->num_values,
-                                  settings, error);
-    if (status) return status;
-    return form_modes(basis, work, error);
+    status = choose_num_modes(&basis->num_modes, basis->singular_values, work->num_values, settings,
+                              error);
+    return status ? status : form_modes(basis, work, error);
 }
 
-ehd_status pod_build(pod_basis *basis, const double *snapshots, size_t num_states, size_t num_nodes,
-                     const pod_settings *settings, ehd_error *error) {
-    pod_work work = {0};
-    ehd_status status;
-    *basis = (pod_basis){0};
+/* Sets the energies of snapshots and omitted modes, summed up from the weakest on. */
+static void sum_up(pod_basis *basis) {
+    for (size_t i = basis->num_singular_values; i-- > 0;) {
+        const double square = basis->singular_values[i] * basis->singular_values[i];
+        basis->energy += square;
+        if (i >= basis->num_modes) basis->tail += square;
+    }
+}
 
-    status = check_input(snapshots, num_states, num_nodes, settings, error);
+ehd_status pod_decompose(pod_basis *basis, double *snapshots, size_t num_snapshots,
+                         size_t num_nodes, const pod_settings *settings, ehd_error *error) {
+    pod_work work;
+    *basis = (pod_basis){.num_nodes = num_nodes, .num_snapshots = num_snapshots};
+    ehd_status status = check_input(num_snapshots, num_nodes, settings, error);
     if (status) return status;
 
-    status = work_allocate(&work, num_nodes, num_states, error);
-    if (status) goto done;
-    basis->num_nodes = num_nodes;
+    work_init(&work, snapshots, num_nodes, num_snapshots);
     basis->num_singular_values = work.num_values;
-    basis->singular_values = malloc(work.num_values * sizeof *basis->singular_values);
-    if (!basis->singular_values) {
-        status = ehd_no_memory(error, "POD");
-        goto done;
-    }
-    memcpy(work.matrix, snapshots, num_nodes * num_states * sizeof *work.matrix);
-    status = decompose(basis, &work, settings, error);
-done:
-    work_free(&work);
+    basis->singular_values = array_new(work.num_values, 1, sizeof *basis->singular_values);
+    if (!basis->singular_values || work.memory.failed) status = ehd_no_memory(error, "POD");
+    if (!status) status = decompose(basis, &work, settings, error);
+    if (!status) sum_up(basis);
+    arena_free(&work.memory);
     if (status) pod_free(basis);
+    return status;
+}
+
+ehd_status pod_build(pod_basis *basis, const double *snapshots, size_t num_snapshots,
+                     size_t num_nodes, const pod_settings *settings, ehd_error *error) {
+    *basis = (pod_basis){0};
+    ehd_status status = pod_check_snapshots(snapshots, num_snapshots, num_nodes, 0, error);
+    if (status) return status;
+    double *copy = array_new(num_snapshots, num_nodes, sizeof *copy);
+
+    if (!copy) return ehd_no_memory(error, "POD");
+    memcpy(copy, snapshots, num_snapshots * num_nodes * sizeof *copy);
+    status = pod_decompose(basis, copy, num_snapshots, num_nodes, settings, error);
+    free(copy);
     return status;
 }
 
@@ -226,6 +228,19 @@ void pod_free(pod_basis *basis) {
     free(basis->modes);
     free(basis->singular_values);
     *basis = (pod_basis){0};
+}
+
+void pod_row(double *row, const pod_basis *basis, size_t i) {
+    for (size_t k = 0; k < basis->num_nodes; k++)
+        row[k] = basis->singular_values[i] * basis->modes[i * basis->num_nodes + k];
+}
+
+double pod_discarded(const pod_basis *basis) {
+    const double length = sqrt(basis->tail) + basis->distance;
+    // without a distance the bound is the tail itself, without the rounding of its root
+    const double omitted = basis->distance > 0 ? length * length : basis->tail;
+
+    return basis->energy > 0 ? omitted / basis->energy : 0;
 }
 
 void pod_left_out(double *distance, const pod_basis *basis, const double *coordinates,

@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Proper orthogonal decomposition of a set of snapshots. */
+/* Proper orthogonal decomposition (POD) of one block of snapshots: the modes are the left singular
+ * vectors of the matrix with a snapshot in each column (Sirovich, Quart. Appl. Math. 45, 1987).
+ * Called by pod_stream.c for each block, and by deimselect for residuals. */
 #ifndef EHD_POD_H
 #define EHD_POD_H
 
@@ -7,6 +9,8 @@
 #include <stdbool.h>
 #include <stddef.h>
 
+/* A truncated POD, which also stands for its snapshots: their Gram matrix is that of the rows,
+ * singular value times mode, up to the energy that the modes omit. */
 typedef struct pod_basis {
     size_t num_modes;
     size_t num_nodes;
@@ -14,6 +18,12 @@ typedef struct pod_basis {
     double *modes;           // [num_modes, num_nodes] row-major, orthonormal, strongest first; the
                              // largest entry of each mode is positive
     double *singular_values; // [num_singular_values], all of them, descending
+    size_t num_snapshots;
+    double energy; // sum of the squares of all snapshots
+    double tail;   // energy of the omitted modes, and of directions that were dropped before
+    double
+        distance; // distance of the snapshots that were decomposed from the given ones; 0 for one
+                  // block
 } pod_basis;
 
 typedef struct pod_settings {
@@ -25,20 +35,33 @@ typedef struct pod_settings {
                              // is less
 } pod_settings;
 
-/* Computes a truncated POD (Sirovich 1987) by a thin SVD of the snapshots. Their Gram matrix would
- * lose all singular values below 1e-8 of the first. A QR or LQ factorisation comes first, so that
- * the SVD works on a small triangle and only the wanted modes are formed. This is as accurate as
- * LAPACK's dgesdd alone and up to twice as fast.
+/* Computes a truncated POD by a thin SVD of the snapshots. Their Gram matrix would lose all
+ * singular values below 1e-8 of the first. A QR or LQ factorisation comes first, so that the SVD
+ * works on a small triangle and only the wanted modes are formed. This is as accurate as LAPACK's
+ * dgesdd alone and up to twice as fast.
  *
- * Errors: EHD_DATA (no snapshots, a value that is not finite, or more modes wanted than the
+ * Errors: EHD_DATA (as pod_check_snapshots, no snapshots, only zeros, or more modes wanted than the
  * numerical rank, the number of singular values above their number * epsilon * the first);
  * EHD_MEMORY; EHD_INTERNAL (LAPACK). On failure the basis is empty. */
 ehd_status pod_build(
     // output:
     pod_basis *basis, // free with pod_free
     // input:
-    const double *snapshots, // [num_states, num_nodes] row-major
-    size_t num_states, size_t num_nodes, const pod_settings *settings, ehd_error *error);
+    const double *snapshots, // [num_snapshots, num_nodes] row-major
+    size_t num_snapshots, size_t num_nodes, const pod_settings *settings, ehd_error *error);
+
+/* As pod_build, but without a copy of the snapshots, which it overwrites and does not check. */
+ehd_status pod_decompose(pod_basis *basis, double *snapshots, size_t num_snapshots,
+                         size_t num_nodes, const pod_settings *settings, ehd_error *error);
+
+void pod_free(pod_basis *basis);
+
+/* Writes row i, [num_nodes]: the singular value times the mode. */
+void pod_row(double *row, const pod_basis *basis, size_t i);
+
+/* Returns an upper bound of the energy that the modes omit, relative to the energy of all
+ * snapshots: (sqrt(tail) + distance)² / energy. */
+double pod_discarded(const pod_basis *basis);
 
 /* Computes the distance of each snapshot from the span of all others, relative to its own norm. Let
  * U S Vᵀ be the SVD of the matrix with a snapshot in each row. The distance is then 1/|S^-1 Uᵀ
@@ -58,18 +81,7 @@ void pod_left_out(
 ehd_status pod_check_snapshots(const double *snapshots, // [count, num_nodes]
                                size_t count, size_t num_nodes, size_t first, ehd_error *error);
 
-/* Returns the number of modes that the settings select in *num_modes. EHD_DATA: more modes wanted
- * than the numerical rank, or all singular values are zero. */
-ehd_status pod_choose_num_modes(
-    // output:
-    size_t *num_modes,
-    // input:
-    const double *singular_values, // [num_singular_values] descending
-    size_t num_singular_values, const pod_settings *settings, ehd_error *error);
-
 /* Multiplies a mode by 1 or -1, so that its entry of largest magnitude is positive. */
 void pod_fix_sign(double *mode, size_t num_nodes);
-
-void pod_free(pod_basis *basis);
 
 #endif

@@ -16,7 +16,7 @@ static const double ROOT_SHARE = 0.9, LOCAL_SHARE = 0.05, PART_SHARE = 0.05;
  * ROOT_SHARE. */
 static const double TRUNCATED_SHARE = 0.25;
 
-/* Allowed energy whose local share is 1e-22, as for trajectories (compress.h). This keeps singular
+/* Allowed energy whose local share is 1e-22, as for trajectories. This keeps singular
  * values above 1e-11 of the first. */
 static const double EXACT_ENERGY = 4e-20;
 
@@ -25,12 +25,12 @@ static const double LEAST_LOCAL = 1e-28;
 
 // ---- memory
 
-static stream_settings shares(double energy, bool as_part) {
+static pod_stream_settings shares(double energy, bool as_part) {
     const double root = as_part ? PART_SHARE / 2 : ROOT_SHARE;
     const double local = as_part ? PART_SHARE / 2 : LOCAL_SHARE;
 
-    return (stream_settings){.local_energy = fmax(local * local * energy, LEAST_LOCAL),
-                             .root_energy = TRUNCATED_SHARE * root * root * energy};
+    return (pod_stream_settings){.local_energy = fmax(local * local * energy, LEAST_LOCAL),
+                                 .dropped_energy = TRUNCATED_SHARE * root * root * energy};
 }
 
 static double smaller(double a, double b) {
@@ -70,11 +70,12 @@ static double bytes_of_stream(const stream_plan *way, const snapshot_files *file
     const double deformation =
         independent ? most_modes(&settings->deformation, way->deformation.max_rank) : 0;
     const double batches = (independent ? 2 : 1) * (double)way->batch * a_field;
-    double most = stream_pod_bytes(files->grid.num_nodes, &way->pressure);
+    double most = pod_stream_bytes(files->grid.num_nodes, files->num_rows, &way->pressure);
 
     if (independent)
-        most = fmax(most, pressure * a_field +
-                              stream_pod_bytes(files->grid.num_nodes, &way->deformation));
+        most =
+            fmax(most, pressure * a_field + pod_stream_bytes(files->grid.num_nodes, files->num_rows,
+                                                             &way->deformation));
     most = fmax(most, (pressure + deformation) * a_field + batches);
     // modes in the basis, and a second copy while they are transposed and written
     most = fmax(most, (pressure + deformation + fmax(pressure, deformation)) * a_field);
@@ -134,7 +135,7 @@ ehd_status stream_plan_make(stream_plan *way, const snapshot_files *files,
     if (least > most) least = most;
     const plan_work work = {files, settings, way};
     size_t block, rank;
-    const bool enough = stream_pod_room(&block, &rank, rows, least, most, limit, bytes_with, &work);
+    const bool enough = pod_stream_room(&block, &rank, rows, least, most, limit, bytes_with, &work);
     take_room(way, block, rank);
     way->bytes = bytes_of_stream(way, files, settings);
     if (enough) return EHD_OK;
@@ -169,17 +170,17 @@ static ehd_status read_one(reading *self, size_t index, size_t entry, bool row, 
 
 /* Reads a field and adds the pressure, or its deflection if `deflection` is not NULL, to the
  * stream. */
-static ehd_status stream_one(stream_pod *stream, reading *self, ehd_deflection *deflection,
+static ehd_status stream_one(pod_stream *stream, reading *self, ehd_deflection *deflection,
                              double *deflected, size_t index, size_t entry, bool row,
                              ehd_error *error) {
     ehd_status status = read_one(self, index, entry, row, error);
 
     if (!status && deflection) deflection_apply(deflected, deflection, self->field);
-    if (!status) status = stream_pod_add(stream, deflection ? deflected : self->field, error);
+    if (!status) status = pod_stream_add(stream, deflection ? deflected : self->field, 1, error);
     return status ? status : go_on(self, error);
 }
 
-static ehd_status stream_file(stream_pod *stream, reading *self, ehd_deflection *deflection,
+static ehd_status stream_file(pod_stream *stream, reading *self, ehd_deflection *deflection,
                               double *deflected, size_t index, ehd_error *error) {
     ehd_status status = snapshot_file_use(self->files, index, error);
     const snapshot_file *file = &self->files->files[index];
@@ -191,27 +192,27 @@ static ehd_status stream_file(stream_pod *stream, reading *self, ehd_deflection 
             status = stream_one(stream, self, deflection, deflected, index, i, false, error);
     for (size_t i = 0; i < num_compressed && !status; i++)
         status = stream_one(stream, self, deflection, deflected, index, i, true, error);
+    if (file->is_part) pod_stream_inherit(stream, file->origin.energy * file->origin.discarded);
     snapshot_file_leave(self->files, index);
     return status;
 }
 
 /* Computes the POD of all rows that the basis is built from, of pressures or of their
  * deflections. */
-static ehd_status stream_all(pod_basis *pod, stream_error *bound, reading *self,
-                             const stream_settings *settings, const pod_settings *wanted,
-                             bool deflected, ehd_error *error) {
+static ehd_status stream_all(pod_basis *pod, reading *self, const pod_stream_settings *settings,
+                             const pod_settings *wanted, bool deflected, ehd_error *error) {
     const ehd_grid *grid = &self->files->grid;
     ehd_deflection *deflection = deflected ? deflection_create(self->files->kind, grid) : NULL;
     double *field = deflected ? array_new(grid->num_nodes, 1, sizeof *field) : NULL;
-    stream_pod *stream = NULL;
+    pod_stream *stream = NULL;
     ehd_status status = deflected && (!deflection || !field)
                             ? ehd_no_memory(error, "deflections")
-                            : stream_pod_create(&stream, grid->num_nodes, settings, error);
+                            : pod_stream_create(&stream, grid->num_nodes, settings, error);
 
     for (size_t i = 0; i < self->files->num_files && !status; i++)
         status = stream_file(stream, self, deflection, field, i, error);
-    if (!status) status = stream_pod_finish(pod, bound, stream, wanted, error);
-    stream_pod_free(stream);
+    if (!status) status = pod_stream_finish(pod, stream, wanted, error);
+    pod_stream_free(stream);
     free(field);
     deflection_free(deflection);
     return status;
@@ -370,57 +371,29 @@ static ehd_status take_modes(double **modes, pod_basis *pod, ehd_error *error) {
     return EHD_OK;
 }
 
-/* Returns the energy of the omitted modes and of the directions that were dropped before. */
-static double tail_of(const pod_basis *pod, const stream_error *error) {
-    double tail = error->truncated;
-
-    for (size_t i = pod->num_singular_values; i-- > pod->num_modes;)
-        tail += pod->singular_values[i] * pod->singular_values[i];
-    return tail;
-}
-
-/* Returns an upper bound of the energy that the modes omit, relative to all. `distance`: of the
- * streamed rows from the snapshots. */
-static double bound_of(const pod_basis *pod, const stream_error *error, double distance) {
-    const double length = sqrt(tail_of(pod, error)) + distance;
-
-    return error->energy > 0 ? length * length / error->energy : 0;
-}
-
-/* Returns the distance of the streamed rows from the snapshots: that of the stream plus that of the
- * parts. Parts hold different snapshots, so the squares of their distances add up. */
-static double distance_of(const snapshot_files *files, const stream_error *error) {
-    double parts = 0;
-
-    for (size_t i = 0; i < files->num_files; i++)
-        if (files->files[i].is_part)
-            parts += files->files[i].origin.energy * files->files[i].origin.discarded;
-    return sqrt(error->distance) + sqrt(parts);
-}
-
 /* Checks that parts have omitted no more than their share of the allowed energy, or of the energy
  * that the modes omit if their number is given. */
-static ehd_status check_distance(double distance, const pod_basis *pod, const stream_error *error,
-                                 const snapshot_files *files, const stream_plan *way,
-                                 bool modes_given, ehd_error *failure) {
+static ehd_status check_distance(const pod_basis *pod, const snapshot_files *files,
+                                 const stream_plan *way, bool modes_given, ehd_error *error) {
     const double share = LOCAL_SHARE + PART_SHARE, rounding = 1 + 1e-6;
-    const double asked = sqrt(way->energy * error->energy);
-    const double left_out = modes_given ? sqrt(tail_of(pod, error)) / ROOT_SHARE : 0;
+    const double asked = sqrt(way->energy * pod->energy);
+    const double left_out = modes_given ? sqrt(pod->tail) / ROOT_SHARE : 0;
     const double most = fmax(asked, left_out);
 
-    if (files->num_parts == 0 || distance <= rounding * share * most) return EHD_OK;
+    if (files->num_parts == 0 || pod->distance <= rounding * share * most) return EHD_OK;
     return ehd_fail(
-        failure, EHD_DATA,
+        error, EHD_DATA,
         "found parts that leave out %.1e of the energy, expected at most %.1e; compress "
         "them with --energy %.1e or less",
-        distance * distance / error->energy, share * share * most * most / error->energy,
-        most * most / error->energy);
+        pod->distance * pod->distance / pod->energy, share * share * most * most / pod->energy,
+        most * most / pod->energy);
 }
 
-static pod_settings first_root(const pod_settings *wanted) {
+/* Returns what the POD of the rows may omit. Rows of parts leave it a smaller share. */
+static pod_settings first_root(const pod_settings *wanted, const snapshot_files *files) {
     pod_settings root = *wanted;
 
-    root.discarded_energy *= ROOT_SHARE * ROOT_SHARE;
+    if (files->num_parts > 0) root.discarded_energy *= ROOT_SHARE * ROOT_SHARE;
     return root;
 }
 
@@ -438,35 +411,28 @@ ehd_status stream_bases_build(reduced_basis *basis, pod_basis *pressure_pod,
                               snapshot_files *files, const bases_settings *settings,
                               const stream_plan *way, const program *caller, ehd_error *error) {
     const bool independent = settings->kind == DEFORMATION_INDEPENDENT;
-    const pod_settings pressure = first_root(&settings->pressure);
-    const pod_settings deformation = first_root(&settings->deformation);
+    const pod_settings pressure = first_root(&settings->pressure, files);
+    const pod_settings deformation = first_root(&settings->deformation, files);
     reading from = {.files = files,
                     .field = array_new(files->grid.num_nodes, 1, sizeof(double)),
                     .what = "pressures"};
-    stream_error bound[2] = {{0}};
 
     *pressure_pod = *deformation_pod = (pod_basis){0};
     bases_begin(basis, files->kind, &files->grid, &files->carriage, settings->kind);
     ehd_status status = from.field ? EHD_OK : ehd_no_memory(error, "bases");
     progress_start(&from.shown, caller, count_readings(files, independent));
-    if (!status)
-        status =
-            stream_all(pressure_pod, &bound[0], &from, &way->pressure, &pressure, false, error);
+    if (!status) status = stream_all(pressure_pod, &from, &way->pressure, &pressure, false, error);
     from.what = "deflections";
     if (!status && independent)
-        status = stream_all(deformation_pod, &bound[1], &from, &way->deformation, &deformation,
-                            true, error);
+        status = stream_all(deformation_pod, &from, &way->deformation, &deformation, true, error);
     from.what = "coordinates";
-    const double distance = distance_of(files, &bound[0]);
     if (!status)
-        status = check_distance(distance, pressure_pod, &bound[0], files, way,
-                                settings->pressure.num_modes > 0, error);
+        status = check_distance(pressure_pod, files, way, settings->pressure.num_modes > 0, error);
     if (!status) status = project_all(basis, &from, way, pressure_pod, deformation_pod, error);
     progress_finish(&from.shown);
     if (!status) {
-        discarded[0] = bound_of(pressure_pod, &bound[0], distance);
-        discarded[1] =
-            independent ? bound_of(deformation_pod, &bound[1], sqrt(bound[1].distance)) : 0;
+        discarded[0] = pod_discarded(pressure_pod);
+        discarded[1] = pod_discarded(deformation_pod);
         basis->num_pressure = pressure_pod->num_modes;
         basis->num_deformation = deformation_pod->num_modes;
         status = take_modes(&basis->pressure, pressure_pod, error);
@@ -486,25 +452,24 @@ ehd_status stream_part_build(reduced_basis *basis, pod_basis *modes, part_origin
                              snapshot_files *files, const stream_plan *way, const program *caller,
                              ehd_error *error) {
     const double root = PART_SHARE / 2;
-    const pod_settings wanted = {.discarded_energy = root * root * way->energy};
+    const pod_settings wanted = {.discarded_energy = 4 * root * root * way->energy};
     reading from = {.files = files,
                     .field = array_new(files->grid.num_nodes, 1, sizeof(double)),
                     .what = "pressures"};
     pod_basis none = {0};
-    stream_error bound = {0};
 
     *modes = (pod_basis){0};
     bases_begin(basis, files->kind, &files->grid, &files->carriage, DEFORMATION_COUPLED);
     ehd_status status = from.field ? EHD_OK : ehd_no_memory(error, "part");
     progress_start(&from.shown, caller, count_readings(files, false));
-    if (!status) status = stream_all(modes, &bound, &from, &way->pressure, &wanted, false, error);
+    if (!status) status = stream_all(modes, &from, &way->pressure, &wanted, false, error);
     from.what = "coordinates";
     if (!status) status = project_all(basis, &from, way, modes, &none, error);
     progress_finish(&from.shown);
     *origin = (part_origin){.num_snapshots = files->num_rows,
                             .num_left_out = files->num_left_out,
-                            .energy = bound.energy,
-                            .discarded = bound_of(modes, &bound, sqrt(bound.distance))};
+                            .energy = modes->energy,
+                            .discarded = pod_discarded(modes)};
     free(from.field);
     if (status) {
         reduced_basis_free(basis);

@@ -6,11 +6,11 @@
 
 #include "common/program/program.h"
 #include "podbuild/bases.h"
+#include "podbuild/pod_stream.h"
 #include "podbuild/snapshot_files.h"
-#include "podbuild/stream_pod.h"
 
 /* Memory plan and error budget of a basis. The root of the allowed energy has three shares, see
- * stream_pod.h: 0.9 for truncation at the end (w), 0.05 for the distance of the snapshots from the
+ * pod_stream.h: 0.9 for truncation at the end (w), 0.05 for the distance of the snapshots from the
  * directions, and 0.05 for the energy that parts omitted before. A part uses half of its 0.05 for
  * each of the first two. */
 typedef struct stream_plan {
@@ -18,7 +18,7 @@ typedef struct stream_plan {
     double limit;  // memory limit, bytes
     double bytes;  // upper bound of the memory of this plan, bytes
     double energy; // part of the energy that may be omitted in all
-    stream_settings pressure, deformation;
+    pod_stream_settings pressure, deformation;
     size_t batch; // number of states that are projected at once
 } stream_plan;
 
@@ -35,7 +35,7 @@ ehd_status stream_plan_make(
 /* Builds the bases like bases_build, but from files that are streamed. Only `basis` holds the
  * modes. `discarded`: upper bounds of the omitted energy of pressure and deformation, relative.
  * Errors: EHD_DATA (parts omit too much), EHD_INTERRUPTED; else as snapshot_files_open, bases_build
- * and stream_pod_add. */
+ * and pod_stream_add. */
 ehd_status stream_bases_build(
     // output:
     reduced_basis *basis,    // free with reduced_basis_free

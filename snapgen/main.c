@@ -170,7 +170,7 @@ static ehd_status report(const program *self, const training *points, const traj
     grid_print(set_contact(points->set), "all points");
     if (trained->num_trajectories > 0)
         printf("%zu of them trajectories with %zu steps, compressed to %zu snapshots\n",
-               trained->num_trajectories, trained->num_steps, trained->first.rank);
+               trained->num_trajectories, trained->num_steps, trained->first.num_modes);
     return check_failures(self, num_failed, num_points, allowed, error);
 }
 

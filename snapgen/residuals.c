@@ -2,6 +2,7 @@
 #include "snapgen/residuals.h"
 
 #include "common/artefact/artefact.h"
+#include "common/program/arena.h"
 #include "common/time/path_filter.h"
 #include "common/training/pool.h"
 #include "romrun/model/basis_file.h"
@@ -262,36 +263,36 @@ static ehd_status write_iterations(void *sink, size_t point, const point_trace *
 }
 
 /* Writes the compressed iterations of the trajectories, after those of the points. The shorter of
- * the two sets is filled up with zeros, which have no effect. */
-static ehd_status put_compressed(artefact *file, const trajectories *repeated, size_t first,
-                                 size_t count, ehd_error *error) {
+ * the two sets, of rows of this width, is filled up with zeros, which have no effect. */
+static ehd_status put_compressed(artefact *file, const trajectories *repeated, size_t width,
+                                 size_t first, size_t count, ehd_error *error) {
     const struct {
         const char *field;
-        const compressed_set *set;
+        const pod_basis *set;
     } sets[] = {{"weighted_residual", &repeated->first},
                 {"weighted_jacobian_step", &repeated->second}};
-    size_t width = repeated->first.num_nodes;
-    double *zeros = calloc(width + 1, sizeof *zeros);
+    double *row = array_new(width, 1, sizeof *row);
     const int64_t none = -1;
-    ehd_status status = zeros ? EHD_OK : ehd_no_memory(error, "residuals");
+    ehd_status status = row ? EHD_OK : ehd_no_memory(error, "residuals");
 
     for (size_t i = 0; i < count && !status; i++) {
-        for (int s = 0; s < 2 && !status; s++)
-            status = artefact_put_part(
-                file, sets[s].field, first + i, 1,
-                i < sets[s].set->rank ? sets[s].set->rows + i * width : zeros, error);
+        for (int s = 0; s < 2 && !status; s++) {
+            memset(row, 0, width * sizeof *row);
+            if (i < sets[s].set->num_modes) pod_row(row, sets[s].set, i);
+            status = artefact_put_part(file, sets[s].field, first + i, 1, row, error);
+        }
         if (!status)
             status =
                 artefact_put_integers_part(file, "iteration_state", first + i, 1, &none, error);
     }
-    free(zeros);
+    free(row);
     if (!status)
         status = artefact_put_integer(file, "compressed_iterations",
                                       (int64_t)repeated->first.num_snapshots, error);
     return status ? status
                   : artefact_put_real(
                         file, "compressed_energy_discarded",
-                        fmax(repeated->first.energy_discarded, repeated->second.energy_discarded),
+                        fmax(pod_discarded(&repeated->first), pod_discarded(&repeated->second)),
                         error);
 }
 
@@ -388,12 +389,13 @@ static ehd_status number_iterations(artefact *file, size_t count, ehd_error *err
 static ehd_status end_file(artefact **file, const repeated_training *training,
                            size_t num_iterations, ehd_error *error) {
     const trajectories *repeated = &training->repeated;
-    const size_t num_compressed =
-        repeated->second.rank > repeated->first.rank ? repeated->second.rank : repeated->first.rank;
+    const size_t num_first = repeated->first.num_modes, num_second = repeated->second.num_modes;
+    const size_t num_compressed = num_second > num_first ? num_second : num_first;
     ehd_status status = EHD_OK;
 
     if (num_compressed > 0)
-        status = put_compressed(*file, repeated, num_iterations, num_compressed, error);
+        status = put_compressed(*file, repeated, training->model->rows.num_rows, num_iterations,
+                                num_compressed, error);
     if (!status) status = number_iterations(*file, num_iterations + num_compressed, error);
     if (!status) status = put_states(*file, training, error);
     return status ? status : artefact_finish(file, error);

@@ -4,6 +4,7 @@
 #include "common/output/grid_file.h"
 #include "common/output/inputs.h"
 #include "common/physics/traction.h"
+#include "common/program/arena.h"
 #include "common/time/path_filter.h"
 
 #include <math.h>
@@ -241,23 +242,26 @@ static ehd_status put_kept_state(artefact *file, const ehd_grid *grid, size_t pl
     return status;
 }
 
-static ehd_status put_compressed(artefact *file, const ehd_grid *grid, const compressed_set *set,
+static ehd_status put_compressed(artefact *file, const ehd_grid *grid, const pod_basis *set,
                                  ehd_error *error) {
-    ehd_status status = artefact_put_axis(file, "compressed", set->rank, NULL, error);
+    ehd_status status = artefact_put_axis(file, "compressed", set->num_modes, NULL, error);
+    double *row = array_new(set->num_nodes, 1, sizeof *row);
 
+    if (!status && !row) status = ehd_no_memory(error, "compressed snapshots");
     if (!status) status = artefact_declare(file, "compressed_pressure", error);
     // a row at a time, because boundary nodes are not in the file
-    for (size_t i = 0; i < set->rank && !status; i++)
-        status = grid_put_field(file, "compressed_pressure", i, set->rows + i * set->num_nodes,
-                                grid, false, error);
+    for (size_t i = 0; i < set->num_modes && !status; i++) {
+        pod_row(row, set, i);
+        status = grid_put_field(file, "compressed_pressure", i, row, grid, false, error);
+    }
+    free(row);
     if (!status)
         status = artefact_put(file, "compressed_singular_values", set->singular_values, error);
     if (!status)
         status =
             artefact_put_integer(file, "compressed_snapshots", (int64_t)set->num_snapshots, error);
     if (!status)
-        status =
-            artefact_put_real(file, "compressed_energy_discarded", set->energy_discarded, error);
+        status = artefact_put_real(file, "compressed_energy_discarded", pod_discarded(set), error);
     return status;
 }
 
@@ -274,7 +278,7 @@ ehd_status snapshots_put_trajectories(artefact *file, const training_set *set,
                 put_kept_state(file, &set->grid, set->num_points + t * NUM_KEPT + i, (int64_t)t,
                                &trained->kept[t].states[i], trained->failed[t], error);
     if (!status) status = artefact_end_streaming(file, error);
-    if (!status && trained->first.rank > 0)
+    if (!status && trained->first.num_modes > 0)
         status = put_compressed(file, &set->grid, &trained->first, error);
     return status;
 }

@@ -4,6 +4,7 @@
 #include "common/program/arena.h"
 #include "common/training/pool.h"
 #include "fullrun/full_march.h"
+#include "podbuild/pod_stream.h"
 #include "romrun/online/reduced_march.h"
 
 #include <pthread.h>
@@ -11,7 +12,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-const compressor_settings trajectory_compression = {.discarded_energy = 1e-22};
+/* Singular values below 1e-11 of the first are omitted. The distance of the snapshots from the
+ * directions of the stream may have half of this error. A block of 512 is fastest near the rank. */
+static const pod_settings compression = {.discarded_energy = 1e-22};
+static const pod_stream_settings compression_stream = {.local_energy = 0.25e-22, .block = 512};
 
 /* A training on all trajectories. `model` NULL: with the full model. */
 typedef struct task {
@@ -22,10 +26,10 @@ typedef struct task {
     trajectories *result;
     // [num_trajectories], read before the threads start, since HDF5 is for one thread only
     ehd_histories **histories;
-    compressed_set *first, *second; // [num_trajectories] sets that wait to be merged
-    bool *done;                     // [num_trajectories]
+    pod_basis *first, *second; // [num_trajectories] sets that wait to be merged
+    bool *done;                // [num_trajectories]
     size_t num_merged;
-    snapshot_compressor *all_first, *all_second;
+    pod_stream *all_first, *all_second;
     pthread_mutex_t showing; // guards what follows
     double *progress_part;   // [num_trajectories] part of the end time that is reached
     progress progress;
@@ -39,7 +43,7 @@ typedef struct trajectory_run {
     size_t number;
     full_march *full;       // NULL: the reduced model is used
     reduced_march *reduced; // NULL: the full model is used
-    snapshot_compressor *first, *second;
+    pod_stream *first, *second;
     double *iterations[2]; // [num_iterations, rows] D f and D J dz of the present solution
     size_t num_iterations;
 } trajectory_run;
@@ -49,8 +53,8 @@ void trajectories_free(trajectories *self) {
         kept_states_free(&self->kept[t]);
     free(self->kept);
     free(self->failed);
-    compressed_set_free(&self->first);
-    compressed_set_free(&self->second);
+    pod_free(&self->first);
+    pod_free(&self->second);
     memset(self, 0, sizeof *self);
 }
 
@@ -80,7 +84,7 @@ static ehd_status store_full(void *sink, const march_step *step, size_t index, e
     kept_states_consider(&self->owner->result->kept[self->number], step, reference_of(self),
                          state->pressure, state->film, NULL);
     show_progress(self->owner, self->number, step->frame.time);
-    return compressor_add(self->first, state->pressure, 1, error);
+    return pod_stream_add(self->first, state->pressure, 1, error);
 }
 
 static ehd_status store_reduced(void *sink, const march_step *step, size_t index,
@@ -119,9 +123,9 @@ static ehd_status end_solution(void *context, const reduced_info *info, ehd_erro
     const size_t count = info->status == EHD_NOT_CONVERGED ? 0 : self->num_iterations;
     ehd_status status = EHD_OK;
 
-    if (count > 0) status = compressor_add(self->first, self->iterations[0], count, error);
+    if (count > 0) status = pod_stream_add(self->first, self->iterations[0], count, error);
     if (count > 0 && !status)
-        status = compressor_add(self->second, self->iterations[1], count, error);
+        status = pod_stream_add(self->second, self->iterations[1], count, error);
     self->num_iterations = 0;
     return status;
 }
@@ -134,8 +138,8 @@ static ehd_status begin_full(trajectory_run *self, const scene *given, ehd_error
     ehd_status status =
         full_march_create(&self->full, reference, &settings, given->transient.start_film, error);
     if (!status)
-        status = compressor_create(&self->first, reference->grid.num_nodes, &trajectory_compression,
-                                   error);
+        status =
+            pod_stream_create(&self->first, reference->grid.num_nodes, &compression_stream, error);
     if (!status)
         status = kept_states_init(&self->owner->result->kept[self->number],
                                   reference->grid.num_nodes, 0, given->transient.end_time, error);
@@ -149,9 +153,8 @@ static ehd_status begin_reduced(trajectory_run *self, const scene *given, ehd_er
     ehd_status status = reduced_march_create(&self->reduced, owner->model, owner->splines,
                                              reference_of(self), &settings, error);
 
-    if (!status) status = compressor_create(&self->first, num_rows, &trajectory_compression, error);
-    if (!status)
-        status = compressor_create(&self->second, num_rows, &trajectory_compression, error);
+    if (!status) status = pod_stream_create(&self->first, num_rows, &compression_stream, error);
+    if (!status) status = pod_stream_create(&self->second, num_rows, &compression_stream, error);
     if (!status)
         status = kept_states_init(&owner->result->kept[self->number], 0,
                                   owner->model->band.num_lines, given->transient.end_time, error);
@@ -163,8 +166,8 @@ static ehd_status begin_reduced(trajectory_run *self, const scene *given, ehd_er
 static void end_run(trajectory_run *self) {
     full_march_free(self->full);
     reduced_march_free(self->reduced);
-    compressor_free(self->first);
-    compressor_free(self->second);
+    pod_stream_free(self->first);
+    pod_stream_free(self->second);
     free(self->iterations[0]);
     free(self->iterations[1]);
 }
@@ -211,6 +214,13 @@ static void name_trajectory(char name[TRAJECTORY_NAME], const trajectory_run *se
     }
 }
 
+/* Finishes a stream. Without snapshots, or if all of them are zero, *result has no modes. */
+static ehd_status finish(pod_basis *result, pod_stream *stream, ehd_error *error) {
+    *result = (pod_basis){0};
+    return pod_stream_energy(stream) > 0 ? pod_stream_finish(result, stream, &compression, error)
+                                         : EHD_OK;
+}
+
 static ehd_status solve_trajectory(void *shared, void *worker, size_t number, size_t parent,
                                    ehd_error *error) {
     task *owner = shared;
@@ -230,20 +240,18 @@ static ehd_status solve_trajectory(void *shared, void *worker, size_t number, si
     }
     if (!status) {
         kept_states_complete(&owner->result->kept[number]);
-        status = compressor_finish(&owner->first[number], self.first, error);
+        status = finish(&owner->first[number], self.first, error);
     }
-    if (!status && self.second)
-        status = compressor_finish(&owner->second[number], self.second, error);
+    if (!status && self.second) status = finish(&owner->second[number], self.second, error);
     end_run(&self);
     return status;
 }
 
-static ehd_status merge_one(snapshot_compressor *all, compressed_set *set, bool failed,
-                            ehd_error *error) {
+static ehd_status merge_one(pod_stream *all, pod_basis *set, bool failed, ehd_error *error) {
     ehd_status status = EHD_OK;
 
-    if (all && set->rank > 0 && !failed) status = compressor_merge(all, set, error);
-    compressed_set_free(set);
+    if (all && set->num_modes > 0 && !failed) status = pod_stream_merge(all, set, error);
+    pod_free(set);
     return status;
 }
 
@@ -307,17 +315,15 @@ static ehd_status run(trajectories *result, task *self, size_t num_workers, ehd_
     for (size_t t = 0; t < num && !status; t++)
         status =
             histories_init_training(&self->histories[t], &self->set->trajectories[t].scene, error);
-    if (!status)
-        status = compressor_create(&self->all_first, width, &trajectory_compression, error);
+    if (!status) status = pod_stream_create(&self->all_first, width, &compression_stream, error);
     if (!status && self->model)
-        status = compressor_create(&self->all_second, width, &trajectory_compression, error);
+        status = pod_stream_create(&self->all_second, width, &compression_stream, error);
     if (!status) status = run_pool(self, num_workers, error);
-    if (!status) status = compressor_finish(&result->first, self->all_first, error);
-    if (!status && self->model)
-        status = compressor_finish(&result->second, self->all_second, error);
+    if (!status) status = finish(&result->first, self->all_first, error);
+    if (!status && self->model) status = finish(&result->second, self->all_second, error);
     for (size_t t = 0; t < num; t++) {
-        if (self->first) compressed_set_free(&self->first[t]);
-        if (self->second) compressed_set_free(&self->second[t]);
+        if (self->first) pod_free(&self->first[t]);
+        if (self->second) pod_free(&self->second[t]);
         if (self->histories) histories_free(self->histories[t]);
     }
     pthread_mutex_destroy(&self->showing);
@@ -326,8 +332,8 @@ static ehd_status run(trajectories *result, task *self, size_t num_workers, ehd_
     free(self->first);
     free(self->second);
     free(self->done);
-    compressor_free(self->all_first);
-    compressor_free(self->all_second);
+    pod_stream_free(self->all_first);
+    pod_stream_free(self->all_second);
     if (status) trajectories_free(result);
     return status;
 }

@@ -6,7 +6,7 @@
 
 #include "common/program/program.h"
 #include "common/training/training_set.h"
-#include "podbuild/compress.h"
+#include "podbuild/pod.h"
 #include "romrun/online/film_splines.h"
 #include "romrun/online/reduced_solver.h"
 #include "snapgen/kept_states.h"
@@ -21,13 +21,10 @@ typedef struct trajectories {
     size_t num_steps;
     // compressed pressures and nothing, or D f and D J dz; merged in the order of the plan,
     // whatever the number of threads
-    compressed_set first, second;
+    pod_basis first, second;
 } trajectories;
 
 void trajectories_free(trajectories *self);
-
-/* Singular values below 1e-11 of the first are left out of the compressed snapshots. */
-extern const compressor_settings trajectory_compression;
 
 /* Runs the trajectories of a set with the full model. A trajectory that does not reach its end,
  * or is not to be trusted, is counted, with a warning. */

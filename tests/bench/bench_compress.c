@@ -1,11 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Measures the hierarchical compression of 10000 snapshots of 1201 nodes, of rank about 250, and
- * the POD of all of them in one piece, both on one core.
+/* Measures the compression of 10000 snapshots of 1201 nodes, of rank about 250, in blocks, and the
+ * POD of all of them in one piece, both on one core.
  *
  *     bench_compress [num_nodes num_snapshots [block]] */
 #include "common/program/program.h"
-#include "podbuild/compress.h"
-#include "podbuild/pod.h"
+#include "podbuild/pod_stream.h"
 
 #include <cblas.h>
 #include <math.h>
@@ -25,19 +24,19 @@ static void fill(double *snapshots, size_t num_snapshots, size_t num_nodes) {
     }
 }
 
-static double time_compression(compressed_set *set, const double *snapshots, size_t num_snapshots,
+static double time_compression(pod_basis *set, const double *snapshots, size_t num_snapshots,
                                size_t num_nodes, size_t block) {
-    const compressor_settings settings = {.discarded_energy = 1e-22, .block = block};
-    snapshot_compressor *compressor = NULL;
+    const pod_stream_settings settings = {.local_energy = 0.25e-22, .block = block};
+    pod_stream *stream = NULL;
     ehd_error error = {0};
     const double start = program_seconds();
-    if (compressor_create(&compressor, num_nodes, &settings, &error) ||
-        compressor_add(compressor, snapshots, num_snapshots, &error) ||
-        compressor_finish(set, compressor, &error)) {
+    if (pod_stream_create(&stream, num_nodes, &settings, &error) ||
+        pod_stream_add(stream, snapshots, num_snapshots, &error) ||
+        pod_stream_finish(set, stream, &(pod_settings){.discarded_energy = 1e-22}, &error)) {
         fprintf(stderr, "bench_compress: %s\n", error.text);
         exit(1);
     }
-    compressor_free(compressor);
+    pod_stream_free(stream);
     return program_seconds() - start;
 }
 
@@ -54,9 +53,9 @@ static double time_one_piece(pod_basis *basis, const double *snapshots, size_t n
 }
 
 /* Returns the largest difference of a singular value, relative to the first one. */
-static double deviation(const compressed_set *set, const pod_basis *basis) {
+static double deviation(const pod_basis *set, const pod_basis *basis) {
     double largest = 0;
-    for (size_t i = 0; i < set->rank; i++)
+    for (size_t i = 0; i < set->num_modes; i++)
         largest = fmax(largest, fabs(set->singular_values[i] - basis->singular_values[i]));
     return largest / basis->singular_values[0];
 }
@@ -64,10 +63,9 @@ static double deviation(const compressed_set *set, const pod_basis *basis) {
 int main(int argc, char **argv) {
     const size_t num_nodes = argc > 2 ? strtoul(argv[1], NULL, 10) : 1201;
     const size_t num_snapshots = argc > 2 ? strtoul(argv[2], NULL, 10) : 10000;
-    const size_t block = argc > 3 ? strtoul(argv[3], NULL, 10) : 0;
+    const size_t block = argc > 3 ? strtoul(argv[3], NULL, 10) : 512;
     double *snapshots = malloc(num_snapshots * num_nodes * sizeof *snapshots);
-    compressed_set set;
-    pod_basis basis;
+    pod_basis set, basis;
     if (!snapshots) abort();
 
     openblas_set_num_threads(1);
@@ -77,9 +75,9 @@ int main(int argc, char **argv) {
     printf(
         "compression %zux%zu to rank %zu: %.2f s (limit 20), in one piece %.2f s to %zu; singular "
         "values differ by %.1e of the first; discarded %.1e\n",
-        num_snapshots, num_nodes, set.rank, spent, one_piece, basis.num_modes,
-        deviation(&set, &basis), set.energy_discarded);
-    compressed_set_free(&set);
+        num_snapshots, num_nodes, set.num_modes, spent, one_piece, basis.num_modes,
+        deviation(&set, &basis), pod_discarded(&set));
+    pod_free(&set);
     pod_free(&basis);
     free(snapshots);
     return spent <= 20 ? 0 : 1;

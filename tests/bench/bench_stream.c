@@ -192,28 +192,26 @@ static void find_modes(void *result, const void *context) {
     const task *work = context;
     outcome *own = result;
     snapshot_files files;
-    stream_pod *stream;
+    pod_stream *stream;
     pod_basis modes;
-    stream_error bound;
     ehd_error error = {""};
     begin(own);
     open_files(&files, work);
     const stream_plan way = plan_of(&files, work);
     double *field = must_allocate(files.grid.num_nodes * sizeof *field);
-    must(stream_pod_create(&stream, files.grid.num_nodes, &way.pressure, &error), &error);
+    must(pod_stream_create(&stream, files.grid.num_nodes, &way.pressure, &error), &error);
     for (size_t s = 0; s < work->num_snapshots; s++) {
         must(snapshot_file_state(field, &files, 0, s, &error), &error);
-        must(stream_pod_add(stream, field, &error), &error);
+        must(pod_stream_add(stream, field, 1, &error), &error);
     }
-    must(stream_pod_finish(&modes, &bound, stream, &(pod_settings){.discarded_energy = 0.81e-13},
-                           &error),
+    must(pod_stream_finish(&modes, stream, &(pod_settings){.discarded_energy = 1e-13}, &error),
          &error);
     end(own);
     own->rank = modes.num_singular_values;
     own->num_modes = modes.num_modes;
     own->bytes = way.bytes;
     pod_free(&modes);
-    stream_pod_free(stream);
+    pod_stream_free(stream);
     free(field);
     snapshot_files_close(&files);
 }

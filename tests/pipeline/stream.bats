@@ -31,7 +31,8 @@ setup() {
     cp "$BATS_FILE_TMPDIR"/* .
 }
 
-# compare BASIS SNAPSHOTS...: checks that the basis leaves out no more energy than it states, and this is at most 1e-13;
+# compare BASIS SNAPSHOTS...: checks that the basis leaves out no more energy than it states (as much, up to round-off, if
+# all snapshots are one block), and this is at most 1e-13;
 # its states are those of the snapshots, in order.
 compare() {
     /usr/bin/python3 - "$@" <<'PY'
@@ -46,7 +47,7 @@ assert abs(v @ v.T - numpy.eye(len(v))).max() < 1e-13
 left_out = ((rows - rows @ v.T @ v) ** 2).sum() / (rows**2).sum()
 said = b.attrs["pressure_energy_discarded"]
 print("left out", left_out, "at most", said)
-assert 0 < left_out <= said <= 1e-13
+assert 0 < left_out <= said * (1 + 1e-9) and said <= 1e-13
 # coordinates of states in parts are exact but for the energy that the parts left out
 difference = abs(b["state_pressure"][...] - states @ v.T).max()
 print("coordinates differ by", difference)
@@ -76,12 +77,12 @@ films() {
 }
 
 @test "a small limit: the error within the bound, the states as they are, and the films of the direct way" {
-    podbuild s.h5 --memory 800K -o x.h5 2>log
-    grep -q "48 snapshots of 603 nodes one after the other, .*: at most 0.[0-9]* MB of 0.8 MB" log
+    podbuild s.h5 --memory 650K -o x.h5 2>log
+    grep -q "48 snapshots of 603 nodes one after the other, .*: at most 0.[0-9]* MB of 0.65 MB" log
     compare x.h5 s.h5
-    podbuild -q s1.h5 s2.h5 s3.h5 --memory 800K -o y.h5
+    podbuild -q s1.h5 s2.h5 s3.h5 --memory 650K -o y.h5
     compare y.h5 s1.h5 s2.h5 s3.h5
-    podbuild -q s.h5 --memory 800K -f -o y.h5
+    podbuild -q s.h5 --memory 650K -f -o y.h5
     same_data x.h5 y.h5
     films direct >expected
     films x >found
@@ -93,7 +94,7 @@ films() {
 
 @test "a given number of modes are those of the direct way" {
     podbuild -q s.h5 --pressure-modes 20 -o a.h5
-    podbuild s.h5 --pressure-modes 20 --memory 800K -o b.h5 2>log
+    podbuild s.h5 --pressure-modes 20 --memory 650K -o b.h5 2>log
     grep -q "one after the other" log
     /usr/bin/python3 -c "
 import h5py, numpy
@@ -108,7 +109,7 @@ assert sine < 1e-10 * s[0] / (s[19] - s[20])"
 
 @test "modes of their own of the deflections, and trajectories" {
     podbuild -q s.h5 --deformation independent -o a.h5
-    podbuild -q s.h5 --deformation independent --memory 1500K -o b.h5
+    podbuild -q s.h5 --deformation independent --memory 1000K -o b.h5
     compare b.h5 s.h5
     /usr/bin/python3 -c "
 import h5py, numpy

@@ -191,7 +191,7 @@ static void chooses_the_smallest_number_for_an_energy(void **state) {
 
 static void does_not_depend_on_scale(void **state) {
     (void)state;
-    const double factors[] = {1e-170, 1e170};
+    const double factors[] = {1e-130, 1e130};
     for (size_t i = 0; i < 2; i++) {
         const double snapshots[] = {4 * factors[i], 0, 0, 2 * factors[i]};
         assert_int_equal(modes_chosen(snapshots, 2, 2, 0.19), 2);
@@ -286,8 +286,8 @@ static void refuses_bad_input(void **state) {
     check_refused(rank_one, 0, 3, one, "found 0 states");
     check_refused(rank_one, 2, 0, one, "0 nodes");
     check_refused((double[]){0, 0, 0, 0}, 2, 2, one, "only zeros");
-    check_refused((double[]){1, 2, 3, NAN}, 2, 2, one, "state 1 at node 1");
-    check_refused((double[]){1, 2, INFINITY, 1}, 2, 2, one, "state 1 at node 0");
+    check_refused((double[]){1, 2, 3, NAN}, 2, 2, one, "snapshot 1 at node 1");
+    check_refused((double[]){1, 2, INFINITY, 1}, 2, 2, one, "snapshot 1 at node 0");
 }
 
 /* Tests three directions: (1, 0, 0, 0), one that is 1e-3 off it, and one orthogonal to both, on

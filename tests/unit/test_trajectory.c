@@ -2,7 +2,6 @@
 /* Results of training on trajectories: compressed snapshots of all steps, and a few states that are
  * kept unchanged. */
 #include "fullrun/full_march.h"
-#include "podbuild/compress.h"
 #include "podbuild/pod.h"
 #include "snapgen/trajectory.h"
 #include "tests/unit/check.h"
@@ -99,8 +98,8 @@ static void add_trajectory(all_steps *steps, const trajectory_scene *of) {
     histories_free(histories);
 }
 
-/* Returns the part of the snapshots' energy outside of the span of the first `rank` rows. */
-static double energy_outside(const all_steps *steps, const compressed_set *set, size_t rank) {
+/* Returns the part of the snapshots' energy outside of the span of the first `rank` modes. */
+static double energy_outside(const all_steps *steps, const pod_basis *set, size_t rank) {
     double outside = 0, energy = 0;
     double *rest = calloc(steps->num_nodes, sizeof *rest);
 
@@ -109,10 +108,9 @@ static double energy_outside(const all_steps *steps, const compressed_set *set, 
         const double *snapshot = steps->pressure + s * steps->num_nodes;
         memcpy(rest, snapshot, steps->num_nodes * sizeof *rest);
         for (size_t i = 0; i < rank; i++) {
-            const double *row = set->rows + i * set->num_nodes;
-            double length = set->singular_values[i];
-            double part = cblas_ddot((int)steps->num_nodes, row, 1, rest, 1) / (length * length);
-            cblas_daxpy((int)steps->num_nodes, -part, row, 1, rest, 1);
+            const double *mode = set->modes + i * set->num_nodes;
+            double part = cblas_ddot((int)steps->num_nodes, mode, 1, rest, 1);
+            cblas_daxpy((int)steps->num_nodes, -part, mode, 1, rest, 1);
         }
         outside += cblas_ddot((int)steps->num_nodes, rest, 1, rest, 1);
         energy += cblas_ddot((int)steps->num_nodes, snapshot, 1, snapshot, 1);
@@ -134,7 +132,7 @@ static void compression_is_the_svd_of_all_steps(void **state) {
     for (size_t t = 0; t < 2; t++)
         add_trajectory(&steps, &set.trajectories[t]);
 
-    const compressed_set *compressed = &trained.first;
+    const pod_basis *compressed = &trained.first;
     pod_basis whole;
     const pod_settings all = {.num_modes = 0, .discarded_energy = 0};
     ehd_error error = {""};
@@ -144,13 +142,13 @@ static void compression_is_the_svd_of_all_steps(void **state) {
     assert_int_equal(compressed->num_snapshots, steps.count);
     assert_int_equal(trained.num_steps, steps.count);
     assert_int_equal(trained.num_failed, 0);
-    assert_int_equal(trained.second.rank, 0);
+    assert_int_equal(trained.second.num_modes, 0);
     // fewer rows than snapshots, and no energy is lost
-    assert_true(compressed->rank < steps.count && compressed->rank > 20);
+    assert_true(compressed->num_modes < steps.count && compressed->num_modes > 20);
     double energy = compressed->energy, first = whole.singular_values[0];
-    assert_true(compressed->energy_discarded <= 3e-22 * energy);
-    check_close(energy_outside(&steps, compressed, compressed->rank), 0, 0, 1e-20);
-    for (size_t i = 0; i < compressed->rank; i++)
+    assert_true(pod_discarded(compressed) <= 4e-22);
+    check_close(energy_outside(&steps, compressed, compressed->num_modes), 0, 0, 1e-20);
+    for (size_t i = 0; i < compressed->num_modes; i++)
         check_close(compressed->singular_values[i], whole.singular_values[i], 1e-4, 1e-11 * first);
     check_close(compressed->singular_values[0], first, 1e-13, 0);
     // the energy outside of the span of the first modes follows from the singular values
@@ -176,10 +174,10 @@ static void workers_change_no_bit(void **state) {
     train(&one, &set, 1);
     train(&two, &set, 3);
     assert_int_equal(one.num_trajectories, 3);
-    assert_int_equal(one.first.rank, two.first.rank);
+    assert_int_equal(one.first.num_modes, two.first.num_modes);
     assert_int_equal(one.num_steps, two.num_steps);
-    assert_memory_equal(one.first.rows, two.first.rows,
-                        one.first.rank * one.first.num_nodes * sizeof(double));
+    assert_memory_equal(one.first.modes, two.first.modes,
+                        one.first.num_modes * one.first.num_nodes * sizeof(double));
     for (size_t t = 0; t < 3; t++)
         for (size_t i = 0; i < NUM_KEPT; i++) {
             const kept_state *a = &one.kept[t].states[i], *b = &two.kept[t].states[i];
@@ -204,9 +202,9 @@ static void failed_trajectory_leaves_nothing(void **state) {
     assert_int_equal(both.num_failed, 1);
     assert_true(both.failed[0] && !both.failed[1]);
     assert_int_equal(good.num_failed, 0);
-    assert_int_equal(both.first.rank, good.first.rank);
-    assert_memory_equal(both.first.rows, good.first.rows,
-                        good.first.rank * good.first.num_nodes * sizeof(double));
+    assert_int_equal(both.first.num_modes, good.first.num_modes);
+    assert_memory_equal(both.first.modes, good.first.modes,
+                        good.first.num_modes * good.first.num_nodes * sizeof(double));
     trajectories_free(&both);
     trajectories_free(&good);
     training_set_free(&set);
