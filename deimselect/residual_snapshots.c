@@ -120,9 +120,9 @@ static ehd_status stream_all(pod_stream *stream, const residual_snapshots *snaps
     return status;
 }
 
-static ehd_status stream_pod_of(pod_basis *pod, const residual_snapshots *snapshots,
-                                residual_kind kind, bool units, size_t num_inner, size_t num_modes,
-                                ehd_error *error) {
+static ehd_status streamed_pod(pod_basis *pod, const residual_snapshots *snapshots,
+                               residual_kind kind, bool units, size_t num_inner, size_t num_modes,
+                               ehd_error *error) {
     const pod_settings wanted = {.num_modes = num_modes, .at_most = true};
     pod_stream_settings settings = units ? of_units : of_sets;
     double *field = array_new(num_inner, 1, sizeof *field);
@@ -145,7 +145,7 @@ ehd_status residual_snapshots_pod(pod_basis *pod, const residual_snapshots *snap
     const pod_settings settings = {.num_modes = num_modes, .at_most = true};
 
     if (snapshots->reader)
-        return stream_pod_of(pod, snapshots, kind, false, num_inner, num_modes, error);
+        return streamed_pod(pod, snapshots, kind, false, num_inner, num_modes, error);
     const double *fields = kind == RESIDUALS ? snapshots->residuals : snapshots->steps;
     return pod_build(pod, fields, snapshots->count, num_inner, &settings, error);
 }
@@ -158,7 +158,7 @@ static ehd_status stream_units(double **rows, size_t *num_rows, const residual_s
                                size_t num_inner, ehd_error *error) {
     pod_basis pod = {0};
     const ehd_status status =
-        stream_pod_of(&pod, snapshots, RESIDUALS, true, num_inner, num_inner, error);
+        streamed_pod(&pod, snapshots, RESIDUALS, true, num_inner, num_inner, error);
 
     if (status) return status;
     for (size_t k = 0; k < pod.num_modes; k++)

@@ -8,7 +8,6 @@
 #include "common/training/training_set.h"
 #include "podbuild/bases.h"
 #include "podbuild/readers.h"
-#include "podbuild/stream_bases.h"
 #include "podbuild/test_weight.h"
 #include "romrun/calibrate/accuracy.h"
 #include "romrun/model/basis_file.h"
@@ -26,7 +25,6 @@ typedef struct build_options {
     const test_weight *weight;
     const char *plan; // NULL: none
     double memory;    // limit of the arrays, bytes
-    bool compress;    // write a part (part_file.h), not a basis
 } build_options;
 
 static ehd_status read_weight(void *member, const char *argument, ehd_error *error) {
@@ -67,7 +65,7 @@ static const program_option own_options[] = {
     {"memory", 0, "SIZE", "Memory that arrays may take, as 2G or 500M; default half of the machine's. Snapshots that "
      "need more are streamed, and read twice", OPTION_READ(memory, memory_option_read)},
     {"compress", 0, NULL, "Write a part: the POD of these snapshots and their states, for bases of several parts, which leave "
-     "out no less than --energy of theirs", OPTION_FLAG(compress)},
+     "out no less than --energy of theirs", OPTION_FLAG(bases.as_part)},
     {"plan", 0, "PLAN.yml", "The plan of the training, for weights that evaluate its contacts", OPTION_TEXT(plan)},
     {0}};
 // clang-format on
@@ -78,7 +76,7 @@ static void print_weights(void) {
         printf("  %-10s %s\n", weight->name, weight->help);
 }
 
-static void print_states(const snapshot_files *files) {
+static void print_states(const snapshot_set *files) {
     printf("%zu states on %zu nodes", files->num_states, files->grid.num_inner);
     if (files->num_left_out > 0)
         printf(", %zu left out that had not converged", files->num_left_out);
@@ -86,7 +84,7 @@ static void print_states(const snapshot_files *files) {
 }
 
 static void report(const reduced_basis *basis, const basis_origin *origin,
-                   const snapshot_files *files, bool direct) {
+                   const snapshot_set *files, bool direct) {
     const char *at_most = direct ? "" : "at most ";
 
     print_states(files);
@@ -111,7 +109,7 @@ static void report(const reduced_basis *basis, const basis_origin *origin,
  * improve the basis. The distance of each state from the span of the others estimates by how much.
  * Warns if the median distance exceeds the default accuracy of results. */
 static void report_thinness(const program *self, const pod_basis *pressure,
-                            const reduced_states *states, const snapshot_files *files) {
+                            const reduced_states *states, const snapshot_set *files) {
     const double promised = accuracy_limit(0);
     const size_t num = files->num_states;
     double *distance = malloc((num + 1) * sizeof *distance);
@@ -174,95 +172,76 @@ static const char **list_inputs(const program *self, ehd_error *error) {
     return inputs;
 }
 
-/* Builds the basis with all snapshots in memory. */
-static ehd_status build_at_once(reduced_basis *basis, basis_origin *origin, pod_basis *pressure,
-                                pod_basis *deformation, snapshot_set *set, snapshot_files *files,
-                                const program *self, const build_options *options,
-                                ehd_error *error) {
-    ehd_error cause = {""};
-    ehd_status status = snapshot_set_read(set, files, error);
-
-    if (!status) {
-        status = bases_build(basis, pressure, deformation, set, &options->bases, &cause);
-        if (status) ehd_fail(error, status, "%s: %s", self->arguments[0], cause.text);
-    }
-    origin->pressure_energy_discarded = bases_energy_discarded(pressure);
-    origin->deformation_energy_discarded = bases_energy_discarded(deformation);
-    return status;
+static basis_origin origin_of(const pod_basis *pressure, const pod_basis *deformation) {
+    return (basis_origin){
+        .pressure_singular_values = pressure->singular_values,
+        .num_pressure_values = pressure->num_singular_values,
+        .pressure_energy_discarded = pod_discarded(pressure),
+        .deformation_singular_values = deformation->singular_values,
+        .num_deformation_values = deformation->num_singular_values,
+        .deformation_energy_discarded = pod_discarded(deformation),
+    };
 }
 
-/* Builds the basis from snapshots that are read one by one, within the memory limit. */
-static ehd_status build_by_stream(reduced_basis *basis, basis_origin *origin, pod_basis *pressure,
-                                  pod_basis *deformation, snapshot_files *files,
-                                  const stream_plan *way, const program *self,
-                                  const build_options *options, ehd_error *error) {
-    double discarded[2] = {0};
-    ehd_error cause = {""};
-    ehd_status status = stream_bases_build(basis, pressure, deformation, discarded, files,
-                                           &options->bases, way, self, &cause);
-
-    if (status) return ehd_fail(error, status, "%s: %s", self->arguments[0], cause.text);
-    origin->pressure_energy_discarded = discarded[0];
-    origin->deformation_energy_discarded = discarded[1];
-    return EHD_OK;
-}
-
-static ehd_status write_basis(const reduced_basis *basis, basis_origin *origin,
-                              const pod_basis *pressure, const pod_basis *deformation,
-                              const program *self, const build_options *options, ehd_error *error) {
+static ehd_status write_basis(const reduced_basis *basis, const basis_origin *origin,
+                              const program *self, const build_options *options,
+                              const char *const *inputs, ehd_error *error) {
     const bases_settings *settings = &options->bases;
-    const char **inputs = list_inputs(self, error);
     char text[256];
 
-    if (!inputs) return EHD_MEMORY;
-    origin->pressure_singular_values = pressure->singular_values;
-    origin->num_pressure_values = pressure->num_singular_values;
-    origin->deformation_singular_values = deformation->singular_values;
-    origin->num_deformation_values = deformation->num_singular_values;
     snprintf(text, sizeof text,
              "deformation: %s\npressure-modes: %zu\ndeformation-modes: %zu\nenergy: "
              "%g\nweight: %s\n",
              deformation_names[settings->kind], settings->pressure.num_modes,
              settings->deformation.num_modes, settings->pressure.discarded_energy,
              options->weight->name);
-    const ehd_status status = basis_write(basis, origin, self, text, inputs, error);
-    free(inputs);
-    return status;
+    return basis_write(basis, origin, self, text, inputs, error);
+}
+
+static ehd_status write_part(const reduced_basis *basis, const pod_basis *modes,
+                             const snapshot_set *files, const program *self,
+                             const build_options *options, const char *const *inputs,
+                             ehd_error *error) {
+    const part_origin origin = {.num_snapshots = files->num_rows,
+                                .num_left_out = files->num_left_out,
+                                .energy = modes->energy,
+                                .discarded = pod_discarded(modes),
+                                .singular_values = modes->singular_values};
+    char text[64];
+
+    snprintf(text, sizeof text, "compress: true\nenergy: %g\n",
+             options->bases.pressure.discarded_energy);
+    return part_write(basis, &origin, self, text, inputs, error);
 }
 
 /* Refuses parts as input of --compress and of --deformation independent. */
-static ehd_status check_parts(const snapshot_files *files, const build_options *options,
+static ehd_status check_parts(const snapshot_set *files, const build_options *options,
                               ehd_error *error) {
-    size_t i = 0;
+    const snapshot_source *source = files->sources;
 
-    while (i < files->num_files && !files->files[i].is_part)
-        i++;
-    if (i == files->num_files) return EHD_OK;
-    if (options->compress)
+    if (files->num_parts == 0) return EHD_OK;
+    while (!source->is_part)
+        source++;
+    if (options->bases.as_part)
         return ehd_fail(error, EHD_DATA, "%s: found a part, expected snapshots with --compress",
-                        files->files[i].path);
+                        source->path);
     if (options->bases.kind == DEFORMATION_INDEPENDENT)
         return ehd_fail(error, EHD_DATA,
                         "%s: found a part, expected snapshots with --deformation independent: what "
                         "parts leave out is known of pressures only",
-                        files->files[i].path);
+                        source->path);
     return EHD_OK;
 }
 
 /* Plans the memory before the snapshots are read, prints the plan, and checks that so much memory
  * is free. */
-static ehd_status plan_memory(stream_plan *way, const snapshot_files *files, const program *self,
+static ehd_status plan_memory(bases_plan *way, const snapshot_set *files, const program *self,
                               const build_options *options, ehd_error *error) {
-    const bases_settings *settings = &options->bases;
-    const bool exact = settings->pressure.num_modes > 0 && !program_was_given(self, "energy");
     ehd_status status = check_parts(files, options, error);
 
-    if (!status)
-        status = stream_plan_make(way, files, settings, exact, options->compress, options->memory,
-                                  error);
-
+    if (!status) status = bases_plan_make(way, files, &options->bases, options->memory, error);
     if (status) return status;
-    if (way->direct) {
+    if (way->at_once) {
         program_detail(self, "%zu snapshots at once, at most %.4g MB of %.4g MB", files->num_rows,
                        way->bytes * 1e-6, way->limit * 1e-6);
         return EHD_OK;
@@ -270,77 +249,63 @@ static ehd_status plan_memory(stream_plan *way, const snapshot_files *files, con
     program_note(self,
                  "%zu snapshots of %zu nodes one after the other, in blocks of %zu, with room for "
                  "%zu directions: at most %.4g MB of %.4g MB",
-                 files->num_rows, files->grid.num_nodes, way->pressure.block,
-                 way->pressure.max_rank, way->bytes * 1e-6, way->limit * 1e-6);
+                 files->num_rows, files->grid.num_nodes, way->stream.block, way->stream.max_rank,
+                 way->bytes * 1e-6, way->limit * 1e-6);
     return program_check_memory(self->arguments[0], "snapshots", files->num_rows, "snapshots",
                                 " with this --memory", way->bytes, error);
 }
 
+static ehd_status finish_basis(reduced_basis *basis, const pod_basis *pressure,
+                               const pod_basis *deformation, const snapshot_set *files, bool exact,
+                               const program *self, const build_options *options,
+                               const char *const *inputs, ehd_error *error) {
+    const basis_origin origin = origin_of(pressure, deformation);
+    ehd_status status = weigh(basis, self, options, error);
+
+    if (!status) status = write_basis(basis, &origin, self, options, inputs, error);
+    if (!status) report(basis, &origin, files, exact);
+    if (!status) report_thinness(self, pressure, &basis->states, files);
+    return status;
+}
+
+static ehd_status finish_part(const reduced_basis *basis, const pod_basis *modes,
+                              const snapshot_set *files, const program *self,
+                              const build_options *options, const char *const *inputs,
+                              ehd_error *error) {
+    const ehd_status status = write_part(basis, modes, files, self, options, inputs, error);
+
+    if (status) return status;
+    print_states(files);
+    printf("compressed:  %zu modes of %zu snapshots, energy left out at most %.1e\n",
+           modes->num_modes, files->num_rows, pod_discarded(modes));
+    return EHD_OK;
+}
+
 static ehd_status build(const program *self, const build_options *options, ehd_error *error) {
-    snapshot_files files = {0};
-    snapshot_set set = {0};
+    snapshot_set files = {0};
     reduced_basis basis = {0};
-    basis_origin origin = {0};
     pod_basis pressure = {0}, deformation = {0};
-    stream_plan way = {0};
-    ehd_status status = snapshot_files_open(&files, self->arguments, self->num_arguments, error);
+    bases_plan way;
+    const char **inputs = list_inputs(self, error);
+    ehd_status status = inputs
+                            ? snapshot_set_open(&files, self->arguments, self->num_arguments, error)
+                            : EHD_MEMORY;
 
     if (!status) status = plan_memory(&way, &files, self, options, error);
     if (!status)
-        status = way.direct ? build_at_once(&basis, &origin, &pressure, &deformation, &set, &files,
-                                            self, options, error)
-                            : build_by_stream(&basis, &origin, &pressure, &deformation, &files,
-                                              &way, self, options, error);
-    if (!status) status = weigh(&basis, self, options, error);
+        status = bases_build(&basis, &pressure, &deformation, &files, &options->bases, &way,
+                             way.at_once ? NULL : self, error);
     if (!status)
-        status = write_basis(&basis, &origin, &pressure, &deformation, self, options, error);
-    if (!status) report(&basis, &origin, &files, way.direct);
-    if (!status) report_thinness(self, &pressure, &basis.states, &files);
-    snapshot_set_free(&set);
+        status =
+            options->bases.as_part
+                ? finish_part(&basis, &pressure, &files, self, options, inputs, error)
+                : finish_basis(&basis, &pressure, &deformation, &files,
+                               way.at_once && files.num_parts == 0, self, options, inputs, error);
     pod_free(&pressure);
     pod_free(&deformation);
     reduced_basis_free(&basis);
-    snapshot_files_close(&files);
-    return status;
-}
-
-static ehd_status write_part(const reduced_basis *basis, const pod_basis *modes,
-                             const part_origin *origin, const program *self,
-                             const build_options *options, ehd_error *error) {
-    const char **inputs = list_inputs(self, error);
-    char text[64];
-
-    if (!inputs) return EHD_MEMORY;
-    snprintf(text, sizeof text, "compress: true\nenergy: %g\n",
-             options->bases.pressure.discarded_energy);
-    const ehd_status status = part_write(basis, modes, origin, self, text, inputs, error);
+    snapshot_set_close(&files);
     free(inputs);
-    return status;
-}
-
-static ehd_status compress(const program *self, const build_options *options, ehd_error *error) {
-    snapshot_files files = {0};
-    reduced_basis basis = {0};
-    pod_basis modes = {0};
-    part_origin origin = {0};
-    stream_plan way = {0};
-    ehd_error cause = {""};
-    ehd_status status = snapshot_files_open(&files, self->arguments, self->num_arguments, error);
-
-    if (!status) status = plan_memory(&way, &files, self, options, error);
-    if (!status) {
-        status = stream_part_build(&basis, &modes, &origin, &files, &way, self, &cause);
-        if (status) ehd_fail(error, status, "%s: %s", self->arguments[0], cause.text);
-    }
-    if (!status) status = write_part(&basis, &modes, &origin, self, options, error);
-    if (!status) {
-        print_states(&files);
-        printf("compressed:  %zu modes of %zu snapshots, energy left out at most %.1e\n",
-               modes.num_modes, files.num_rows, origin.discarded);
-    }
-    pod_free(&modes);
-    reduced_basis_free(&basis);
-    snapshot_files_close(&files);
     return status;
 }
 
@@ -359,7 +324,7 @@ static ehd_status check_compress(const program *self, ehd_error *error) {
 }
 
 int main(int argc, char **argv) {
-    build_options own = {.bases = {{.discarded_energy = 1e-13}, {0}, DEFORMATION_COUPLED},
+    build_options own = {.bases = {.pressure.discarded_energy = 1e-13, .kind = DEFORMATION_COUPLED},
                          .weight = test_weights,
                          .memory = memory_option_default()};
     const program_options options = {.options = own_options,
@@ -378,6 +343,7 @@ int main(int argc, char **argv) {
     if (self.print) return output_print(&self);
     if (self.vtk) return output_vtk(&self);
     own.bases.deformation.discarded_energy = own.bases.pressure.discarded_energy;
+    own.bases.exact = own.bases.pressure.num_modes > 0 && !program_was_given(&self, "energy");
     if (own.weight->needs_contacts != (own.plan != NULL))
         return program_finish(&self,
                               ehd_fail(&error, EHD_USAGE,
@@ -392,8 +358,8 @@ int main(int argc, char **argv) {
                                        "expected --deformation independent",
                                        own.bases.deformation.num_modes),
                               &error);
-    ehd_status status = own.compress ? check_compress(&self, &error) : EHD_OK;
-    if (!status) status = own.compress ? compress(&self, &own, &error) : build(&self, &own, &error);
+    ehd_status status = own.bases.as_part ? check_compress(&self, &error) : EHD_OK;
+    if (!status) status = build(&self, &own, &error);
     if (!status) stage_end(&self.stage);
     return program_finish(&self, status, &error);
 }

@@ -4,20 +4,6 @@
 #include "common/output/grid_file.h"
 #include "romrun/model/basis_file.h"
 
-static ehd_status put_modes(artefact *file, const pod_basis *modes, const ehd_grid *grid,
-                            ehd_error *error) {
-    ehd_status status = artefact_put_axis(file, "pressure_mode", modes->num_modes, NULL, error);
-
-    if (!status) status = artefact_declare(file, "pressure_basis", error);
-    // one by one, so that no second copy of all modes is needed
-    for (size_t j = 0; j < modes->num_modes && !status; j++)
-        status = grid_put_field(file, "pressure_basis", j, modes->modes + j * modes->num_nodes,
-                                grid, false, error);
-    if (!status)
-        status = artefact_put(file, "pressure_singular_values", modes->singular_values, error);
-    return status;
-}
-
 static ehd_status put_origin(artefact *file, const part_origin *origin, ehd_error *error) {
     ehd_status status =
         artefact_put_integer(file, "num_snapshots", (int64_t)origin->num_snapshots, error);
@@ -26,12 +12,12 @@ static ehd_status put_origin(artefact *file, const part_origin *origin, ehd_erro
         status = artefact_put_integer(file, "num_left_out", (int64_t)origin->num_left_out, error);
     if (!status) status = artefact_put_real(file, "energy", origin->energy, error);
     if (!status) status = artefact_put_real(file, "energy_discarded", origin->discarded, error);
-    return status;
+    return status ? status
+                  : artefact_put(file, "pressure_singular_values", origin->singular_values, error);
 }
 
-ehd_status part_write(const reduced_basis *basis, const pod_basis *modes, const part_origin *origin,
-                      const program *caller, const char *settings_text, const char *const *inputs,
-                      ehd_error *error) {
+ehd_status part_write(const reduced_basis *basis, const part_origin *origin, const program *caller,
+                      const char *settings_text, const char *const *inputs, ehd_error *error) {
     artefact *file = NULL;
     ehd_status status =
         artefact_create(&file, caller->output, &schema_part, caller, settings_text, inputs, error);
@@ -39,9 +25,13 @@ ehd_status part_write(const reduced_basis *basis, const pod_basis *modes, const 
     if (!status) status = grid_write(file, basis->kind, &basis->grid, error);
     if (!status) status = carriage_write(file, &basis->carriage, error);
     if (!status) status = artefact_put_axis(file, "state", basis->states.num_states, NULL, error);
-    if (!status) status = put_modes(file, modes, &basis->grid, error);
     if (!status)
-        status = states_write(file, &basis->states, modes->num_modes, 0, &basis->grid, error);
+        status = artefact_put_axis(file, "pressure_mode", basis->num_pressure, NULL, error);
+    if (!status)
+        status = modes_write(file, "pressure_basis", basis->pressure, &basis->grid,
+                             basis->num_pressure, true, error);
+    if (!status)
+        status = states_write(file, &basis->states, basis->num_pressure, 0, &basis->grid, error);
     if (!status) status = put_origin(file, origin, error);
     if (!status) status = artefact_finish(&file, error);
     artefact_close(&file);

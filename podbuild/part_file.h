@@ -1,12 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Files that hold a part of a training in compressed form: the POD of its snapshots, and its states
- * in the coordinates of these modes. */
+/* Files that hold a part of a training in compressed form: the POD of its snapshots (pod.h), and its
+ * states in the coordinates of these modes. */
 #ifndef EHD_PART_FILE_H
 #define EHD_PART_FILE_H
 
 #include "common/artefact/artefact.h"
 #include "common/program/program.h"
-#include "podbuild/pod.h"
 #include "romrun/model/reduced_model.h"
 
 /* Source and omitted energy of a part. */
@@ -16,13 +15,14 @@ typedef struct part_origin {
     double energy;        // sum of the squares of the snapshots
     double discarded;     // upper bound of the sum of squared distances from the modes, relative to
                           // energy
+    // [num_pressure of the basis], descending; not read by part_read_origin
+    const double *singular_values;
 } part_origin;
 
-/* Writes caller->output and gives the file its name. `basis` has the grid, and the states in the
- * coordinates of the modes. `inputs`: paths of the snapshot files, NULL at the end. */
-ehd_status part_write(const reduced_basis *basis, const pod_basis *modes, const part_origin *origin,
-                      const program *caller, const char *settings_text, const char *const *inputs,
-                      ehd_error *error);
+/* Writes caller->output and gives the file its name. `inputs`: paths of the snapshot files, NULL at
+ * the end. */
+ehd_status part_write(const reduced_basis *basis, const part_origin *origin, const program *caller,
+                      const char *settings_text, const char *const *inputs, ehd_error *error);
 
 /* Reads the origin from an open file. EHD_DATA: energy_discarded is above 1. */
 ehd_status part_read_origin(part_origin *origin, artefact *file, ehd_error *error);

@@ -177,14 +177,49 @@ static ehd_status append(pod_stream *self, const pod_basis *modes, ehd_error *er
     return orthogonalise(self, before, error);
 }
 
-/* Adds the POD of the remainders of the waiting rows to the directions, as far as their energy
- * `left` exceeds `allowed`. *full: there is no room for these directions, and none is added. */
+/* Copies the remainders of waiting rows whose squared norm exceeds `squared_length`. Returns their
+ * number. *left_out: sum of the squared norms of the others. */
+static size_t copy_long_rows(double *rows, double *left_out, const pod_stream *self,
+                             double squared_length) {
+    const size_t num_nodes = self->num_nodes;
+    size_t num_long = 0;
+
+    *left_out = 0;
+    for (size_t i = 0; i < self->num_waiting; i++) {
+        const double *row = self->waiting + i * num_nodes;
+        const double own = squared(row, 1, num_nodes);
+        if (own > squared_length)
+            memcpy(rows + num_long++ * num_nodes, row, num_nodes * sizeof *rows);
+        else
+            *left_out += own;
+    }
+    return num_long;
+}
+
+/* Computes the POD of the remainders of the waiting rows, as far as their energy `left` exceeds
+ * `allowed`. */
+static ehd_status decompose_remainder(pod_basis *found, const pod_stream *self, double left,
+                                      double allowed, ehd_error *error) {
+    double *rows = array_new(self->num_waiting, self->num_nodes, sizeof *rows), left_out;
+
+    *found = (pod_basis){0};
+    if (!rows) return ehd_no_memory(error, "POD");
+    const size_t num_long =
+        copy_long_rows(rows, &left_out, self, allowed / (double)self->num_waiting);
+    const pod_settings wanted = {.discarded_energy =
+                                     fmax(0, allowed - left_out) / (left - left_out)};
+    const ehd_status status = pod_decompose(found, rows, num_long, self->num_nodes, &wanted, error);
+    free(rows);
+    return status;
+}
+
+/* Adds the POD of the remainders of the waiting rows to the directions. *full: there is no room for
+ * these directions, and none is added. */
 static ehd_status extend(bool *full, pod_stream *self, components *to, double left, double allowed,
                          ehd_error *error) {
     const size_t max_rank = self->settings.max_rank, before = self->rank;
     pod_basis found;
-    ehd_status status = pod_build(&found, self->waiting, self->num_waiting, self->num_nodes,
-                                  &(pod_settings){.discarded_energy = allowed / left}, error);
+    ehd_status status = decompose_remainder(&found, self, left, allowed, error);
 
     *full = !status && max_rank > 0 && found.num_modes > max_rank - before;
     if (!status && !*full) status = append(self, &found, error);

@@ -3,26 +3,26 @@
 
 #include "common/program/arena.h"
 #include "podbuild/part_file.h"
-#include "podbuild/snapshot_files.h"
+#include "podbuild/snapshot_set.h"
 
 #include "romrun/model/readers.h"
 #include <stdlib.h>
 
 static ehd_status check_snapshots(const char *path, ehd_error *error) {
-    snapshot_files files;
-    ehd_status status = snapshot_files_open(&files, &path, 1, error);
+    snapshot_set files;
+    ehd_status status = snapshot_set_open(&files, &path, 1, error);
 
     if (status) return status;
     // read one field at a time, so that a large file needs little memory
-    const file_states *states = &files.files[0].states;
+    const snapshot_source *source = files.sources;
     double *field = array_new(files.grid.num_nodes, 1, sizeof *field);
     if (!field) status = ehd_no_memory(error, path);
-    for (size_t i = 0; i < states->count && !status; i++)
-        if (states->outcome[i] == 0) status = snapshot_file_state(field, &files, 0, i, error);
-    for (size_t i = 0; i < snapshot_file_compressed(&files, 0) && !status; i++)
-        status = snapshot_file_row(field, &files, 0, i, error);
+    for (size_t s = 0; s < source->num_states && !status; s++)
+        status = snapshot_set_state(field, &files, 0, s, error);
+    for (size_t row = source->num_stationary; row < source->num_rows && !status; row++)
+        status = snapshot_set_row(field, &files, 0, row, error);
     free(field);
-    snapshot_files_close(&files);
+    snapshot_set_close(&files);
     return status;
 }
 

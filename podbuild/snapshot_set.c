@@ -1,197 +1,355 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Reads training solutions from files or memory, one field at a time.
+ * No equations; a row of a part is a mode times its singular value (part_file.h).
+ * Called by bases.c, main.c and readers.c, and by snapgen/trial.c for solutions in memory. */
 #include "podbuild/snapshot_set.h"
 
+#include "common/output/grid_file.h"
 #include "common/program/arena.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-void snapshot_set_free(snapshot_set *set) {
-    free(set->pressure);
-    free(set->rigid_approach);
-    free(set->exit);
-    free(set->moes_M);
-    free(set->alpha_p_H);
-    free(set->thinning);
-    free(set->central_film_thickness);
-    free(set->stationary);
-    free(set->rate);
-    free(set->load_rate);
-    free(set->effects);
-    free(set->rises);
-    free(set->snapshots);
-    memset(set, 0, sizeof *set);
+/* Number of files that stay open between two passes, so that their digests are checked only
+ * once. */
+enum { KEPT_OPEN = 200 };
+
+// ---- columns
+
+/* Columns of a snapshot or result file while its converged states are picked. */
+typedef struct column_reader {
+    artefact *file;
+    size_t count;   // number of states, converged or not
+    double *values; // [count] work array
+    const snapshot_source *source;
+} column_reader;
+
+static bool is_result(const artefact *file) {
+    return artefact_kind(file) == &schema_result;
 }
 
-static ehd_status grow(void **array, size_t rows, size_t columns, size_t size, ehd_error *error) {
-    void *larger = array_resize(*array, rows, columns, size);
-    if (!larger) return ehd_no_memory(error, "snapshots");
-    *array = larger;
+/* Reads an optional column of the converged states to every `stride`-th number. With `attribute` a
+ * result has it as an attribute. */
+static ehd_status pick(double *to, size_t stride, const char *name, bool attribute,
+                       const column_reader *from, ehd_error *error) {
+    const snapshot_source *source = from->source;
+    ehd_status status = EHD_OK;
+
+    if (!artefact_has(from->file, name)) return EHD_OK;
+    if (attribute && is_result(from->file))
+        status = artefact_get_real(from->file, name, from->values, error);
+    else
+        status = artefact_get(from->file, name, from->values, from->count, error);
+    for (size_t s = 0; s < source->num_states && !status; s++)
+        to[s * stride] = from->values[source->entry[s]];
+    return status;
+}
+
+/* Reads what is unknown or zero unless the file has it. */
+static ehd_status pick_optional(reduced_states *states, const column_reader *from,
+                                ehd_error *error) {
+    ehd_status status = pick(&states->thinning->sliding, 2, "thinning", true, from, error);
+
+    if (!status)
+        status = pick(&states->thinning->gradient, 2, "gradient_thinning", true, from, error);
+    for (int e = 0; e < NUM_EFFECTS && !status; e++)
+        status =
+            pick(&states->effects->of[e], NUM_EFFECTS, film_effect_names[e], true, from, error);
+    for (int r = 0; r < NUM_RISES && !status; r++)
+        status = pick(&states->rises->of[r], NUM_RISES, lubricant_rise_names[r], true, from, error);
+    for (size_t s = 0; s < states->num_states; s++)
+        states->central_film_thickness[s] = NAN;
+    return status ? status
+                  : pick(states->central_film_thickness, 1, "central_film_thickness", false, from,
+                         error);
+}
+
+/* Reads the rates on trajectories, whose columns have no valid values at stationary states. Only
+ * the first state of a trajectory is stationary. `trajectory`: [count], -1 for stationary states. */
+static ehd_status pick_rates(reduced_states *states, const column_reader *from,
+                             const int64_t *trajectory, ehd_error *error) {
+    double *time = array_new(states->num_states, 1, sizeof *time);
+    ehd_status status = time ? EHD_OK : ehd_no_memory(error, artefact_path(from->file));
+    const char *load_rate = artefact_has(from->file, "trajectory_load_rate")
+                                ? "trajectory_load_rate"
+                                : "trajectory_rate";
+
+    if (!status) status = pick(time, 1, "trajectory_time", false, from, error);
+    if (!status) status = pick(states->rate, 1, "trajectory_rate", false, from, error);
+    if (!status) status = pick(states->load_rate, 1, load_rate, false, from, error);
+    for (size_t s = 0; s < states->num_states && !status; s++) {
+        const bool in_time = trajectory[from->source->entry[s]] >= 0;
+        states->stationary[s] = !in_time || time[s] == 0;
+        if (!in_time) states->rate[s] = states->load_rate[s] = 0;
+    }
+    free(time);
+    return status;
+}
+
+/* Reads which states converged, and which of them are rows. States of a trajectory are among its
+ * compressed steps, so they are no rows. Status 4 (EHD_UNTRUSTED) is no training solution either. */
+static ehd_status choose_states(snapshot_source *source, size_t count, const int64_t *outcome,
+                                const int64_t *trajectory, ehd_error *error) {
+    source->entry = array_new(count, 1, sizeof *source->entry);
+    source->row_state = array_new(count, 1, sizeof *source->row_state);
+    if (!source->entry || !source->row_state) return ehd_no_memory(error, source->path);
+    for (size_t i = 0; i < count; i++) {
+        if (outcome[i] != 0) continue;
+        if (trajectory[i] < 0) source->row_state[source->num_stationary++] = source->num_states;
+        source->entry[source->num_states++] = i;
+    }
+    source->num_rows = source->num_stationary + artefact_length(source->file, "compressed");
     return EHD_OK;
 }
 
-static ehd_status reserve(snapshot_set *set, size_t num_states, ehd_error *error) {
-    size_t count = num_states + 1;
-    ehd_status status = EHD_OK;
-    double **const columns[] = {&set->rigid_approach,         &set->moes_M, &set->alpha_p_H,
-                                &set->central_film_thickness, &set->rate,   &set->load_rate};
+static ehd_status check_columns(const snapshot_source *source, ehd_error *error) {
+    const reduced_states *states = &source->states;
 
-    for (size_t i = 0; i < sizeof columns / sizeof *columns && !status; i++)
-        status = grow((void **)columns[i], count, 1, sizeof(double), error);
-    if (!status)
-        status = grow((void **)&set->exit, count, grid_lines(&set->grid), sizeof *set->exit, error);
-    if (!status) status = grow((void **)&set->thinning, count, 1, sizeof *set->thinning, error);
-    if (!status) status = grow((void **)&set->effects, count, 1, sizeof *set->effects, error);
-    if (!status) status = grow((void **)&set->rises, count, 1, sizeof *set->rises, error);
-    if (!status) status = grow((void **)&set->stationary, count, 1, sizeof *set->stationary, error);
+    for (size_t s = 0; s < states->num_states; s++)
+        if (!isfinite(states->rate[s] + states->load_rate[s] + states->coordinates[s] +
+                      states->moes_M[s] + states->alpha_p_H[s] + states->thinning[s].sliding +
+                      states->thinning[s].gradient))
+            return ehd_fail(error, EHD_DATA, "%s: state %zu: found values that are not finite",
+                            source->path, source->entry[s]);
+    return EHD_OK;
+}
+
+static ehd_status read_states(snapshot_source *source, const ehd_grid *grid, size_t count,
+                              const int64_t *trajectory, double *values, ehd_error *error) {
+    const column_reader from = {source->file, count, values, source};
+    reduced_states *states = &source->states;
+    ehd_status status = reduced_states_init(states, source->num_states, grid_lines(grid), 1, error);
+
+    if (!status) status = pick(states->coordinates, 1, "rigid_approach", false, &from, error);
+    if (!status) status = pick(states->moes_M, 1, "moes_M", true, &from, error);
+    if (!status) status = pick(states->alpha_p_H, 1, "alpha_p_H", true, &from, error);
+    if (!status) status = pick_optional(states, &from, error);
+    if (!status && artefact_has(source->file, "trajectory"))
+        status = pick_rates(states, &from, trajectory, error);
+    return status ? status : check_columns(source, error);
+}
+
+/* Reads the columns of a snapshot or result file. */
+static ehd_status learn_states(snapshot_set *self, snapshot_source *source, ehd_error *error) {
+    artefact *file = source->file;
+    const size_t count = artefact_length(file, is_result(file) ? "time" : "state");
+    int64_t *outcome = array_new(count, 1, sizeof *outcome);
+    int64_t *trajectory = array_new(count, 1, sizeof *trajectory);
+    double *values = array_new(count, 1, sizeof *values);
+    ehd_status status =
+        outcome && trajectory && values ? EHD_OK : ehd_no_memory(error, source->path);
+
+    for (size_t i = 0; i < count && !status; i++)
+        trajectory[i] = -1;
+    if (!status && artefact_has(file, "status"))
+        status = artefact_get_integers(file, "status", outcome, count, error);
+    if (!status && artefact_has(file, "trajectory"))
+        status = artefact_get_integers(file, "trajectory", trajectory, count, error);
+    if (!status) status = choose_states(source, count, outcome, trajectory, error);
+    if (!status) status = read_states(source, &self->grid, count, trajectory, values, error);
+    self->num_left_out += count - source->num_states;
+    free(outcome);
+    free(trajectory);
+    free(values);
     return status;
 }
 
-/* Reserves memory for the states, their fields, and the snapshots of the basis. */
-static ehd_status reserve_fields(snapshot_set *set, size_t num_states, size_t num_snapshots,
-                                 ehd_error *error) {
-    const size_t num_nodes = set->grid.num_nodes;
-    ehd_status status = reserve(set, num_states, error);
+// ---- files
 
+/* Checks that films are carried in one way in all files with trajectories. */
+static ehd_status check_carriage(snapshot_set *self, artefact *file, const char *path,
+                                 ehd_error *error) {
+    ehd_carriage carriage;
+
+    if (!artefact_has(file, "transport")) return EHD_OK;
+    ehd_status status = carriage_read(&carriage, file, error);
+    if (!status && self->transported)
+        status = carriage_check(&carriage, path, &self->carriage, self->transported, error);
+    if (!status && !self->transported) {
+        self->transported = path;
+        self->carriage = carriage;
+    }
+    return status;
+}
+
+static ehd_status check_kind(artefact *file, const char *path, ehd_error *error) {
+    if (!artefact_has(file, "pressure"))
+        return ehd_fail(error, EHD_DATA, "%s: found no dataset pressure, expected fields", path);
+    if (is_result(file) && artefact_length(file, "time") > 1)
+        return ehd_fail(error, EHD_DATA,
+                        "%s: time: found %zu entries, expected 1, of a stationary result; snapgen "
+                        "trains on transient scenes",
+                        path, artefact_length(file, "time"));
+    return EHD_OK;
+}
+
+static ehd_status learn_part(snapshot_set *self, snapshot_source *source, ehd_error *error) {
+    source->num_states = artefact_length(source->file, "state");
+    source->num_rows = artefact_length(source->file, "pressure_mode");
+    source->values = array_new(source->num_rows, 1, sizeof *source->values);
+    if (!source->values) return ehd_no_memory(error, source->path);
+    ehd_status status = part_read_origin(&source->origin, source->file, error);
     if (!status)
-        status = grow((void **)&set->pressure, num_states + 1, num_nodes, sizeof(double), error);
+        status = artefact_get(source->file, "pressure_singular_values", source->values,
+                              source->num_rows, error);
+    self->num_left_out += source->origin.num_left_out;
+    self->num_parts++;
+    return status;
+}
+
+static ehd_status learn(snapshot_set *self, snapshot_source *source, ehd_error *error) {
+    ehd_grid grid = {0};
+
+    source->is_part = artefact_kind(source->file) == &schema_part;
+    ehd_status status = source->is_part ? EHD_OK : check_kind(source->file, source->path, error);
+    if (!status) status = grid_read(&grid, &self->kind, source->file, error);
+    if (!status && source == self->sources) self->grid = grid;
+    if (!status)
+        status = grid_check(&grid, source->path, &self->grid, self->sources[0].path, error);
+    if (!status) status = check_carriage(self, source->file, source->path, error);
     if (!status)
         status =
-            grow((void **)&set->snapshots, num_snapshots + 1, num_nodes, sizeof(double), error);
+            source->is_part ? learn_part(self, source, error) : learn_states(self, source, error);
+    self->num_states += source->num_states;
+    self->num_rows += source->num_rows;
     return status;
 }
 
-/* Appends a solution without its field. The exit follows from `pressure`. */
-static void add_solved(snapshot_set *set, const solved_state *state, const double *pressure) {
-    size_t s = set->num_states++;
+ehd_status snapshot_set_use(snapshot_set *self, size_t index, ehd_error *error) {
+    const artefact_schema *const kinds[] = {&schema_snapshots, &schema_result, &schema_part, NULL};
+    snapshot_source *source = &self->sources[index];
 
-    set->rigid_approach[s] = state->rigid_approach;
-    set->moes_M[s] = state->moes_M;
-    set->alpha_p_H[s] = state->alpha_p_H;
-    set->thinning[s] = state->thinning;
-    set->central_film_thickness[s] = state->central_film_thickness;
-    grid_exit_columns(set->exit + s * grid_lines(&set->grid), pressure, &set->grid);
-    set->stationary[s] = true;
-    set->rate[s] = set->load_rate[s] = 0;
-    set->effects[s] = film_effects_unknown();
-    set->rises[s] = state->rises;
+    return source->file || !source->path ? EHD_OK
+                                         : artefact_open(&source->file, source->path, kinds, error);
 }
 
-void snapshot_set_add(snapshot_set *set, const double *pressure, const file_states *states,
-                      size_t i) {
-    const size_t s = set->num_states;
-    // columns of trajectories have no valid values at stationary points
-    const bool in_time = states->trajectory[i] >= 0;
-    lubricant_rises rises;
-
-    for (int r = 0; r < NUM_RISES; r++)
-        rises.of[r] = states->rises[r][i];
-    const solved_state state = {pressure,
-                                states->rigid_approach[i],
-                                states->moes_M[i],
-                                states->alpha_p_H[i],
-                                {states->sliding[i], states->gradient[i]},
-                                states->central_film_thickness[i],
-                                rises};
-    add_solved(set, &state, pressure);
-    set->stationary[s] = !in_time || states->time[i] == 0;
-    set->rate[s] = in_time ? states->rate[i] : 0;
-    set->load_rate[s] = in_time ? states->load_rate[i] : 0;
-    for (int e = 0; e < NUM_EFFECTS; e++)
-        set->effects[s].of[e] = states->effects[e][i];
+void snapshot_set_leave(snapshot_set *self, size_t index) {
+    if (index >= KEPT_OPEN) artefact_close(&self->sources[index].file);
 }
 
-void snapshot_set_add_reduced(snapshot_set *set, const reduced_states *states) {
-    const size_t first = set->num_states, num_lines = states->num_lines, num = states->num_states;
-
-    for (size_t s = 0; s < num; s++)
-        set->rigid_approach[first + s] =
-            states->coordinates[(s + 1) * states->num_unknowns - 1]; // the rigid approach
-    memcpy(set->exit + first * num_lines, states->exit, num * num_lines * sizeof *set->exit);
-    memcpy(set->moes_M + first, states->moes_M, num * sizeof(double));
-    memcpy(set->alpha_p_H + first, states->alpha_p_H, num * sizeof(double));
-    memcpy(set->thinning + first, states->thinning, num * sizeof *set->thinning);
-    memcpy(set->central_film_thickness + first, states->central_film_thickness,
-           num * sizeof(double));
-    memcpy(set->stationary + first, states->stationary, num * sizeof *set->stationary);
-    memcpy(set->rate + first, states->rate, num * sizeof(double));
-    memcpy(set->load_rate + first, states->load_rate, num * sizeof(double));
-    memcpy(set->effects + first, states->effects, num * sizeof *set->effects);
-    memcpy(set->rises + first, states->rises, num * sizeof *set->rises);
-    set->num_states += num;
-}
-
-/* Adds all states of a file. The basis is built from stationary states as they are, and from the
- * steps of trajectories, which the file holds in compressed form. States that the file also keeps
- * of a trajectory are among these steps, so they do not become snapshots again. */
-static ehd_status add_file(snapshot_set *set, const snapshot_files *files, size_t index,
-                           ehd_error *error) {
-    const file_states *states = &files->files[index].states;
-    const size_t num_nodes = set->grid.num_nodes;
+ehd_status snapshot_set_open(snapshot_set *self, const char *const *paths, size_t num_paths,
+                             ehd_error *error) {
     ehd_status status = EHD_OK;
 
-    for (size_t i = 0; i < states->count && !status; i++) {
-        double *pressure = set->pressure + set->num_states * num_nodes;
-        if (states->outcome[i] != 0) continue;
-        status = snapshot_file_state(pressure, files, index, i, error);
-        if (status) break;
-        snapshot_set_add(set, pressure, states, i);
-        if (states->trajectory[i] < 0)
-            memcpy(set->snapshots + set->num_snapshots++ * num_nodes, pressure,
-                   num_nodes * sizeof(double));
+    *self = (snapshot_set){.sources = array_new(num_paths, 1, sizeof *self->sources)};
+    if (!self->sources) return ehd_no_memory(error, paths[0]);
+    self->num_sources = num_paths;
+    for (size_t i = 0; i < num_paths; i++)
+        self->sources[i].path = paths[i];
+    for (size_t i = 0; i < num_paths && !status; i++) {
+        status = snapshot_set_use(self, i, error);
+        if (!status) status = learn(self, &self->sources[i], error);
+        if (!status) snapshot_set_leave(self, i);
     }
-    for (size_t i = 0; i < snapshot_file_compressed(files, index) && !status; i++)
-        status = snapshot_file_row(set->snapshots + set->num_snapshots++ * num_nodes, files, index,
-                                   i, error);
+    if (!status && self->num_states == 0)
+        status = ehd_fail(error, EHD_DATA, "%s: found no converged state, expected at least one",
+                          paths[0]);
+    if (status) snapshot_set_close(self);
     return status;
 }
 
-ehd_status snapshot_set_gather(snapshot_set *set, const solved_state *states, size_t num_states,
+void snapshot_set_close(snapshot_set *self) {
+    for (size_t i = 0; i < self->num_sources; i++) {
+        snapshot_source *source = &self->sources[i];
+        free(source->fields);
+        free(source->values);
+        free(source->entry);
+        free(source->row_state);
+        reduced_states_free(&source->states);
+        artefact_close(&source->file);
+    }
+    free(self->sources);
+    *self = (snapshot_set){0};
+}
+
+// ---- memory
+
+static void put_solved(snapshot_source *source, size_t s, const solved_state *state,
+                       const ehd_grid *grid) {
+    reduced_states *states = &source->states;
+
+    source->fields[s] = state->pressure;
+    source->row_state[s] = s;
+    states->coordinates[s] = state->rigid_approach;
+    states->moes_M[s] = state->moes_M;
+    states->alpha_p_H[s] = state->alpha_p_H;
+    states->thinning[s] = state->thinning;
+    states->central_film_thickness[s] = state->central_film_thickness;
+    states->rises[s] = state->rises;
+    grid_exit_columns(states->exit + s * states->num_lines, state->pressure, grid);
+}
+
+ehd_status snapshot_set_gather(snapshot_set *self, const solved_state *states, size_t num_states,
                                const contact_kind *kind, const ehd_grid *grid, ehd_error *error) {
-    size_t bytes = num_states * grid->num_nodes * sizeof(double);
+    snapshot_source *source = array_new(1, 1, sizeof *source);
 
-    *set = (snapshot_set){.kind = kind, .grid = *grid};
-    ehd_status status = reserve_fields(set, num_states, num_states, error);
-    for (size_t s = 0; s < num_states && !status; s++) {
-        double *pressure = set->pressure + s * grid->num_nodes;
-        memcpy(pressure, states[s].pressure, grid->num_nodes * sizeof(double));
-        add_solved(set, &states[s], pressure);
-    }
-    if (!status) {
-        memcpy(set->snapshots, set->pressure, bytes);
-        set->num_snapshots = num_states;
-    }
-    if (status) snapshot_set_free(set);
+    *self = (snapshot_set){.kind = kind, .grid = *grid, .sources = source};
+    if (!source) return ehd_no_memory(error, "snapshots");
+    self->num_sources = 1;
+    self->num_states = self->num_rows = num_states;
+    source->num_states = source->num_rows = source->num_stationary = num_states;
+    source->fields = array_new(num_states, 1, sizeof *source->fields);
+    source->row_state = array_new(num_states, 1, sizeof *source->row_state);
+    ehd_status status =
+        source->fields && source->row_state ? EHD_OK : ehd_no_memory(error, "snapshots");
+    if (!status)
+        status = reduced_states_init(&source->states, num_states, grid_lines(grid), 1, error);
+    for (size_t s = 0; s < num_states && !status; s++)
+        put_solved(source, s, &states[s], grid);
+    if (status) snapshot_set_close(self);
     return status;
 }
 
-ehd_status snapshot_set_begin(snapshot_set *set, const snapshot_files *files, ehd_error *error) {
-    *set = (snapshot_set){.kind = files->kind,
-                          .grid = files->grid,
-                          .transported = files->transported,
-                          .carriage = files->carriage,
-                          .num_left_out = files->num_left_out};
-    const ehd_status status = reserve(set, files->num_states, error);
-    if (status) snapshot_set_free(set);
+// ---- fields
+
+/* Reads one entry of a pressure field and sets the boundary nodes to zero. */
+static ehd_status get_pressure(double *pressure, const ehd_grid *grid, artefact *file,
+                               const char *field, size_t entry, ehd_error *error) {
+    double *inner = array_new(grid->num_inner, 1, sizeof *inner);
+    if (!inner) return ehd_no_memory(error, artefact_path(file));
+
+    ehd_status status = artefact_get_part(file, field, entry, 1, inner, grid->num_inner, error);
+    memset(pressure, 0, grid->num_nodes * sizeof(double));
+    if (!status) grid_put_inner(pressure, inner, grid, false);
+    free(inner);
     return status;
 }
 
-double snapshot_set_bytes(const snapshot_files *files) {
-    const double each = 7 * sizeof(double) + sizeof(bool) + sizeof(film_effects) +
-                        sizeof(lubricant_rises) + (double)grid_lines(&files->grid) * sizeof(size_t);
+ehd_status snapshot_set_state(double *pressure, const snapshot_set *self, size_t index,
+                              size_t state, ehd_error *error) {
+    const snapshot_source *source = &self->sources[index];
+    double sum = 0;
 
-    return each * ((double)files->num_states + 1);
-}
-
-ehd_status snapshot_set_read(snapshot_set *set, snapshot_files *files, ehd_error *error) {
-    ehd_status status = snapshot_set_begin(set, files, error);
-
-    if (!status) status = reserve_fields(set, files->num_states, files->num_rows, error);
-    for (size_t i = 0; i < files->num_files && !status; i++) {
-        status = snapshot_file_use(files, i, error);
-        if (!status) status = add_file(set, files, i, error);
-        if (!status) snapshot_file_leave(files, i);
+    if (source->fields) {
+        memcpy(pressure, source->fields[state], self->grid.num_nodes * sizeof(double));
+        return EHD_OK;
     }
-    if (status) snapshot_set_free(set);
+    const ehd_status status =
+        get_pressure(pressure, &self->grid, source->file, "pressure", source->entry[state], error);
+    for (size_t k = 0; k < self->grid.num_nodes && !status; k++)
+        sum += pressure[k];
+    if (status || isfinite(sum)) return status;
+    return ehd_fail(error, EHD_DATA, "%s: state %zu: found values that are not finite",
+                    source->path, source->entry[state]);
+}
+
+ehd_status snapshot_set_row(double *pressure, const snapshot_set *self, size_t index, size_t row,
+                            ehd_error *error) {
+    const snapshot_source *source = &self->sources[index];
+
+    if (row < source->num_stationary)
+        return snapshot_set_state(pressure, self, index, source->row_state[row], error);
+    if (!source->is_part)
+        return get_pressure(pressure, &self->grid, source->file, "compressed_pressure",
+                            row - source->num_stationary, error);
+    const ehd_status status = snapshot_set_mode(pressure, self, index, row, error);
+    for (size_t k = 0; k < self->grid.num_nodes && !status; k++)
+        pressure[k] *= source->values[row];
     return status;
+}
+
+ehd_status snapshot_set_mode(double *mode, const snapshot_set *self, size_t index, size_t row,
+                             ehd_error *error) {
+    return get_pressure(mode, &self->grid, self->sources[index].file, "pressure_basis", row, error);
 }

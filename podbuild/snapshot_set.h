@@ -1,86 +1,86 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Training solutions gathered from snapshot and result files. */
+/* Training solutions: rows of pressures that the basis is built from, and states with what belongs
+ * to them. They lie in files (snapshots, results, parts of a training) or in memory.
+ * Called by podbuild and, for solutions in memory, by snapgen. */
 #ifndef EHD_SNAPSHOT_SET_H
 #define EHD_SNAPSHOT_SET_H
 
-#include "common/output/film_effects.h"
+#include "common/artefact/artefact.h"
 #include "common/physics/contact.h"
-#include "common/physics/traction.h"
-#include "common/program/status.h"
-#include "podbuild/snapshot_files.h"
+#include "podbuild/part_file.h"
 #include "romrun/model/reduced_model.h"
 #include <stdbool.h>
 #include <stddef.h>
+
+/* One file, or solutions in memory. */
+typedef struct snapshot_source {
+    const char *path;      // NULL: in memory
+    artefact *file;        // NULL while the file is closed, and in memory
+    const double **fields; // [num_states] pressures in memory, with boundary nodes; else NULL
+    bool is_part;          // a row is a mode times its singular value
+    part_origin origin;    // of a part
+    double *values;        // [num_rows] singular values of a part
+    size_t num_states;     // converged states
+    size_t *entry;         // [num_states] their entries in the file
+    // Columns of the states, but of a part, with the rigid approach as the only coordinate. Exits
+    // are known only in memory.
+    reduced_states states;
+    size_t num_rows;       // rows that the basis is built from: stationary states, then the
+                           // compressed steps of trajectories
+    size_t num_stationary; // rows that are states
+    size_t *row_state;     // [num_stationary] states of these rows
+} snapshot_source;
 
 typedef struct snapshot_set {
     const contact_kind *kind;
     ehd_grid grid;
     const char *transported; // path of the first file with trajectories, or NULL
     ehd_carriage carriage;   // how films are carried on these trajectories
-    size_t num_states;
-    size_t num_left_out;            // number of states that had not converged
-    double *pressure;               // [num_states, num_nodes], boundary nodes included
-    double *rigid_approach;         // [num_states]
-    size_t *exit;                   // [num_states, lines of the grid] first column without pressure
-    double *moes_M, *alpha_p_H;     // [num_states]
-    flow_thinning *thinning;        // [num_states] thinning of the flow
-    double *central_film_thickness; // [num_states]
-    bool *stationary;               // [num_states] false on a trajectory, except at its start
-    double *rate,
-        *load_rate; // [num_states] rates of change of the contact and of its load (frame_rates); 0
-                    // if stationary
-    film_effects *effects;  // [num_states] error estimates of the grid
-    lubricant_rises *rises; // [num_states] of viscosity and density, at the Hertz pressure
-    // the basis is built from these: the stationary states, and the compressed steps of
-    // trajectories
-    size_t num_snapshots;
-    double *snapshots; // [num_snapshots, num_nodes]
+    size_t num_sources;
+    snapshot_source *sources;    // [num_sources]
+    size_t num_parts;            // number of sources that are parts
+    size_t num_states, num_rows; // sums over all sources
+    size_t num_left_out;         // number of states that had not converged
 } snapshot_set;
 
-/* Reads the converged states of all files, in order. Errors as artefact_get; EHD_MEMORY. */
-ehd_status snapshot_set_read(
+/* Opens all files and reads the columns of their states, but no fields. EHD_DATA: no converged
+ * state, files of different grids, or values that are not finite; else as artefact_open. */
+ehd_status snapshot_set_open(
     // output:
-    snapshot_set *set, // free with snapshot_set_free
+    snapshot_set *self, // give to snapshot_set_close
     // input:
-    snapshot_files *files, ehd_error *error);
-
-/* Allocates a set without fields (`pressure` and `snapshots` are NULL), to which the states of the
- * files are then added. Errors: EHD_MEMORY. */
-ehd_status snapshot_set_begin(
-    // output:
-    snapshot_set *set, // free with snapshot_set_free
-    // input:
-    const snapshot_files *files, ehd_error *error);
-
-/* Returns the memory of a set without fields, bytes. */
-double snapshot_set_bytes(const snapshot_files *files);
-
-/* Appends a state, given by the columns of its file and its pressure. The pressure gives the exit
- * and is not stored. */
-void snapshot_set_add(snapshot_set *set, const double *pressure, const file_states *states,
-                      size_t state);
-
-/* Appends the states of a part. */
-void snapshot_set_add_reduced(snapshot_set *set, const reduced_states *states);
+    const char *const *paths, size_t num_paths, ehd_error *error);
 
 /* A stationary solution in memory. */
 typedef struct solved_state {
-    const double *pressure; // [num_nodes]
+    const double *pressure; // [num_nodes], not copied
     double rigid_approach, moes_M, alpha_p_H;
     flow_thinning thinning;
     double central_film_thickness;
     lubricant_rises rises; // at the Hertz pressure
 } solved_state;
 
-/* Makes a set of stationary solutions in memory. The basis is built from all of them. Errors:
- * EHD_MEMORY. */
+/* Makes snapshots of solutions in memory. Errors: EHD_MEMORY. */
 ehd_status snapshot_set_gather(
     // output:
-    snapshot_set *set, // free with snapshot_set_free
+    snapshot_set *self, // give to snapshot_set_close
     // input:
     const solved_state *states, size_t num_states, const contact_kind *kind, const ehd_grid *grid,
     ehd_error *error);
 
-void snapshot_set_free(snapshot_set *set);
+void snapshot_set_close(snapshot_set *self); // also accepts a zero struct
+
+/* Opens a source unless it is open. snapshot_set_leave closes it again if there are many files. */
+ehd_status snapshot_set_use(snapshot_set *self, size_t source, ehd_error *error);
+void snapshot_set_leave(snapshot_set *self, size_t source);
+
+/* Read a pressure field of an open source, [num_nodes] with boundary nodes: of one of its states,
+ * of one of its rows, or a mode of a part. */
+ehd_status snapshot_set_state(double *pressure, const snapshot_set *self, size_t source,
+                              size_t state, ehd_error *error);
+ehd_status snapshot_set_row(double *pressure, const snapshot_set *self, size_t source, size_t row,
+                            ehd_error *error);
+ehd_status snapshot_set_mode(double *mode, const snapshot_set *self, size_t source, size_t row,
+                             ehd_error *error);
 
 #endif

@@ -1,4 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Computes the weight D of the Reynolds rows, one number for each node.
+ * Equation: eq. (27) of Maier et al. 2015, W = D² J V; the floor and row-norm are ours.
+ * Called by bases.c (mode) and by main.c for --weight. */
 #include "podbuild/test_weight.h"
 
 #include "romrun/online/reduced_solver.h"

@@ -16,17 +16,19 @@
 static ehd_status build_basis(reduced_basis *basis, const training_set *set,
                               const solved_state *states, double discarded_energy,
                               ehd_error *error) {
-    const bases_settings settings = {
-        {.discarded_energy = discarded_energy}, {0}, DEFORMATION_COUPLED};
+    const bases_settings settings = {.pressure.discarded_energy = discarded_energy,
+                                     .kind = DEFORMATION_COUPLED};
     snapshot_set solutions = {0};
     pod_basis pressure = {0}, deformation = {0};
     ehd_status status =
         snapshot_set_gather(&solutions, states, set->num_points, set->kind, &set->grid, error);
 
-    if (!status) status = bases_build(basis, &pressure, &deformation, &solutions, &settings, error);
+    if (!status)
+        status =
+            bases_build(basis, &pressure, &deformation, &solutions, &settings, NULL, NULL, error);
     pod_free(&pressure);
     pod_free(&deformation);
-    snapshot_set_free(&solutions);
+    snapshot_set_close(&solutions);
     return status;
 }
 

@@ -5,7 +5,7 @@
  *
  *     bench_stream FILE [num_snapshots num_nodes gigabytes] */
 #include "common/program/program.h"
-#include "podbuild/stream_bases.h"
+#include "podbuild/bases.h"
 #include "tests/bench/measure.h"
 
 #include <cblas.h>
@@ -123,10 +123,10 @@ static void make_file(const task *work) {
 
 // ---- measurements, each in its own process
 
-static void open_files(snapshot_files *files, const task *work) {
+static void open_files(snapshot_set *files, const task *work) {
     ehd_error error = {""};
     openblas_set_num_threads(1);
-    must(snapshot_files_open(files, &work->path, 1, &error), &error);
+    must(snapshot_set_open(files, &work->path, 1, &error), &error);
 }
 
 static void begin(outcome *result) {
@@ -140,15 +140,15 @@ static void end(outcome *result) {
 
 static void read_once(void *result, const void *context) {
     const task *work = context;
-    snapshot_files files;
+    snapshot_set files;
     ehd_error error = {""};
     begin(result);
     open_files(&files, work);
     double *field = must_allocate(files.grid.num_nodes * sizeof *field);
     for (size_t s = 0; s < work->num_snapshots; s++)
-        must(snapshot_file_state(field, &files, 0, s, &error), &error);
+        must(snapshot_set_state(field, &files, 0, s, &error), &error);
     free(field);
-    snapshot_files_close(&files);
+    snapshot_set_close(&files);
     end(result);
 }
 
@@ -175,12 +175,14 @@ static void multiply(void *result, const void *context) {
     free(product);
 }
 
-static stream_plan plan_of(const snapshot_files *files, const task *work) {
-    const bases_settings settings = {{.discarded_energy = 1e-13}, {0}, DEFORMATION_COUPLED};
-    stream_plan found;
+static const bases_settings settings = {.pressure.discarded_energy = 1e-13,
+                                        .kind = DEFORMATION_COUPLED};
+
+static bases_plan plan_of(const snapshot_set *files, const task *work) {
+    bases_plan found;
     ehd_error error = {""};
-    must(stream_plan_make(&found, files, &settings, false, false, work->limit, &error), &error);
-    if (found.direct) {
+    must(bases_plan_make(&found, files, &settings, work->limit, &error), &error);
+    if (found.at_once) {
         fprintf(stderr, "bench_stream: the snapshots fit into the memory given\n");
         exit(1);
     }
@@ -191,17 +193,17 @@ static stream_plan plan_of(const snapshot_files *files, const task *work) {
 static void find_modes(void *result, const void *context) {
     const task *work = context;
     outcome *own = result;
-    snapshot_files files;
+    snapshot_set files;
     pod_stream *stream;
     pod_basis modes;
     ehd_error error = {""};
     begin(own);
     open_files(&files, work);
-    const stream_plan way = plan_of(&files, work);
+    const bases_plan plan = plan_of(&files, work);
     double *field = must_allocate(files.grid.num_nodes * sizeof *field);
-    must(pod_stream_create(&stream, files.grid.num_nodes, &way.pressure, &error), &error);
+    must(pod_stream_create(&stream, files.grid.num_nodes, &plan.stream, &error), &error);
     for (size_t s = 0; s < work->num_snapshots; s++) {
-        must(snapshot_file_state(field, &files, 0, s, &error), &error);
+        must(snapshot_set_state(field, &files, 0, s, &error), &error);
         must(pod_stream_add(stream, field, 1, &error), &error);
     }
     must(pod_stream_finish(&modes, stream, &(pod_settings){.discarded_energy = 1e-13}, &error),
@@ -209,36 +211,33 @@ static void find_modes(void *result, const void *context) {
     end(own);
     own->rank = modes.num_singular_values;
     own->num_modes = modes.num_modes;
-    own->bytes = way.bytes;
+    own->bytes = plan.bytes;
     pod_free(&modes);
     pod_stream_free(stream);
     free(field);
-    snapshot_files_close(&files);
+    snapshot_set_close(&files);
 }
 
 /* Computes modes and coordinates, which takes two readings. */
 static void build_bases(void *result, const void *context) {
     const task *work = context;
-    const bases_settings settings = {{.discarded_energy = 1e-13}, {0}, DEFORMATION_COUPLED};
     const program silent = {.name = "bench_stream", .quiet = true};
     outcome *own = result;
-    double discarded[2];
-    snapshot_files files;
+    snapshot_set files;
     reduced_basis basis;
     pod_basis pressure, deformation;
     ehd_error error = {""};
     begin(own);
     open_files(&files, work);
-    const stream_plan way = plan_of(&files, work);
-    must(stream_bases_build(&basis, &pressure, &deformation, discarded, &files, &settings, &way,
-                            &silent, &error),
+    const bases_plan plan = plan_of(&files, work);
+    must(bases_build(&basis, &pressure, &deformation, &files, &settings, &plan, &silent, &error),
          &error);
     end(own);
-    own->bound = discarded[0];
+    own->bound = pod_discarded(&pressure);
     pod_free(&pressure);
     pod_free(&deformation);
     reduced_basis_free(&basis);
-    snapshot_files_close(&files);
+    snapshot_set_close(&files);
 }
 
 int main(int argc, char **argv) {

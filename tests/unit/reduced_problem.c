@@ -66,6 +66,8 @@ static size_t node_itself(const ehd_grid *grid, size_t node) {
 }
 
 reduced_basis identity_basis(const snapshot_set *set, deformation_kind kind, const double *weight) {
+    const snapshot_source *source = set->sources;
+    const reduced_states *states = &source->states;
     const ehd_grid *grid = &set->grid;
     size_t num_nodes = grid->num_nodes, num_inner = grid->num_inner, num_lines = grid_lines(grid);
     bool independent = kind == DEFORMATION_INDEPENDENT;
@@ -84,18 +86,18 @@ reduced_basis identity_basis(const snapshot_set *set, deformation_kind kind, con
     assert_int_equal(
         reduced_states_init(&basis.states, set->num_states, num_lines, num_unknowns, NULL), EHD_OK);
     memcpy(basis.weight, weight, num_nodes * sizeof(double));
-    memcpy(basis.states.exit, set->exit, set->num_states * num_lines * sizeof *set->exit);
+    memcpy(basis.states.exit, states->exit, set->num_states * num_lines * sizeof *states->exit);
     for (size_t s = 0; s < set->num_states; s++) {
         double *coordinates = basis.states.coordinates + s * num_unknowns;
-        const double *pressure = set->pressure + s * num_nodes;
+        const double *pressure = source->fields[s];
         for (size_t r = 0; r < num_inner; r++)
             coordinates[r] = pressure[grid_node_of_row(grid, r)];
         if (independent) deflection_apply(coordinates + num_inner, deflection, pressure);
-        coordinates[num_unknowns - 1] = set->rigid_approach[s];
-        basis.states.moes_M[s] = set->moes_M[s];
-        basis.states.alpha_p_H[s] = set->alpha_p_H[s];
-        basis.states.central_film_thickness[s] = set->central_film_thickness[s];
-        basis.states.rises[s] = set->rises[s];
+        coordinates[num_unknowns - 1] = states->coordinates[s];
+        basis.states.moes_M[s] = states->moes_M[s];
+        basis.states.alpha_p_H[s] = states->alpha_p_H[s];
+        basis.states.central_film_thickness[s] = states->central_film_thickness[s];
+        basis.states.rises[s] = states->rises[s];
     }
     deflection_free(deflection);
     return basis;

@@ -129,7 +129,7 @@ static ehd_status go_to_and_fro(double *step, void *context, const double *matri
 
 /* Solves a trained contact whose exit is fixed `behind` nodes behind its place. */
 static reduced_info solve_held(size_t s, size_t behind) {
-    const size_t exit = line.set.exit[s] + behind;
+    const size_t exit = line.states->exit[s] + behind;
     to_and_fro other;
     own_steps own;
 
@@ -156,7 +156,7 @@ static void an_exit_held_elsewhere_is_not_trusted(void **state) {
         for (size_t behind = 1; behind <= 4; behind++) {
             const reduced_info info = solve_held(s, behind);
             const double moved =
-                info.scalars.central_film_thickness / line.set.central_film_thickness[s] - 1;
+                info.scalars.central_film_thickness / line.states->central_film_thickness[s] - 1;
             assert_int_equal(info.status, behind == 1 ? EHD_OK : EHD_UNTRUSTED);
             assert_string_equal(info.reason,
                                 behind == 1 ? "" : "an exit boundary that does not settle");
@@ -197,7 +197,7 @@ static void an_exit_that_turns_by_more_goes_on(void **state) {
 
     own_steps_init(&own, go_back_and_on, &other);
     for (size_t s = 0; s < TRAINED_STATES; s += 5) {
-        const size_t place = line.set.exit[s], exit = place + 1;
+        const size_t place = line.states->exit[s], exit = place + 1;
         const double *solution = start_at(&own, s, exit);
 
         // a mode is an inner node, from 1 on
@@ -243,7 +243,7 @@ static void the_exit_stays_far_from_the_solution(void **state) {
 
     own_steps_init(&own, go_far_away, &other);
     for (size_t s = 0; s < TRAINED_STATES; s += 5) {
-        const size_t exit = line.set.exit[s], mode = exit - 4; // an inner node, from 1 on
+        const size_t exit = line.states->exit[s], mode = exit - 4; // an inner node, from 1 on
         const double *solution = start_at(&own, s, exit);
 
         other = (far_away){.state = &own.reduced.state,

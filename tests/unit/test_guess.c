@@ -293,7 +293,7 @@ static void guess_at_a_training_point_is_that_state(void **state) {
     size_t n = reduced.model.num_unknowns;
     for (size_t s = 0; s < TRAINED_STATES; s++) {
         const double *expected = coupled.states.coordinates + s * n;
-        double M = training.set.moes_M[s], pressure = training.set.alpha_p_H[s], away = 0;
+        double M = training.states->moes_M[s], pressure = training.states->alpha_p_H[s], away = 0;
         reduced_guess(&reduced.state, &reduced.model,
                       (contact_place){.moes_M = M, .alpha_p_H = pressure});
         assert_int_equal(reduced.state.exit, coupled.states.exit[s]);
@@ -358,8 +358,8 @@ static void goes_on_to_other_starts(void **state) {
                      EHD_OK);
     assert_int_equal(reduced.info.status, EHD_OK);
     assert_true(reduced.info.iterations > alone);
-    check_close(reduced.info.scalars.central_film_thickness, training.set.central_film_thickness[3],
-                1e-6, 0);
+    check_close(reduced.info.scalars.central_film_thickness,
+                training.states->central_film_thickness[3], 1e-6, 0);
     reduced_problem_free(&reduced);
     reduced_basis_free(&coupled);
     trained_free(&training);

@@ -211,7 +211,7 @@ static void bound_follows_the_deviation(void **state) {
                                                  &training.set.grid) -
                           1));
             worst = fmax(worst, fabs(info.scalars.central_film_thickness /
-                                         training.set.central_film_thickness[s] -
+                                         training.states->central_film_thickness[s] -
                                      1));
         }
         if (!(worst > 1e-7 && bound > 0.1 * worst && bound < 1e4 * worst))

@@ -53,7 +53,7 @@ static reduced_info take_time_step(time_step *self, double shorter) {
     memcpy(reduced.state.coordinates,
            coupled.states.coordinates + self->state * model->num_unknowns,
            model->num_unknowns * sizeof(double));
-    reduced.state.exit = training.set.exit[self->state];
+    reduced.state.exit = training.states->exit[self->state];
     reduced_problem_solve(&reduced, contact);
     reduced_row_values(pressure, mass, reduced.solver, contact);
     for (size_t r = 0; r < model->rows.num_rows; r++) {
@@ -123,7 +123,7 @@ static void rows_are_linear_about_other_pressures(void **state) {
     assert_true(num_rows <= 400 && num <= 400);
     nodes_init(&nodes, model, &memory);
     system_init(&system, model, &memory);
-    nodes_move_exit(&nodes, &training.set.exit[s]);
+    nodes_move_exit(&nodes, &training.states->exit[s]);
     nodes_expand_state(&nodes, NULL, coupled.states.coordinates + s * model->num_unknowns);
     memcpy(here, nodes.now.pressure, num * sizeof *here);
     for (size_t q = 0; q < num; q++)

@@ -43,62 +43,56 @@ static ehd_error error;
 
 typedef struct training {
     full_march *march;
-    snapshot_set set;
+    solved_state states[MOST_STATES];
+    frame_rates rates[MOST_STATES];
+    double *pressure; // [MOST_STATES, num_nodes]
     contact_frame last;
 } training;
 
 static ehd_status keep_step(void *sink, const march_step *step, size_t index, ehd_error *ignored) {
     training *self = sink;
-    snapshot_set *set = &self->set;
     const full_state *state = full_march_state(self->march, NULL);
-    size_t bytes = set->grid.num_nodes * sizeof(double);
+    const size_t num_nodes = reference.grid.num_nodes;
+    double *pressure = self->pressure + index * num_nodes;
     ehd_contact contact;
     (void)ignored;
 
     frame_contact(&contact, &step->frame, &reference);
-    memcpy(set->pressure + index * set->grid.num_nodes, state->pressure, bytes);
-    memcpy(set->snapshots + index * set->grid.num_nodes, state->pressure, bytes);
-    set->rigid_approach[index] = state->rigid_approach;
-    set->exit[index] = state->exit;
-    set->moes_M[index] = contact.moes_M;
-    set->alpha_p_H[index] = contact.alpha_p_H;
-    set->central_film_thickness[index] = step->scalars.central_film_thickness;
-    set->stationary[index] = index == 0;
+    memcpy(pressure, state->pressure, num_nodes * sizeof *pressure);
+    self->states[index] =
+        (solved_state){.pressure = pressure,
+                       .rigid_approach = state->rigid_approach,
+                       .moes_M = contact.moes_M,
+                       .alpha_p_H = contact.alpha_p_H,
+                       .central_film_thickness = step->scalars.central_film_thickness,
+                       .rises = lubricant_rises_at(&contact.lubricant, contact.hertz_pressure)};
+    if (index) self->rates[index] = frame_rates_between(&step->frame, &self->last);
     full_time[index] = step->frame.time;
     full_exit[index] = frame_to_reference(&step->scalars, &step->frame, &reference).exit_position;
     num_states = index + 1;
-    set->effects[index] = film_effects_unknown();
-    set->rises[index] = lubricant_rises_at(&contact.lubricant, contact.hertz_pressure);
-    const frame_rates rates =
-        index ? frame_rates_between(&step->frame, &self->last) : (frame_rates){0};
-    set->rate[index] = rates.all;
-    set->load_rate[index] = rates.load;
     self->last = step->frame;
-    set->num_states = set->num_snapshots = index + 1;
     return EHD_OK;
 }
 
 static void training_init(training *self) {
     const full_settings settings = full_default_settings();
-    snapshot_set *set = &self->set;
-    size_t num_nodes = reference.grid.num_nodes;
-    double **const numbers[] = {&set->rigid_approach,         &set->moes_M, &set->alpha_p_H,
-                                &set->central_film_thickness, &set->rate,   &set->load_rate};
 
     memset(self, 0, sizeof *self);
-    set->carriage = path_carriage(&reference);
-    set->kind = reference.kind;
-    set->grid = reference.grid;
-    set->pressure = calloc(MOST_STATES * num_nodes, sizeof(double));
-    set->snapshots = calloc(MOST_STATES * num_nodes, sizeof(double));
-    for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
-        *numbers[i] = calloc(MOST_STATES, sizeof(double));
-    set->thinning = calloc(MOST_STATES, sizeof *set->thinning);
-    set->exit = calloc(MOST_STATES, sizeof *set->exit);
-    set->stationary = calloc(MOST_STATES, sizeof *set->stationary);
-    set->effects = calloc(MOST_STATES, sizeof *set->effects);
-    set->rises = calloc(MOST_STATES, sizeof *set->rises);
+    self->pressure = calloc(MOST_STATES * reference.grid.num_nodes, sizeof(double));
     check_ok(full_march_create(&self->march, &reference, &settings, NAN, &error));
+}
+
+/* Gathers all steps. Only the first one is stationary. */
+static void training_gather(snapshot_set *set, const training *self) {
+    check_ok(snapshot_set_gather(set, self->states, num_states, reference.kind, &reference.grid,
+                                 &error));
+    reduced_states *states = &set->sources->states;
+    set->carriage = path_carriage(&reference);
+    for (size_t s = 0; s < num_states; s++) {
+        states->stationary[s] = s == 0;
+        states->rate[s] = self->rates[s].all;
+        states->load_rate[s] = self->rates[s].load;
+    }
 }
 
 static void training_run(training *self) {
@@ -119,13 +113,14 @@ static void training_run(training *self) {
 }
 
 /* Writes a model with all rows, and opens it. */
-static online_model *make_model(const snapshot_set *set, deformation_kind kind, const char *path) {
-    const bases_settings settings = {{.num_modes = num_modes}, {.num_modes = num_modes}, kind};
+static online_model *make_model(snapshot_set *set, deformation_kind kind, const char *path) {
+    const bases_settings settings = {
+        .pressure.num_modes = num_modes, .deformation.num_modes = num_modes, .kind = kind};
     reduced_basis basis;
     pod_basis pressure, deformation;
     online_model *opened;
 
-    check_ok(bases_build(&basis, &pressure, &deformation, set, &settings, &error));
+    check_ok(bases_build(&basis, &pressure, &deformation, set, &settings, NULL, NULL, &error));
     whole_model_write(&basis, path);
     check_ok(online_open(&opened, path, NULL, &error));
     reduced_basis_free(&basis);
@@ -137,6 +132,7 @@ static online_model *make_model(const snapshot_set *set, deformation_kind kind, 
 /* Trains with a transport of films on a grid of `step`. */
 static int set_up(void **state, const char *transport, double step, size_t modes) {
     training self;
+    snapshot_set set;
     char path[128], text[1024];
 
     if (make_folder(state)) return -1;
@@ -150,12 +146,14 @@ static int set_up(void **state, const char *transport, double step, size_t modes
     check_ok(histories_init(&histories, &given, &error));
     training_init(&self);
     training_run(&self);
-    models[0] = make_model(&self.set, DEFORMATION_COUPLED, path);
+    training_gather(&set, &self);
+    models[0] = make_model(&set, DEFORMATION_COUPLED, path);
     check_ok(online_prepare_transient(models[0], &error)); // before the file is replaced
-    models[1] = make_model(&self.set, DEFORMATION_INDEPENDENT, path);
+    models[1] = make_model(&set, DEFORMATION_INDEPENDENT, path);
     check_ok(online_prepare_transient(models[1], &error));
     full_march_free(self.march);
-    snapshot_set_free(&self.set);
+    snapshot_set_close(&set);
+    free(self.pressure);
     return 0;
 }
 

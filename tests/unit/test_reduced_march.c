@@ -95,7 +95,7 @@ static void constant_conditions_keep_the_stationary_state(void **state) {
         assert_memory_equal(now.exits, basis.states.exit + STATE * basis.states.num_lines,
                             basis.states.num_lines * sizeof *now.exits);
         check_close(self.last.scalars.central_film_thickness,
-                    training.set.central_film_thickness[STATE], 1e-9, 0);
+                    training.states->central_film_thickness[STATE], 1e-9, 0);
         check_close(self.last.scalars.load, 1, 1e-9, 0);
         assert_string_equal(self.last.reason, "");
     }

@@ -62,7 +62,7 @@ static void check_deflection(const double *film, const double *pressure, const r
 /* Checks that solution, exit line and scalars are those of the full solver. */
 static void check_is_training_state(const reduced_problem *self, const reduced_basis *basis,
                                     const trained *training, size_t s, double tolerance) {
-    const snapshot_set *set = &training->set;
+    const reduced_states *states = training->states;
     size_t num_nodes = basis->grid.num_nodes, num_lines = grid_lines(&basis->grid);
     double *pressure = calloc(2 * num_nodes, sizeof *pressure), *film = pressure + num_nodes;
     const double least = trained_least_film(training->film + s * num_nodes, &basis->grid);
@@ -71,12 +71,12 @@ static void check_is_training_state(const reduced_problem *self, const reduced_b
     fields_of(pressure, film, &self->state, &self->model, basis->pressure);
     check_deflection(film, pressure, basis, self->state.coordinates[self->model.num_unknowns - 1]);
     for (size_t l = 0; l < num_lines; l++)
-        assert_int_equal(self->state.exits[l], set->exit[s * num_lines + l]);
-    check_close(self->info.scalars.central_film_thickness, set->central_film_thickness[s],
+        assert_int_equal(self->state.exits[l], states->exit[s * num_lines + l]);
+    check_close(self->info.scalars.central_film_thickness, states->central_film_thickness[s],
                 tolerance, 0);
     check_close(self->info.scalars.minimum_film_thickness, least, tolerance, 0);
     check_close(self->info.scalars.load, 1, tolerance, 0);
-    check_close_array(pressure, set->pressure + s * num_nodes, num_nodes, 0, tolerance);
+    check_close_array(pressure, training->pressure + s * num_nodes, num_nodes, 0, tolerance);
     check_close_array(film, training->film + s * num_nodes, num_nodes, 0, tolerance);
     free(pressure);
 }
@@ -97,9 +97,9 @@ static void check_full_rank(deformation_kind kind, size_t stride) {
     reduced_problem_init(&reduced, &basis, NULL, 0, &strict_settings);
     for (size_t s = 0; s < TRAINED_STATES; s += stride) {
         if (has_two_exits(s)) continue;
-        reduced_neighbour(
-            &reduced.state, &reduced.model,
-            (contact_place){.moes_M = half.set.moes_M[s], .alpha_p_H = half.set.alpha_p_H[s]});
+        reduced_neighbour(&reduced.state, &reduced.model,
+                          (contact_place){.moes_M = half.states->moes_M[s],
+                                          .alpha_p_H = half.states->alpha_p_H[s]});
         reduced_problem_solve(&reduced, &half.contacts[s]);
         check_is_training_state(&reduced, &basis, &half, s, 1e-9);
     }
@@ -143,10 +143,10 @@ static void half_is_half_of_the_whole(void **state) {
     for (size_t s = 0; s < TRAINED_STATES; s++) {
         size_t half_lines = grid_lines(&half.set.grid), lines = grid_lines(&whole.set.grid);
         for (size_t l = 0; l < half_lines; l++)
-            assert_int_equal(half.set.exit[s * half_lines + l],
-                             whole.set.exit[s * lines + lines / 2 + l]);
-        check_close(half.set.central_film_thickness[s], whole.set.central_film_thickness[s], 1e-10,
-                    0);
+            assert_int_equal(half.states->exit[s * half_lines + l],
+                             whole.states->exit[s * lines + lines / 2 + l]);
+        check_close(half.states->central_film_thickness[s], whole.states->central_film_thickness[s],
+                    1e-10, 0);
     }
 }
 
@@ -334,7 +334,7 @@ static void exits_between_lines_are_interpolated(void **state) {
         middle = fmin(fmax(middle, (double)band->min_exit), (double)band->max_exit);
         assert_int_equal(*exit, (size_t)lround(middle));
     }
-    check_close(reduced.info.scalars.central_film_thickness, half.set.central_film_thickness[s],
+    check_close(reduced.info.scalars.central_film_thickness, half.states->central_film_thickness[s],
                 1e-3, 0);
     reduced_problem_free(&reduced);
 }

@@ -37,9 +37,9 @@ static int tear_down(void **state) {
 // ---- helpers
 
 static void solve_from_neighbour(reduced_problem *self, size_t s) {
-    reduced_neighbour(
-        &self->state, &self->model,
-        (contact_place){.moes_M = training.set.moes_M[s], .alpha_p_H = training.set.alpha_p_H[s]});
+    reduced_neighbour(&self->state, &self->model,
+                      (contact_place){.moes_M = training.states->moes_M[s],
+                                      .alpha_p_H = training.states->alpha_p_H[s]});
     reduced_problem_solve(self, &training.contacts[s]);
 }
 
@@ -98,10 +98,10 @@ static void check_is_training_state(const reduced_problem *self, const reduced_b
 
     if (basis->deformation == DEFORMATION_COUPLED) check_fields(self, basis);
     full_fields(pressure, film, self, basis);
-    assert_int_equal(self->state.exit, training.set.exit[s]);
-    check_close(self->info.scalars.central_film_thickness, training.set.central_film_thickness[s],
-                tolerance, 0);
-    check_close_array(pressure, training.set.pressure + s * num_nodes, num_nodes, 0, tolerance);
+    assert_int_equal(self->state.exit, training.states->exit[s]);
+    check_close(self->info.scalars.central_film_thickness,
+                training.states->central_film_thickness[s], tolerance, 0);
+    check_close_array(pressure, training.pressure + s * num_nodes, num_nodes, 0, tolerance);
     check_close_array(film, training.film + s * num_nodes, num_nodes, 0, tolerance);
     free(pressure);
 }
@@ -151,7 +151,7 @@ static void a_basis_with_the_solution_finds_it(void **state) {
             const double *target = kinds[kind].basis->states.coordinates + s * n;
             for (size_t j = 0; j < n; j++)
                 reduced.state.coordinates[j] = target[j] * (1 + (j % 2 ? 1e-3 : -1e-3));
-            reduced.state.exit = training.set.exit[s];
+            reduced.state.exit = training.states->exit[s];
             reduced_problem_solve(&reduced, &training.contacts[s]);
             check_is_training_state(&reduced, kinds[kind].basis, s, 1e-10);
             assert_true(reduced.info.residual < 1e-6);
@@ -257,9 +257,9 @@ static void another_linear_solver_may_be_put_in(void **state) {
     }
     // a system that cannot be solved ends without convergence
     ways.other = (other_solver){.fails_at = 2};
-    reduced_neighbour(
-        &with_other->state, &with_other->model,
-        (contact_place){.moes_M = training.set.moes_M[0], .alpha_p_H = training.set.alpha_p_H[0]});
+    reduced_neighbour(&with_other->state, &with_other->model,
+                      (contact_place){.moes_M = training.states->moes_M[0],
+                                      .alpha_p_H = training.states->alpha_p_H[0]});
     assert_int_equal(reduced_solve(&with_other->info, &with_other->state, with_other->solver,
                                    &training.contacts[0], NULL, NULL),
                      EHD_OK);
@@ -310,10 +310,10 @@ static void truncated_bases_stay_near(void **state) {
                           kind ? num_pressure : 0);
             reduced_problem_init(&reduced, &small, NULL, 0, &strict_settings);
             for (size_t s = 0; s < TRAINED_STATES; s++) {
-                double expected = training.set.central_film_thickness[s];
+                double expected = training.states->central_film_thickness[s];
                 reduced_guess(&reduced.state, &reduced.model,
-                              (contact_place){.moes_M = training.set.moes_M[s],
-                                              .alpha_p_H = training.set.alpha_p_H[s]});
+                              (contact_place){.moes_M = training.states->moes_M[s],
+                                              .alpha_p_H = training.states->alpha_p_H[s]});
                 reduced_problem_solve(&reduced, &training.contacts[s]);
                 worst =
                     fmax(worst, fabs(reduced.info.scalars.central_film_thickness / expected - 1));
@@ -346,10 +346,10 @@ static void any_trained_solution_leads_to_any_other(void **state) {
     for (size_t i = 0; i < TRAINED_STATES * TRAINED_STATES; i++) {
         const size_t from = i / TRAINED_STATES, to = i % TRAINED_STATES;
         memcpy(reduced.state.coordinates, basis.states.coordinates + from * n, n * sizeof(double));
-        reduced.state.exit = published.set.exit[from];
+        reduced.state.exit = published.states->exit[from];
         reduced_problem_solve(&reduced, &published.contacts[to]);
         check_close(reduced.info.scalars.central_film_thickness,
-                    published.set.central_film_thickness[to], 1e-4, 0);
+                    published.states->central_film_thickness[to], 1e-4, 0);
         num_iterations += reduced.info.iterations;
     }
     assert_true(num_iterations < 880);
@@ -373,17 +373,17 @@ static void check_full_rank(void (*init)(trained *, double)) {
         reduced_problem reduced;
         reduced_problem_init(&reduced, &basis, NULL, 0, &strict_settings);
         for (size_t s = 0; s < TRAINED_STATES; s++) {
-            const size_t exit = accurate.set.exit[s];
-            const double *pressure = accurate.set.pressure + s * num_nodes;
+            const size_t exit = accurate.states->exit[s];
+            const double *pressure = accurate.pressure + s * num_nodes;
             reduced_neighbour(&reduced.state, &reduced.model,
-                              (contact_place){.moes_M = accurate.set.moes_M[s],
-                                              .alpha_p_H = accurate.set.alpha_p_H[s],
-                                              .thinning = accurate.set.thinning[s]});
+                              (contact_place){.moes_M = accurate.states->moes_M[s],
+                                              .alpha_p_H = accurate.states->alpha_p_H[s],
+                                              .thinning = accurate.states->thinning[s]});
             reduced_problem_solve(&reduced, &accurate.contacts[s]);
             assert_int_equal(reduced.state.exit, exit);
             check_close_array(reduced.state.coordinates, pressure + 1, exit - 1, 0, 1e-9);
             check_close(reduced.info.scalars.central_film_thickness,
-                        accurate.set.central_film_thickness[s], 1e-10, 0);
+                        accurate.states->central_film_thickness[s], 1e-10, 0);
             check_close(reduced.info.scalars.exit_position, accurate.exit_position[s], 0, 1e-8);
         }
         reduced_problem_free(&reduced);
@@ -406,8 +406,8 @@ static void thinned_full_rank_reproduces_the_full_model(void **state) {
     // thinning changes the flow: the thickest film by a tenth
     trained_init_thinned(&thinned, 0.04);
     trained_init_accurate(&newtonian, 0.04);
-    assert_true(thinned.set.central_film_thickness[2] <
-                0.9 * newtonian.set.central_film_thickness[2]);
+    assert_true(thinned.states->central_film_thickness[2] <
+                0.9 * newtonian.states->central_film_thickness[2]);
     trained_free(&thinned);
     trained_free(&newtonian);
 }
@@ -481,7 +481,7 @@ static void the_cell_s_row_equals_finite_differences(void **state) {
                 memcpy(reduced.state.coordinates, basis.states.coordinates + s * n,
                        n * sizeof(double));
                 reduced.state.coordinates[j] += sign == 0 ? -h : sign == 1 ? h : 0;
-                reduced_state_set_exits(&reduced.state, &reduced.model, &accurate.set.exit[s]);
+                reduced_state_set_exits(&reduced.state, &reduced.model, &accurate.states->exit[s]);
                 assert_int_equal(reduced_solve(&reduced.info, &reduced.state, reduced.solver,
                                                &accurate.contacts[s], NULL, NULL),
                                  EHD_OK);
@@ -543,7 +543,7 @@ static void thinned_rows_equal_finite_differences(void **state) {
                 memcpy(reduced.state.coordinates, basis.states.coordinates + s * n,
                        n * sizeof(double));
                 reduced.state.coordinates[j] += sign == 0 ? -h : sign == 1 ? h : 0;
-                reduced_state_set_exits(&reduced.state, &reduced.model, &thinned.set.exit[s]);
+                reduced_state_set_exits(&reduced.state, &reduced.model, &thinned.states->exit[s]);
                 assert_int_equal(reduced_solve(&reduced.info, &reduced.state, reduced.solver,
                                                &thinned.contacts[s], NULL, NULL),
                                  EHD_OK);
@@ -582,15 +582,15 @@ static void moving_the_exit_equals_rebuilding(void **state) {
         for (size_t exit = least; exit <= most; exit++) {
             double load = 0;
             reduced_neighbour(&reduced.state, &reduced.model,
-                              (contact_place){.moes_M = training.set.moes_M[STATE],
-                                              .alpha_p_H = training.set.alpha_p_H[STATE]});
+                              (contact_place){.moes_M = training.states->moes_M[STATE],
+                                              .alpha_p_H = training.states->alpha_p_H[STATE]});
             reduced.state.exit = exit;
             reduced_problem_solve(&reduced, &training.contacts[STATE]);
-            if (reduced.state.exit == training.set.exit[STATE])
+            if (reduced.state.exit == training.states->exit[STATE])
                 check_is_training_state(&reduced, basis, STATE, 1e-10);
-            found += reduced.state.exit == training.set.exit[STATE];
+            found += reduced.state.exit == training.states->exit[STATE];
             check_close(reduced.info.scalars.central_film_thickness,
-                        training.set.central_film_thickness[STATE], 1e-5, 0);
+                        training.states->central_film_thickness[STATE], 1e-5, 0);
             full_fields(pressure, film, &reduced, basis);
             for (size_t k = 1; k < num_nodes; k++)
                 load += basis->grid.step * pressure[k] / basis->kind->load;
@@ -750,7 +750,7 @@ static void jacobian_equals_finite_differences(void **state) {
         observation here = {num_rows, 0, memory, memory + num_rows};
         observation ahead = {num_rows, 0, memory + 2 * num_rows, memory + 3 * num_rows};
         observation behind = {num_rows, 0, memory + 4 * num_rows, memory + 5 * num_rows};
-        size_t exit = training.set.exit[STATE];
+        size_t exit = training.states->exit[STATE];
         for (size_t mode = 0; mode < n; mode++) {
             double largest = 0;
             const double *trained_z = basis->states.coordinates + STATE * n;

@@ -486,7 +486,7 @@ static void a_full_model_deviates_by_what_it_is_told(void **state) {
     check_ok(online_solver_create(&solver, model, &error));
     for (size_t s = 0; s < TRAINED_STATES; s++) {
         check_ok(online_solve(&result, solver, &training.contacts[s], &error));
-        scenes[s] = (solved_scene){&training.contacts[s], training.set.pressure + s * num_nodes,
+        scenes[s] = (solved_scene){&training.contacts[s], training.pressure + s * num_nodes,
                                    result.scalars};
     }
     check_ok(online_prepare_fields(model, &error));
@@ -516,7 +516,7 @@ static void a_full_model_deviates_by_what_it_is_told(void **state) {
 
 static void scenes_that_fail_count_as_failures_only(void **state) {
     ehd_contact outside = training.contacts[0];
-    solved_scene scenes[] = {{.contact = &outside, .pressure = training.set.pressure}};
+    solved_scene scenes[] = {{.contact = &outside, .pressure = training.pressure}};
     online_model *model;
     trade_position position = {0};
     (void)state;
@@ -531,7 +531,7 @@ static void scenes_that_fail_count_as_failures_only(void **state) {
 }
 
 static void failing_allocations_are_reported(void **state) {
-    const double *pressure = training.set.pressure;
+    const double *pressure = training.pressure;
     const solved_scene scenes[] = {
         {&training.contacts[0], pressure, {.central_film_thickness = 1}}};
     online_model *model;

@@ -16,6 +16,7 @@ static ehd_error error;
 
 static ehd_status build(reduced_model *result, size_t num_workers, size_t num_points) {
     const snapshot_set *set = &training.set;
+    const reduced_states *of = training.states;
     const program caller = {.name = "test"};
     const training_set points = {.grid = set->grid,
                                  .kind = set->kind,
@@ -24,13 +25,13 @@ static ehd_status build(reduced_model *result, size_t num_workers, size_t num_po
     solved_state states[TRAINED_STATES];
 
     for (size_t s = 0; s < TRAINED_STATES; s++)
-        states[s] = (solved_state){set->pressure + s * set->grid.num_nodes,
-                                   set->rigid_approach[s],
-                                   set->moes_M[s],
-                                   set->alpha_p_H[s],
-                                   set->thinning[s],
-                                   set->central_film_thickness[s],
-                                   set->rises[s]};
+        states[s] = (solved_state){training.pressure + s * set->grid.num_nodes,
+                                   of->coordinates[s],
+                                   of->moes_M[s],
+                                   of->alpha_p_H[s],
+                                   of->thinning[s],
+                                   of->central_film_thickness[s],
+                                   of->rises[s]};
     trial_costs costs;
     return trial_build(result, &costs, &caller, &points, states, 0, num_workers, &error);
 }
@@ -59,8 +60,8 @@ static void training_points_are_reproduced(void **state) {
     assert_true(model.control.num_rows > 0);
     check_ok(trial_judge(verdicts, &model, training.contacts, wanted, TRAINED_STATES, 1, &error));
     for (size_t s = 0; s < TRAINED_STATES; s++) {
-        check_close(verdicts[s].film[FILM_CENTRAL], training.set.central_film_thickness[s], 1e-6,
-                    0);
+        check_close(verdicts[s].film[FILM_CENTRAL], training.states->central_film_thickness[s],
+                    1e-6, 0);
         assert_true(verdicts[s].film[FILM_MINIMUM] > 0 &&
                     verdicts[s].film[FILM_MINIMUM] < verdicts[s].film[FILM_CENTRAL]);
         for (int f = 0; f < NUM_FILMS; f++)

@@ -23,13 +23,13 @@ static void train(trained *self) {
     settings.linear_tolerance = 1e-10;
     const contact_kind *kind = self->contacts[0].kind;
     const ehd_grid *grid = &self->contacts[0].grid;
-    double *pressure = calloc(TRAINED_STATES * grid->num_nodes, sizeof *pressure);
+    self->pressure = calloc(TRAINED_STATES * grid->num_nodes, sizeof(double));
     self->film = calloc(TRAINED_STATES * grid->num_nodes, sizeof(double));
     assert_int_equal(full_solver_create(&solver, kind, grid, &settings, NULL), EHD_OK);
     assert_int_equal(full_state_init(&solution, grid, NULL), EHD_OK);
     for (size_t s = 0; s < TRAINED_STATES; s++) {
         const ehd_contact *contact = &self->contacts[s];
-        double *here = pressure + s * grid->num_nodes;
+        double *here = self->pressure + s * grid->num_nodes;
         assert_int_equal(full_solve_cold(&info, &solution, solver, contact, NULL), EHD_OK);
         assert_string_equal(info.reason, "");
         memcpy(here, solution.pressure, grid->num_nodes * sizeof *here);
@@ -46,7 +46,7 @@ static void train(trained *self) {
     }
     assert_int_equal(snapshot_set_gather(&self->set, states, TRAINED_STATES, kind, grid, NULL),
                      EHD_OK);
-    free(pressure);
+    self->states = &self->set.sources->states;
     full_state_free(&solution);
     full_solver_free(solver);
 }
@@ -120,18 +120,20 @@ double trained_least_film(const double *film, const ehd_grid *grid) {
 }
 
 void trained_free(trained *self) {
-    snapshot_set_free(&self->set);
+    snapshot_set_close(&self->set);
+    free(self->pressure);
     free(self->film);
 }
 
 void trained_basis(reduced_basis *basis, const trained *self, deformation_kind kind,
                    size_t num_pressure, size_t num_deformation) {
     const bases_settings settings = {
-        {.num_modes = num_pressure}, {.num_modes = num_deformation}, kind};
+        .pressure.num_modes = num_pressure, .deformation.num_modes = num_deformation, .kind = kind};
+    snapshot_set set = self->set;
     pod_basis pressure, deformation;
     ehd_error error = {""};
 
-    if (bases_build(basis, &pressure, &deformation, &self->set, &settings, &error))
+    if (bases_build(basis, &pressure, &deformation, &set, &settings, NULL, NULL, &error))
         fail_msg("%s", error.text);
     pod_free(&pressure);
     pod_free(&deformation);

@@ -12,7 +12,9 @@
 enum { TRAINED_STATES = 12 };
 
 typedef struct trained {
-    snapshot_set set; // exits and fields as read by podbuild
+    snapshot_set set;             // exits and fields as read by podbuild
+    const reduced_states *states; // of the set; without coordinates but the rigid approach
+    double *pressure;             // [TRAINED_STATES, num_nodes]
     ehd_contact contacts[TRAINED_STATES];
     double *film; // [TRAINED_STATES, num_nodes]
     double exit_position[TRAINED_STATES];
