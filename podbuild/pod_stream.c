@@ -197,7 +197,8 @@ static size_t copy_long_rows(double *rows, double *left_out, const pod_stream *s
 }
 
 /* Computes the POD of the remainders of the waiting rows, as far as their energy `left` exceeds
- * `allowed`. */
+ * `allowed`. Rows that are short leave the others less to omit. *found has no modes if round-off
+ * makes all rows short. */
 static ehd_status decompose_remainder(pod_basis *found, const pod_stream *self, double left,
                                       double allowed, ehd_error *error) {
     double *rows = array_new(self->num_waiting, self->num_nodes, sizeof *rows), left_out;
@@ -208,7 +209,9 @@ static ehd_status decompose_remainder(pod_basis *found, const pod_stream *self, 
         copy_long_rows(rows, &left_out, self, allowed / (double)self->num_waiting);
     const pod_settings wanted = {.discarded_energy =
                                      fmax(0, allowed - left_out) / (left - left_out)};
-    const ehd_status status = pod_decompose(found, rows, num_long, self->num_nodes, &wanted, error);
+    const ehd_status status =
+        num_long > 0 ? pod_decompose(found, rows, num_long, self->num_nodes, &wanted, error)
+                     : EHD_OK;
     free(rows);
     return status;
 }
@@ -222,8 +225,8 @@ static ehd_status extend(bool *full, pod_stream *self, components *to, double le
     ehd_status status = decompose_remainder(&found, self, left, allowed, error);
 
     *full = !status && max_rank > 0 && found.num_modes > max_rank - before;
-    if (!status && !*full) status = append(self, &found, error);
-    if (!status && !*full) subtract(self, to, before);
+    if (!status && !*full && found.num_modes > 0) status = append(self, &found, error);
+    if (!status && self->rank > before) subtract(self, to, before);
     pod_free(&found);
     return status;
 }
