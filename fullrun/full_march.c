@@ -2,7 +2,7 @@
 #include "fullrun/full_march.h"
 
 #include "common/program/arena.h"
-#include "common/time/saved_ring.h"
+#include "common/time/bdf_march.h"
 #include "common/time/surface.h"
 #include "common/time/time_grid.h"
 #include "fullrun/continuation.h"
@@ -21,23 +21,21 @@
 static const double MAX_END_GRADIENT = 0.3;
 
 struct full_march {
+    bdf_march bdf;
     ehd_contact reference;
     double start_film;
     full_solver *solver;
-    previous_state states[BDF_PREVIOUS + 1]; // indexed by the ring
-    bdf_ring ring;
+    previous_state states[NUM_BDF_PLACES]; // at the places of `bdf`; none is passing
     previous_carrier carrier;
-    previous_state base;        // along the path: the start (previous.h)
-    double *entrained;          // [num_inner] d/dX of the base's rho H, discretised as in the rows
-    bool *noisy;                // [num_nodes] nodes left out of the local error
-    double *mass[BDF_PREVIOUS]; // [num_nodes] rho H of previous states at the inner nodes
-    double *previous;           // [num_nodes] sum of `mass` with the formula's weights
-    double *taken_up; // [num_nodes] errors of rho H that the last attempt's film has accumulated
-    double *kept;     // [num_nodes] errors of rho H that the last accepted film has accumulated
-    double *film;     // [num_nodes] scratch: carried errors, a film without its errors
-    double *surface;  // [num_nodes] heights in the last attempt's frame; NULL: smooth
-    bool mirrored;    // X of the surface is mirrored (find_mirrored_start)
-    double *exits;    // [lines of the whole grid, GRID_EXITS] X of the last attempt's exits
+    double *entrained; // [num_inner] d/dX of the base's rho H, discretised as in the rows
+    bool *noisy;       // [num_nodes] nodes left out of the local error
+    double *previous;  // [num_inner] sum of the previous masses with the formula's weights
+    double *taken_up;  // [num_nodes] errors of rho H that the last attempt's film has accumulated
+    double *kept;      // [num_nodes] errors of rho H that the last accepted film has accumulated
+    double *film;      // [num_nodes] scratch: carried errors, a film without its errors
+    double *surface;   // [num_nodes] heights in the last attempt's frame; NULL: smooth
+    bool mirrored;     // X of the surface is mirrored (find_mirrored_start)
+    double *exits;     // [lines of the whole grid, GRID_EXITS] X of the last attempt's exits
     full_march_effort effort;
     char reason[JUDGE_REASON];
     arena memory; // of the arrays of nodes
@@ -46,9 +44,8 @@ struct full_march {
 full_march *full_march_free(full_march *self) {
     if (!self) return NULL;
     full_solver_free(self->solver);
-    for (size_t i = 0; i <= BDF_PREVIOUS; i++)
+    for (size_t i = 0; i < NUM_BDF_PLACES; i++)
         previous_free(&self->states[i]);
-    previous_free(&self->base);
     previous_carrier_free(&self->carrier);
     arena_free(&self->memory);
     free(self);
@@ -56,7 +53,7 @@ full_march *full_march_free(full_march *self) {
 }
 
 double full_march_bytes(const ehd_contact *reference) {
-    const double own = (BDF_PREVIOUS + 6) * sizeof(double) + sizeof(bool);
+    const double own = (BDF_PREVIOUS + 8) * sizeof(double) + 2 * sizeof(bool);
 
     return full_solver_bytes(&reference->grid) + previous_bytes(reference, BDF_PREVIOUS + 2) +
            own * (double)reference->grid.num_nodes;
@@ -74,6 +71,33 @@ static double dry_start_film(const ehd_contact *reference) {
     return kind->central_film(shape, moes_M, moes_L);
 }
 
+enum { NUM_STATE_SCALARS = 2, PASSING = BDF_STATES - 1 };
+
+static size_t state_size(const full_march *self) {
+    return NUM_STATE_SCALARS + 2 * self->reference.grid.num_nodes;
+}
+
+static const bdf_model model;
+
+/* Connects the states to the march of steps. Saves the errors of `kept` in front of the states and,
+ * along the path, the time up to which the base is used. */
+static void set_bdf_march(full_march *self) {
+    const ehd_grid *grid = &self->reference.grid;
+    bdf_march *bdf = &self->bdf;
+    size_t *node = arena_array(&self->memory, grid->num_inner, sizeof *node);
+
+    for (size_t r = 0; node && r < grid->num_inner; r++)
+        node[r] = grid_node_of_row(grid, r);
+    bdf_march_init(bdf, grid->num_inner, &self->memory);
+    bdf->model = &model;
+    bdf->reference = &self->reference;
+    bdf->masses.node = node;
+    for (size_t i = 0; i < NUM_BDF_PLACES; i++)
+        bdf->frame[i] = &self->states[i].frame;
+    bdf->state_size = state_size(self);
+    bdf->front_size = grid->num_nodes + (bdf_march_along_path(bdf) ? 1 : 0);
+}
+
 ehd_status full_march_create(full_march **created, const ehd_contact *reference,
                              const full_settings *settings, double start_film, ehd_error *error) {
     size_t num_nodes = reference->grid.num_nodes;
@@ -88,8 +112,8 @@ ehd_status full_march_create(full_march **created, const ehd_contact *reference,
     arena *memory = &self->memory;
     self->reference = *reference;
     self->start_film = isnan(start_film) ? dry_start_film(reference) : start_film;
-    self->ring = bdf_ring_empty();
-    self->previous = arena_array(memory, num_nodes, sizeof(double));
+    set_bdf_march(self);
+    self->previous = arena_array(memory, reference->grid.num_inner, sizeof(double));
     self->noisy = arena_array(memory, num_nodes, sizeof *self->noisy);
     self->entrained = arena_array(memory, num_nodes, sizeof(double));
     self->taken_up = arena_array(memory, num_nodes, sizeof(double));
@@ -98,16 +122,13 @@ ehd_status full_march_create(full_march **created, const ehd_contact *reference,
     if (reference->surface) self->surface = arena_array(memory, num_nodes, sizeof(double));
     self->exits =
         arena_array(memory, grid_whole(&reference->grid).inner_lines * GRID_EXITS, sizeof(double));
-    for (size_t i = 0; i < BDF_PREVIOUS; i++)
-        self->mass[i] = arena_array(memory, num_nodes, sizeof(double));
     bool whole = !memory->failed;
     status = whole ? full_solver_create(&self->solver, reference->kind, &reference->grid, &in_time,
                                         error)
                    : ehd_no_memory(error, "full model");
     if (!status) status = previous_carrier_init(&self->carrier, reference, error);
-    for (size_t i = 0; i <= BDF_PREVIOUS && !status; i++)
-        status = previous_init(&self->states[i], reference, error);
-    if (!status) status = previous_init(&self->base, reference, error);
+    for (size_t i = 0; i < NUM_BDF_PLACES && !status; i++)
+        if (i != PASSING) status = previous_init(&self->states[i], reference, error);
     if (status)
         full_march_free(self);
     else
@@ -116,7 +137,7 @@ ehd_status full_march_create(full_march **created, const ehd_contact *reference,
 }
 
 static previous_state *state_before(full_march *self, size_t steps) {
-    return &self->states[self->ring.place[steps]];
+    return &self->states[bdf_march_place(&self->bdf, steps)];
 }
 
 static void add_effort(full_march *self, const full_info *info) {
@@ -219,10 +240,6 @@ static void judge_start(full_info *info, full_march *self, const previous_state 
     if (info->status) info->reason = self->reason;
 }
 
-static bool is_along_path(const full_march *self) {
-    return self->reference.transport == TRANSPORT_PATH;
-}
-
 /* Computes d/dX of rho H at the inner nodes, discretised as in the rows: their residual at unit
  * entrainment without pressure flow. For a state that is entrained towards smaller X, the
  * stencils are reversed. EHD_MEMORY. */
@@ -253,11 +270,14 @@ static ehd_status entrain(double *entrained, const previous_state *state,
 }
 
 /* Makes the base, which must be set, the state from which previous states carry their difference,
- * up to the time `until`. EHD_MEMORY. */
-static ehd_status use_base(full_march *self, double until, ehd_error *error) {
-    previous_set_base(&self->carrier, &self->base, until);
-    previous_prepare(&self->base, &self->carrier);
-    return entrain(self->entrained, &self->base, &self->reference, error);
+ * as long as no entrainment reverses. EHD_MEMORY. */
+static ehd_status use_base(void *solver, ehd_error *error) {
+    full_march *self = solver;
+    previous_state *base = &self->states[BDF_BASE];
+
+    previous_set_base(&self->carrier, base, INFINITY);
+    previous_prepare(base, &self->carrier);
+    return entrain(self->entrained, base, &self->reference, error);
 }
 
 /* Adds a part of the heights of a surface at rest to the gap of the start. A moving surface has
@@ -377,8 +397,6 @@ static ehd_status find_mirrored_start(full_info *info, double *exit, full_march 
     return status;
 }
 
-static void accept(void *solver);
-
 static ehd_status start(march_step *outcome, void *solver, const contact_frame *frame,
                         ehd_error *error) {
     full_march *self = solver;
@@ -408,15 +426,7 @@ static ehd_status start(march_step *outcome, void *solver, const contact_frame *
     judge_inlet(outcome, &contact, backwards);
     if (backwards) outcome->scalars.exit_position = exit;
     full_list_exits(self->exits, &first->state, &self->reference.grid, backwards);
-    bdf_ring_keep(&self->ring, 0);
     memset(self->taken_up, 0, self->reference.grid.num_nodes * sizeof(double));
-    if (is_along_path(self)) {
-        self->base.frame = first->frame;
-        full_state_copy(&self->base.state, &first->state, &self->reference.grid);
-        status = use_base(self, INFINITY, error);
-        if (status) return status;
-    }
-    accept(self);
     return EHD_OK;
 }
 
@@ -424,45 +434,39 @@ static ehd_status start(march_step *outcome, void *solver, const contact_frame *
 
 /* Extrapolates pressure and approach in time, each state in its own frame. The pressurised zone
  * stays that of the last state. */
-static void predict(full_march *self, const bdf_formula *formula) {
+static void predict(full_march *self) {
+    const bdf_formula *formula = &self->bdf.formula;
     full_state *state = &state_before(self, 0)->state;
 
     full_state_copy(state, &state_before(self, 1)->state, &self->reference.grid);
     for (size_t k = 1; k < state->exit; k++) {
         double pressure = 0;
         if (state->ruptured[k]) continue;
-        for (size_t i = 0; i < self->ring.num_previous; i++)
+        for (size_t i = 0; i < self->bdf.ring.num_previous; i++)
             pressure += formula->predictor[i] * state_before(self, i + 1)->state.pressure[k];
         state->pressure[k] = fmax(pressure, 0);
     }
     state->rigid_approach = 0;
-    for (size_t i = 0; i < self->ring.num_previous; i++)
+    for (size_t i = 0; i < self->bdf.ring.num_previous; i++)
         state->rigid_approach +=
             formula->predictor[i] * state_before(self, i + 1)->state.rigid_approach;
 }
 
-/* Applies this step's share of the filter to the accepted states. */
-static void filter_previous(full_march *self, double step) {
-    if (!is_along_path(self)) return;
-    const double share =
-        frame_step_share(&state_before(self, 1)->frame, step, &self->reference.grid);
+/* Carries rho H of the previous states over into the attempt's frame, and sums it up for the rows.
+ * Along the path the rows have no entrainment except that of the base. */
+static void carry_over(full_march *self, const contact_frame *frame) {
+    const size_t num_inner = self->reference.grid.num_inner;
+    const bdf_march *bdf = &self->bdf;
 
-    for (size_t i = 1; i <= self->ring.num_previous; i++)
-        if (state_before(self, i)->share != share)
-            previous_filter(state_before(self, i), share, &self->carrier);
-}
-
-static void carry_over(full_march *self, const bdf_formula *formula, const contact_frame *frame,
-                       double step) {
-    size_t num_inner = self->reference.grid.num_inner;
-
-    filter_previous(self, step);
     memset(self->previous, 0, num_inner * sizeof(double));
-    for (size_t i = 0; i < self->ring.num_previous; i++) {
-        previous_mass(self->mass[i], state_before(self, i + 1), frame, &self->carrier);
+    for (size_t i = 0; i < bdf->ring.num_previous; i++) {
+        double *mass = bdf->masses.previous[i];
+        previous_mass(mass, state_before(self, i + 1), frame, &self->carrier);
         for (size_t r = 0; r < num_inner; r++)
-            self->previous[r] += formula->weight[i] * self->mass[i][r];
+            self->previous[r] += bdf->formula.weight[i] * mass[r];
     }
+    if (bdf_march_along_path(bdf) && previous_base(&self->carrier, frame))
+        cblas_daxpy((int)num_inner, bdf->entrainment, self->entrained, 1, self->previous, 1);
 }
 
 /* Extends the marks on a line of nodes that are `stride` apart: to `margin` nodes before a marked
@@ -487,7 +491,10 @@ static void dilate(bool *noisy, size_t count, size_t stride, size_t margin) {
 
 /* Marks the nodes at or near which one of the step's states has no pressure. There the film is
  * not smooth in time on the scale of the grid. */
-static void mark_noisy(full_march *self, const full_state *state) {
+static void mark_noisy(void *solver) {
+    full_march *self = solver;
+    const full_state *state = &state_before(self, 0)->state;
+    const bdf_masses *masses = &self->bdf.masses;
     const ehd_grid *grid = &self->reference.grid;
     size_t width = grid_width(grid), first = grid_first_line(grid) * width;
     size_t margin = (size_t)ceil(march_exit_margin / grid->step);
@@ -495,13 +502,15 @@ static void mark_noisy(full_march *self, const full_state *state) {
     for (size_t r = 0; r < grid->num_inner; r++) {
         size_t k = grid_node_of_row(grid, r);
         self->noisy[k] = !full_has_pressure(state, k);
-        for (size_t i = 1; i <= self->ring.num_previous; i++)
+        for (size_t i = 1; i <= self->bdf.ring.num_previous; i++)
             self->noisy[k] = self->noisy[k] || !full_has_pressure(&state_before(self, i)->state, k);
     }
     for (size_t l = 0; l < grid->inner_lines; l++)
         dilate(self->noisy + first + l * width + 1, grid->inner_x, 1, margin);
     for (size_t i = 1; grid->inner_lines > 1 && i <= grid->inner_x; i++)
         dilate(self->noisy + first + i, grid->inner_lines, width, margin);
+    for (size_t r = 0; r < masses->num_rows; r++)
+        masses->counts[r] = !self->noisy[masses->node[r]];
 }
 
 /* Returns rho H of a state at a node. */
@@ -510,52 +519,10 @@ static double mass_at(const full_state *state, const ehd_contact *contact, size_
            lubricant_density(&contact->lubricant, state->pressure[k] * contact->hertz_pressure);
 }
 
-/* Returns rho H minus its prediction at the node of row r: the local error but for
- * the formula's factor. */
-static double missed_anywhere(const full_march *self, const bdf_formula *formula,
-                              const full_state *state, const ehd_contact *contact, size_t r) {
-    double mass = mass_at(state, contact, grid_node_of_row(&contact->grid, r));
-
-    for (size_t i = 0; i < self->ring.num_previous; i++)
-        mass -= formula->predictor[i] * self->mass[i][r];
-    return mass;
-}
-
-/* Returns missed_anywhere, but 0 near ruptured film. */
-static double missed_mass(const full_march *self, const bdf_formula *formula,
-                          const full_state *state, const ehd_contact *contact, size_t r) {
-    return self->noisy[grid_node_of_row(&contact->grid, r)]
-               ? 0
-               : missed_anywhere(self, formula, state, contact, r);
-}
-
-/* Checks, along the path, whether Newton has found another solution: the film before the centre
- * misses its prediction by more than march_most_missed. Local errors of the inlet do not count
- * along the path, so they do not reveal it. Such a solution is ruptured in the inlet, where a
- * narrow peak of pressure travels. After a load step by a half it misses 0.2 of the central film
- * and more. In the paper's transient case no step misses more than 0.014. With a load of +-50 %
- * one step in a hundred misses 0.1 and is repeated with a quarter of its length, which only costs
- * steps. At rest there is no inlet. */
-static bool is_another_solution(const full_march *self, const bdf_formula *formula,
-                                const full_state *state, const ehd_contact *contact,
-                                double entrainment, double central_film) {
-    const double most = march_most_missed * central_film;
-
-    for (size_t r = 0; r < contact->grid.num_inner && formula->degree > 0; r++)
-        if (grid_x(&contact->grid, grid_node_of_row(&contact->grid, r)) * entrainment < 0 &&
-            formula->error * fabs(missed_anywhere(self, formula, state, contact, r)) > most)
-            return true;
-    return false;
-}
-
-/* Returns the largest missed_mass of all nodes. */
-static double largest_error(const full_march *self, const bdf_formula *formula,
-                            const full_state *state, const ehd_contact *contact) {
-    double largest = 0;
-
-    for (size_t r = 0; r < contact->grid.num_inner; r++)
-        largest = fmax(largest, fabs(missed_mass(self, formula, state, contact, r)));
-    return largest;
+/* Returns the local error at the node of row r without the formula's factor, but 0 near ruptured
+ * film. */
+static double missed_mass(const full_march *self, size_t r) {
+    return self->bdf.masses.counts[r] ? bdf_march_missed(&self->bdf, r) : 0;
 }
 
 /* Returns the largest sum of local errors that a film accumulates in the dry contact, from
@@ -569,10 +536,10 @@ static double largest_error(const full_march *self, const bdf_formula *formula,
  *   width.
  * - In steps shorter than frame_shortest_step the sum is divided by the length of that step,
  *   since noise does not shrink further. */
-static double error_on_the_way(const full_march *self, const bdf_formula *formula,
-                               const full_state *state, const ehd_contact *contact,
-                               double entrainment, double step) {
-    const ehd_grid *grid = &contact->grid;
+static double error_on_the_way(void *solver) {
+    full_march *self = solver;
+    const ehd_grid *grid = &self->reference.grid;
+    const double entrainment = self->bdf.entrainment;
     double largest = 0, sum = 0, lowest = 0, highest = 0, last = 0;
     bool inside = false;
 
@@ -582,7 +549,7 @@ static double error_on_the_way(const full_march *self, const bdf_formula *formul
         const bool before = inside && i % grid->inner_x > 0;
         inside = grid_is_dry(grid, k);
         if (!inside) continue;
-        const double missed = missed_mass(self, formula, state, contact, r);
+        const double missed = missed_mass(self, r);
         if (!before) sum = lowest = highest = 0;
         if (before) sum += grid->step * (last + missed) / 2;
         last = missed;
@@ -591,22 +558,9 @@ static double error_on_the_way(const full_march *self, const bdf_formula *formul
         if (fabs(grid_x(grid, k)) <= grid->step)
             largest = fmax(largest, fmax(sum - lowest, highest - sum));
     }
-    const contact_frame *frame = &self->states[self->ring.place[0]].frame;
-    return largest / fmax(step, frame_shortest_step(frame, grid)) / fmax(fabs(entrainment), 1);
-}
-
-/* Returns the local error relative to the central film, as step control uses it (march.h). */
-static double local_error(full_march *self, const bdf_formula *formula, const full_state *state,
-                          const ehd_contact *contact, double entrainment, double step,
-                          double central_film) {
-    const bool on_the_way = is_along_path(self) && step * fabs(entrainment) <= march_short_path;
-    double error;
-
-    if (!(formula->error > 0)) return 0;
-    mark_noisy(self, state);
-    error = on_the_way ? error_on_the_way(self, formula, state, contact, entrainment, step)
-                       : largest_error(self, formula, state, contact);
-    return formula->error * error / central_film;
+    const contact_frame *frame = &state_before(self, 0)->frame;
+    return largest / fmax(self->bdf.step, frame_shortest_step(frame, grid)) /
+           fmax(fabs(entrainment), 1);
 }
 
 // ---- effects of the steps on the films
@@ -632,9 +586,9 @@ static void add_filter_errors(double *errors, full_march *self) {
  * determines the film anew. With errors from there the effect on the minimum film of M = 20,
  * L = 5 would be estimated at 18 % instead of 1.9 %. Errors that each step adds are enlarged by
  * BDF2 to 3/2 times their size, by its rate. */
-static void take_up_errors(full_march *self, const bdf_formula *formula, const full_state *state,
-                           const ehd_contact *contact, const contact_frame *frame, double step) {
-    const ehd_grid *grid = &contact->grid;
+static void take_up_errors(full_march *self, const contact_frame *frame) {
+    const ehd_grid *grid = &self->reference.grid;
+    const bdf_formula *formula = &self->bdf.formula;
     double *carried = self->film;
 
     add_filter_errors(self->taken_up, self);
@@ -645,8 +599,8 @@ static void take_up_errors(full_march *self, const bdf_formula *formula, const f
         if (!grid_is_dry(grid, k)) continue;
         self->taken_up[k] = carried[r];
         if (formula->error > 0 && grid_x(grid, k) * frame->speed <= 0)
-            self->taken_up[k] += formula->rate * step * formula->error *
-                                 missed_mass(self, formula, state, contact, r);
+            self->taken_up[k] +=
+                formula->rate * self->bdf.step * formula->error * missed_mass(self, r);
     }
 }
 
@@ -686,41 +640,31 @@ static bool is_cut(const full_state *state, const ehd_grid *grid, bool backwards
 }
 
 /* Returns the part of the load that a second zone of pressure lacks because the domain ends. */
-static double cut_load(const full_march *self, bool backwards) {
+static double cut_load(full_march *self, bool backwards) {
     const ehd_grid *grid = &self->reference.grid;
     const double end = backwards ? -grid->x_min : grid_x(grid, grid->inner_x);
 
-    if (self->ring.num_previous < 2) return 0; // after a jump, which is over in one step
-    return frame_closing_gap(&self->states[self->ring.place[0]].frame,
-                             &self->states[self->ring.place[1]].frame, &self->reference, end)
+    if (self->bdf.ring.num_previous < 2) return 0; // after a jump, which is over in one step
+    return frame_closing_gap(&state_before(self, 0)->frame, &state_before(self, 1)->frame,
+                             &self->reference, end)
         .beyond;
 }
 
 /* Lists the exits of the state just solved. Along the path the exit farthest downstream at Y = 0
  * becomes the exit position of the scalars. */
 static void list_exits(march_step *outcome, full_march *self, const ehd_contact *contact,
-                       const reynolds_squeeze *squeeze, bool backwards) {
+                       bool backwards) {
+    const reynolds_squeeze squeeze = {self->bdf.formula.rate, self->previous};
     const full_state *state = &state_before(self, 0)->state;
     const ehd_grid *grid = &contact->grid;
 
     if (grid->inner_lines > 1)
         full_list_exits(self->exits, state, grid, backwards);
     else
-        full_place_exits(self->exits, state, self->solver, contact, squeeze, backwards);
+        full_place_exits(self->exits, state, self->solver, contact, &squeeze, backwards);
     const double farthest = self->exits[grid_whole(grid).inner_lines / 2 * GRID_EXITS];
-    if (is_along_path(self) && !isnan(farthest)) outcome->scalars.exit_position = farthest;
-}
-
-/* Prepares the rows of a step: the weighted sum of the previous states and, along the path, no
- * entrainment except that of the base. */
-static void prepare_rows(full_march *self, const bdf_formula *formula, ehd_contact *contact,
-                         const contact_frame *frame, double step) {
-    carry_over(self, formula, frame, step);
-    if (!is_along_path(self)) return;
-    if (previous_base(&self->carrier, frame))
-        cblas_daxpy((int)contact->grid.num_inner, contact->entrainment, self->entrained, 1,
-                    self->previous, 1);
-    contact->entrainment = 0; // the time derivative contains the rest
+    if (bdf_march_along_path(&self->bdf) && !isnan(farthest))
+        outcome->scalars.exit_position = farthest;
 }
 
 static void place_surface(full_march *self, const contact_frame *frame) {
@@ -729,19 +673,8 @@ static void place_surface(full_march *self, const contact_frame *frame) {
     full_solver_set_surface(self->solver, self->surface);
 }
 
-/* Returns why a solution is to be repeated with a shorter step, or NULL if it is not. */
-static const char *why_to_repeat(const full_march *self, const bdf_formula *formula,
-                                 const full_state *state, const ehd_contact *contact,
-                                 double entrainment, double central_film) {
-    if (full_beyond_law(state, contact)) return "a pressure beyond the viscosity law's limit";
-    if (is_along_path(self) &&
-        is_another_solution(self, formula, state, contact, entrainment, central_film))
-        return "a film far from its prediction";
-    return NULL;
-}
-
 /* Returns why a solution is not to be trusted, or NULL if it is. */
-static const char *why_not_to_trust(const full_march *self, const full_state *state,
+static const char *why_not_to_trust(full_march *self, const full_state *state,
                                     const ehd_contact *contact, bool backwards) {
     const ehd_grid *grid = &contact->grid;
 
@@ -757,68 +690,79 @@ static const char *why_not_to_trust(const full_march *self, const full_state *st
     return full_flow_doubt(state, contact) > flow_doubt_most ? flow_doubt_reason : NULL;
 }
 
-static ehd_status attempt(march_step *outcome, void *solver, const contact_frame *frame,
-                          double step, ehd_error *error) {
+static ehd_status solve(march_step *outcome, void *solver, const ehd_contact *contact,
+                        ehd_error *error) {
     full_march *self = solver;
     previous_state *next = state_before(self, 0);
     const full_state *state = &next->state;
-    bdf_formula formula = bdf_ring_formula(&self->ring, step);
-    reynolds_squeeze squeeze = {formula.rate, self->previous};
-    ehd_contact contact;
+    const bdf_masses *masses = &self->bdf.masses;
+    const reynolds_squeeze squeeze = {self->bdf.formula.rate, self->previous};
     full_info info;
 
-    next->frame = *frame;
-    frame_contact(&contact, frame, &self->reference);
-    const double entrainment = contact.entrainment;
-    const bool backwards = entrainment < 0;
-    prepare_rows(self, &formula, &contact, frame, step);
-    place_surface(self, frame);
-    predict(self, &formula);
-    ehd_status status = full_solve(&info, &next->state, self->solver, &contact, &squeeze, error);
+    carry_over(self, &next->frame);
+    place_surface(self, &next->frame);
+    predict(self);
+    ehd_status status = full_solve(&info, &next->state, self->solver, contact, &squeeze, error);
     if (status) return status;
     add_effort(self, &info);
-    *outcome = (march_step){.status = info.status,
-                            .reason = info.reason,
-                            .formula = formula,
-                            .frame = *frame,
-                            .indicated = NAN,
-                            .indicated_minimum = NAN,
-                            .scalars = full_evaluate_scalars(state, &contact),
-                            .iterations = info.newton_iterations,
-                            .residual = info.residual};
+    outcome->status = info.status;
+    outcome->reason = info.reason;
+    outcome->scalars = full_evaluate_scalars(state, contact);
+    outcome->iterations = info.newton_iterations;
+    outcome->residual = info.residual;
     if (info.status) return EHD_OK;
-
-    const double central_film = outcome->scalars.central_film_thickness;
-    const char *repeated =
-        why_to_repeat(self, &formula, state, &contact, entrainment, central_film);
-    if (repeated) {
+    if (full_beyond_law(state, contact)) {
         outcome->status = EHD_NOT_CONVERGED;
-        outcome->reason = repeated;
-        return EHD_OK;
+        outcome->reason = "a pressure beyond the viscosity law's limit";
     }
-    outcome->local_error =
-        local_error(self, &formula, state, &contact, entrainment, step, central_film);
-    list_exits(outcome, self, &contact, &squeeze, backwards);
-    take_up_errors(self, &formula, state, &contact, frame, step);
-    outcome->taken_up = largest_taken_up(self, state, &contact, entrainment);
-    set_effects(outcome, self, state, &contact);
-    const char *doubt = why_not_to_trust(self, state, &contact, backwards);
+    for (size_t r = 0; r < masses->num_rows; r++)
+        masses->solved[r] = mass_at(state, contact, masses->node[r]);
+    return EHD_OK;
+}
+
+static void assess(march_step *outcome, void *solver, const ehd_contact *contact) {
+    full_march *self = solver;
+    const previous_state *next = state_before(self, 0);
+    const bool backwards = self->bdf.entrainment < 0;
+
+    list_exits(outcome, self, contact, backwards);
+    take_up_errors(self, &next->frame);
+    outcome->taken_up = largest_taken_up(self, &next->state, contact, self->bdf.entrainment);
+    set_effects(outcome, self, &next->state, contact);
+    const char *doubt = why_not_to_trust(self, &next->state, contact, backwards);
     if (doubt) {
         outcome->status = EHD_UNTRUSTED;
         outcome->reason = doubt;
     }
-    judge_inlet(outcome, &contact, backwards);
-    return EHD_OK;
+    judge_inlet(outcome, contact, backwards);
 }
 
 static void accept(void *solver) {
     full_march *self = solver;
-    previous_state *solved = state_before(self, 0);
 
-    previous_watch_base(&self->carrier, &solved->frame);
-    previous_prepare(solved, &self->carrier);
+    previous_watch_base(&self->carrier, &state_before(self, 0)->frame);
+}
+
+static void keep_errors(void *solver) {
+    full_march *self = solver;
+
     memcpy(self->kept, self->taken_up, self->reference.grid.num_nodes * sizeof *self->kept);
-    bdf_ring_accept(&self->ring, solved->frame.time, 0);
+}
+
+static void copy(void *solver, size_t target, size_t source) {
+    full_march *self = solver;
+
+    full_state_copy(&self->states[target].state, &self->states[source].state,
+                    &self->reference.grid);
+}
+
+static void prepare(void *solver, size_t place, double share) {
+    full_march *self = solver;
+
+    if (share == 1)
+        previous_prepare(&self->states[place], &self->carrier);
+    else
+        previous_filter(&self->states[place], share, &self->carrier);
 }
 
 /* Halves the load as long as the stationary solution is trusted. Takes the last such load or, if
@@ -850,14 +794,8 @@ static ehd_status touching(double *approach, double *load, void *solver, const c
     }
 }
 
-static void restart(void *solver) {
-    full_march *self = solver;
-
-    bdf_ring_restart(&self->ring);
-}
-
 const full_state *full_march_state(const full_march *self, const contact_frame **frame) {
-    const previous_state *last = &self->states[self->ring.place[1]];
+    const previous_state *last = &self->states[self->bdf.ring.place[1]];
 
     if (frame) *frame = &last->frame;
     return &last->state;
@@ -866,12 +804,12 @@ const full_state *full_march_state(const full_march *self, const contact_frame *
 // ---- hand-over between solvers
 
 size_t full_march_num_states(const full_march *self) {
-    return self->ring.num_previous;
+    return self->bdf.ring.num_previous;
 }
 
 const full_state *full_march_state_before(const full_march *self, size_t steps,
                                           const contact_frame **frame) {
-    const previous_state *found = &self->states[self->ring.place[steps]];
+    const previous_state *found = &self->states[self->bdf.ring.place[steps]];
 
     if (frame) *frame = &found->frame;
     return &found->state;
@@ -879,26 +817,28 @@ const full_state *full_march_state_before(const full_march *self, size_t steps,
 
 void full_march_take(full_march *self, size_t steps, const full_state *state,
                      const contact_frame *frame) {
-    const size_t place = self->ring.place[steps];
+    const size_t place = self->bdf.ring.place[steps];
     previous_state *taken = &self->states[place];
 
     taken->frame = *frame;
     full_state_copy(&taken->state, state, &self->reference.grid);
-    previous_prepare(taken, &self->carrier);
-    self->ring.time[place] = frame->time;
-    bdf_ring_keep(&self->ring, steps);
+    bdf_march_take(&self->bdf, steps);
 }
 
 const full_state *full_march_base(const full_march *self, const contact_frame **frame) {
-    if (frame) *frame = &self->base.frame;
-    return &self->base.state;
+    const previous_state *base = &self->states[BDF_BASE];
+
+    if (frame) *frame = &base->frame;
+    return &base->state;
 }
 
 ehd_status full_march_take_base(full_march *self, const full_state *state,
                                 const contact_frame *frame, ehd_error *error) {
-    self->base.frame = *frame;
-    full_state_copy(&self->base.state, state, &self->reference.grid);
-    return use_base(self, INFINITY, error);
+    previous_state *base = &self->states[BDF_BASE];
+
+    base->frame = *frame;
+    full_state_copy(&base->state, state, &self->reference.grid);
+    return use_base(self, error);
 }
 
 void full_march_errors(double *errors, const full_march *self) {
@@ -915,128 +855,64 @@ full_march_effort full_march_effort_of(const full_march *self) {
 
 // ---- saving
 
-enum { NUM_STATE_SCALARS = 2 };
-
 static const double RUPTURED = -1; // stands for a node without pressure; no pressure is that low
-
-static size_t state_size(const full_march *self) {
-    return NUM_STATE_SCALARS + 2 * self->reference.grid.num_nodes;
-}
+static const double NEVER = -1;    // stands for a base that is used without an end
 
 /* Saves rigid approach, exit, pressure and film, in this order. */
-static void save_previous(double *target, const previous_state *previous, const ehd_grid *grid) {
-    size_t num_nodes = grid->num_nodes;
+static void save(double *target, const void *solver, size_t place) {
+    const full_march *self = solver;
+    const full_state *state = &self->states[place].state;
+    const size_t num_nodes = self->reference.grid.num_nodes;
 
-    target[0] = previous->state.rigid_approach;
-    target[1] = (double)previous->state.exit;
+    target[0] = state->rigid_approach;
+    target[1] = (double)state->exit;
     target += NUM_STATE_SCALARS;
     for (size_t k = 0; k < num_nodes; k++)
-        target[k] = previous->state.ruptured[k] ? RUPTURED : previous->state.pressure[k];
-    memcpy(target + num_nodes, previous->state.film, num_nodes * sizeof(double));
+        target[k] = state->ruptured[k] ? RUPTURED : state->pressure[k];
+    memcpy(target + num_nodes, state->film, num_nodes * sizeof(double));
 }
 
-static void save_state(double *target, contact_frame *frame, const void *solver, size_t index) {
-    const full_march *self = solver;
-
-    *frame = self->states[index].frame;
-    save_previous(target, &self->states[index], &self->reference.grid);
-}
-
-static ehd_status restore_previous(previous_state *previous, const contact_frame *frame,
-                                   const double *source, const ehd_grid *grid, ehd_error *error) {
-    size_t num_nodes = grid->num_nodes;
+static ehd_status restore(void *solver, size_t place, const double *source, ehd_error *error) {
+    full_march *self = solver;
+    full_state *state = &self->states[place].state;
+    const size_t num_nodes = self->reference.grid.num_nodes;
 
     if (!(source[1] > 1 && source[1] < (double)num_nodes))
         return ehd_fail(error, EHD_DATA,
                         "saved state: found the exit at node %g, expected it on the grid",
                         source[1]);
-    previous->frame = *frame;
-    previous->state.rigid_approach = source[0];
-    previous->state.exit = (size_t)source[1];
+    state->rigid_approach = source[0];
+    state->exit = (size_t)source[1];
     source += NUM_STATE_SCALARS;
     for (size_t k = 0; k < num_nodes; k++) {
-        previous->state.ruptured[k] = source[k] == RUPTURED;
-        previous->state.pressure[k] = previous->state.ruptured[k] ? 0 : source[k];
+        state->ruptured[k] = source[k] == RUPTURED;
+        state->pressure[k] = state->ruptured[k] ? 0 : source[k];
     }
-    memcpy(previous->state.film, source + num_nodes, num_nodes * sizeof(double));
+    memcpy(state->film, source + num_nodes, num_nodes * sizeof(double));
     return EHD_OK;
 }
 
-static ehd_status restore_state(void *solver, size_t index, const contact_frame *frame,
-                                const double *source, ehd_error *error) {
+/* Saves, along the path, the time up to which the base is used, and then the accumulated errors. */
+static void save_rest(double *front, double *behind, const void *solver) {
+    const full_march *self = solver;
+    const double until = self->carrier.base_until;
+    (void)behind;
+
+    if (bdf_march_along_path(&self->bdf)) *front++ = isinf(until) ? NEVER : until;
+    memcpy(front, self->kept, self->reference.grid.num_nodes * sizeof *front);
+}
+
+static ehd_status restore_rest(void *solver, const double *front, const double *behind,
+                               ehd_error *error) {
     full_march *self = solver;
-    ehd_status status =
-        restore_previous(&self->states[index], frame, source, &self->reference.grid, error);
+    (void)behind, (void)error;
 
-    if (!status) previous_prepare(&self->states[index], &self->carrier);
-    return status;
-}
-
-static saved_states saved_states_of(const full_march *self) {
-    return (saved_states){.num_states = BDF_PREVIOUS,
-                          .size = state_size(self),
-                          .save = save_state,
-                          .restore = restore_state};
-}
-
-/* Returns the size of the saved base, which comes first along the path. It ends with the time up
- * to which the base is used, NEVER while that is not known. */
-static size_t saved_base_size(const full_march *self) {
-    return is_along_path(self) ? NUM_FRAME + state_size(self) + 1 : 0;
-}
-
-static const double NEVER = -1;
-
-/* Returns the size of the saved march: the base, then the accumulated errors, then the states. */
-static size_t saved_size(const void *solver) {
-    const full_march *self = solver;
-    const saved_states states = saved_states_of(self);
-
-    return saved_base_size(self) + self->reference.grid.num_nodes + ring_saved_size(&states);
-}
-
-static void save(double *saved, const void *solver) {
-    const full_march *self = solver;
-    const saved_states states = saved_states_of(self);
-    const size_t num_nodes = self->reference.grid.num_nodes;
-
-    if (is_along_path(self)) {
-        memcpy(saved, &self->base.frame, sizeof self->base.frame);
-        save_previous(saved + NUM_FRAME, &self->base, &self->reference.grid);
-        const double until = self->carrier.base_until;
-        saved[NUM_FRAME + state_size(self)] = isinf(until) ? NEVER : until;
+    if (bdf_march_along_path(&self->bdf)) {
+        self->carrier.base_until = *front == NEVER ? INFINITY : *front;
+        front++;
     }
-    saved += saved_base_size(self);
-    memcpy(saved, self->kept, num_nodes * sizeof *saved);
-    ring_save(saved + num_nodes, &self->ring, &states, self);
-}
-
-static ehd_status restore_base(full_march *self, const double *saved, ehd_error *error) {
-    contact_frame frame;
-    if (!is_along_path(self)) return EHD_OK;
-    const double until = saved[NUM_FRAME + state_size(self)];
-    ehd_status status = saved_frame(&frame, saved, state_size(self) + 1, error);
-
-    if (!status)
-        status =
-            restore_previous(&self->base, &frame, saved + NUM_FRAME, &self->reference.grid, error);
-    return status ? status : use_base(self, until == NEVER ? INFINITY : until, error);
-}
-
-static ehd_status restore(void *solver, const double *saved, ehd_error *error) {
-    full_march *self = solver;
-    const saved_states states = saved_states_of(self);
-    const size_t num_nodes = self->reference.grid.num_nodes;
-    ehd_status status = restore_base(self, saved, error);
-
-    if (status) return status;
-    saved += saved_base_size(self);
-    for (size_t k = 0; k < num_nodes; k++)
-        if (!isfinite(saved[k]))
-            return ehd_fail(error, EHD_DATA, "saved state: found %g, expected finite values",
-                            saved[k]);
-    memcpy(self->kept, saved, num_nodes * sizeof *saved);
-    return ring_restore(&self->ring, self, saved + num_nodes, &states, error);
+    memcpy(self->kept, front, self->reference.grid.num_nodes * sizeof *front);
+    return EHD_OK;
 }
 
 static ehd_status fields(double *pressure, double *film, void *solver, ehd_error *error) {
@@ -1057,16 +933,25 @@ static void exits(double *positions, const void *solver) {
            grid_whole(&self->reference.grid).inner_lines * GRID_EXITS * sizeof *positions);
 }
 
+static const bdf_model model = {.reverses = true,
+                                .start = start,
+                                .solve = solve,
+                                .mark = mark_noisy,
+                                .error_on_the_way = error_on_the_way,
+                                .assess = assess,
+                                .accept = accept,
+                                .keep_errors = keep_errors,
+                                .copy = copy,
+                                .prepare = prepare,
+                                .use_base = use_base,
+                                .save = save,
+                                .restore = restore,
+                                .save_rest = save_rest,
+                                .restore_rest = restore_rest,
+                                .touching = touching,
+                                .fields = fields,
+                                .exits = exits};
+
 march_solver full_march_solver(full_march *self) {
-    return (march_solver){.self = self,
-                          .attempt = attempt,
-                          .accept = accept,
-                          .restart = restart,
-                          .start = start,
-                          .touching = touching,
-                          .saved_size = saved_size,
-                          .save = save,
-                          .restore = restore,
-                          .fields = fields,
-                          .exits = exits};
+    return bdf_march_solver(&self->bdf);
 }

@@ -90,7 +90,6 @@ reduced_march_effort parts_march_effort_of(const parts_march *self) {
 
     for (size_t p = 0; p < self->num_parts; p++) {
         const reduced_march_effort of = reduced_march_effort_of(self->parts[p]);
-        sum.seconds += of.seconds;
         sum.seconds_rows += of.seconds_rows;
         sum.seconds_linear += of.seconds_linear;
         sum.seconds_exit += of.seconds_exit;

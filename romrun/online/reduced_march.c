@@ -4,8 +4,8 @@
 #include "common/algebra/product.h"
 #include "common/algebra/vectors.h"
 #include "common/program/program.h"
+#include "common/time/bdf_march.h"
 #include "common/time/path_filter.h"
-#include "common/time/saved_ring.h"
 #include "romrun/online/fields.h"
 #include "romrun/online/film_errors.h"
 #include "romrun/online/time_indicator.h"
@@ -16,19 +16,19 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* rho H of accepted states in the present frame, at the rows' nodes and, on demand, the band's. */
+/* Weighted sums of rho H of accepted states in the present frame, at the rows' nodes and, on demand,
+ * the band's. */
 typedef struct previous_sums {
     size_t *ascending;             // [num_rows] rows in the order of their nodes
-    double *mass;                  // [num_rows, BDF_PREVIOUS] rho H of each state
-    double *sum;                   // [num_rows] sum of `mass` with the weights of the formula
+    double *sum;                   // [num_rows] sum with the weights of the formula
     size_t attempt, *band_attempt; // number of the attempt; [nodes of the band] attempt of band_sum
     double *band_sum;              // [nodes of the band] `sum` there, evaluated on demand
 } previous_sums;
 
 /* Data for the local error of an attempt. */
 typedef struct error_estimate {
-    double *pressure, *mass; // [num_rows] P and rho H at the rows' nodes
-    size_t *end;             // [num_lines] columns before which the error is estimated
+    double *pressure; // [num_rows] P at the rows' nodes
+    size_t *end;      // [num_lines] columns before which the error is estimated
     // along the path: places on the central line from the edge of the dry contact to the centre
     size_t num_way;
     size_t *way;     // [num_way] nodes
@@ -62,26 +62,20 @@ typedef struct factors_origin {
 } factors_origin;
 
 struct reduced_march {
+    bdf_march bdf;
     const reduced_model *model;
     const film_splines *splines;
     ehd_contact reference;
     trained_range *range;
     range_memory *range_memory;
     reduced_solver *solver;
-    double start_tolerance;           // tolerance of the start
-    double tolerance;                 // tolerance of the steps; NaN: not set
-    bool allows_short;                // states may be passing (bdf.h)
-    previous_film states[BDF_STATES]; // indexed by the ring
-    bdf_ring ring;
-    bdf_ring accepted;   // the ring before the attempt, if `promoted`
-    bool promoted;       // the attempt begins at the passing state
-    bdf_formula formula; // formula of the attempt
+    double start_tolerance;               // tolerance of the start
+    double tolerance;                     // tolerance of the steps; NaN: not set
+    previous_film states[NUM_BDF_PLACES]; // at the places of `bdf`
     previous_sums previous;
-    // along the path: the start, and d/dX of its rho H as in the rows
+    // along the path: the base, and d/dX of its rho H as in the rows
     path_films path;
-    previous_film base;
     double *entrained, *band_entrained; // [num_rows], [nodes of the band]
-    double entrainment;                 // entrainment of the attempt
     error_estimate estimate;
     film_errors taken_up; // errors along the path
     time_indicator indicator;
@@ -98,7 +92,6 @@ struct reduced_march {
     contact_frame load_frame, last_load_frame, rate_frame;
     reduced_info info; // outcome of the attempt
     march_beside beside[2];
-    double *beside_mass; // [num_rows, BDF_PREVIOUS] work
     reduced_march_effort effort;
     arena memory; // memory of all arrays
 };
@@ -108,9 +101,8 @@ reduced_march *reduced_march_free(reduced_march *self) {
     reduced_solver_free(self->solver);
     trained_range_free(self->range);
     range_memory_free(self->range_memory);
-    for (size_t i = 0; i < BDF_STATES; i++)
+    for (size_t i = 0; i < NUM_BDF_PLACES; i++)
         previous_film_free(&self->states[i]);
-    previous_film_free(&self->base);
     path_films_free(&self->path);
     time_indicator_free(&self->indicator);
     reduced_state_free(&self->factors.state);
@@ -139,10 +131,8 @@ static void allocate_arrays(reduced_march *self) {
     arena *memory = &self->memory;
 
     self->previous.ascending = arena_array(memory, num_rows, sizeof *self->previous.ascending);
-    self->previous.mass = arena_array(memory, num_rows, BDF_PREVIOUS * sizeof(double));
     self->previous.sum = arena_array(memory, num_rows, sizeof(double));
     self->estimate.pressure = arena_array(memory, num_rows, sizeof(double));
-    self->estimate.mass = arena_array(memory, num_rows, sizeof(double));
     self->estimate.end = arena_array(memory, num_lines, sizeof *self->estimate.end);
     self->previous.band_attempt =
         arena_array(memory, num_band, sizeof *self->previous.band_attempt);
@@ -152,11 +142,10 @@ static void allocate_arrays(reduced_march *self) {
     self->band_entrained = arena_array(memory, num_band, sizeof(double));
     for (int i = 0; i < 2; i++)
         self->beside[i].sum = arena_array(memory, num_rows, sizeof(double));
-    self->beside_mass = arena_array(memory, num_rows, BDF_PREVIOUS * sizeof(double));
 }
 
 static bool is_along_path(const reduced_march *self) {
-    return self->reference.transport == TRANSPORT_PATH;
+    return bdf_march_along_path(&self->bdf);
 }
 
 /* Returns whether errors in time of the minimum film are estimated. The minimum film of a point
@@ -208,11 +197,10 @@ static bool find_way(reduced_march *self) {
 /* Prepares the data of films along the path. */
 static ehd_status prepare_path(reduced_march *self, ehd_error *error) {
     const ehd_contact *reference = &self->reference;
-    ehd_status status =
+    const ehd_status status =
         path_films_init(&self->path, self->splines, self->model, path_filter_length(reference),
                         reference->lubricant.density != NULL, error);
 
-    if (!status) status = previous_film_init(&self->base, self->model, self->splines, error);
     return status || find_way(self) ? status : ehd_no_memory(error, "online solver");
 }
 
@@ -240,6 +228,40 @@ static ehd_status check_carriage(const reduced_model *model, const ehd_contact *
     return status;
 }
 
+/* Frames under the load of the last accepted state and of the state from which rates are measured,
+ * the path up to which films are doubtful, whether there are kept factors, their rate and frame, and
+ * the errors that rows cause in the films: saved behind the accepted states. The state of the
+ * factors and the indicator's errors follow. */
+typedef struct saved_rest {
+    contact_frame load_frame, rate_frame;
+    double doubtful;
+    double valid, rate;
+    contact_frame frame;
+    local_errors local;
+} saved_rest;
+
+enum { NUM_REST = sizeof(saved_rest) / sizeof(double) };
+_Static_assert(sizeof(saved_rest) == NUM_REST * sizeof(double), "these are doubles alone");
+
+static const bdf_model model_in_time;
+
+/* Connects the states to the march of steps. Along the path, the errors that films have taken up
+ * are saved in front of the states. */
+static void set_bdf_march(reduced_march *self) {
+    const reduced_model *model = self->model;
+    bdf_march *bdf = &self->bdf;
+
+    bdf_march_init(bdf, model->rows.num_rows, &self->memory);
+    bdf->model = &model_in_time;
+    bdf->reference = &self->reference;
+    bdf->masses.node = model->rows.node;
+    for (size_t i = 0; i < NUM_BDF_PLACES; i++)
+        bdf->frame[i] = &self->states[i].frame;
+    bdf->state_size = model->band.num_lines + model->num_unknowns;
+    bdf->front_size = is_along_path(self) ? NUM_ERROR_PLACES : 0;
+    bdf->behind_size = NUM_REST + bdf->state_size + NUM_ERROR_PLACES;
+}
+
 ehd_status reduced_march_create(reduced_march **created, const reduced_model *model,
                                 const film_splines *splines, const ehd_contact *reference,
                                 const reduced_settings *settings, ehd_error *error) {
@@ -256,19 +278,19 @@ ehd_status reduced_march_create(reduced_march **created, const reduced_model *mo
     self->splines = splines;
     self->reference = *reference;
     if (isnan(reference->smoothing)) self->reference.smoothing = model->carriage.smoothing;
-    self->ring = bdf_ring_empty();
     self->of_films = (film_factors){NAN, NAN, NAN, NAN};
     self->start_tolerance = settings->tolerance;
     self->tolerance = NAN;
     self->range = trained_range_create(model);
     self->range_memory = self->range ? range_memory_create(self->range) : NULL;
     allocate_arrays(self);
+    set_bdf_march(self);
     bool whole = self->range_memory && !self->memory.failed;
     if (whole) sort_rows(self);
     status = whole ? reduced_solver_create(&self->solver, model, &in_time, error)
                    : ehd_no_memory(error, "online solver");
     if (!status) status = reduced_state_init(&self->factors.state, model, error);
-    for (size_t i = 0; i < BDF_STATES && !status; i++)
+    for (size_t i = 0; i < NUM_BDF_PLACES && !status; i++)
         status = previous_film_init(&self->states[i], model, splines, error);
     if (!status && is_along_path(self)) status = prepare_path(self, error);
     if (!status) status = time_indicator_init(&self->indicator, model, error);
@@ -292,7 +314,7 @@ void reduced_march_set_tolerance(reduced_march *self, double tolerance) {
 }
 
 void reduced_march_allow_short_steps(reduced_march *self) {
-    self->allows_short = true;
+    self->bdf.allows_short = true;
 }
 
 reduced_solver *reduced_march_inner(reduced_march *self) {
@@ -300,7 +322,7 @@ reduced_solver *reduced_march_inner(reduced_march *self) {
 }
 
 static previous_film *state_before(reduced_march *self, size_t steps) {
-    return &self->states[self->ring.place[steps]];
+    return &self->states[bdf_march_place(&self->bdf, steps)];
 }
 
 static void add_effort(reduced_march *self, const reduced_info *info) {
@@ -345,7 +367,7 @@ static void judge_films(march_step *outcome, reduced_march *self, const contact_
 /* Checks whether the gap closes behind the exit, so that a second zone of pressure there carries a
  * part of the load. A reduced model has one zone per line. */
 static bool lacks_zone(const reduced_march *self) {
-    if (self->ring.num_previous < 2) return false; // a jump is over in one step
+    if (self->bdf.ring.num_previous < 2) return false; // a jump is over in one step
     return frame_closing_gap(&self->load_frame, &self->last_load_frame, &self->reference, 1).load >
            frame_most_cut_load;
 }
@@ -370,7 +392,7 @@ static frame_rates rates_of_step(const reduced_march *self) {
 static void move_rate_frame(reduced_march *self) {
     const contact_frame *now = &self->load_frame, *last = &self->rate_frame;
 
-    if (self->ring.num_previous < 2 ||
+    if (self->bdf.ring.num_previous < 2 ||
         frame_step_share(last, now->time - last->time, &self->model->grid) == 1)
         self->rate_frame = *now;
 }
@@ -392,7 +414,7 @@ static void judge(march_step *outcome, reduced_march *self, const reduced_state 
     frame_contact(&contact, &self->load_frame, &self->reference);
     // a jump is over in one step, however long that is
     frame_rates rates = {0};
-    if (self->ring.num_previous > 1) rates = rates_of_step(self);
+    if (self->bdf.ring.num_previous > 1) rates = rates_of_step(self);
     outcome->reason =
         trained_range_check(self->range, self->range_memory, contact_place_of(&contact), &rates);
     outcome->status = outcome->reason ? EHD_UNTRUSTED : EHD_OK;
@@ -550,12 +572,15 @@ static double entrain(const reduced_march *self, size_t node) {
 }
 
 /* Prepares the base, once its state is set. Previous states are stored as differences from it. */
-static void use_base(reduced_march *self) {
+static ehd_status use_base(void *solver, ehd_error *error) {
+    reduced_march *self = solver;
     const reduced_model *model = self->model;
     const ehd_grid *grid = &model->grid;
+    previous_film *base = &self->states[BDF_BASE];
+    (void)error;
 
-    previous_film_prepare(&self->base, model, self->splines, &self->reference);
-    path_films_set_base(&self->path, &self->base, model, self->splines);
+    previous_film_prepare(base, model, self->splines, &self->reference);
+    path_films_set_base(&self->path, base, model, self->splines);
     for (size_t r = 0; r < model->rows.num_rows; r++)
         self->entrained[r] = entrain(self, model->rows.node[r]);
     for (size_t i = 0; i < self->indicator.num_nodes; i++)
@@ -568,9 +593,14 @@ static void use_base(reduced_march *self) {
                 self->band_entrained[line->offset + c - line->begin] =
                     entrain(self, l * grid_width(grid) + c);
     }
+    return EHD_OK;
 }
 
 // ---- error estimates of the films
+
+static bool indicates(const reduced_march *self) {
+    return !isnan(self->of_films.central);
+}
 
 /* Adds the errors that rows cause in the films of the attempt. `then`: frame of the last state;
  * NULL: the attempt is the start. */
@@ -615,7 +645,7 @@ static void set_indicated(march_step *outcome, reduced_march *self, const ehd_co
 static void indicate_start(march_step *outcome, reduced_march *self, const ehd_contact *contact) {
     previous_film *first = state_before(self, 0);
 
-    if (isnan(self->of_films.central)) return;
+    if (!indicates(self)) return;
     previous_film_prepare(first, self->model, self->splines, &self->reference);
     time_indicator_clear(&self->indicator);
     time_indicator_place(&self->indicator, NULL);
@@ -625,7 +655,6 @@ static void indicate_start(march_step *outcome, reduced_march *self, const ehd_c
     set_indicated(outcome, self, contact);
 }
 
-static void accept(void *solver);
 static void drop_factors(reduced_march *self);
 
 static ehd_status start(march_step *outcome, void *solver, const contact_frame *frame,
@@ -665,25 +694,15 @@ static ehd_status start(march_step *outcome, void *solver, const contact_frame *
                             .indicated_minimum = NAN,
                             .iterations = info.iterations,
                             .residual = info.residual};
-    self->promoted = false;
-    bdf_ring_keep(&self->ring, 0);
     if (info.status != EHD_NOT_CONVERGED) {
         frame_contact(&contact, &first->frame, &self->reference);
         reduced_row_values(self->estimate.pressure, NULL, self->solver, &contact);
         self->last_doubtful = -INFINITY;
         judge(outcome, self, &first->state, &first->frame);
-        self->formula.rate = 0;
         indicate_start(outcome, self, &contact);
     }
-    self->formula.rate = 0;
     drop_factors(self);
-    if (is_along_path(self)) {
-        self->base.frame = first->frame;
-        film_errors_set(&self->taken_up, NULL);
-        reduced_state_copy(&self->base.state, &first->state, self->model);
-        use_base(self);
-    }
-    accept(self);
+    if (is_along_path(self)) film_errors_set(&self->taken_up, NULL);
     return EHD_OK;
 }
 
@@ -706,9 +725,9 @@ static void predict(reduced_march *self) {
     memset(next->state.coordinates, 0, model->num_unknowns * sizeof(double));
     memset(values->pressure, 0, model->rows.num_needed * sizeof(double));
     memset(values->cut, 0, model->cut.num_rows * sizeof(double));
-    for (size_t i = 0; i < self->ring.num_previous; i++) {
+    for (size_t i = 0; i < self->bdf.ring.num_previous; i++) {
         const previous_film *previous = state_before(self, i + 1);
-        double factor = self->formula.predictor[i];
+        double factor = self->bdf.formula.predictor[i];
         add_times(next->state.coordinates, factor, previous->state.coordinates,
                   model->num_unknowns);
         add_times(values->pressure, factor, previous->values.pressure, model->rows.num_needed);
@@ -719,8 +738,8 @@ static void predict(reduced_march *self) {
 }
 
 static void list_previous(const previous_film *films[BDF_PREVIOUS], const reduced_march *self) {
-    for (size_t i = 0; i < self->ring.num_previous; i++)
-        films[i] = &self->states[self->ring.place[i + 1]];
+    for (size_t i = 0; i < self->bdf.ring.num_previous; i++)
+        films[i] = &self->states[bdf_march_place(&self->bdf, i + 1)];
 }
 
 /* Computes rho H of states at a node of the frame. */
@@ -743,25 +762,31 @@ static double history_sum(const double *weights, const double *values, size_t co
     return sum;
 }
 
-/* Computes rho H of the states at the rows' nodes, [num_rows, BDF_PREVIOUS], and their sum for the
- * squeeze term, [num_rows]. */
-static void sum_at_rows(double *sum, double *mass, const reduced_march *self,
+/* Computes the sum of rho H of the states for the squeeze term at the rows' nodes, [num_rows].
+ * `masses`, [BDF_PREVIOUS, num_rows]: rho H of each state; NULL: not needed. */
+static void sum_at_rows(double *sum, double *const *masses, const reduced_march *self,
                         const contact_frame *frame, double entrainment) {
     const reduced_model *model = self->model;
     const previous_film *films[BDF_PREVIOUS];
-    size_t num = self->ring.num_previous;
+    size_t num = self->bdf.ring.num_previous;
+    double mass[BDF_PREVIOUS];
 
     list_previous(films, self);
     for (size_t i = 0; i < model->rows.num_rows; i++) {
         const size_t r = self->previous.ascending[i];
-        double *of_row = mass + r * BDF_PREVIOUS;
-        masses_at(of_row, films, num, model->rows.node[r], frame, self);
-        sum[r] = history_sum(self->formula.weight, of_row, num) + entrainment * self->entrained[r];
+        masses_at(mass, films, num, model->rows.node[r], frame, self);
+        sum[r] =
+            history_sum(self->bdf.formula.weight, mass, num) + entrainment * self->entrained[r];
+        for (size_t k = 0; masses && k < num; k++)
+            masses[k][r] = mass[k];
     }
 }
 
 /* Prepares an accepted state; along the path with a share of the filter. */
-static void prepare_film(previous_film *film, const reduced_march *self, double share) {
+static void prepare(void *solver, size_t place, double share) {
+    reduced_march *self = solver;
+    previous_film *film = &self->states[place];
+
     if (is_along_path(self))
         previous_film_prepare_path(film, &self->path, share, self->model, self->splines,
                                    &self->reference);
@@ -769,21 +794,10 @@ static void prepare_film(previous_film *film, const reduced_march *self, double 
         previous_film_prepare(film, self->model, self->splines, &self->reference);
 }
 
-/* Applies this step's share of the filter to the accepted states. */
-static void filter_previous(reduced_march *self, double step) {
-    if (!is_along_path(self)) return;
-    const double share = frame_step_share(&state_before(self, 1)->frame, step, &self->model->grid);
-
-    for (size_t i = 1; i <= self->ring.num_previous; i++)
-        if (state_before(self, i)->film.share != share)
-            prepare_film(state_before(self, i), self, share);
-}
-
-static void carry_over(reduced_march *self, const contact_frame *frame, double step) {
+static void carry_over(reduced_march *self, const contact_frame *frame) {
     const double start = program_seconds();
 
-    filter_previous(self, step);
-    sum_at_rows(self->previous.sum, self->previous.mass, self, frame, self->entrainment);
+    sum_at_rows(self->previous.sum, self->bdf.masses.previous, self, frame, self->bdf.entrainment);
     self->effort.seconds_previous += program_seconds() - start;
 }
 
@@ -791,16 +805,16 @@ static void carry_over(reduced_march *self, const contact_frame *frame, double s
 static double sum_in_frame(const reduced_march *self, size_t node, const contact_frame *now) {
     const previous_film *films[BDF_PREVIOUS];
     double mass[BDF_PREVIOUS];
-    const size_t num = self->formula.num_weighted;
+    const size_t num = self->bdf.formula.num_weighted;
 
     list_previous(films, self);
     masses_at(mass, films, num, node, now, self);
-    return history_sum(self->formula.weight, mass, num);
+    return history_sum(self->bdf.formula.weight, mass, num);
 }
 
 /* Returns the weighted sum of previous rho H at a node of the attempt's frame. */
 static double sum_at(const reduced_march *self, size_t node) {
-    return sum_in_frame(self, node, &self->states[self->ring.place[0]].frame);
+    return sum_in_frame(self, node, &self->states[bdf_march_place(&self->bdf, 0)].frame);
 }
 
 /* Returns the sum of sum_at and the base's entrainment at a node of the band, evaluated once per
@@ -811,7 +825,7 @@ static double previous_at(void *solver, size_t node) {
 
     if (self->previous.band_attempt[index] != self->previous.attempt) {
         self->previous.band_sum[index] =
-            sum_at(self, node) + self->entrainment * self->band_entrained[index];
+            sum_at(self, node) + self->bdf.entrainment * self->band_entrained[index];
         self->previous.band_attempt[index] = self->previous.attempt;
     }
     return self->previous.band_sum[index];
@@ -831,7 +845,7 @@ static double exit_margin(const ehd_grid *grid) {
 static void find_error_end(reduced_march *self) {
     const reduced_model *model = self->model;
     size_t margin = (size_t)ceil(exit_margin(&model->grid) / model->grid.step);
-    size_t num_states = model->band.num_lines > 1 ? self->ring.num_previous : 0;
+    size_t num_states = model->band.num_lines > 1 ? self->bdf.ring.num_previous : 0;
 
     for (size_t l = 0; l < model->band.num_lines; l++)
         self->estimate.end[l] = SIZE_MAX;
@@ -847,16 +861,6 @@ static void find_error_end(reduced_march *self) {
     }
 }
 
-/* Returns the error of rho H in a step at a row's node, without the formula's factor: the solution
- * minus its prediction. */
-static double missed_mass(const reduced_march *self, size_t r) {
-    double mass = self->estimate.mass[r];
-
-    for (size_t i = 0; i < self->ring.num_previous; i++)
-        mass -= self->formula.predictor[i] * self->previous.mass[r * BDF_PREVIOUS + i];
-    return mass;
-}
-
 static bool is_before_exit(const reduced_march *self, size_t node) {
     const ehd_grid *grid = &self->model->grid;
     double end = grid_x(grid, self->estimate.end[reduced_model_line(self->model, node)]);
@@ -864,28 +868,18 @@ static bool is_before_exit(const reduced_march *self, size_t node) {
     return grid_x(grid, node) < end - exit_margin(grid);
 }
 
-/* Returns the largest missed_mass before the exit. */
-static double largest_error(const reduced_march *self) {
-    double largest = 0;
-
-    for (size_t r = 0; r < self->model->rows.num_rows; r++)
-        if (is_before_exit(self, self->model->rows.node[r]))
-            largest = fmax(largest, fabs(missed_mass(self, r)));
-    return largest;
-}
-
-/* Returns missed_mass at any node, for the attempt's state, which is prepared. *mass: rho H
+/* Returns bdf_march_missed at any node, for the attempt's state, which is prepared. *mass: rho H
  * there. */
 static double missed_at(double *mass, const reduced_march *self, size_t node) {
     const previous_film *films[BDF_PREVIOUS];
-    const previous_film *next = &self->states[self->ring.place[0]];
+    const previous_film *next = &self->states[bdf_march_place(&self->bdf, 0)];
     double before[BDF_PREVIOUS];
 
     list_previous(films, self);
     previous_film_masses(mass, &next, 1, node, &next->frame, self->model, self->splines,
                          &self->reference);
-    masses_at(before, films, self->ring.num_previous, node, &next->frame, self);
-    return *mass - history_sum(self->formula.predictor, before, self->ring.num_previous);
+    masses_at(before, films, self->bdf.ring.num_previous, node, &next->frame, self);
+    return *mass - history_sum(self->bdf.formula.predictor, before, self->bdf.ring.num_previous);
 }
 
 /* Returns the density at the pressure of the dry contact. */
@@ -894,7 +888,7 @@ static double hertz_density(const ehd_contact *contact, double x) {
                              contact->hertz_pressure * sqrt(fmax(1 - x * x, 0)));
 }
 
-/* Finds missed_mass at the places on the way to the centre. The attempt's state is prepared. */
+/* Finds bdf_march_missed at the places on the way to the centre. The attempt's state is prepared. */
 static void miss_on_the_way(reduced_march *self) {
     error_estimate *estimate = &self->estimate;
 
@@ -906,8 +900,8 @@ static void miss_on_the_way(reduced_march *self) {
         if (r == NO_ROW) {
             estimate->missed[i] = missed_at(&estimate->way_mass[i], self, node);
         } else {
-            estimate->missed[i] = missed_mass(self, r);
-            estimate->way_mass[i] = estimate->mass[r];
+            estimate->missed[i] = bdf_march_missed(&self->bdf, r);
+            estimate->way_mass[i] = self->bdf.masses.solved[r];
         }
     }
 }
@@ -916,7 +910,8 @@ static void miss_on_the_way(reduced_march *self) {
  * model: along the central line, linear between the places. In steps shorter than
  * frame_shortest_step the sum is divided by the path of that step, since noise does not shrink
  * further. */
-static double error_on_the_way(const reduced_march *self, double step) {
+static double error_on_the_way(void *solver) {
+    const reduced_march *self = solver;
     const error_estimate *estimate = &self->estimate;
     const double *x = estimate->x, *missed = estimate->missed;
     double sum = 0, lowest = 0, highest = 0;
@@ -926,35 +921,22 @@ static double error_on_the_way(const reduced_march *self, double step) {
         lowest = fmin(lowest, sum);
         highest = fmax(highest, sum);
     }
-    const contact_frame *frame = &self->states[self->ring.place[0]].frame;
+    const contact_frame *frame = &self->states[bdf_march_place(&self->bdf, 0)].frame;
     return fmax(sum - lowest, highest - sum) /
-           (fmax(step, frame_shortest_step(frame, &self->model->grid)) *
-            fmax(self->entrainment, 1));
+           (fmax(self->bdf.step, frame_shortest_step(frame, &self->model->grid)) *
+            fmax(self->bdf.entrainment, 1));
 }
 
-/* Checks, along the path, whether the film before the centre differs from its prediction by more
- * than a step of the march makes. As in the full model, it is then another solution, ruptured in
- * the inlet. */
-static bool is_another_solution(const reduced_march *self, double central_film) {
-    const double most = march_most_missed * central_film;
-    const row_set *rows = &self->model->rows;
-
-    for (size_t r = 0; r < rows->num_rows && self->formula.degree > 0; r++)
-        if (grid_x(&self->model->grid, rows->node[r]) < 0 &&
-            self->formula.error * fabs(missed_mass(self, r)) > most)
-            return true;
-    return false;
-}
-
-/* Returns the local error of the formula's step, away from the exit, relative to the central
- * film. */
-static double local_error(reduced_march *self, double central_film, double step) {
-    const bool on_the_way = is_along_path(self) && step * self->entrainment <= march_short_path;
+/* Marks the rows before the exit and, along the path, finds the local error on the way to the
+ * centre. */
+static void mark(void *solver) {
+    reduced_march *self = solver;
+    const bdf_masses *masses = &self->bdf.masses;
 
     find_error_end(self);
+    for (size_t r = 0; r < masses->num_rows; r++)
+        masses->counts[r] = is_before_exit(self, masses->node[r]);
     if (is_along_path(self)) miss_on_the_way(self);
-    return self->formula.error * (on_the_way ? error_on_the_way(self, step) : largest_error(self)) /
-           central_film;
 }
 
 /* Returns the largest error of films on their way, relative to the film there. */
@@ -991,16 +973,16 @@ static void add_filter_errors(reduced_march *self, const contact_frame *now) {
 /* Carries the errors of the films along, and adds those of the attempt. Sets the relative changes
  * of the films by ever smaller steps, as in the full model. These are not known if the rows carry
  * the films. */
-static void set_effects(march_step *outcome, reduced_march *self, const ehd_contact *contact,
-                        double step) {
+static void set_effects(march_step *outcome, reduced_march *self, const ehd_contact *contact) {
     const contact_scalars *scalars = &outcome->scalars;
     const previous_film *next = state_before(self, 0);
 
     if (!is_along_path(self)) return;
     film_errors_carry(&self->taken_up, &state_before(self, 1)->frame, &next->frame);
     add_filter_errors(self, &next->frame);
-    if (self->formula.error > 0)
-        film_errors_add(&self->taken_up, self->formula.rate * step * self->formula.error,
+    if (self->bdf.formula.error > 0)
+        film_errors_add(&self->taken_up,
+                        self->bdf.formula.rate * self->bdf.step * self->bdf.formula.error,
                         self->estimate.missed, self->estimate.x, self->estimate.num_way);
     outcome->taken_up = largest_taken_up(self);
     outcome->effect = -film_errors_at(&self->taken_up, 0) /
@@ -1013,48 +995,39 @@ static void set_effects(march_step *outcome, reduced_march *self, const ehd_cont
 
 /* Estimates the errors of an attempt whose state is prepared. `contact` has the entrainment of its
  * rows. */
-static void indicate(march_step *outcome, reduced_march *self, const ehd_contact *contact,
-                     double step) {
+static void indicate(march_step *outcome, reduced_march *self, const ehd_contact *contact) {
     time_indicator *indicator = &self->indicator;
     const previous_film *next = state_before(self, 0);
     const contact_frame *then = &state_before(self, 1)->frame;
 
     time_indicator_place(indicator, &next->state);
     for (size_t i = 0; i < indicator->num_nodes; i++)
-        indicator->previous[i] =
-            indicator->row[i] != NO_NODE
-                ? self->previous.sum[indicator->row[i]]
-                : sum_at(self, indicator->node[i]) + self->entrainment * indicator->entrained[i];
+        indicator->previous[i] = indicator->row[i] != NO_NODE
+                                     ? self->previous.sum[indicator->row[i]]
+                                     : sum_at(self, indicator->node[i]) +
+                                           self->bdf.entrainment * indicator->entrained[i];
     for (size_t i = indicator->num_nodes; i < indicator->num_nodes + indicator->num_at_exit; i++)
         indicator->previous[i] = previous_at(self, indicator->node[i]);
-    time_indicator_evaluate(indicator, next, self->solver, contact, self->formula.rate,
+    time_indicator_evaluate(indicator, next, self->solver, contact, self->bdf.formula.rate,
                             self->splines);
-    time_indicator_carry(indicator, then, &next->frame, self->entrainment, step);
+    time_indicator_carry(indicator, then, &next->frame, self->bdf.entrainment, self->bdf.step);
     add_local(self, &outcome->scalars, then, &next->frame);
     set_indicated(outcome, self, contact);
 }
 
 /* Returns whether a step whose exit did not settle is to be repeated with a shorter one. It is not
  * if it is already much shorter than the step before. */
-static bool shorter_may_settle(const reduced_march *self, double step) {
+static bool shorter_may_settle(const reduced_march *self) {
     const double much_shorter = 0.05;
-    const size_t *index = self->ring.place;
+    const size_t *index = self->bdf.ring.place;
 
-    return self->ring.num_previous > 1 &&
-           step > much_shorter * (self->ring.time[index[1]] - self->ring.time[index[2]]);
-}
-
-/* Sets the contact in a frame, with the entrainment of its rows in time. Along the path this is
- * zero, because the time derivative contains the entrainment. */
-static void entrained_contact(ehd_contact *contact, double *entrainment, const contact_frame *frame,
-                              const reduced_march *self) {
-    frame_contact(contact, frame, &self->reference);
-    *entrainment = contact->entrainment;
-    if (is_along_path(self)) contact->entrainment = 0;
+    return self->bdf.ring.num_previous > 1 &&
+           self->bdf.step >
+               much_shorter * (self->bdf.ring.time[index[1]] - self->bdf.ring.time[index[2]]);
 }
 
 static reduced_squeeze squeeze_of(reduced_march *self) {
-    return (reduced_squeeze){.rate = self->formula.rate,
+    return (reduced_squeeze){.rate = self->bdf.formula.rate,
                              .previous = self->previous.sum,
                              .previous_at = previous_at,
                              .context = self};
@@ -1063,7 +1036,7 @@ static reduced_squeeze squeeze_of(reduced_march *self) {
 static double film_of_attempt(const void *context, size_t node) {
     const reduced_march *self = context;
 
-    return previous_film_thickness(&self->states[self->ring.place[0]], node, self->model,
+    return previous_film_thickness(&self->states[bdf_march_place(&self->bdf, 0)], node, self->model,
                                    self->splines);
 }
 
@@ -1072,93 +1045,52 @@ static double film_of_attempt(const void *context, size_t node) {
  * control) then takes 1897 iterations in place of 2118. With pressures to three times
  * KEPT_TOLERANCE the errors of short steps would be noise: the minimum film would be 1.0 % from the
  * full model's in place of 0.4 %. */
-static double iteration_tolerance(const reduced_march *self, double step) {
+static double iteration_tolerance(const reduced_march *self) {
     const double part = 0.1, most = 1.5e-6;
-    const double path = step * fmax(self->entrainment, 1);
+    const double path = self->bdf.step * fmax(self->bdf.entrainment, 1);
 
     if (isnan(self->tolerance) || !is_along_path(self)) return self->start_tolerance;
     return fmax(self->start_tolerance, fmin(part * self->tolerance * path, most));
 }
 
-static ehd_status attempt_from(march_step *outcome, reduced_march *self, const contact_frame *frame,
-                               double from_last, ehd_error *error) {
+static ehd_status solve_step(march_step *outcome, void *solver, const ehd_contact *contact,
+                             ehd_error *error) {
+    reduced_march *self = solver;
     previous_film *next = state_before(self, 0);
-    double start = program_seconds();
-    // after a passing state the formula's step begins at the state before it
-    const double step =
-        self->ring.passing ? frame->time - self->ring.time[self->ring.place[1]] : from_last;
-    ehd_contact contact;
     reduced_info info;
 
-    self->formula = bdf_ring_formula(&self->ring, step);
     self->previous.attempt++;
-    next->frame = *frame;
-    entrained_contact(&contact, &self->entrainment, frame, self);
-    reduced_solver_set_tolerance(self->solver, iteration_tolerance(self, step));
-    carry_over(self, frame, step);
+    reduced_solver_set_tolerance(self->solver, iteration_tolerance(self));
+    carry_over(self, &next->frame);
     predict(self);
     reduced_squeeze squeeze = squeeze_of(self);
     squeeze.start = &next->values;
     squeeze.last = state_before(self, 1)->values.pressure;
-    ehd_status status = solve(&info, self, &contact, &squeeze, error);
+    ehd_status status = solve(&info, self, contact, &squeeze, error);
     if (status) return status;
-    if (info.status == EHD_UNTRUSTED && shorter_may_settle(self, step))
-        info.status = EHD_NOT_CONVERGED;
+    if (info.status == EHD_UNTRUSTED && shorter_may_settle(self)) info.status = EHD_NOT_CONVERGED;
     self->info = info;
-    *outcome = (march_step){.status = info.status,
-                            .reason = info.reason,
-                            .formula = self->formula,
-                            .frame = *frame,
-                            .scalars = info.scalars,
-                            .effect = NAN,
-                            .effect_minimum = NAN,
-                            .indicated = NAN,
-                            .indicated_minimum = NAN,
-                            .iterations = info.iterations,
-                            .residual = info.residual};
-    if (info.status != EHD_NOT_CONVERGED) {
-        reduced_row_values(self->estimate.pressure, self->estimate.mass, self->solver, &contact);
-        if (is_along_path(self) && is_another_solution(self, info.scalars.central_film_thickness)) {
-            outcome->status = EHD_NOT_CONVERGED;
-            outcome->reason = "a film far from its prediction";
-        } else {
-            const bool indicates = !isnan(self->of_films.central);
-            if (indicates || (is_along_path(self) && self->formula.error > 0)) {
-                previous_film_prepare(next, self->model, self->splines, &self->reference);
-                reduced_find_dip(&outcome->scalars, self->solver, film_of_attempt, self);
-            }
-            if (self->formula.error > 0)
-                outcome->local_error =
-                    from_last / step * local_error(self, info.scalars.central_film_thickness, step);
-            set_effects(outcome, self, &contact, step);
-            judge(outcome, self, &next->state, frame);
-            if (indicates) indicate(outcome, self, &contact, step);
-        }
+    outcome->status = info.status;
+    outcome->reason = info.reason;
+    outcome->scalars = info.scalars;
+    outcome->iterations = info.iterations;
+    outcome->residual = info.residual;
+    if (info.status == EHD_NOT_CONVERGED) return EHD_OK;
+    reduced_row_values(self->estimate.pressure, self->bdf.masses.solved, self->solver, contact);
+    if (indicates(self) || (is_along_path(self) && self->bdf.formula.error > 0)) {
+        previous_film_prepare(next, self->model, self->splines, &self->reference);
+        reduced_find_dip(&outcome->scalars, self->solver, film_of_attempt, self);
     }
-    self->effort.seconds += program_seconds() - start;
     return EHD_OK;
 }
 
-/* Undoes the promotion of the last attempt. */
-static void forget_attempt(reduced_march *self) {
-    if (self->promoted) self->ring = self->accepted;
-    self->promoted = false;
-}
-
-/* Attempts a step. If a step from the state before a passing one does not converge, repeats it from
- * the passing one. The errors that films have taken up until then, along at most one step of the
- * grid, are not counted. */
-static ehd_status attempt(march_step *outcome, void *solver, const contact_frame *frame,
-                          double step, ehd_error *error) {
+static void assess(march_step *outcome, void *solver, const ehd_contact *contact) {
     reduced_march *self = solver;
+    const previous_film *next = state_before(self, 0);
 
-    forget_attempt(self);
-    const ehd_status status = attempt_from(outcome, self, frame, step, error);
-    if (status || outcome->status != EHD_NOT_CONVERGED || !self->ring.passing) return status;
-    self->accepted = self->ring;
-    self->promoted = true;
-    bdf_ring_promote(&self->ring);
-    return attempt_from(outcome, self, frame, step, error);
+    set_effects(outcome, self, contact);
+    judge(outcome, self, &next->state, &next->frame);
+    if (indicates(self)) indicate(outcome, self, contact);
 }
 
 // ---- derivatives
@@ -1183,13 +1115,13 @@ static reduced_equations equations_beside(void *context, const contact_frame *fr
     march_beside *beside = &self->beside[side];
 
     frame_contact(contact, frame, &self->reference);
-    if (!(self->formula.rate > 0)) return (reduced_equations){contact, NULL};
+    if (!(self->bdf.formula.rate > 0)) return (reduced_equations){contact, NULL};
     beside->march = self;
     beside->frame = *frame;
-    entrained_contact(contact, &beside->entrainment, frame, self);
+    bdf_march_contact(contact, &beside->entrainment, frame, &self->bdf);
     beside->squeeze = squeeze_of(self);
     if (!carries_alike(frame, &state_before(self, 0)->frame)) {
-        sum_at_rows(beside->sum, self->beside_mass, self, frame, beside->entrainment);
+        sum_at_rows(beside->sum, NULL, self, frame, beside->entrainment);
         beside->squeeze.previous = beside->sum;
         beside->squeeze.previous_at = beside_previous_at;
         beside->squeeze.context = beside;
@@ -1208,7 +1140,7 @@ static void keep_factors(reduced_march *self) {
     ehd_contact contact;
     double entrainment;
 
-    entrained_contact(&contact, &entrainment, &self->factors.frame, self);
+    bdf_march_contact(&contact, &entrainment, &self->factors.frame, &self->bdf);
     reduced_keep_factors(self->solver, &self->factors.state, &contact, self->factors.rate);
 }
 
@@ -1226,14 +1158,14 @@ static bool factors_are_current(const reduced_march *self, const reduced_state *
     return self->factors.valid && !self->info.own_jacobian &&
            self->info.iterations <= max_iterations &&
            same_exits(solved, &self->factors.state, self->model) &&
-           fabs(self->formula.rate / self->factors.rate - 1) < max_rate_change;
+           fabs(self->bdf.formula.rate / self->factors.rate - 1) < max_rate_change;
 }
 
 static void renew_factors(reduced_march *self, const previous_film *solved) {
     if (factors_are_current(self, &solved->state)) return;
     self->factors.valid = true;
     self->factors.frame = solved->frame;
-    self->factors.rate = self->formula.rate;
+    self->factors.rate = self->bdf.formula.rate;
     const bool near = self->info.near_factors;
     reduced_state_copy(&self->factors.state,
                        near ? reduced_take_factors(self->solver) : &solved->state, self->model);
@@ -1245,49 +1177,36 @@ static void drop_factors(reduced_march *self) {
     reduced_drop_factors(self->solver);
 }
 
-/* Returns the least time between the states that steps begin at (common/time/README.md, Steps of
- * another integrator). */
-static double least_interval(const reduced_march *self, const contact_frame *frame) {
-    const double least = 0.5; // steps of the grid
+static void keep_errors(void *solver) {
+    reduced_march *self = solver;
 
-    return self->allows_short && is_along_path(self)
-               ? least * frame_grid_step(frame, &self->model->grid)
-               : 0;
-}
-
-/* Accepts the errors of the attempt. */
-static void keep_errors(reduced_march *self) {
     if (is_along_path(self)) film_errors_keep(&self->taken_up);
-    if (!isnan(self->of_films.central)) time_indicator_keep(&self->indicator);
+    if (indicates(self)) time_indicator_keep(&self->indicator);
 }
 
 static void accept(void *solver) {
     reduced_march *self = solver;
     previous_film *solved = state_before(self, 0);
-    double start = program_seconds();
 
     reduced_last_values(&solved->values, self->solver);
-    if (self->formula.rate > 0) renew_factors(self, solved);
-    prepare_film(solved, self, 1);
-    self->promoted = false;
+    if (self->bdf.formula.rate > 0) renew_factors(self, solved);
     move_rate_frame(self);
-    bdf_ring_accept(&self->ring, solved->frame.time, least_interval(self, &solved->frame));
     self->last_load_frame = self->load_frame;
     self->last_doubtful = self->doubtful;
-    if (!self->ring.passing) keep_errors(self);
-    self->effort.seconds += program_seconds() - start;
 }
 
 static void restart(void *solver) {
+    drop_factors(solver);
+}
+
+static void copy(void *solver, size_t target, size_t source) {
     reduced_march *self = solver;
 
-    forget_attempt(self);
-    bdf_ring_restart(&self->ring);
-    drop_factors(self);
+    reduced_state_copy(&self->states[target].state, &self->states[source].state, self->model);
 }
 
 reduced_state reduced_march_state(const reduced_march *self, contact_frame *frame) {
-    const previous_film *last = &self->states[bdf_ring_accepted(&self->ring, 1)];
+    const previous_film *last = &self->states[bdf_ring_accepted(&self->bdf.ring, 1)];
 
     if (frame) *frame = last->frame;
     return last->state;
@@ -1304,20 +1223,22 @@ const ehd_contact *reduced_march_reference(const reduced_march *self) {
 }
 
 size_t reduced_march_num_states(const reduced_march *self) {
-    return self->ring.num_previous;
+    return self->bdf.ring.num_previous;
 }
 
 reduced_state reduced_march_state_before(const reduced_march *self, size_t steps,
                                          contact_frame *frame) {
-    const previous_film *found = &self->states[bdf_ring_accepted(&self->ring, steps)];
+    const previous_film *found = &self->states[bdf_ring_accepted(&self->bdf.ring, steps)];
 
     if (frame) *frame = found->frame;
     return found->state;
 }
 
 reduced_state reduced_march_base(const reduced_march *self, contact_frame *frame) {
-    if (frame) *frame = self->base.frame;
-    return self->base.state;
+    const previous_film *base = &self->states[BDF_BASE];
+
+    if (frame) *frame = base->frame;
+    return base->state;
 }
 
 void reduced_march_fields_of(double *pressure, double *film, double *rigid_approach,
@@ -1405,7 +1326,7 @@ static ehd_status project(reduced_state *target, const reduced_march *self,
 
 ehd_status reduced_march_take(reduced_march *self, size_t steps, const handed_state *state,
                               const contact_frame *load_frame, ehd_error *error) {
-    const size_t place = self->ring.place[steps];
+    const size_t place = self->bdf.ring.place[steps];
     previous_film *taken = &self->states[place];
 
     taken->frame = state->frame;
@@ -1413,10 +1334,7 @@ ehd_status reduced_march_take(reduced_march *self, size_t steps, const handed_st
     if (status) return status;
     reduced_values_of(&taken->values, self->model, taken->state.coordinates,
                       reduced_state_exits(&taken->state));
-    prepare_film(taken, self, 1);
-    self->ring.time[place] = state->frame.time;
-    self->promoted = false;
-    bdf_ring_keep(&self->ring, steps);
+    bdf_march_take(&self->bdf, steps);
     if (steps == 1) {
         self->last_load_frame = self->rate_frame = *load_frame;
         self->last_doubtful = -INFINITY;
@@ -1428,10 +1346,11 @@ ehd_status reduced_march_take(reduced_march *self, size_t steps, const handed_st
 
 ehd_status reduced_march_take_base(reduced_march *self, const handed_state *state,
                                    ehd_error *error) {
-    self->base.frame = state->frame;
-    const ehd_status status = project(&self->base.state, self, state, error);
-    if (!status) use_base(self);
-    return status;
+    previous_film *base = &self->states[BDF_BASE];
+
+    base->frame = state->frame;
+    const ehd_status status = project(&base->state, self, state, error);
+    return status ? status : use_base(self, error);
 }
 
 const double *reduced_march_errors(const reduced_march *self) {
@@ -1456,7 +1375,7 @@ void reduced_march_take_indicated(reduced_march *self, const reduced_march *from
 
     if (from) self->last_doubtful = from->last_doubtful;
     if (isnan(own->central) || isnan(other->central)) return;
-    frame_contact(&contact, &self->states[self->ring.place[1]].frame, &self->reference);
+    frame_contact(&contact, &self->states[self->bdf.ring.place[1]].frame, &self->reference);
     for (size_t i = 0; i < NUM_ERROR_PLACES; i++) {
         const double x = (double)i * 2 / (NUM_ERROR_PLACES - 1) - 1;
         errors[i] = hertz_density(&contact, x) * change[i] / own->central;
@@ -1471,11 +1390,6 @@ void reduced_march_take_indicated(reduced_march *self, const reduced_march *from
 }
 
 // ---- saving
-
-/* Returns the length of a saved reduced state. */
-static size_t saved_state_size(const reduced_model *model) {
-    return model->band.num_lines + model->num_unknowns;
-}
 
 /* Saves exits and coordinates. */
 static void save_state(double *target, const reduced_state *state, const reduced_model *model) {
@@ -1503,120 +1417,60 @@ static ehd_status restore_state(reduced_state *state, const double *exit,
     return EHD_OK;
 }
 
-static void save_previous(double *target, contact_frame *frame, const void *solver, size_t index) {
+static void save(double *target, const void *solver, size_t place) {
     const reduced_march *self = solver;
 
-    *frame = self->states[index].frame;
-    save_state(target, &self->states[index].state, self->model);
+    save_state(target, &self->states[place].state, self->model);
 }
 
-static ehd_status restore_previous(void *solver, size_t index, const contact_frame *frame,
-                                   const double *source, ehd_error *error) {
+static ehd_status restore(void *solver, size_t place, const double *source, ehd_error *error) {
     reduced_march *self = solver;
-    previous_film *previous = &self->states[index];
-    ehd_status status = restore_state(&previous->state, source, self->model, error);
+    previous_film *previous = &self->states[place];
+    const ehd_status status = restore_state(&previous->state, source, self->model, error);
 
-    if (status) return status;
-    previous->frame = *frame;
-    reduced_values_of(&previous->values, self->model, previous->state.coordinates,
-                      reduced_state_exits(&previous->state));
-    prepare_film(previous, self, 1);
-    return EHD_OK;
+    if (!status)
+        reduced_values_of(&previous->values, self->model, previous->state.coordinates,
+                          reduced_state_exits(&previous->state));
+    return status;
 }
 
-static saved_states saved_states_of(const reduced_march *self) {
-    return (saved_states){.num_states = BDF_STATES - 1,
-                          .size = saved_state_size(self->model),
-                          .save = save_previous,
-                          .restore = restore_previous};
-}
-
-/* Data that is saved after the accepted states: frames under the load of the last state and of the
- * state from which rates are measured, the path up to which films are doubtful, whether there are
- * kept factors, their rate and frame, and the errors that rows cause in the films. The state of the
- * factors and the indicator's errors follow. */
-typedef struct saved_rest {
-    contact_frame load_frame, rate_frame;
-    double doubtful;
-    double valid, rate;
-    contact_frame frame;
-    local_errors local;
-} saved_rest;
-
-enum { NUM_REST = sizeof(saved_rest) / sizeof(double) };
-_Static_assert(sizeof(saved_rest) == NUM_REST * sizeof(double), "these are doubles alone");
-
-/* Returns the size of base and taken-up errors, which are saved first, along the path only. */
-static size_t saved_base_size(const reduced_march *self) {
-    return is_along_path(self) ? NUM_FRAME + saved_state_size(self->model) + NUM_ERROR_PLACES : 0;
-}
-
-static size_t saved_size(const void *solver) {
+static void save_rest(double *front, double *behind, const void *solver) {
     const reduced_march *self = solver;
-    const saved_states states = saved_states_of(self);
-
-    return saved_base_size(self) + ring_saved_size(&states) + NUM_REST +
-           saved_state_size(self->model) + NUM_ERROR_PLACES;
-}
-
-static void save(double *saved, const void *solver) {
-    const reduced_march *self = solver;
-    const saved_states states = saved_states_of(self);
-    double *ring = saved + saved_base_size(self), *behind = ring + ring_saved_size(&states);
     saved_rest rest = {.load_frame = self->last_load_frame,
                        .rate_frame = self->rate_frame,
                        .doubtful = self->last_doubtful,
                        .valid = self->factors.valid ? 1 : 0,
-                       .rate = self->factors.rate};
+                       .rate = self->factors.rate,
+                       .local = self->indicator.kept_local};
 
-    memset(saved, 0, saved_size(self) * sizeof *saved);
-    if (is_along_path(self)) {
-        memcpy(saved, &self->base.frame, sizeof self->base.frame);
-        save_state(saved + NUM_FRAME, &self->base.state, self->model);
-        memcpy(ring - NUM_ERROR_PLACES, self->taken_up.kept, sizeof self->taken_up.kept);
-    }
-    ring_save(ring, self->promoted ? &self->accepted : &self->ring, &states, self);
+    if (is_along_path(self)) memcpy(front, self->taken_up.kept, sizeof self->taken_up.kept);
     if (self->factors.valid) {
         rest.frame = self->factors.frame;
         save_state(behind + NUM_REST, &self->factors.state, self->model);
     }
-    rest.local = self->indicator.kept_local;
     memcpy(behind, &rest, sizeof rest);
-    memcpy(behind + NUM_REST + saved_state_size(self->model), self->indicator.errors.kept,
+    memcpy(behind + NUM_REST + self->bdf.state_size, self->indicator.errors.kept,
            sizeof self->indicator.errors.kept);
 }
 
-static ehd_status restore_base(reduced_march *self, const double *saved, ehd_error *error) {
-    if (!is_along_path(self)) return EHD_OK;
-    const size_t size = saved_base_size(self) - NUM_FRAME;
-    ehd_status status = saved_frame(&self->base.frame, saved, size, error);
-    if (!status) status = restore_state(&self->base.state, saved + NUM_FRAME, self->model, error);
-    if (!status) film_errors_set(&self->taken_up, saved + NUM_FRAME + size - NUM_ERROR_PLACES);
-    if (!status) use_base(self);
-    return status;
-}
-
-static ehd_status restore(void *solver, const double *saved, ehd_error *error) {
+static ehd_status restore_rest(void *solver, const double *front, const double *behind,
+                               ehd_error *error) {
     reduced_march *self = solver;
-    const saved_states states = saved_states_of(self);
-    const double *ring = saved + saved_base_size(self), *behind = ring + ring_saved_size(&states);
     saved_rest rest;
 
     memcpy(&rest, behind, sizeof rest);
     if (!frame_is_valid(&rest.load_frame) || !frame_is_valid(&rest.rate_frame))
         return ehd_fail(error, EHD_DATA, "saved state: found no frame of the load, expected one");
-    ehd_status status = restore_base(self, saved, error);
-    forget_attempt(self);
-    if (!status) status = ring_restore(&self->ring, self, ring, &states, error);
-    if (status) return status;
-    film_errors_set(&self->indicator.errors, behind + NUM_REST + saved_state_size(self->model));
+    if (is_along_path(self)) film_errors_set(&self->taken_up, front);
+    film_errors_set(&self->indicator.errors, behind + NUM_REST + self->bdf.state_size);
     self->indicator.kept_local = rest.local;
     self->last_load_frame = rest.load_frame;
     self->rate_frame = rest.rate_frame;
     self->last_doubtful = rest.doubtful;
     drop_factors(self);
     if (rest.valid != 1) return EHD_OK;
-    status = restore_state(&self->factors.state, behind + NUM_REST, self->model, error);
+    const ehd_status status =
+        restore_state(&self->factors.state, behind + NUM_REST, self->model, error);
     if (status) return status;
     self->factors.frame = rest.frame;
     self->factors.rate = rest.rate;
@@ -1656,17 +1510,30 @@ static void exits(double *positions, const void *solver) {
     }
 }
 
+static const bdf_model model_in_time = {.passes = true,
+                                        .start = start,
+                                        .solve = solve_step,
+                                        .mark = mark,
+                                        .error_on_the_way = error_on_the_way,
+                                        .assess = assess,
+                                        .accept = accept,
+                                        .keep_errors = keep_errors,
+                                        .restart = restart,
+                                        .copy = copy,
+                                        .prepare = prepare,
+                                        .use_base = use_base,
+                                        .save = save,
+                                        .restore = restore,
+                                        .save_rest = save_rest,
+                                        .restore_rest = restore_rest,
+                                        .touching = touching,
+                                        .fields = fields,
+                                        .exits = exits,
+                                        .traction = traction};
+
 march_solver reduced_march_solver(reduced_march *self) {
-    return (march_solver){.self = self,
-                          .attempt = attempt,
-                          .accept = accept,
-                          .restart = restart,
-                          .start = start,
-                          .touching = touching,
-                          .saved_size = saved_size,
-                          .save = save,
-                          .restore = restore,
-                          .fields = fields,
-                          .traction = self->model->cubature.nodes.num_needed > 0 ? traction : NULL,
-                          .exits = exits};
+    march_solver solver = bdf_march_solver(&self->bdf);
+
+    if (self->model->cubature.nodes.num_needed == 0) solver.traction = NULL;
+    return solver;
 }

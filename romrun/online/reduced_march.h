@@ -131,7 +131,7 @@ void reduced_march_take_indicated(reduced_march *self, const reduced_march *from
 frame_equations reduced_march_equations(reduced_march *self);
 
 typedef struct reduced_march_effort {
-    double seconds, seconds_rows, seconds_linear, seconds_exit;
+    double seconds_rows, seconds_linear, seconds_exit;
     double seconds_previous; // to carry previous states over
     size_t iterations;
 } reduced_march_effort;
