@@ -795,58 +795,84 @@ static ehd_status touching(double *approach, double *load, void *solver, const c
 }
 
 const full_state *full_march_state(const full_march *self, const contact_frame **frame) {
-    const previous_state *last = &self->states[self->bdf.ring.place[1]];
+    const previous_state *last = &self->states[bdf_march_accepted(&self->bdf, 1)];
 
     if (frame) *frame = &last->frame;
     return &last->state;
 }
 
-// ---- hand-over between solvers
+// ---- from and to another model
 
-size_t full_march_num_states(const full_march *self) {
-    return self->bdf.ring.num_previous;
+/* Computes a state without its frame. `given->exits` may be NULL. */
+static void give(handed_state *given, const void *solver, size_t place) {
+    const full_march *self = solver;
+    const full_state *state = &self->states[place].state;
+    const ehd_grid *grid = &self->reference.grid;
+
+    memcpy(given->pressure, state->pressure, grid->num_nodes * sizeof(double));
+    memcpy(given->film, state->film, grid->num_nodes * sizeof(double));
+    given->rigid_approach = state->rigid_approach;
+    if (!given->exits) return;
+    if (grid->inner_lines > 1)
+        grid_exit_columns(given->exits, state->pressure, grid);
+    else
+        given->exits[0] = state->exit;
 }
 
-const full_state *full_march_state_before(const full_march *self, size_t steps,
-                                          const contact_frame **frame) {
-    const previous_state *found = &self->states[self->bdf.ring.place[steps]];
+static ehd_status take(void *solver, size_t place, const handed_state *given, ehd_error *error) {
+    full_march *self = solver;
+    full_state *state = &self->states[place].state;
+    const ehd_grid *grid = &self->reference.grid;
+    (void)error;
 
-    if (frame) *frame = &found->frame;
-    return &found->state;
+    memcpy(state->pressure, given->pressure, grid->num_nodes * sizeof(double));
+    memcpy(state->film, given->film, grid->num_nodes * sizeof(double));
+    state->rigid_approach = given->rigid_approach;
+    full_state_set_zone(state, grid, given->exits[grid_central_line(grid) / grid_width(grid)]);
+    return EHD_OK;
 }
 
-void full_march_take(full_march *self, size_t steps, const full_state *state,
-                     const contact_frame *frame) {
-    const size_t place = self->bdf.ring.place[steps];
-    previous_state *taken = &self->states[place];
+/* Interpolates the accumulated errors at the nodes to places of the central line. */
+static void give_errors(double errors[NUM_ERROR_PLACES], const void *solver) {
+    const full_march *self = solver;
+    const ehd_grid *grid = &self->reference.grid;
+    const double *line = self->kept + grid_central_line(grid);
 
-    taken->frame = *frame;
-    full_state_copy(&taken->state, state, &self->reference.grid);
-    bdf_march_take(&self->bdf, steps);
+    for (size_t i = 0; i < NUM_ERROR_PLACES; i++) {
+        const double x = film_errors_place(i);
+        const double column =
+            fmin(fmax((x - grid_x(grid, 0)) / grid->step, 0), (double)grid_width(grid) - 1.5);
+        const size_t c = (size_t)column;
+        errors[i] = line[c] + (column - (double)c) * (line[c + 1] - line[c]);
+    }
 }
 
-const full_state *full_march_base(const full_march *self, const contact_frame **frame) {
-    const previous_state *base = &self->states[BDF_BASE];
+/* Interpolates errors at places of the central line to the nodes of the dry contact. */
+static void take_errors(void *solver, const double errors[NUM_ERROR_PLACES],
+                        const contact_frame *load_frame) {
+    full_march *self = solver;
+    const ehd_grid *grid = &self->reference.grid;
+    film_errors taken = {.kept = {0}};
+    (void)load_frame;
 
-    if (frame) *frame = &base->frame;
-    return &base->state;
+    memcpy(taken.next, errors, sizeof taken.next);
+    for (size_t k = 0; k < grid->num_nodes; k++)
+        self->kept[k] = grid_is_dry(grid, k) ? film_errors_at(&taken, grid_x(grid, k)) : 0;
 }
 
-ehd_status full_march_take_base(full_march *self, const full_state *state,
-                                const contact_frame *frame, ehd_error *error) {
-    previous_state *base = &self->states[BDF_BASE];
+static contact_frame load_frame(const void *solver, size_t place) {
+    const full_march *self = solver;
+    const previous_state *of = &self->states[place];
+    ehd_contact contact;
 
-    base->frame = *frame;
-    full_state_copy(&base->state, state, &self->reference.grid);
-    return use_base(self, error);
+    if (isnan(of->frame.approach)) return of->frame;
+    frame_contact(&contact, &of->frame, &self->reference);
+    return frame_of_load(self->reference.kind, &of->frame,
+                         full_evaluate_scalars(&of->state, &contact).load);
 }
 
-void full_march_errors(double *errors, const full_march *self) {
-    memcpy(errors, self->kept, self->reference.grid.num_nodes * sizeof *errors);
-}
-
-void full_march_take_errors(full_march *self, const double *errors) {
-    memcpy(self->kept, errors, self->reference.grid.num_nodes * sizeof *errors);
+bdf_march *full_march_steps(full_march *self) {
+    return &self->bdf;
 }
 
 full_march_effort full_march_effort_of(const full_march *self) {
@@ -915,17 +941,6 @@ static ehd_status restore_rest(void *solver, const double *front, const double *
     return EHD_OK;
 }
 
-static ehd_status fields(double *pressure, double *film, void *solver, ehd_error *error) {
-    const full_march *self = solver;
-    const full_state *state = full_march_state(self, NULL);
-    size_t bytes = self->reference.grid.num_nodes * sizeof(double);
-    (void)error;
-
-    memcpy(pressure, state->pressure, bytes);
-    memcpy(film, state->film, bytes);
-    return EHD_OK;
-}
-
 static void exits(double *positions, const void *solver) {
     const full_march *self = solver;
 
@@ -948,8 +963,12 @@ static const bdf_model model = {.reverses = true,
                                 .restore = restore,
                                 .save_rest = save_rest,
                                 .restore_rest = restore_rest,
+                                .give = give,
+                                .take = take,
+                                .give_errors = give_errors,
+                                .take_errors = take_errors,
+                                .load_frame = load_frame,
                                 .touching = touching,
-                                .fields = fields,
                                 .exits = exits};
 
 march_solver full_march_solver(full_march *self) {

@@ -25,6 +25,10 @@ size_t bdf_march_place(const bdf_march *self, size_t steps) {
     return self->ring.place[steps];
 }
 
+size_t bdf_march_accepted(const bdf_march *self, size_t steps) {
+    return bdf_ring_accepted(&self->ring, steps);
+}
+
 void bdf_march_contact(ehd_contact *contact, double *entrainment, const contact_frame *frame,
                        const bdf_march *self) {
     frame_contact(contact, frame, self->reference);
@@ -35,15 +39,6 @@ void bdf_march_contact(ehd_contact *contact, double *entrainment, const contact_
 static void prepare(bdf_march *self, size_t place, double share) {
     self->share[place] = share;
     self->model->prepare(self, place, share);
-}
-
-void bdf_march_take(bdf_march *self, size_t steps) {
-    const size_t place = bdf_march_place(self, steps);
-
-    prepare(self, place, 1);
-    self->ring.time[place] = self->frame[place]->time;
-    self->promoted = false;
-    bdf_ring_keep(&self->ring, steps);
 }
 
 // ---- local error
@@ -208,6 +203,79 @@ static ehd_status start(march_step *outcome, void *solver, const contact_frame *
     return status;
 }
 
+// ---- from one model to another
+
+static void allocate(handed_state *self, const ehd_grid *grid, arena *memory) {
+    self->pressure = arena_array(memory, grid->num_nodes, sizeof(double));
+    self->film = arena_array(memory, grid->num_nodes, sizeof(double));
+    self->exits = arena_array(memory, grid_lines(grid), sizeof *self->exits);
+}
+
+ehd_status hand_over_init(hand_over *self, const ehd_grid *grid, ehd_error *error) {
+    *self = (hand_over){.change = {0}};
+    allocate(&self->given, grid, &self->memory);
+    allocate(&self->taken, grid, &self->memory);
+    if (!self->memory.failed) return EHD_OK;
+    hand_over_free(self);
+    return ehd_no_memory(error, "states on the grid");
+}
+
+void hand_over_free(hand_over *self) {
+    arena_free(&self->memory);
+}
+
+void bdf_march_give(handed_state *given, const bdf_march *self, size_t place) {
+    given->frame = *self->frame[place];
+    self->model->give(given, self, place);
+}
+
+static ehd_status take(bdf_march *self, size_t place, const handed_state *given, ehd_error *error) {
+    *self->frame[place] = given->frame;
+    return self->model->take(self, place, given, error);
+}
+
+static ehd_status take_base(bdf_march *self, const bdf_march *from, handed_state *given,
+                            ehd_error *error) {
+    bdf_march_give(given, from, BDF_BASE);
+    const ehd_status status = take(self, BDF_BASE, given, error);
+    return status ? status : self->model->use_base(self, error);
+}
+
+/* Finds the change of the last accepted film, which this model may represent less exactly. */
+static void find_change(bdf_march *self, const bdf_march *from, hand_over *work) {
+    const ehd_grid *grid = &self->reference->grid;
+    const size_t line = grid_central_line(grid) / grid_width(grid);
+
+    bdf_march_give(&work->given, from, bdf_march_accepted(from, 1));
+    bdf_march_give(&work->taken, self, bdf_march_accepted(self, 1));
+    film_errors_between(work->change, work->taken.film, work->given.film, grid,
+                        work->given.exits[line]);
+}
+
+ehd_status bdf_march_take_over(bdf_march *self, const bdf_march *from, bool has_base,
+                               hand_over *work, ehd_error *error) {
+    const bool path = bdf_march_along_path(self);
+    double errors[NUM_ERROR_PLACES] = {0};
+    ehd_status status = path && !has_base ? take_base(self, from, &work->given, error) : EHD_OK;
+
+    self->promoted = false;
+    for (size_t i = 1; i <= from->ring.num_previous && !status; i++) {
+        const size_t place = bdf_march_place(self, i);
+        bdf_march_give(&work->given, from, bdf_march_accepted(from, i));
+        status = take(self, place, &work->given, error);
+        if (status) return status;
+        prepare(self, place, 1);
+        self->ring.time[place] = work->given.frame.time;
+        bdf_ring_keep(&self->ring, i);
+    }
+    if (status) return status;
+    const contact_frame load_frame = from->model->load_frame(from, bdf_march_accepted(from, 1));
+    if (path) from->model->give_errors(errors, from);
+    self->model->take_errors(self, errors, &load_frame);
+    find_change(self, from, work);
+    return EHD_OK;
+}
+
 // ---- saving: along the path the base, then the numbers in front, the ring, and those behind it
 
 static void save_state(double *target, contact_frame *frame, const void *solver, size_t place) {
@@ -295,6 +363,15 @@ static ehd_status restore(void *solver, const double *saved, ehd_error *error) {
 
 // ---- as a solver
 
+static ehd_status fields(double *pressure, double *film, void *solver, ehd_error *error) {
+    const bdf_march *self = solver;
+    handed_state given = {.pressure = pressure, .film = film};
+    (void)error;
+
+    self->model->give(&given, self, bdf_march_accepted(self, 1));
+    return EHD_OK;
+}
+
 march_solver bdf_march_solver(bdf_march *self) {
     const bdf_model *model = self->model;
 
@@ -307,7 +384,7 @@ march_solver bdf_march_solver(bdf_march *self) {
                           .saved_size = saved_size,
                           .save = save,
                           .restore = restore,
-                          .fields = model->fields,
+                          .fields = fields,
                           .exits = model->exits,
                           .traction = model->traction};
 }

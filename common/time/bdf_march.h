@@ -6,11 +6,27 @@
 
 #include "common/program/arena.h"
 #include "common/time/bdf.h"
+#include "common/time/film_errors.h"
 #include "common/time/march.h"
 
 /* Places of a model's states: those of the ring, and that of the base. Along the path, previous
  * states are carried as differences from the base (README.md, Along the path). */
 enum { BDF_BASE = BDF_STATES, NUM_BDF_PLACES };
+
+/* A state on the grid, for another model. */
+typedef struct handed_state {
+    double *pressure, *film; // [num_nodes]
+    size_t *exits;           // [lines of the grid] columns
+    double rigid_approach;
+    contact_frame frame;
+} handed_state;
+
+/* Memory for handing states from one model to another. */
+typedef struct hand_over {
+    handed_state given, taken;       // a state of one model, and the same state in the other model
+    double change[NUM_ERROR_PLACES]; // difference of both films for the last accepted state
+    arena memory;
+} hand_over;
 
 /* Functions of a model. `self` is the model's own struct, whose first member is its bdf_march. The
  * state being solved is at bdf_march_place(…, 0). */
@@ -47,10 +63,21 @@ typedef struct bdf_model {
     void (*save_rest)(double *front, double *behind, const void *self);
     ehd_status (*restore_rest)(void *self, const double *front, const double *behind,
                                ehd_error *error);
+    // Handing states over. Models that are never handed over leave these NULL.
+    void (*give)(handed_state *given, const void *self, size_t place); // all but the frame
+    /* Takes a state whose frame is set, as nearly as the model can represent it. EHD_MEMORY. */
+    ehd_status (*take)(void *self, size_t place, const handed_state *given, ehd_error *error);
+    /* Returns the errors that the last accepted film has taken up along the path. */
+    void (*give_errors)(double errors[NUM_ERROR_PLACES], const void *self);
+    /* Takes these errors. `load_frame`: frame of the last state, scaled by the load of its
+     * solution. */
+    void (*take_errors)(void *self, const double errors[NUM_ERROR_PLACES],
+                        const contact_frame *load_frame);
+    /* Returns the frame of a state, scaled by the load of its solution. */
+    contact_frame (*load_frame)(const void *self, size_t place);
     // as in march_solver
     ehd_status (*touching)(double *approach, double *load, void *self, const contact_frame *frame,
                            ehd_error *error);
-    ehd_status (*fields)(double *pressure, double *film, void *self, ehd_error *error);
     void (*exits)(double *positions, const void *self);
     contact_traction (*traction)(void *self, const ehd_contact *contact,
                                  const contact_scalars *scalars);
@@ -95,8 +122,9 @@ bool bdf_march_along_path(const bdf_march *self);
 /* Returns the place of the state `steps` before the one being solved, as the formula uses it. */
 size_t bdf_march_place(const bdf_march *self, size_t steps);
 
-/* Makes the state at `steps`, which was set, an accepted one. States before it do not count. */
-void bdf_march_take(bdf_march *self, size_t steps);
+/* Returns the place of the accepted state `steps` before the attempt: 1 is the last one. A passing
+ * state is an accepted one. */
+size_t bdf_march_accepted(const bdf_march *self, size_t steps);
 
 /* Sets the contact in a frame, with the entrainment of its rows in time. Along the path this is
  * zero, because the time derivative contains the entrainment. *entrainment: that of the fluid. */
@@ -106,5 +134,19 @@ void bdf_march_contact(ehd_contact *contact, double *entrainment, const contact_
 /* Returns the error of rho H in the attempt at the node of row r, without the formula's factor: the
  * solution minus its prediction. */
 double bdf_march_missed(const bdf_march *self, size_t r);
+
+// ---- from one model to another of the same reference and grid, which continues the march
+
+/* Allocates memory for one grid. Free with hand_over_free. EHD_MEMORY. */
+ehd_status hand_over_init(hand_over *self, const ehd_grid *grid, ehd_error *error);
+void hand_over_free(hand_over *self);
+
+/* Computes a state on the grid. */
+void bdf_march_give(handed_state *given, const bdf_march *self, size_t place);
+
+/* Takes the accepted states of another march with their errors and, along the path, its base unless
+ * `has_base`. Sets work->change. EHD_MEMORY. */
+ehd_status bdf_march_take_over(bdf_march *self, const bdf_march *from, bool has_base,
+                               hand_over *work, ehd_error *error);
 
 #endif

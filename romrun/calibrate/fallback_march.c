@@ -2,7 +2,6 @@
 #include "romrun/calibrate/fallback_march.h"
 
 #include "common/program/program.h"
-#include "romrun/online/film_errors.h"
 
 #include <limits.h>
 #include <math.h>
@@ -44,17 +43,13 @@ struct fallback_march {
     bool returns;      // it solved the step as well as the full one, and takes the next steps
     const char *doubt; // why the reduced model does not take the step
     bool base_taken;   // the reduced model has the base of the full one
-    full_state work;   // a reduced state on the grid
-    double *errors;    // [num_nodes]
-    size_t *exits;     // [lines of the grid]
+    hand_over work;
 };
 
 fallback_march *fallback_march_free(fallback_march *self) {
     if (!self) return NULL;
     full_march_free(self->full);
-    full_state_free(&self->work);
-    free(self->errors);
-    free(self->exits);
+    hand_over_free(&self->work);
     free(self);
     return NULL;
 }
@@ -67,7 +62,6 @@ ehd_status fallback_march_create(fallback_march **created, parts_march *reduced,
     const double part = 0.1;
     const full_settings settings = full_default_settings();
     const ehd_contact *reference = reduced_march_reference(parts_march_part(reduced, 0));
-    const ehd_grid *grid = &reference->grid;
     fallback_march *self = calloc(1, sizeof *self);
 
     *created = NULL;
@@ -79,10 +73,7 @@ ehd_status fallback_march_create(fallback_march **created, parts_march *reduced,
     self->now.pause = 1;
     self->reduced = reduced;
     self->of_reduced = parts_march_solver(reduced);
-    self->errors = malloc(grid->num_nodes * sizeof *self->errors);
-    self->exits = malloc(grid_lines(grid) * sizeof *self->exits);
-    ehd_status status = self->errors && self->exits ? full_state_init(&self->work, grid, error)
-                                                    : ehd_no_memory(error, "full model");
+    ehd_status status = hand_over_init(&self->work, &reference->grid, error);
     if (!status)
         status = full_march_create(&self->full, &self->reference, &settings, start_film, error);
     if (status) {
@@ -94,114 +85,44 @@ ehd_status fallback_march_create(fallback_march **created, parts_march *reduced,
     return EHD_OK;
 }
 
-static bool is_along_path(const fallback_march *self) {
-    return self->reference.transport == TRANSPORT_PATH;
-}
-
-// ---- from the reduced model to the full one
+// ---- from one model to the other
 
 /* Returns the part of the reduced model that holds the last accepted state. */
 static reduced_march *last_part(const fallback_march *self) {
     return parts_march_part(self->reduced, parts_march_accepted(self->reduced));
 }
 
-/* Expands a state of a reduced model to the grid, into self->work. */
-static void load(fallback_march *self, const reduced_march *part, const reduced_state *state) {
-    full_state *work = &self->work;
-
-    reduced_march_fields_of(work->pressure, work->film, &work->rigid_approach, part, state);
-    full_state_set_zone(work, &self->reference.grid, state->exit);
-}
-
-/* Interpolates the film errors of the reduced model, kept at places of the central line, to the
- * nodes of the dry contact (self->errors). */
-static void spread_errors(fallback_march *self) {
-    const ehd_grid *grid = &self->reference.grid;
-    film_errors errors = {.kept = {0}};
-
-    memcpy(errors.next, reduced_march_errors(last_part(self)), sizeof errors.next);
-    for (size_t k = 0; k < grid->num_nodes; k++)
-        self->errors[k] = grid_is_dry(grid, k) ? film_errors_at(&errors, grid_x(grid, k)) : 0;
-}
-
 static ehd_status to_full(fallback_march *self, ehd_error *error) {
-    const reduced_march *part = last_part(self);
-    ehd_status status = EHD_OK;
-    contact_frame frame;
-
-    if (is_along_path(self)) {
-        const reduced_state base = reduced_march_base(part, &frame);
-        load(self, part, &base);
-        status = full_march_take_base(self->full, &self->work, &frame, error);
-    }
-    spread_errors(self); // zero unless films are carried along their path
-    full_march_take_errors(self->full, self->errors);
-    for (size_t i = 1; i <= reduced_march_num_states(part) && !status; i++) {
-        const reduced_state state = reduced_march_state_before(part, i, &frame);
-        load(self, part, &state);
-        full_march_take(self->full, i, &self->work, &frame);
-    }
     self->now.full_states = 1;
     self->base_taken = false;
-    return status;
-}
-
-// ---- and back
-
-/* Returns a full state in the form that the reduced model takes. Sets self->exits to its exits. */
-static handed_state hand(fallback_march *self, const full_state *state,
-                         const contact_frame *frame) {
-    if (self->reference.grid.inner_lines > 1)
-        grid_exit_columns(self->exits, state->pressure, &self->reference.grid);
-    else
-        self->exits[0] = state->exit;
-    return (handed_state){.pressure = state->pressure,
-                          .film = state->film,
-                          .rigid_approach = state->rigid_approach,
-                          .exits = self->exits,
-                          .frame = *frame};
+    return bdf_march_take_over(full_march_steps(self->full), reduced_march_steps(last_part(self)),
+                               false, &self->work, error);
 }
 
 /* Returns the frame of a full state, scaled by the load of its solution. */
 static contact_frame load_frame(const fallback_march *self, size_t steps) {
-    const contact_frame *frame;
-    const full_state *state = full_march_state_before(self->full, steps, &frame);
-    ehd_contact contact;
+    const bdf_march *full = full_march_steps(self->full);
 
-    if (isnan(frame->approach)) return *frame;
-    frame_contact(&contact, frame, &self->reference);
-    return frame_of_load(self->reference.kind, frame, full_evaluate_scalars(state, &contact).load);
-}
-
-/* Interpolates the film errors of the full model, at the nodes, to places of the central line. */
-static void collect_errors(fallback_march *self, double errors[NUM_ERROR_PLACES]) {
-    const ehd_grid *grid = &self->reference.grid;
-    const double *line = self->errors + grid_central_line(grid);
-
-    full_march_errors(self->errors, self->full);
-    for (size_t i = 0; i < NUM_ERROR_PLACES; i++) {
-        const double x = (double)i * 2 / (NUM_ERROR_PLACES - 1) - 1;
-        const double column =
-            fmin(fmax((x - grid_x(grid, 0)) / grid->step, 0), (double)grid_width(grid) - 1.5);
-        const size_t c = (size_t)column;
-        errors[i] = line[c] + (column - (double)c) * (line[c + 1] - line[c]);
-    }
+    return full->model->load_frame(full, bdf_march_accepted(full, steps));
 }
 
 /* Returns the largest difference between the films of a reduced and a full state, over the larger
  * of the full film and the central film; infinite if a film is not a number. All nodes before the
- * exits of the full state (self->exits) count. Nodes without pressure count too, because the fluid
- * carries their film on. Leaves the reduced state in self->work. */
-static double deviation(fallback_march *self, const reduced_march *part,
-                        const reduced_state *reduced, const full_state *full, double central_film) {
+ * exits of the full state count. Nodes without pressure count too, because the fluid carries their
+ * film on. `steps`: from the state to the attempt. */
+static double deviation(fallback_march *self, reduced_march *part, size_t steps,
+                        double central_film) {
     const ehd_grid *grid = &self->reference.grid;
+    const handed_state *of_full = &self->work.given, *of_part = &self->work.taken;
+    const bdf_march *full = full_march_steps(self->full), *reduced = reduced_march_steps(part);
     double largest = 0;
 
-    load(self, part, reduced);
+    bdf_march_give(&self->work.given, full, bdf_march_accepted(full, steps));
+    bdf_march_give(&self->work.taken, reduced, bdf_march_accepted(reduced, steps));
     for (size_t k = 0; k < grid->num_nodes; k++) {
-        if (k % grid_width(grid) >= self->exits[k / grid_width(grid)]) continue;
-        const double here =
-            fabs(self->work.film[k] - full->film[k]) / fmax(full->film[k], central_film);
+        if (k % grid_width(grid) >= of_full->exits[k / grid_width(grid)]) continue;
+        const double film = of_full->film[k];
+        const double here = fabs(of_part->film[k] - film) / fmax(film, central_film);
         largest = isnan(here) ? INFINITY : fmax(largest, here);
     }
     return largest;
@@ -211,49 +132,18 @@ static double deviation(fallback_march *self, const reduced_march *part,
  * modes. *off is the largest difference of its films. The difference at the last state becomes part
  * of the error estimate. */
 static ehd_status to_reduced(double *off, fallback_march *self, reduced_march *part,
-                             const contact_frame *before, double central_film, ehd_error *error) {
-    const ehd_grid *grid = &self->reference.grid;
-    const contact_frame *frame;
-    double errors[NUM_ERROR_PLACES], change[NUM_ERROR_PLACES];
+                             double central_film, ehd_error *error) {
+    const bdf_march *full = full_march_steps(self->full);
+    const ehd_status status =
+        bdf_march_take_over(reduced_march_steps(part), full, self->base_taken, &self->work, error);
 
     *off = 0;
-
-    if (is_along_path(self)) {
-        if (!self->base_taken) {
-            const full_state *base = full_march_base(self->full, &frame);
-            const handed_state handed = hand(self, base, frame);
-            ehd_status status = reduced_march_take_base(part, &handed, error);
-            if (status) return status;
-            self->base_taken = true;
-        }
-        collect_errors(self, errors);
-        reduced_march_take_errors(part, errors);
-    }
-    for (size_t i = 1; i <= full_march_num_states(self->full); i++) {
-        const full_state *state = full_march_state_before(self->full, i, &frame);
-        const handed_state handed = hand(self, state, frame);
-        const ehd_status status = reduced_march_take(part, i, &handed, before, error);
-        if (status) return status;
-        const reduced_state taken = reduced_march_state_before(part, i, NULL);
-        *off = fmax(*off, deviation(self, part, &taken, state, central_film));
-        if (i > 1) continue;
-        film_errors_between(change, self->work.film, state->film, grid,
-                            self->exits[grid_central_line(grid) / grid_width(grid)]);
-    }
-    reduced_march_take_indicated(part, NULL, change);
+    if (status) return status;
+    self->base_taken = true;
+    reduced_march_take_indicated(part, NULL, self->work.change);
+    for (size_t i = 1; i <= full->ring.num_previous; i++)
+        *off = fmax(*off, deviation(self, part, i, central_film));
     return EHD_OK;
-}
-
-/* Returns the largest difference between the films of the reduced and the full attempt. */
-static double deviation_of_attempt(fallback_march *self, double central_film) {
-    const contact_frame *frame;
-    const full_state *full = full_march_state_before(self->full, 0, &frame);
-    const reduced_march *part =
-        parts_march_part(self->reduced, parts_march_attempted(self->reduced));
-    const reduced_state reduced = reduced_march_state_before(part, 0, NULL);
-
-    hand(self, full, frame); // sets self->exits
-    return deviation(self, part, &reduced, full, central_film);
 }
 
 /* Marks a reduced step as not trusted if the error estimate of a film exceeds the limit, because
@@ -289,7 +179,7 @@ static ehd_status try_to_return(fallback_march *self, const march_step *solved,
     self->tried = true;
     const double film = solved->scalars.central_film_thickness;
     double off;
-    ehd_status status = to_reduced(&off, self, part, &before, film, error);
+    ehd_status status = to_reduced(&off, self, part, film, error);
     if (!status && off > self->limit) return EHD_OK;
     if (!status)
         status = self->of_reduced.attempt(&outcome, self->of_reduced.self, frame, step, error);
@@ -297,7 +187,8 @@ static ehd_status try_to_return(fallback_march *self, const march_step *solved,
     self->now.wasted += (double)outcome.iterations; // the full model takes the step
     judge_indicated(&outcome, self);
     if (outcome.status) return EHD_OK;
-    self->returns = deviation_of_attempt(self, film) <= self->limit;
+    part = parts_march_part(self->reduced, parts_march_attempted(self->reduced));
+    self->returns = deviation(self, part, 0, film) <= self->limit;
     return EHD_OK;
 }
 

@@ -5,7 +5,7 @@
 #include "common/physics/deflection.h"
 #include "common/time/bdf.h"
 #include "common/time/path_filter.h"
-#include "romrun/online/natural_spline.h"
+#include "common/algebra/natural_spline.h"
 
 #include <math.h>
 #include <stdbool.h>

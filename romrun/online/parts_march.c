@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "romrun/online/parts_march.h"
 
-#include "romrun/online/film_errors.h"
-
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -14,9 +12,7 @@ struct parts_march {
     size_t accepted;       // part that solved the last accepted state
     size_t attempted;      // part of the last attempt
     size_t num_handed;
-    // handed state, [num_nodes]; NULL if there is one part
-    double *pressure, *film;
-    double *taken_pressure, *taken_film; // the handed state in the part that took it
+    hand_over work; // empty if there is one part
 };
 
 parts_march *parts_march_free(parts_march *self) {
@@ -25,23 +21,9 @@ parts_march *parts_march_free(parts_march *self) {
         reduced_march_free(self->parts[p]);
     free(self->parts);
     free(self->holds);
-    free(self->pressure);
-    free(self->film);
-    free(self->taken_pressure);
-    free(self->taken_film);
+    hand_over_free(&self->work);
     free(self);
     return NULL;
-}
-
-static bool allocate(parts_march *self) {
-    const size_t num_nodes = reduced_march_reference(self->parts[0])->grid.num_nodes;
-
-    if (self->num_parts == 1) return true;
-    self->pressure = malloc(num_nodes * sizeof(double));
-    self->film = malloc(num_nodes * sizeof(double));
-    self->taken_pressure = malloc(num_nodes * sizeof(double));
-    self->taken_film = malloc(num_nodes * sizeof(double));
-    return self->pressure && self->film && self->taken_pressure && self->taken_film;
 }
 
 ehd_status parts_march_create(parts_march **created, reduced_march *const *parts, size_t num_parts,
@@ -61,12 +43,13 @@ ehd_status parts_march_create(parts_march **created, reduced_march *const *parts
     }
     memcpy(self->parts, parts, num_parts * sizeof(reduced_march *));
     self->num_parts = num_parts;
-    if (!allocate(self)) {
+    const ehd_grid *grid = &reduced_march_reference(parts[0])->grid;
+    const ehd_status status = num_parts > 1 ? hand_over_init(&self->work, grid, error) : EHD_OK;
+    if (status)
         parts_march_free(self);
-        return ehd_no_memory(error, "online solver");
-    }
-    *created = self;
-    return EHD_OK;
+    else
+        *created = self;
+    return status;
 }
 
 size_t parts_march_attempted(const parts_march *self) {
@@ -112,57 +95,14 @@ static size_t deepest(const parts_march *self, const contact_frame *frame) {
     return found;
 }
 
-/* Returns a state on the grid, with its fields in self->pressure and self->film. */
-static handed_state hand(parts_march *self, const reduced_march *from, const reduced_state *state,
-                         const contact_frame *frame) {
-    handed_state handed = {.pressure = self->pressure,
-                           .film = self->film,
-                           .exits = reduced_state_exits(state),
-                           .frame = *frame};
-
-    reduced_march_fields_of(self->pressure, self->film, &handed.rigid_approach, from, state);
-    return handed;
-}
-
-/* Finds the change of the last accepted film when another part takes it over. The modes of that
- * part represent the film less exactly. */
-static void find_change(double change[NUM_ERROR_PLACES], parts_march *self,
-                        const reduced_march *from, const reduced_march *to) {
-    const reduced_state taken = reduced_march_state_before(to, 1, NULL);
-    const reduced_state given = reduced_march_state_before(from, 1, NULL);
-    double rigid_approach;
-
-    reduced_march_fields_of(self->pressure, self->film, &rigid_approach, from, &given);
-    reduced_march_fields_of(self->taken_pressure, self->taken_film, &rigid_approach, to, &taken);
-    film_errors_between(change, self->taken_film, self->film, &reduced_march_reference(to)->grid,
-                        given.exit);
-}
-
-/* Hands the accepted states of the part that solved the last one to another part, with their errors
- * and, along the path, the base. */
+/* Hands the accepted states of the part that solved the last one to another part. */
 static ehd_status take_states_over(parts_march *self, size_t part, ehd_error *error) {
-    const reduced_march *from = self->parts[self->accepted];
-    reduced_march *to = self->parts[part];
-    const size_t num_states = reduced_march_num_states(from);
-    const contact_frame load_frame = reduced_march_load_frame(from);
-    double change[NUM_ERROR_PLACES];
-    contact_frame frame;
+    reduced_march *from = self->parts[self->accepted], *to = self->parts[part];
+    const ehd_status status = bdf_march_take_over(
+        reduced_march_steps(to), reduced_march_steps(from), false, &self->work, error);
 
-    if (reduced_march_reference(to)->transport == TRANSPORT_PATH) {
-        const reduced_state base = reduced_march_base(from, &frame);
-        const handed_state handed = hand(self, from, &base, &frame);
-        const ehd_status status = reduced_march_take_base(to, &handed, error);
-        if (status) return status;
-        reduced_march_take_errors(to, reduced_march_errors(from));
-    }
-    for (size_t i = 1; i <= num_states; i++) {
-        const reduced_state state = reduced_march_state_before(from, i, &frame);
-        const handed_state handed = hand(self, from, &state, &frame);
-        const ehd_status status = reduced_march_take(to, i, &handed, &load_frame, error);
-        if (status) return status;
-    }
-    find_change(change, self, from, to);
-    reduced_march_take_indicated(to, from, change);
+    if (status) return status;
+    reduced_march_take_indicated(to, from, self->work.change);
     self->holds[part] = true;
     self->num_handed++;
     return EHD_OK;

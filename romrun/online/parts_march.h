@@ -29,7 +29,7 @@ size_t parts_march_accepted(const parts_march *self);
 reduced_march *parts_march_part(const parts_march *self, size_t part);
 
 /* Chooses the part for a contact in a frame and returns its march, to which states of another
- * solver are then handed (reduced_march_take). From now on only this part has accepted states. */
+ * solver are then handed (bdf_march_take_over). From now on only this part has accepted states. */
 reduced_march *parts_march_choose(parts_march *self, const contact_frame *frame);
 
 /* Returns how often a contact was handed from one part to another so far, including attempts that

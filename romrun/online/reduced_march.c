@@ -5,9 +5,9 @@
 #include "common/algebra/vectors.h"
 #include "common/program/program.h"
 #include "common/time/bdf_march.h"
+#include "common/time/film_errors.h"
 #include "common/time/path_filter.h"
 #include "romrun/online/fields.h"
-#include "romrun/online/film_errors.h"
 #include "romrun/online/time_indicator.h"
 #include "romrun/online/trained_range.h"
 
@@ -1222,8 +1222,8 @@ const ehd_contact *reduced_march_reference(const reduced_march *self) {
     return &self->reference;
 }
 
-size_t reduced_march_num_states(const reduced_march *self) {
-    return self->bdf.ring.num_previous;
+bdf_march *reduced_march_steps(reduced_march *self) {
+    return &self->bdf;
 }
 
 reduced_state reduced_march_state_before(const reduced_march *self, size_t steps,
@@ -1234,17 +1234,16 @@ reduced_state reduced_march_state_before(const reduced_march *self, size_t steps
     return found->state;
 }
 
-reduced_state reduced_march_base(const reduced_march *self, contact_frame *frame) {
-    const previous_film *base = &self->states[BDF_BASE];
+/* Computes a state without its frame. `given->exits` may be NULL. */
+static void give(handed_state *given, const void *solver, size_t place) {
+    const reduced_march *self = solver;
+    const reduced_state *state = &self->states[place].state;
 
-    if (frame) *frame = base->frame;
-    return base->state;
-}
-
-void reduced_march_fields_of(double *pressure, double *film, double *rigid_approach,
-                             const reduced_march *self, const reduced_state *state) {
-    *rigid_approach = state->coordinates[self->model->num_unknowns - 1];
-    reduced_fields(pressure, film, state, self->model, &self->splines->fields);
+    given->rigid_approach = state->coordinates[self->model->num_unknowns - 1];
+    reduced_fields(given->pressure, given->film, state, self->model, &self->splines->fields);
+    if (given->exits)
+        memcpy(given->exits, reduced_state_exits(state),
+               self->model->band.num_lines * sizeof *given->exits);
 }
 
 const char *reduced_march_check_range(const reduced_march *self, const contact_frame *now,
@@ -1261,10 +1260,6 @@ double reduced_march_outside(const reduced_march *self, const contact_frame *fra
 
     frame_contact(&contact, frame, &self->reference);
     return trained_range_outside(self->range, self->range_memory, contact_place_of(&contact));
-}
-
-contact_frame reduced_march_load_frame(const reduced_march *self) {
-    return self->last_load_frame;
 }
 
 /* Computes how far the film of a handed state lies above that of its projection, weighted by the
@@ -1324,41 +1319,39 @@ static ehd_status project(reduced_state *target, const reduced_march *self,
     return status;
 }
 
-ehd_status reduced_march_take(reduced_march *self, size_t steps, const handed_state *state,
-                              const contact_frame *load_frame, ehd_error *error) {
-    const size_t place = self->bdf.ring.place[steps];
+static ehd_status take(void *solver, size_t place, const handed_state *given, ehd_error *error) {
+    reduced_march *self = solver;
     previous_film *taken = &self->states[place];
+    const ehd_status status = project(&taken->state, self, given, error);
 
-    taken->frame = state->frame;
-    const ehd_status status = project(&taken->state, self, state, error);
-    if (status) return status;
-    reduced_values_of(&taken->values, self->model, taken->state.coordinates,
-                      reduced_state_exits(&taken->state));
-    bdf_march_take(&self->bdf, steps);
-    if (steps == 1) {
-        self->last_load_frame = self->rate_frame = *load_frame;
-        self->last_doubtful = -INFINITY;
-        time_indicator_clear(&self->indicator);
-    }
+    if (!status)
+        reduced_values_of(&taken->values, self->model, taken->state.coordinates,
+                          reduced_state_exits(&taken->state));
+    return status;
+}
+
+static void give_errors(double errors[NUM_ERROR_PLACES], const void *solver) {
+    const reduced_march *self = solver;
+
+    memcpy(errors, self->taken_up.kept, sizeof self->taken_up.kept);
+}
+
+static void take_errors(void *solver, const double errors[NUM_ERROR_PLACES],
+                        const contact_frame *frame) {
+    reduced_march *self = solver;
+
+    if (is_along_path(self)) film_errors_set(&self->taken_up, errors);
+    self->last_load_frame = self->rate_frame = *frame;
+    self->last_doubtful = -INFINITY;
+    time_indicator_clear(&self->indicator);
     drop_factors(self);
-    return EHD_OK;
 }
 
-ehd_status reduced_march_take_base(reduced_march *self, const handed_state *state,
-                                   ehd_error *error) {
-    previous_film *base = &self->states[BDF_BASE];
+static contact_frame load_frame(const void *solver, size_t place) {
+    const reduced_march *self = solver;
+    (void)place; // the last accepted one
 
-    base->frame = state->frame;
-    const ehd_status status = project(&base->state, self, state, error);
-    return status ? status : use_base(self, error);
-}
-
-const double *reduced_march_errors(const reduced_march *self) {
-    return self->taken_up.kept;
-}
-
-void reduced_march_take_errors(reduced_march *self, const double *errors) {
-    film_errors_set(&self->taken_up, errors);
+    return self->last_load_frame;
 }
 
 /* The errors do not include the model's factors, so they are converted by the ratio of both
@@ -1377,7 +1370,7 @@ void reduced_march_take_indicated(reduced_march *self, const reduced_march *from
     if (isnan(own->central) || isnan(other->central)) return;
     frame_contact(&contact, &self->states[self->bdf.ring.place[1]].frame, &self->reference);
     for (size_t i = 0; i < NUM_ERROR_PLACES; i++) {
-        const double x = (double)i * 2 / (NUM_ERROR_PLACES - 1) - 1;
+        const double x = film_errors_place(i);
         errors[i] = hertz_density(&contact, x) * change[i] / own->central;
         if (from) errors[i] += factors[REDUCED_CENTRAL_FILM] * from->indicator.errors.kept[i];
     }
@@ -1479,15 +1472,6 @@ static ehd_status restore_rest(void *solver, const double *front, const double *
     return EHD_OK;
 }
 
-static ehd_status fields(double *pressure, double *film, void *solver, ehd_error *error) {
-    const reduced_march *self = solver;
-    reduced_state state = reduced_march_state(self, NULL);
-
-    (void)error;
-    reduced_fields(pressure, film, &state, self->model, &self->splines->fields);
-    return EHD_OK;
-}
-
 static contact_traction traction(void *solver, const ehd_contact *contact,
                                  const contact_scalars *scalars) {
     reduced_march *self = solver;
@@ -1526,8 +1510,12 @@ static const bdf_model model_in_time = {.passes = true,
                                         .restore = restore,
                                         .save_rest = save_rest,
                                         .restore_rest = restore_rest,
+                                        .give = give,
+                                        .take = take,
+                                        .give_errors = give_errors,
+                                        .take_errors = take_errors,
+                                        .load_frame = load_frame,
                                         .touching = touching,
-                                        .fields = fields,
                                         .exits = exits,
                                         .traction = traction};
 

@@ -4,7 +4,7 @@
 #ifndef EHD_REDUCED_MARCH_H
 #define EHD_REDUCED_MARCH_H
 
-#include "common/time/march.h"
+#include "common/time/bdf_march.h"
 #include "romrun/online/film_splines.h"
 #include "romrun/online/frame_tangent.h"
 #include "romrun/online/reduced_solver.h"
@@ -70,20 +70,12 @@ reduced_state reduced_march_state(const reduced_march *self, contact_frame *fram
 /* Returns the contact at all factors 1, with the smoothing that it has from the model. */
 const ehd_contact *reduced_march_reference(const reduced_march *self);
 
-/* Returns how many accepted states a step uses. */
-size_t reduced_march_num_states(const reduced_march *self);
+/* Returns the march as one of BDF2 steps. */
+bdf_march *reduced_march_steps(reduced_march *self);
 
 /* Returns the accepted state `steps` before the next one: 1 is the last one, 0 the last attempt. */
 reduced_state reduced_march_state_before(const reduced_march *self, size_t steps,
                                          contact_frame *frame);
-
-/* Returns the base. Along the path other states are stored as differences from it
- * (common/time/README.md). */
-reduced_state reduced_march_base(const reduced_march *self, contact_frame *frame);
-
-/* Computes P and H of a state at all nodes, [num_nodes], and its H0. */
-void reduced_march_fields_of(double *pressure, double *film, double *rigid_approach,
-                             const reduced_march *self, const reduced_state *state);
 
 /* Returns why a contact that has changed from frame `before` to frame `now` lies outside of the
  * trained range, or NULL. Both frames are scaled by the load of their solutions. */
@@ -92,33 +84,6 @@ const char *reduced_march_check_range(const reduced_march *self, const contact_f
 
 /* Returns trained_range_outside of a frame. */
 double reduced_march_outside(const reduced_march *self, const contact_frame *frame);
-
-/* Returns the frame of the last accepted state, scaled by the load of its solution. */
-contact_frame reduced_march_load_frame(const reduced_march *self);
-
-/* A state on the grid for another solver. That solver takes the nearest pressure of its modes, and
- * the approach that keeps the mean film. */
-typedef struct handed_state {
-    const double *pressure, *film; // [num_nodes]
-    double rigid_approach;
-    const size_t *exits; // [num_lines] columns
-    contact_frame frame;
-} handed_state;
-
-/* Takes an accepted state, `steps` (1 to BDF_PREVIOUS) before the next one, in ascending order of
- * `steps`. Only the states taken so far count. Along the path the base has to be taken before.
- * `load_frame`: frame of the last state, scaled by the load of its solution. Errors: EHD_MEMORY. */
-ehd_status reduced_march_take(reduced_march *self, size_t steps, const handed_state *state,
-                              const contact_frame *load_frame, ehd_error *error);
-
-/* Takes the base, along the path. Errors: EHD_MEMORY. */
-ehd_status reduced_march_take_base(reduced_march *self, const handed_state *state,
-                                   ehd_error *error);
-
-/* Return and set the errors of rho H that the film of the last accepted state has taken up along
- * the path, [NUM_ERROR_PLACES] (film_errors.h). */
-const double *reduced_march_errors(const reduced_march *self);
-void reduced_march_take_errors(reduced_march *self, const double *errors);
 
 /* Takes over the error estimates of the films whose states were taken, converted to this model's
  * factors. `from`: the march of these states; NULL: the full model, whose films have no estimates.

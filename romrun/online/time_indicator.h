@@ -11,7 +11,7 @@
 #define EHD_TIME_INDICATOR_H
 
 #include "common/physics/reynolds.h"
-#include "romrun/online/film_errors.h"
+#include "common/time/film_errors.h"
 #include "romrun/online/film_splines.h"
 #include "romrun/online/reduced_solver.h"
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Errors of films that enter the contact and go through it with the fluid. */
-#include "romrun/online/film_errors.h"
+#include "common/time/film_errors.h"
 #include "tests/unit/check.h"
 
 #include <math.h>

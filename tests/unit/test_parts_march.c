@@ -289,25 +289,23 @@ static void a_handed_film_is_as_thick_in_the_mean(void **state) {
     const contact_frame frame = frame_at_step(&at, 0);
     reduced_basis nodes =
         part_basis(&trained_on.line, DEFORMATION_COUPLED, trained_on.bases[1].weight, 1);
-    double *fields = malloc(4 * num_nodes * sizeof *fields), approach, sum = 0, weight = 0;
+    double sum = 0, weight = 0;
+    hand_over work;
 
+    check_ok(hand_over_init(&work, &contact.grid, &error));
     marching_start(&all, &contact, &nodes, &frame);
     marching_start(&few, &contact, &trained_on.bases[1], &frame);
-    const reduced_state from = reduced_march_state_before(all.march, 1, NULL);
-    reduced_march_fields_of(fields, fields + num_nodes, &approach, all.march, &from);
-    const handed_state handed = {fields, fields + num_nodes, approach, &from.exit, frame};
-    check_ok(reduced_march_take(few.march, 1, &handed, &frame, &error));
-    const reduced_state to = reduced_march_state_before(few.march, 1, NULL);
-    reduced_march_fields_of(fields + 2 * num_nodes, fields + 3 * num_nodes, &approach, few.march,
-                            &to);
+    check_ok(bdf_march_take_over(reduced_march_steps(few.march), reduced_march_steps(all.march),
+                                 false, &work, &error));
+    const handed_state *from = &work.given, *to = &work.taken; // the last state
     for (size_t k = 0; k < num_nodes; k++) {
-        const double pressure = fmax(fields[k], 0);
+        const double pressure = fmax(from->pressure[k], 0);
         weight += pressure;
-        sum += pressure * (fields[3 * num_nodes + k] - fields[num_nodes + k]);
+        sum += pressure * (to->film[k] - from->film[k]);
     }
-    assert_true(fabs(approach - handed.rigid_approach) > 1e-7);
+    assert_true(fabs(to->rigid_approach - from->rigid_approach) > 1e-7);
     check_close(sum / weight, 0, 0, 1e-13);
-    free(fields);
+    hand_over_free(&work);
     reduced_basis_free(&nodes);
     marching_free(&all);
     marching_free(&few);

@@ -17,6 +17,9 @@ typedef struct film_errors {
     double next[NUM_ERROR_PLACES];      // errors of the attempt
 } film_errors;
 
+/* Returns X of a place. */
+double film_errors_place(size_t i);
+
 /* Sets the kept errors, [NUM_ERROR_PLACES]; NULL: none. */
 void film_errors_set(film_errors *self, const double *kept);
 

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "romrun/online/film_errors.h"
+#include "common/time/film_errors.h"
 
-#include "romrun/online/natural_spline.h"
+#include "common/algebra/natural_spline.h"
 
 #include <math.h>
 #include <stdbool.h>
 #include <string.h>
 
-static double place(size_t i) {
+double film_errors_place(size_t i) {
     return (double)i * 2 / (NUM_ERROR_PLACES - 1) - 1;
 }
 
@@ -74,7 +74,7 @@ void film_errors_enter(film_errors *self, const contact_frame *then, const conta
     const origins from = then ? origins_in(then, now) : (origins){0, 1};
 
     for (size_t i = 0; i < NUM_ERROR_PLACES; i++) {
-        const bool entered = place(i) < x || from.first + from.stretch * (double)i < 0;
+        const bool entered = film_errors_place(i) < x || from.first + from.stretch * (double)i < 0;
         const double carried = self->next[i] > 0 ? self->next[i] : 0; // splines overshoot
         self->next[i] = entered ? value : carried;
     }
@@ -85,11 +85,11 @@ void film_errors_add(film_errors *self, double factor, const double *errors, con
     size_t k = 0;
 
     for (size_t i = 0; i < NUM_ERROR_PLACES && num > 1; i++) {
-        if (place(i) < x[0]) continue;
-        while (k + 1 < num && x[k + 1] < place(i))
+        if (film_errors_place(i) < x[0]) continue;
+        while (k + 1 < num && x[k + 1] < film_errors_place(i))
             k++;
         if (k + 1 == num) return;
-        const double part = (place(i) - x[k]) / (x[k + 1] - x[k]);
+        const double part = (film_errors_place(i) - x[k]) / (x[k + 1] - x[k]);
         self->next[i] += factor * ((1 - part) * errors[k] + part * errors[k + 1]);
     }
 }
