@@ -9,6 +9,14 @@
 #include "common/time/film_errors.h"
 #include "common/time/march.h"
 
+/* Factor by which BDF2 enlarges an error that steps of equal length add to a film one after the
+ * other, such as the change by the filter. It is the formula's rate times the step. */
+extern const double march_error_growth;
+
+/* Distance before the exit boundary, in half widths, up to which the local error is evaluated.
+ * Nearer to the exit its moves by whole nodes make a noise that no shorter step takes away. */
+extern const double march_exit_margin;
+
 /* Places of a model's states: those of the ring, and that of the base. Along the path, previous
  * states are carried as differences from the base (README.md, Along the path). */
 enum { BDF_BASE = BDF_STATES, NUM_BDF_PLACES };

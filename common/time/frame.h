@@ -21,6 +21,10 @@ typedef struct contact_frame {
     double path;           // path of the fluid, int u/u_ref dT, in reference half widths
 } contact_frame;
 
+/* Doubles in a frame, whose members are all doubles. */
+enum { NUM_FRAME = sizeof(contact_frame) / sizeof(double) };
+_Static_assert(sizeof(contact_frame) == NUM_FRAME * sizeof(double), "a frame is doubles alone");
+
 /* Returns the frame at a time. `values` are load, speed, radius and modulus (VARY_… of scene.h)
  * relative to the reference. `approach` is NaN if the load is given. The path is left at zero. */
 contact_frame frame_at(const contact_kind *kind, double time, const double *values,

@@ -9,11 +9,6 @@
 #include <stdio.h>
 #include <string.h>
 
-const double march_exit_margin = 0.1;
-const double march_short_path = 0.25;
-const double march_most_missed = 0.05;
-const double march_error_growth = 1.5;
-
 /* Divisor of the tolerance, for the local error of one step. Local errors add up over the hundreds
  * of steps that a film takes through the contact. Measured on a film that follows a load of period
  * 1/2: its central value is at most twenty times the tolerance off, and errors go as the tolerance

@@ -44,28 +44,6 @@ typedef struct march_step {
     bool begins;        // the bodies have just touched again; earlier states are not used
 } march_step;
 
-/* Longest path of a step, in half widths, for which the errors of many steps add up in the central
- * film. In such short steps a film takes up the errors of many steps on its way to the centre. A
- * longer step makes the film at the centre in that step, and its own local error counts. Without
- * this distinction a slow ramp of the load by 8 % ended 1.7 % off; with it 0.14 % off, at a
- * tolerance of 0.15 %. */
-extern const double march_short_path;
-
-/* Largest local error of the film anywhere before the centre, relative to the central film. Along
- * the path a step with a larger one is repeated, because the iteration has then found another
- * solution. In the paper's transient case no step has more than 0.014. Solutions that rupture in
- * the inlet, as after a load step by a half, have 0.2 and more. Steps that are predicted not to
- * change the film are not checked. */
-extern const double march_most_missed;
-
-/* Factor by which BDF2 enlarges an error that steps of equal length add to a film one after the
- * other, such as the change by the filter. It is the formula's rate times the step. */
-extern const double march_error_growth;
-
-/* Distance before the exit boundary, in half widths, up to which the local error is evaluated.
- * Nearer to the exit its moves by whole nodes make a noise that no shorter step takes away. */
-extern const double march_exit_margin;
-
 /* A solver that can take steps. `self` is the solver's own data. */
 typedef struct march_solver {
     void *self;

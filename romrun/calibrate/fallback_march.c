@@ -61,7 +61,7 @@ ehd_status fallback_march_create(fallback_march **created, parts_march *reduced,
     // full model.
     const double part = 0.1;
     const full_settings settings = full_default_settings();
-    const ehd_contact *reference = reduced_march_reference(parts_march_part(reduced, 0));
+    const ehd_contact *reference = reduced_march_steps(parts_march_part(reduced, 0))->reference;
     fallback_march *self = calloc(1, sizeof *self);
 
     *created = NULL;

@@ -43,7 +43,7 @@ ehd_status parts_march_create(parts_march **created, reduced_march *const *parts
     }
     memcpy(self->parts, parts, num_parts * sizeof(reduced_march *));
     self->num_parts = num_parts;
-    const ehd_grid *grid = &reduced_march_reference(parts[0])->grid;
+    const ehd_grid *grid = &reduced_march_steps(parts[0])->reference->grid;
     const ehd_status status = num_parts > 1 ? hand_over_init(&self->work, grid, error) : EHD_OK;
     if (status)
         parts_march_free(self);
@@ -124,7 +124,7 @@ static size_t part_for(const parts_march *self, size_t part, const contact_frame
  * so the range is checked again under the load found. */
 static size_t part_of_outcome(const parts_march *self, const march_step *outcome,
                               const contact_frame *frame) {
-    const contact_kind *kind = reduced_march_reference(self->parts[0])->kind;
+    const contact_kind *kind = reduced_march_steps(self->parts[0])->reference->kind;
 
     if (isnan(frame->approach) || outcome->status != EHD_UNTRUSTED) return self->attempted;
     const contact_frame loaded = frame_of_load(kind, frame, outcome->scalars.load);

@@ -1206,10 +1206,7 @@ static void copy(void *solver, size_t target, size_t source) {
 }
 
 reduced_state reduced_march_state(const reduced_march *self, contact_frame *frame) {
-    const previous_film *last = &self->states[bdf_ring_accepted(&self->bdf.ring, 1)];
-
-    if (frame) *frame = last->frame;
-    return last->state;
+    return reduced_march_state_before(self, 1, frame);
 }
 
 reduced_march_effort reduced_march_effort_of(const reduced_march *self) {
@@ -1217,10 +1214,6 @@ reduced_march_effort reduced_march_effort_of(const reduced_march *self) {
 }
 
 // ---- from and to another solver
-
-const ehd_contact *reduced_march_reference(const reduced_march *self) {
-    return &self->reference;
-}
 
 bdf_march *reduced_march_steps(reduced_march *self) {
     return &self->bdf;

@@ -64,13 +64,10 @@ double reduced_march_least_M(const reduced_march *self);
 /* Returns the last accepted state and its frame. */
 reduced_state reduced_march_state(const reduced_march *self, contact_frame *frame);
 
-// ---- handing states from and to another solver of the same reference and grid, which continues
-// the march
+// ---- handing states from and to another model
 
-/* Returns the contact at all factors 1, with the smoothing that it has from the model. */
-const ehd_contact *reduced_march_reference(const reduced_march *self);
-
-/* Returns the march as one of BDF2 steps. */
+/* Returns the march as one of BDF2 steps, to hand states over. Its reference has the smoothing of
+ * the model. */
 bdf_march *reduced_march_steps(reduced_march *self);
 
 /* Returns the accepted state `steps` before the next one: 1 is the last one, 0 the last attempt. */

@@ -87,7 +87,7 @@ static void run_init(run *self, const ehd_contact *contact, const reduced_basis 
         check_ok(fallback_march_create(&self->both, self->parts, NAN, accuracy, NULL, &error));
         self->solver = fallback_march_solver(self->both);
     } else {
-        check_ok(full_march_create(&self->full, reduced_march_reference(self->reduced.march),
+        check_ok(full_march_create(&self->full, reduced_march_steps(self->reduced.march)->reference,
                                    &settings, NAN, &error));
         self->solver = full_march_solver(self->full);
     }

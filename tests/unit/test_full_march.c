@@ -2,7 +2,6 @@
 /* The transient full model, on a coarse grid. */
 #include "common/settings/scene_contact.h"
 #include "common/time/bdf.h"
-#include "common/time/saved_ring.h"
 #include "tests/unit/allocation.h"
 #include "tests/unit/folder.h"
 #include "tests/unit/marched.h"
