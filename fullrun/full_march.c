@@ -223,10 +223,10 @@ static void judge_inlet(march_step *outcome, const ehd_contact *contact, bool ba
     if (outcome->status == EHD_NOT_CONVERGED || outcome->frame.load <= frame_negligible_load)
         return;
     const bool is_short = time_grid_is_short(&outcome->inlet_effect, contact, backwards);
-    if (outcome->status || !is_short) return;
-    outcome->status = EHD_UNTRUSTED;
-    outcome->reason = backwards ? "an inlet too short for the contact at this time (grid.x_max)"
-                                : "an inlet too short for the contact at this time (grid.x_min)";
+    if (!outcome->status && is_short)
+        march_distrust(outcome,
+                       backwards ? "an inlet too short for the contact at this time (grid.x_max)"
+                                 : "an inlet too short for the contact at this time (grid.x_min)");
 }
 
 /* Judges a stationary start by the criteria of a stationary result (judge.h). An untrusted start
@@ -729,11 +729,7 @@ static void assess(march_step *outcome, void *solver, const ehd_contact *contact
     take_up_errors(self, &next->frame);
     outcome->taken_up = largest_taken_up(self, &next->state, contact, self->bdf.entrainment);
     set_effects(outcome, self, &next->state, contact);
-    const char *doubt = why_not_to_trust(self, &next->state, contact, backwards);
-    if (doubt) {
-        outcome->status = EHD_UNTRUSTED;
-        outcome->reason = doubt;
-    }
+    march_distrust(outcome, why_not_to_trust(self, &next->state, contact, backwards));
     judge_inlet(outcome, contact, backwards);
 }
 

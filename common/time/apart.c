@@ -111,10 +111,9 @@ static void touch(march_step *outcome, apart_march *self, const contact_frame *f
                               .rigid_approach
                         : frame->approach,
         .doubtful = doubtful};
-    if (outcome->status != EHD_OK || !(frame->path < doubtful)) return;
-    outcome->status = EHD_UNTRUSTED;
-    outcome->reason =
-        "bodies that touched at rest, whose film is taken from the speed of the reference";
+    if (outcome->status == EHD_OK && frame->path < doubtful)
+        march_distrust(outcome, "bodies that touched at rest, whose film is taken from the speed "
+                                "of the reference");
 }
 
 /* Decides whether the bodies part in this attempt. With a given approach they part if the load is

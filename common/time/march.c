@@ -69,6 +69,12 @@ contact_frame march_frame(const march_settings *settings, const contact_kind *ki
     return frame;
 }
 
+void march_distrust(march_step *self, const char *reason) {
+    if (!reason) return;
+    self->status = EHD_UNTRUSTED;
+    self->reason = reason;
+}
+
 static void watch_trust(march *self, const march_step *outcome) {
     if (outcome->status != EHD_UNTRUSTED || !isnan(self->state.untrusted_since)) return;
     self->state.untrusted_since = outcome->frame.time;
@@ -87,11 +93,9 @@ bool march_deviates(char reason[MARCH_REASON], double central, double minimum, d
 
 /* Marks a solved step as EHD_UNTRUSTED if its estimated deviation exceeds the accuracy. */
 static void judge_accuracy(march *self, march_step *outcome) {
-    if (outcome->status || !march_deviates(self->deviation, outcome->indicated,
+    if (!outcome->status && march_deviates(self->deviation, outcome->indicated,
                                            outcome->indicated_minimum, self->settings.accuracy))
-        return;
-    outcome->status = EHD_UNTRUSTED;
-    outcome->reason = self->deviation;
+        march_distrust(outcome, self->deviation);
 }
 
 ehd_status march_check_start(double speed, bool approach_given, ehd_error *error) {

@@ -149,10 +149,8 @@ static ehd_status to_reduced(double *off, fallback_march *self, reduced_march *p
 /* Marks a reduced step as not trusted if the error estimate of a film exceeds the limit, because
  * the full model would take over the error with the film. */
 static void judge_indicated(march_step *outcome, const fallback_march *self) {
-    if (outcome->status || !(fmax(outcome->indicated, outcome->indicated_minimum) > self->limit))
-        return;
-    outcome->status = EHD_UNTRUSTED;
-    outcome->reason = "a film indicated to deviate by more than a tenth of the accuracy";
+    if (!outcome->status && fmax(outcome->indicated, outcome->indicated_minimum) > self->limit)
+        march_distrust(outcome, "a film indicated to deviate by more than a tenth of the accuracy");
 }
 
 /* Checks whether attempts that became no step have taken more iterations than the accepted steps.

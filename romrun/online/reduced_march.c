@@ -359,8 +359,7 @@ static void judge_films(march_step *outcome, reduced_march *self, const contact_
     if (outcome->status == EHD_UNTRUSTED) {
         self->doubtful = frame->path + frame->half_width * (1 + exit);
     } else if (frame->path < self->doubtful) {
-        outcome->status = EHD_UNTRUSTED;
-        outcome->reason = "a film that formed in a step that was not to be trusted";
+        march_distrust(outcome, "a film that formed in a step that was not to be trusted");
     }
 }
 
@@ -397,46 +396,35 @@ static void move_rate_frame(reduced_march *self) {
         self->rate_frame = *now;
 }
 
-/* Marks states beyond the model as untrusted: a contact outside of the trained range, an exit at
- * the edge of its range, a second zone of pressure, a thinned flow that the equations do not cover,
- * and a film that ruptures in the inlet, where the model has no exit. */
-static void judge(march_step *outcome, reduced_march *self, const reduced_state *state,
-                  const contact_frame *frame) {
+/* Returns why a state lies beyond the model, or NULL if it does not: a thinned flow that the
+ * equations do not cover, a film that ruptures in the inlet, where the model has no exit, a second
+ * zone of pressure, an exit at the edge of its range, and a contact outside of the trained range. */
+static const char *why_not_to_trust(reduced_march *self, const reduced_state *state) {
     const double rupture = -1e-3; // in Hertz pressures; truncation alone causes a tenth of it
     const reduced_model *model = self->model;
     ehd_contact contact;
 
-    self->load_frame = isnan(frame->approach)
-                           ? *frame // the load is given, though least squares meet it only nearly
-                           : frame_of_load(self->reference.kind, frame, outcome->scalars.load);
-    if (outcome->status == EHD_UNTRUSTED) judge_films(outcome, self, frame);
-    if (outcome->status) return;
     frame_contact(&contact, &self->load_frame, &self->reference);
     // a jump is over in one step, however long that is
     frame_rates rates = {0};
     if (self->bdf.ring.num_previous > 1) rates = rates_of_step(self);
-    outcome->reason =
-        trained_range_check(self->range, self->range_memory, contact_place_of(&contact), &rates);
-    outcome->status = outcome->reason ? EHD_UNTRUSTED : EHD_OK;
-    if (!outcome->reason) outcome->reason = "";
-    if (is_at_edge(model, state)) {
-        outcome->status = EHD_UNTRUSTED;
-        outcome->reason = "an exit boundary at the edge of the trained range";
-    }
-    if (lacks_zone(self)) {
-        outcome->status = EHD_UNTRUSTED;
-        outcome->reason =
-            "a second zone of pressure behind the exit, which the model does not have";
-    }
+    if (reduced_doubts_flow(self->solver, state, &contact)) return flow_doubt_reason;
     for (size_t r = 0; r < model->rows.num_rows; r++)
-        if (self->estimate.pressure[r] < rupture && grid_x(&model->grid, model->rows.node[r]) < 0) {
-            outcome->status = EHD_UNTRUSTED;
-            outcome->reason = "a negative pressure before the contact";
-        }
-    if (reduced_doubts_flow(self->solver, state, &contact)) {
-        outcome->status = EHD_UNTRUSTED;
-        outcome->reason = flow_doubt_reason;
-    }
+        if (self->estimate.pressure[r] < rupture && grid_x(&model->grid, model->rows.node[r]) < 0)
+            return "a negative pressure before the contact";
+    if (lacks_zone(self))
+        return "a second zone of pressure behind the exit, which the model does not have";
+    if (is_at_edge(model, state)) return "an exit boundary at the edge of the trained range";
+    return trained_range_check(self->range, self->range_memory, contact_place_of(&contact), &rates);
+}
+
+static void judge(march_step *outcome, reduced_march *self, const reduced_state *state,
+                  const contact_frame *frame) {
+    self->load_frame = isnan(frame->approach)
+                           ? *frame // the load is given, though least squares meet it only nearly
+                           : frame_of_load(self->reference.kind, frame, outcome->scalars.load);
+    if (outcome->status == EHD_NOT_CONVERGED) return;
+    if (outcome->status == EHD_OK) march_distrust(outcome, why_not_to_trust(self, state));
     judge_films(outcome, self, frame);
 }
 
