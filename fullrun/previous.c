@@ -201,7 +201,6 @@ void previous_filter(previous_state *self, double share, previous_carrier *carri
 
     const ehd_surface *surface = carrier->reference.surface;
 
-    self->share = share;
     // only the film without the heights of a surface is interpolated and filtered
     memcpy(self->filtered, self->state.film, grid->num_nodes * sizeof(double));
     for (size_t k = 0; surface && k < grid->num_nodes; k++)

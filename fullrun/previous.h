@@ -17,7 +17,6 @@ typedef struct previous_state {
     size_t num_lines;
     spline **deflection; // [num_lines] film without gap, along each line
     spline **pressure;   // NULL when incompressible: rho H is then the film
-    double share;        // of the filter that the splines contain (frame_step_share)
     double *filtered;    // [num_nodes] change of the film by the filter
     double *beyond; // [num_nodes of the carrier's wide grid] deflection without H0; the first one
                     // is NaN until all are computed

@@ -1,14 +1,16 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "romrun/online/parts_march.h"
 
+#include "common/settings/part_list.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 struct parts_march {
     size_t num_parts;
-    reduced_march **parts; // [num_parts]
-    bool *holds;           // [num_parts] whether a part has the accepted states
+    reduced_march *parts[MAX_PARTS];
+    bool holds[MAX_PARTS]; // whether a part has the accepted states
     size_t accepted;       // part that solved the last accepted state
     size_t attempted;      // part of the last attempt
     size_t num_handed;
@@ -19,8 +21,6 @@ parts_march *parts_march_free(parts_march *self) {
     if (!self) return NULL;
     for (size_t p = 0; p < self->num_parts; p++)
         reduced_march_free(self->parts[p]);
-    free(self->parts);
-    free(self->holds);
     hand_over_free(&self->work);
     free(self);
     return NULL;
@@ -31,14 +31,9 @@ ehd_status parts_march_create(parts_march **created, reduced_march *const *parts
     parts_march *self = calloc(1, sizeof *self);
 
     *created = NULL;
-    if (self) {
-        self->parts = malloc(num_parts * sizeof(reduced_march *));
-        self->holds = calloc(num_parts, sizeof *self->holds);
-    }
-    if (!self || !self->parts || !self->holds) {
+    if (!self) {
         for (size_t p = 0; p < num_parts; p++)
             reduced_march_free(parts[p]);
-        parts_march_free(self);
         return ehd_no_memory(error, "online solver");
     }
     memcpy(self->parts, parts, num_parts * sizeof(reduced_march *));
@@ -134,7 +129,7 @@ static size_t part_of_outcome(const parts_march *self, const march_step *outcome
 /* Makes a part the only one with accepted states. */
 static void hold_alone(parts_march *self, size_t part) {
     self->accepted = self->attempted = part;
-    memset(self->holds, 0, self->num_parts * sizeof *self->holds);
+    memset(self->holds, 0, sizeof self->holds);
     self->holds[part] = true;
 }
 

@@ -16,8 +16,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Weighted sums of rho H of accepted states in the present frame, at the rows' nodes and, on demand,
- * the band's. */
+/* Weighted sums of rho H of accepted states in the present frame, at the rows' nodes and, on
+ * demand, the band's. */
 typedef struct previous_sums {
     size_t *ascending;             // [num_rows] rows in the order of their nodes
     double *sum;                   // [num_rows] sum with the weights of the formula
@@ -228,9 +228,9 @@ static ehd_status check_carriage(const reduced_model *model, const ehd_contact *
     return status;
 }
 
-/* Frames under the load of the last accepted state and of the state from which rates are measured,
- * the path up to which films are doubtful, whether there are kept factors, their rate and frame, and
- * the errors that rows cause in the films: saved behind the accepted states. The state of the
+/* Data that is saved behind the accepted states: frames under the load of the last state and of the
+ * state from which rates are measured, the path up to which films are doubtful, whether there are
+ * kept factors, their rate and frame, and the errors that rows cause in the films. The state of the
  * factors and the indicator's errors follow. */
 typedef struct saved_rest {
     contact_frame load_frame, rate_frame;
@@ -398,7 +398,7 @@ static void move_rate_frame(reduced_march *self) {
 
 /* Returns why a state lies beyond the model, or NULL if it does not: a thinned flow that the
  * equations do not cover, a film that ruptures in the inlet, where the model has no exit, a second
- * zone of pressure, an exit at the edge of its range, and a contact outside of the trained range. */
+ * zone of pressure, an exit at the edge of its range, or a contact outside of the trained range. */
 static const char *why_not_to_trust(reduced_march *self, const reduced_state *state) {
     const double rupture = -1e-3; // in Hertz pressures; truncation alone causes a tenth of it
     const reduced_model *model = self->model;
@@ -876,7 +876,7 @@ static double hertz_density(const ehd_contact *contact, double x) {
                              contact->hertz_pressure * sqrt(fmax(1 - x * x, 0)));
 }
 
-/* Finds bdf_march_missed at the places on the way to the centre. The attempt's state is prepared. */
+/* Finds bdf_march_missed at places on the way to the centre. The attempt's state is prepared. */
 static void miss_on_the_way(reduced_march *self) {
     error_estimate *estimate = &self->estimate;
 
