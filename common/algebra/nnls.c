@@ -10,9 +10,18 @@
 #include <stdlib.h>
 #include <string.h>
 
-// relative to the length of a column; NO_DESCENT also to that of the right side
-static const double DEPENDENT = 1e-10, NO_DESCENT = 1e-11;
-enum { MAX_CHANGES = 10 }; // for each column
+/* Part of a column's length that is left when the columns in use are taken out of it, below which it
+ * depends on these. Round-off leaves 1e-16. From 0 to 1e-2 no solution of test_nnls.c,
+ * columns_may_depend_on_each_other, changes. */
+static const double DEPENDENT = 1e-10;
+
+/* Cosine between a column and the residual below which the column does not reduce the residual any
+ * more: round-off. With 1e-2 solutions are not optimal (test_nnls.c, solutions_are_optimal). */
+static const double NO_DESCENT = 1e-11;
+
+/* Changes of the columns in use, for each column, after which the search is given up. One for each
+ * column is too few (test_nnls.c, solutions_are_optimal). */
+enum { MAX_CHANGES = 10 };
 
 /* Columns of unit length and the right side, rotated so that the columns in use are triangular:
  * column used[i] has zeros below row i. The rows of the right side from num_used on are the

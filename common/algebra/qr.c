@@ -7,13 +7,15 @@
 #include <string.h>
 
 reflection reflection_of(double *direction, const double *column, size_t count, double length) {
-    const double end = column[0] > 0 ? -length : length, least = 0x1p-500, most = 0x1p500;
+    // Source: range of a double, in which squares of these neither underflow nor overflow
+    const double least = 0x1p-500, most = 0x1p500;
+    const double end = column[0] > 0 ? -length : length;
     double size = length;
 
     memcpy(direction, column, count * sizeof *direction);
     direction[0] -= end;
     if (length < least || length > most) { // the square of the length underflows or overflows
-        const int most_exponent = 1000;    // largest for which the scale is finite
+        const int most_exponent = 1000;    // Source: range of a double; the scale is finite
         const int exponent = -ilogb(length);
         const double scale = ldexp(1, exponent < most_exponent ? exponent : most_exponent);
         vector_scale(direction, scale, count);

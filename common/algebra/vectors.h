@@ -54,7 +54,8 @@ static inline void vector_scale(double *x, double factor, size_t count) {
 
 /* Returns the Euclidean norm, also where squares overflow or underflow. */
 static inline double vector_norm(const double *x, size_t count) {
-    const double square = dot(x, x, count), least = 0x1p-900, most = 0x1p1000;
+    const double least = 0x1p-900, most = 0x1p1000; // Source: range of a double
+    const double square = dot(x, x, count);
     double largest = 0, sum = 0;
 
     if (square > least && square < most) return sqrt(square);

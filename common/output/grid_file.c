@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const double COARSEST_STEP = 0.25; // half widths, as for scenes
+static const double COARSEST_STEP = 0.25; // Bounds of the step, half widths, as for scenes
 
 /* Writes an axis. `along`: distance of its nodes in rows. */
 static ehd_status write_axis(artefact *file, const char *name, size_t length, size_t along,
@@ -269,7 +269,7 @@ ehd_status grid_check(const ehd_grid *grid, const char *path, const ehd_grid *ex
 
 ehd_status grid_check_memory(const program *caller, const char *object, const ehd_contact *contact,
                              double bytes, size_t num_jobs, ehd_error *error) {
-    const double megabyte = 1e6, large = 1000, needed = bytes / megabyte;
+    const double megabytes = bytes / 1e6;
     size_t num_nodes = contact->grid.num_inner;
     char jobs[48] = "";
 
@@ -278,8 +278,8 @@ ehd_status grid_check_memory(const program *caller, const char *object, const eh
     const ehd_status status =
         program_check_memory(object, "grid", num_nodes, "nodes", jobs, bytes, error);
     if (status) return status;
-    (needed > large ? program_note : program_detail)(caller, "%zu nodes take about %.0f MB%s",
-                                                     num_nodes, needed, jobs);
+    (megabytes > 1000 ? program_note : program_detail)(caller, "%zu nodes take about %.0f MB%s",
+                                                       num_nodes, megabytes, jobs);
     return EHD_OK;
 }
 
@@ -295,11 +295,11 @@ void grid_print_equations(const ehd_contact *contact) {
     const ehd_grid *grid = &contact->grid;
 
     if (contact->kind == &contact_ellipse) {
-        const double micro = 1e6, half_width = contact->half_width * micro;
+        const double half_width = contact->half_width * 1e6;
         printf("%-24sb/a = %.8g", "ellipse", grid->shape.ellipticity);
         if (isfinite(half_width))
             printf(", a = %.6g µm, b = %.6g µm", half_width,
-                   contact_half_width_across(contact) * micro);
+                   contact_half_width_across(contact) * 1e6);
         putchar('\n');
     }
     printf("%-24s%s\n", "discretization", discretization_name(grid->discretization));

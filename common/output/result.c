@@ -247,9 +247,8 @@ static void print_heating(const ehd_contact *contact) {
 
 void result_print(const run_result *result, const ehd_contact *contact) {
     const char *const of_this = "  of this, about";
-    const double micro = 1e6;
-    const double film = contact_film_scale(contact) * micro;
-    const double width = contact->half_width * micro;
+    const double film = contact_film_scale(contact) * 1e6; // µm
+    const double width = contact->half_width * 1e6;
     const double pressure = isnan(contact->load) ? NAN : contact->hertz_pressure * 1e-9;
     const film_effects effects = result->effects ? *result->effects : film_effects_unknown();
 

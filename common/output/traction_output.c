@@ -70,7 +70,7 @@ static int digits_of(double error, int most) {
     return error > 0 ? (int)fmin(fmax(ceil(-log10(error)) + 1, 1), most) : most;
 }
 
-/* Largest friction coefficient that the law `limiting` accepts. If a lubricant whose viscosity
+/* Bounds of the friction coefficient: the largest that the law `limiting` accepts. If a lubricant whose viscosity
  * rises with pressure has more, a line warns that its law of shear stress does not hold. */
 static const double MUCH_FRICTION = 1;
 

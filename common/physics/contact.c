@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "common/physics/contact.h"
 
+#include "common/algebra/rounding.h"
 #include "common/physics/film_formulas.h"
 
 #include <math.h>
@@ -89,7 +90,8 @@ static double point_primitive(double a, double b) {
 }
 
 /* Distance, in sides of the cell, beyond which a series replaces the closed form. The closed form
- * takes thirty times as long. The truncation error of the series is below 1e-12 of the integral. */
+ * takes thirty times as long. The truncation error of the series is below 1e-12 of the integral; from
+ * 10 sides on it is too large for test_ellipse.c, kernel_is_the_integral_over_a_cell. */
 static const double FAR_CELL = 40;
 
 /* Returns the integral of 1/r over a distant square cell, by a multipole expansion up to the fourth
@@ -266,14 +268,14 @@ bool transport_find(ehd_transport *transport, const char *name) {
 
 ehd_status carriage_check(const ehd_carriage *found, const char *found_in,
                           const ehd_carriage *expected, const char *expected_in, ehd_error *error) {
-    const double rounding = 1e-9; // defaults follow the step of a grid, which has round-off
     const char *in = found_in ? found_in : "", *colon = found_in ? ": " : "";
 
     if (found->transport != expected->transport)
         return ehd_fail(error, EHD_DATA, "%s%stransport: found %s, expected %s, as in %s", in,
                         colon, transport_name(found->transport),
                         transport_name(expected->transport), expected_in);
-    if (isgreater(fabs(found->smoothing - expected->smoothing), rounding)) // false if either is NaN
+    // defaults follow the step of a grid, which has round-off; false if either is NaN
+    if (isgreater(fabs(found->smoothing - expected->smoothing), ROUNDING))
         return ehd_fail(error, EHD_DATA, "%s%stransient.smoothing: found %g, expected %g, as in %s",
                         in, colon, found->smoothing, expected->smoothing, expected_in);
     return EHD_OK;
@@ -430,7 +432,7 @@ double grid_load_weight(const ehd_grid *grid, size_t node) {
 }
 
 static bool is_given_as(double given, double found, double step) {
-    return isnan(given) || fabs(given - found) <= 1e-9 * step;
+    return isnan(given) || fabs(given - found) <= ROUNDING * step;
 }
 
 grid_extent grid_extent_of(const ehd_grid *grid) {
@@ -445,7 +447,7 @@ grid_extent grid_extent_of(const ehd_grid *grid) {
 
 bool grid_has(const ehd_grid *grid, const grid_extent *given) {
     const grid_extent found = grid_extent_of(grid);
-    const double trifle = 1e-9 * grid->step;
+    const double trifle = ROUNDING * grid->step;
 
     return is_given_as(given->x_min, found.x_min, grid->step) &&
            is_given_as(given->x_max, found.x_max, grid->step) &&
@@ -455,7 +457,7 @@ bool grid_has(const ehd_grid *grid, const grid_extent *given) {
 }
 
 bool grid_same(const ehd_grid *a, const ehd_grid *b) {
-    const double slack = 1e-9 * b->step;
+    const double slack = ROUNDING * b->step;
 
     return a->discretization == b->discretization && a->boundary == b->boundary &&
            shape_same(&a->shape, &b->shape) && a->inner_x == b->inner_x &&

@@ -286,13 +286,14 @@ typedef struct contact_settings {
     double approach_length;
 } contact_settings;
 
-/* Range of M and L that a scene may have, given as Moes numbers or in SI units. */
+/* Bounds of M and L of a scene, given as Moes numbers or in SI units. */
 #define MIN_MOES_M 0.1
 #define MAX_MOES_M 1e5
 #define MAX_MOES_L 100
 
-/* Default distance at which a given approach is measured: 10 half widths. It is more than half the
- * length of most grids (contact_check_approach). */
+/* Default distance at which a given approach is measured, in half widths. It has to be more than half
+ * the length of the grid, which it is for most of them (grids.bats, "an approach is measured from far
+ * enough"). */
 extern const double far_approach_length;
 
 /* Makes a contact without grid. Returns EHD_OK, or EHD_DATA: lubricant constants, Hertz pressure

@@ -18,12 +18,14 @@ contact_place contact_place_of_any(const ehd_contact *contact) {
 }
 
 double thinning_coordinate(double sliding) {
+    // films show no less (contact_place.h; test_contact_place.c, thinning_that_no_film_shows_is_none)
     const double least = 1e-6;
 
     return sliding > least ? log(sliding) : log(least);
 }
 
 double gradient_coordinate(double gradient) {
+    // films show no less (contact_place.h; test_contact_place.c, thinning_that_no_film_shows_is_none)
     const double least = 1e-2;
 
     return gradient > least ? log(gradient) : log(least);

@@ -22,7 +22,7 @@ typedef struct contact_shape {
 /* Shape of a circle and of a line contact. */
 extern const contact_shape shape_round;
 
-/* Range of the ellipticity of a contact. */
+/* Bounds of the ellipticity of a contact. */
 extern const double MIN_ELLIPTICITY, MAX_ELLIPTICITY;
 
 /* Returns the shape for an ellipticity b/a above 0, by Carlson's elliptic integrals. For 1 it is

@@ -4,7 +4,8 @@
 #include <math.h>
 #include <stddef.h>
 
-static const double STEEL_MODULUS = 226e9; // Pa, E' of two bodies with E = 206 GPa and nu = 0.3
+// Source: E' of two steel bodies with E = 206 GPa and nu = 0.3, Pa
+static const double STEEL_MODULUS = 226e9;
 
 double film_moes(double moes_M, double moes_L) {
     double rigid_iso = 3 / moes_M;

@@ -72,7 +72,8 @@ static const grid_rule zero_rule = {
     .sides = 0.75,
 };
 
-// step that resolves the surroundings of any contact, and spikes at its centre
+/* Step that resolves the surroundings of any contact, and spikes at its centre, half widths
+ * (README.md, Default grid; test_grid_choice.c, points_with_the_far_field). */
 static const double FINEST_AROUND = 0.0625;
 
 static const grid_rule *rule_of(const ehd_contact *contact) {
@@ -84,6 +85,7 @@ static const grid_rule *rule_of(const ehd_contact *contact) {
  * the viscous pressure of an inlet with the gap of the dry contact (Grubin). Midpoint rule in t,
  * with X = -start/s and s = 1 - t^2. */
 static double grubin_integral(const ehd_contact *contact, double film, double start) {
+    // 4 to 400 give seven lines (M 0.5 to 1000, L 0 to 15) the same inlet (README.md, Default grid)
     const int num_intervals = 400;
     double sum = 0;
 
@@ -113,7 +115,10 @@ static double load_effect(const ehd_contact *contact, double length) {
     const double moes_L = contact_moes_L(contact);
     const contact_shape *shape = &contact->grid.shape;
     const bool line = kind->dimensions == 1;
-    const double change = 1e-3, moes_M = contact->moes_M, lambda = contact->lambda / kind->load;
+    // of ln M, for a difference. From 1e-6 to 0.5 lines of M = 0.5, 1 and 2 begin at the same X
+    // (README.md, Default grid)
+    const double change = 1e-3;
+    const double moes_M = contact->moes_M, lambda = contact->lambda / kind->load;
     const double thicker = log(kind->central_film(shape, moes_M * exp(-change), moes_L) /
                                kind->central_film(shape, moes_M, moes_L)) /
                            change;

@@ -3,10 +3,13 @@
 
 #include <math.h>
 
-/* Largest load term. Up to it, in pure rolling, the factor is 0.78 to 1.07 times that of Murch and
- * Wilson (1975), which does not depend on the load, for p_H/E' from 0.001 to 0.01. At a load term
+/* Largest load term of the formula, whose sources give no range. Up to it, in pure rolling, the
+ * factor is 0.78 to 1.07 times that of Murch and Wilson (1975), which does not depend on the load,
+ * for p_H/E' from 0.001 to 0.01 (test_inlet_heating.c, others_found_about_the_same). At a load term
  * of a half it is 0.5 times. */
 static const double MAX_LOAD_TERM = 0.25;
+
+/* Bounds of |S|: beyond simple sliding the surfaces move in opposite directions. */
 static const double MAX_SLIDE_ROLL = 2;
 
 double inlet_heating_factor(double loading, double ratio, double slide_roll) {

@@ -43,7 +43,8 @@ double contact_shear_stress(const ehd_contact *contact, double pressure, double 
 }
 
 /* Distance of the differences in pressure, relative film and gradient. With 1e-5 the derivatives of
- * the friction of the `limiting` law are 1e-6 off, with 1e-4 6e-5. */
+ * the friction of the `limiting` law are 1e-6 off, with 1e-4 6e-5 (test_traction.c,
+ * slopes_are_those_of_the_laws). */
 static const double DISTANCE = 1e-5;
 
 stress_slopes contact_stress_slopes(const ehd_contact *contact, double pressure, double film,

@@ -76,7 +76,7 @@ static ehd_status check_temperature(const law_value *values, ehd_error *error) {
 
 /* Checks that the viscosity at the temperature is in the range of physical.viscosity. */
 static ehd_status check_eta0(const ehd_lubricant *self, ehd_error *error) {
-    const double min = 1e-6, max = 1e6; // Pa s
+    const double min = 1e-6, max = 1e6; // Bounds of physical.viscosity, Pa s
 
     if (isnan(self->eta0) || (self->eta0 >= min && self->eta0 <= max)) return EHD_OK;
     return ehd_fail(error, EHD_DATA,
@@ -121,6 +121,7 @@ const lubricant_law viscosity_barus = {.name = "barus",
 // ---- Roelands: ln eta = (ln eta0 + 9.67) [(1 + p/1.96e8)^z - 1]. The temperature brings the
 // factor ((T - 138)/(T_ref - 138))^-S0 on ln eta0 + 9.67 (README.md, Temperature).
 
+// Source: Roelands, 1966; the ice point in K
 static const double ROELANDS_PRESSURE = 1.96e8; // Pa
 static const double ROELANDS_TEMPERATURE = 138; // K
 static const double ICE_POINT = 273.15;         // K
@@ -244,7 +245,10 @@ static double wlf(const ehd_lubricant *self, double pressure, double *derivative
  * or has a pole where C2 + y reaches zero. The limit is the smaller of both pressures, or 100 GPa
  * if neither lies below that. */
 static double wlf_pressure_limit(const double *constants) {
-    const double step = 1e6, max = 1e11;
+    // Pa. With steps from 1e5 to 1e8 the limits are the published ones (test_lubricant.c,
+    // wlf_coefficients_and_limits)
+    const double step = 1e6;
+    const double max = 1e11; // Bounds of the limit, Pa
     double slope, low = 0;
 
     for (double p = 0; p <= max; p += step) {
@@ -295,6 +299,8 @@ static double integrate(ehd_lubricant *self, double left, double right, double w
 /* Integrates eta0/eta from 0 to `end`, in octaves, because it may decay within a pressure of any
  * size. */
 static double integrate_inverse_viscosity(ehd_lubricant *self, double end) {
+    // The published oils need no halves: their alpha is the same with a depth of 0 (test_lubricant.c,
+    // alpha_is_the_integral_of_fluidity). 40 octaves leave 1e-12 of the range
     enum { NUM_OCTAVES = 40, DEPTH = 30 };
     const double tolerance = 1e-12;
     double octaves[NUM_OCTAVES + 1], scale = 0, sum = 0;

@@ -1,10 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "common/algebra/rounding.h"
 #include "common/program/text.h"
 #include "common/settings/scene_source.h"
 #include <math.h>
 #include <string.h>
-
-static const double whole_number_tolerance = 1e-9; // relative, of the number of steps
 
 // ---- groups of keys
 
@@ -324,7 +323,7 @@ static ehd_status check_extent(const scene_source *source, ehd_error *error) {
 }
 
 static bool is_whole(double steps) {
-    return fabs(steps - round(steps)) <= whole_number_tolerance * steps;
+    return fabs(steps - round(steps)) <= ROUNDING * steps;
 }
 
 /* Returns the number of inner lines of nodes; 1 if the scene does not give it. */

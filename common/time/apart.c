@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "common/time/apart.h"
 
+#include "common/algebra/rounding.h"
+
 #include <math.h>
 #include <string.h>
-
-static const double SLACK = 1e-9; // relative, of a step: round-off of times
 
 static const apart_moment together = {.approach = -INFINITY, .doubtful = -INFINITY};
 
@@ -140,7 +140,7 @@ static march_step too_long(const char *reason, const contact_frame *frame) {
 }
 
 static bool is_too_long(const apart_march *self, double step) {
-    return step > self->longest_step * (1 + SLACK);
+    return step > self->longest_step * (1 + ROUNDING);
 }
 
 static ehd_status attempt_contact(march_step *outcome, apart_march *self,

@@ -1,19 +1,23 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "common/time/bdf.h"
 
+#include "common/algebra/rounding.h"
+
 #include <math.h>
 #include <string.h>
 
+// Source: 1 + sqrt(2), the bound of zero-stability (README.md, BDF2)
 const double bdf_most_growth = 1 + 1.4142135623730951;
 
 /* Largest sum of the magnitudes of a predictor's weights. A prediction enlarges errors of the
- * states by up to this sum. Steps that each grow by bdf_most_growth reach it. */
+ * states by up to this sum. Steps that each grow by bdf_most_growth reach it. 5 is too little
+ * (test_bdf.c, error_is_that_of_the_next_power). */
 static const double MOST_ENLARGED = 46;
 
 /* Largest ratio of a step of first order to the time that the known states span, up to which their
  * slope predicts the step. Iterations leave errors of 1e-8 to 1e-5 of a film. The slope of states
  * that lie closer together is that of these errors. A longer step is therefore predicted not to
- * change the film. */
+ * change the film (test_bdf.c, a_step_much_longer_than_the_last_is_of_lower_order). */
 static const double MOST_EXTRAPOLATED = 100;
 
 /* Sets the weights with which the polynomial through the chosen previous states predicts the new
@@ -125,11 +129,11 @@ static void swap(bdf_ring *ring, size_t i, size_t k) {
 
 /* Checks whether a state is passing. States after steps that grow, as after a start, are not. */
 static bool is_passing(const bdf_ring *ring, double time, double least) {
-    const double grown = 1.5;  // steps of a march at most double
-    const double slack = 1e-9; // round-off of times
+    // steps of a march at most double (test_bdf.c, states_that_follow_too_soon_are_passing)
+    const double grown = 1.5;
     const double step = time - ring->time[ring->place[1]];
 
-    return ring->num_previous == BDF_PREVIOUS && step < least * (1 - slack) &&
+    return ring->num_previous == BDF_PREVIOUS && step < least * (1 - ROUNDING) &&
            step < grown * interval(ring, 1);
 }
 

@@ -9,12 +9,13 @@
 #include "common/time/film_errors.h"
 #include "common/time/march.h"
 
-/* Factor by which BDF2 enlarges an error that steps of equal length add to a film one after the
+/* Source: BDF2 with equal steps. Factor by which it enlarges an error that steps of equal length add to a film one after the
  * other, such as the change by the filter. It is the formula's rate times the step. */
 extern const double march_error_growth;
 
 /* Distance before the exit boundary, in half widths, up to which the local error is evaluated.
- * Nearer to the exit its moves by whole nodes make a noise that no shorter step takes away. */
+ * Nearer to the exit its moves by whole nodes make a noise that no shorter step takes away
+ * (test_full_march.c, local_error_is_that_before_the_exit). */
 extern const double march_exit_margin;
 
 /* Places of a model's states: those of the ring, and that of the base. Along the path, previous

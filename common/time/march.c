@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "common/time/march.h"
 
+#include "common/algebra/rounding.h"
 #include "common/program/program.h"
 #include "common/time/surface.h"
 
@@ -12,30 +13,68 @@
 /* Divisor of the tolerance, for the local error of one step. Local errors add up over the hundreds
  * of steps that a film takes through the contact. Measured on a film that follows a load of period
  * 1/2: its central value is at most twenty times the tolerance off, and errors go as the tolerance
- * to the power 2/3. */
+ * to the power 2/3 (test_march.c, tolerance_controls_the_error). */
 static const double PASSAGE = 30;
 
 /* Largest error that a film may have taken up at any one time, in tolerances; the tolerance itself
  * is a root mean square over time. Errors that travel with a front do not cancel along the way. If
  * the error exceeds this bound, steps become more accurate by the same factor. A load that swings
- * by 40 % (scenes/studies/transient-load) is then 1.8 tolerances of 5e-3 off, in place of 6.0. */
+ * by 40 % (scenes/studies/transient-load) is then 1.8 tolerances of 5e-3 off, in place of 6.0
+ * (test_march.c, what_films_have_taken_up_shortens_steps). */
 static const double MOST_TAKEN_UP = 8;
 
-static const double FIRST_OF_FIXED = 1. / 8; // first step; a longer one launches a front
+/* First step along the path, in fixed steps, because a long step of first order launches a front.
+ * With a whole one, steps of 0.1 under a load that swings by a fifth (scenes/examples/line-in-time)
+ * are up to 2.1 % off, with an eighth 1.5 % (against steps of 0.0125). */
+static const double FIRST_OF_FIXED = 1. / 8;
 
-static const double MAX_GROWTH = 2; // below bdf_most_growth
+/* Largest ratio of successive steps. It stays below bdf_most_growth; on an example
+ * (scenes/examples/line-in-time, step 0.02) 1.3 takes 61 steps in place of 57 (test_march.c,
+ * steps_grow_by_two_at_most). */
+static const double MAX_GROWTH = 2;
+
+/* Least ratio of a step to the one before it, by its local error. From 0.05 to 0.5 the steps of
+ * scenes/examples/line-in-time stay the same; after a load step by 30 % they take 467, 467 and 466
+ * iterations. */
 static const double MIN_SHRINK = 0.2;
-static const double FAILED_SHRINK = 0.25; // where Newton did not converge
+
+/* Ratio of the next attempt to a step in which Newton did not converge, which has no local error
+ * (test_march.c, failed_step_is_taken_again). */
+static const double FAILED_SHRINK = 0.25;
+
+/* Ratio of a step to the one whose local error would be the tolerance. scenes/examples/line-in-time
+ * at a step of 0.02 takes 63 attempts, 67 with 0.6 and 71 with 1; upwind 181, 234 and 204
+ * (test_march.c, tolerance_controls_the_error). */
 static const double SAFETY = 0.85;
-static const double NOISE_KEPT = 0.9; // part of the solver's noise that still counts a step later
-enum { WATCHED_ATTEMPTS = 3000, STILL_ATTEMPTS = 100, MAX_HALVINGS = 60 };
-static const double MIN_STEP = 1e-9;            // relative to the first step
-static const double ROUNDING = 8 * DBL_EPSILON; // relative round-off of summed times
-// Longest step while the bodies are apart, as a part of the shortest time of smooth histories: no
-// error limits these steps. The shortest time of a sine is 1/(2 pi) of its period, so that a
-// contact that lasts for a hundredth of the period is not missed.
+
+/* Part of the solver's noise that still counts a step later. 0.09 is too little for test_march.c,
+ * steps_stand_above_noise. */
+static const double NOISE_KEPT = 0.9;
+
+/* Attempts after which the progress of a march is looked at. With 30 in place of 3000 a march ends
+ * too early, with 3 or 10,000 in place of 100 too early or too late (test_march.c,
+ * step_size_underflows, crawling_ends). */
+enum { WATCHED_ATTEMPTS = 3000, STILL_ATTEMPTS = 100 };
+
+/* Least step relative to the first one, and relative round-off of summed times. 1e-3 is too much for
+ * test_march.c, crawling_ends. Without the round-off steps would not change the time any more
+ * (test_march.c, step_size_ends_above_rounding); with 1e-10 fixed steps end late in time
+ * (test_march.c, fixed_steps_go_on_late_in_time). */
+static const double MIN_STEP = 1e-9, SUM_ROUNDING = 8 * DBL_EPSILON;
+
+/* Longest step while the bodies are apart, as a part of the shortest time of smooth histories: no
+ * error limits these steps. The shortest time of a sine is 1/(2 pi) of its period, so that a
+ * contact that lasts for a hundredth of the period is not missed (test_apart.c,
+ * no_contact_is_missed). */
 static const double WATCHED_PART = 1. / 16;
-static const double SLIVER = 1e-3; // of a step: times closer than that count as one
+
+/* Part of a step: times closer than that count as one (test_march.c,
+ * times_closer_than_a_thousandth_of_the_step_are_one). */
+static const double SLIVER = 1e-3;
+
+/* Most halvings of a step for a surface: 1e-18 of the step is left (README.md, A surface that is not
+ * smooth). */
+enum { MAX_HALVINGS = 60 };
 
 march_settings march_settings_of(const scene *given, const ehd_histories *histories,
                                  double reference_approach) {
@@ -169,7 +208,7 @@ double load_forecast_scale(const load_forecast *self, double step, const ehd_gri
  * k/30 of nine digits and a fixed step of 1/30 took 1040 steps in place of 64. After a step that an
  * event cuts short, each of the next steps is at most twice as long as the one before. */
 static double least_distance(double time, double step) {
-    return fmax(SLIVER * step, ROUNDING * time);
+    return fmax(SLIVER * step, SUM_ROUNDING * time);
 }
 
 /* End of the next attempt. */
@@ -196,7 +235,7 @@ static double step_of_surface(const march *self) {
         const double path = histories_path(self->histories, state->time + step) - frame.path;
         const double longest =
             surface_longest_path(surface, &frame, &self->reference->grid, path < 0);
-        if (!(fabs(path) > longest * (1 + 1e-9))) break;
+        if (!(fabs(path) > longest * (1 + ROUNDING))) break;
         step *= fmax(longest / fabs(path), 0.5);
     }
     return step;
@@ -271,7 +310,7 @@ static double error_after_kink(const march *self, const march_step *outcome) {
 /* Returns the step size below which the march ends. Shorter steps do not advance the march, or are
  * lost in the round-off of the time. */
 static double min_step(const march *self) {
-    return fmax(MIN_STEP * self->settings.first_step, ROUNDING * self->state.time);
+    return fmax(MIN_STEP * self->settings.first_step, SUM_ROUNDING * self->state.time);
 }
 
 static bool is_along_path(const march *self) {
@@ -318,7 +357,8 @@ static double shortest_step(const march *self, const contact_frame *frame) {
     return is_along_path(self) ? frame_shortest_step(frame, &self->reference->grid) : 0;
 }
 
-/* Largest ratio of a repeated step to the rejected one. */
+/* Largest ratio of a repeated step to the rejected one. A step that is hardly shorter has hardly less
+ * error (test_march.c, steps_along_the_path_stay_at_the_shortest). */
 static const double LEAST_SHRINK = 0.9;
 
 static bool is_shortest(const march *self, const march_step *outcome) {
@@ -468,6 +508,7 @@ typedef struct stillness {
  * with such steps the end is more than a million attempts away. At least one attempt must be
  * rejected: otherwise steps become shorter only at events of the histories. */
 static void watch_standstill(march *self, stillness *mark) {
+    // relative to the first step, and until the end (test_march.c, crawling_ends)
     const double shrunk = 1e-3, most_attempts = 1e6;
     const march_state *state = &self->state;
     const double step = (state->time - mark->time) / STILL_ATTEMPTS;
@@ -485,7 +526,8 @@ static void watch_standstill(march *self, stillness *mark) {
 /* Ends a march whose step size collapses. If a model's noise exceeds the tolerance, steps become
  * shorter and shorter, and the end is out of reach. */
 static void watch_progress(march *self, double *mark, double usual) {
-    const double min_progress = 0.01; // relative to `usual`, in WATCHED_ATTEMPTS
+    // relative to `usual`, which then takes 300,000 attempts (README.md, BDF2)
+    const double min_progress = 0.01;
 
     if (!(self->state.time - *mark > min_progress * usual))
         snprintf(self->reason, sizeof self->reason,

@@ -8,7 +8,9 @@
 
 enum { ORDER = PATH_FILTER_ORDER, BAND = ORDER + 1 };
 
-static const double MOST_STEPS = 50; // longest length: at 56 steps round-off leaves no factor
+// Longest length, in steps of the grid: at 56 steps round-off leaves no factor (test_path_filter.c,
+// a_length_of_too_many_steps_is_refused)
+static const double MOST_STEPS = 50;
 
 /* Returns the weight of the squared difference around a place. For k h << 1 the difference of a
  * wave k is (k h)^ORDER. */
@@ -50,6 +52,8 @@ static bool factorise(double *matrix, size_t width) {
 }
 
 double path_filter_length(const ehd_contact *contact) {
+    // half widths, and the default tolerance (README.md, Along the path; test_path_filter.c,
+    // the_length_goes_with_the_tolerance)
     const double usual = 0.014, usual_tolerance = 1.5e-3;
     // the filter's change of a central film at fronts goes as the third power of the length; the
     // share is 1 where no tolerance is known

@@ -7,14 +7,17 @@
 
 /* Largest number of nodes of a grid that is longer because of light loads. Twice the nodes of the
  * reference's own grid are always allowed. With 10,000 nodes a step of a line contact takes 0.13 s.
- * On larger grids of points the full model has no factors of the whole system (full_is_large). */
+ * On larger grids of points the full model has no factors of the whole system (full_is_large;
+ * test_time_grid.c, grids_stay_within_bounds). */
 static const double MOST_NODES = 10000;
 
 /* Limits of the estimated error of the central film by the length of the inlet. Default grids keep
- * the first one, trusted results the second one, which is the error of a film formula. */
+ * the first one, trusted results the second one, which is the error of a film formula
+ * (common/physics/README.md, Default grid; test_time_grid.c, default_grids_suffice). */
 static const double USUAL_EFFECT = 0.03, LARGEST_EFFECT = 0.05;
 
-/* Numbers of times at which the histories are sampled: at least, at most, and in a period. */
+/* Numbers of times at which the histories are sampled: at least, at most, and in a period
+ * (test_time_grid.c, no_minimum_is_missed). */
 enum { NUM_TIMES = 1000, MOST_TIMES = 100000, TIMES_A_PERIOD = 25 };
 
 /* Returns the stationary contact with the M and the Hertz pressure of a frame's contact. */

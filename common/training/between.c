@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "common/training/between.h"
 
+#include "common/algebra/rounding.h"
 #include "common/settings/scene_contact.h"
 #include "common/settings/settings_table.h"
 
@@ -125,12 +126,12 @@ static bool find_middle(scene *middle, const scene *left, const scene *right) {
 /* Checks that no third scene sees two scenes at an obtuse angle. The scenes behind the first one in
  * the plan are checked first, because they mostly lie between the two. */
 static bool are_neighbours(const crowd *self, size_t i, size_t j) {
-    const double rounding = 1e-9, distance = square(self, i, j);
+    const double distance = square(self, i, j);
 
     if (isinf(distance) || distance == 0) return false;
     for (size_t n = 1; n < self->count; n++) {
         const size_t k = (i + n) % self->count;
-        if (k != j && square(self, i, k) + square(self, j, k) < distance * (1 - rounding))
+        if (k != j && square(self, i, k) + square(self, j, k) < distance * (1 - ROUNDING))
             return false;
     }
     return true;
