@@ -16,8 +16,8 @@
 
 /* Largest pressure gradient at the end of the grid in a trusted result, in Hertz pressures per
  * half width. With this gradient the central film is 0.15 % off: measured under loads that vary
- * by half, on grids to X = 1.15 … 2 against one to 4. After a load step by half the gradient
- * briefly reaches half of it. */
+ * by half, on grids to X = 1.15 … 2 against one to 4 (README.md, In time). After a load step by half
+ * the gradient briefly reaches half of it. */
 static const double MAX_END_GRADIENT = 0.3;
 
 struct full_march {
@@ -64,7 +64,7 @@ double full_march_bytes(const ehd_contact *reference) {
 static double dry_start_film(const ehd_contact *reference) {
     const contact_kind *kind = reference->kind;
     const contact_shape *shape = &reference->grid.shape;
-    const double slowness = 100;
+    const double slowness = 100; // (README.md, In time; test_full_march.c, start_at_rest)
     double moes_M = kind->moes_M(shape, reference->lambda / slowness);
     double moes_L = reference->alpha_p_H / kind->alpha_p_H(shape, moes_M, 1);
 
@@ -181,7 +181,8 @@ static ehd_status continue_to_approach(full_info *info, full_march *self, contac
                                        ehd_error *error) {
     // of 120 approaches (lines and points, M 5 to 100, L 0 to 10, H0 from -6 to 2) 73 are
     // reached, all with strides down to 1/128. The others mostly lift off; giving one up takes
-    // about 30 solutions
+    // about 30 solutions. The load settles to Newton's tolerance (test_full_march.c,
+    // start_from_an_approach_far_away)
     const double min_stride = 1. / 1024, settled = 1e-8;
     const double wanted = frame->approach;
     full_state *state = &state_before(self, 0)->state, *last = &state_before(self, 1)->state;
@@ -299,6 +300,7 @@ static void place_start_surface(full_march *self, const contact_frame *frame, do
  * its heights. If the approach is given, the frame follows the load. */
 static ehd_status add_surface(full_info *info, full_march *self, contact_frame *frame,
                               ehd_error *error) {
+    // as in continue_to_approach (test_surface.c, one_at_rest_is_part_of_the_start)
     const double min_stride = 1. / 128, settled = 1e-8;
     full_state *state = &state_before(self, 0)->state, *last = &state_before(self, 1)->state;
     double done = 0, stride = 1, load = 1;

@@ -26,13 +26,15 @@
 
 /* Largest number of iterations. Their vectors take most of the solver's memory. A system that
  * needs more is solved less accurately. 21 stationary lines and points (M 1 to 1000, L 0 to 25)
- * and three in time need at most 20, a line of 76801 nodes 77. */
+ * and three in time need at most 20, a line of 76801 nodes 77 (test_gmres.c,
+ * vectors_suffice_for_a_fine_grid). */
 enum { MAX_ITERATIONS = 80 };
 
 /* Columns by which the rows of a cycle are wider at either end at first. Their entries are then
  * added to the last ones of the row. Without them, differences along the line lack some of their
  * nodes, and solutions of the line grow or fade downstream. With M = 200, L = 20 and 256 cells a
- * side GMRES takes 109 iterations, without them 197. */
+ * side GMRES takes 109 iterations, without them 197 (test_full_point.c,
+ * fine_grids_take_few_iterations). */
 enum { CYCLE_WIDER = 2 };
 
 /* Factors of the band of one system. They also precondition the next systems of a Newton
@@ -491,7 +493,8 @@ static bool renew_factors(full_system *system) {
 }
 
 /* Number of iterations that take as long as new factors. On 65 by 65 nodes in time factors take
- * 3.8 ms and an iteration 0.35 ms, on a line of 1201 nodes 1.1 and 0.1 ms. */
+ * 3.8 ms and an iteration 0.35 ms, on a line of 1201 nodes 1.1 and 0.1 ms (test_gmres.c,
+ * factors_serve_the_whole_step). */
 static const size_t COST_OF_FACTORS = 10;
 
 /* Checks whether the factors of an earlier system save more time than their

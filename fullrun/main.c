@@ -180,8 +180,8 @@ typedef struct long_work {
 
 /* Returns the part of the whole work that is done when a grid and all coarser ones are solved. */
 static double work_up_to(const ehd_grid *grid, const ehd_grid *finest) {
-    const double growth = 1.4; // exponent of the time over the number of nodes, measured
-    return pow((double)grid->num_inner / (double)finest->num_inner, growth);
+    // the time grows as this power of the number of nodes; only the progress line shows it
+    return pow((double)grid->num_inner / (double)finest->num_inner, 1.4);
 }
 
 /* Returns the Newton iterations that a grid may still take. Below a scaled residual of 0.01,
@@ -253,9 +253,6 @@ static ehd_status put_resolution(artefact *file, const full_resolution *resoluti
     return status;
 }
 
-// error estimates above which a note is printed; the minimum film converges less regularly
-static const double NOTED_EFFECT = 0.01, NOTED_EFFECT_MINIMUM = 0.03, NOTED_EFFECT_ROLLING = 0.03;
-
 static void note_resolution(const program *self, const full_resolution *resolution,
                             const ehd_contact *contact) {
     const ehd_grid *grid = &contact->grid;
@@ -264,22 +261,22 @@ static void note_resolution(const program *self, const full_resolution *resoluti
     const double *effects = resolution->effects.of;
 
     if (film_effects_are_infinite(&resolution->effects)) return; // reported as an outcome
-    if (effects[EFFECT_INLET] > NOTED_EFFECT)
+    if (effects[EFFECT_INLET] > resolution_limit)
         program_note(self,
                      "%s: grid.x_min: found %g, expected a longer inlet: the error estimate of the "
                      "central film is %.2g %%",
                      path, grid->x_min, 100 * effects[EFFECT_INLET]);
-    if (effects[EFFECT_STEP] > NOTED_EFFECT)
+    if (effects[EFFECT_STEP] > resolution_limit)
         program_note(self,
                      "%s: grid.step: found %g, expected a finer one: the error estimate of the "
                      "central film is %.2g %%",
                      path, grid->step, 100 * effects[EFFECT_STEP]);
-    else if (effects[EFFECT_STEP_MINIMUM] > NOTED_EFFECT_MINIMUM)
+    else if (effects[EFFECT_STEP_MINIMUM] > resolution_limit_minimum)
         program_note(self,
                      "%s: grid.step: found %g, expected a finer one: the error estimate of the "
                      "minimum film is %.2g %%",
                      path, grid->step, 100 * effects[EFFECT_STEP_MINIMUM]);
-    if (with_rolling && film_effects_of_rolling(&resolution->effects) > NOTED_EFFECT_ROLLING)
+    if (with_rolling && film_effects_of_rolling(&resolution->effects) > resolution_limit_minimum)
         program_note(
             self,
             "%s: rolling resistance: found an error estimate of %.2g %%, expected a longer "
@@ -369,9 +366,9 @@ static ehd_status solve_stationary(stationary_run *self, ehd_error *error) {
 }
 
 /* Largest number of times that the program halves its default step. Contacts with b/a from
- * 0.05 to 20 and lines were tried, with M from 0.1 to 2000 and L from 0 to 25. Those whose
- * default step was too coarse needed one halving. Each halving takes four times as many
- * nodes of a point contact. */
+ * 0.05 to 20 and lines were tried, with M from 0.1 to 2000 and L from 0 to 25 (README.md, Default
+ * grid). Those whose default step was too coarse needed one halving. Each halving takes four times
+ * as many nodes of a point contact. */
 enum { MAX_HALVINGS = 2 };
 
 /* Halves the default step if it does not resolve the contact. Returns whether it did: it needs

@@ -25,7 +25,8 @@
 #include <string.h>
 
 /* The coarsest grid, which a band matrix solves, has at most COARSEST lines or at
- * most COARSEST columns. */
+ * most COARSEST columns. With 4 cycles converge too slowly (test_multigrid.c,
+ * cycles_converge_on_any_grid). */
 enum { COARSEST = 40, MAX_LEVELS = 20 };
 
 /* Factors L U of a line's matrix at a node: entries of L for two nodes and one node back, the
@@ -72,7 +73,8 @@ static bool is_coarsest(const level *self) {
 }
 
 /* Ratio of the flow across the lines to that along them, above which a coarser grid keeps
- * all nodes of a line. */
+ * all nodes of a line. Otherwise GMRES stalls (README.md, Large point contacts; test_multigrid.c,
+ * cycles_converge_on_narrow_ellipses). */
 static const double MUCH_ACROSS = 4;
 
 static level coarser(const level *fine) {

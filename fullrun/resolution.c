@@ -30,17 +30,15 @@ static central_line central_line_of(const full_state *state, const ehd_grid *gri
     return line;
 }
 
-/* Factor by which an estimate is enlarged to make it a bound: that of P. J. Roache (J. Fluids
- * Eng. 116, 1994) for three grids. */
+/* Source: P. J. Roache (J. Fluids Eng. 116, 1994), for three grids. Factor by which an estimate is
+ * enlarged to make it a bound. */
 static const double SAFETY = 1.25;
 
-/* If no order of convergence is observed, a step is too coarse where twice the step changes a
- * film by more than this. The minimum film converges less regularly. */
-static const double LIMIT = 0.01, LIMIT_MINIMUM = 0.03;
+const double resolution_limit = 0.01, resolution_limit_minimum = 0.03;
 
 /* Longest step, in half widths, of a grid that gives the effect of a point contact's domain. In two
  * of 67 random scenes (scenes/studies/discretization) the estimate was 0.3 and 0.7 of the effect on
- * steps of 1, and 0.9 and 1.2 on steps of 0.5. Test: boundary.bats, "fine enough". */
+ * steps of 1, and 0.9 and 1.2 on steps of 0.5 (boundary.bats, "fine enough"). */
 static const double COARSEST_FOR_DOMAIN = 0.5;
 
 /* Films, and the rolling moment, to which the rolling resistance is proportional. */
@@ -84,6 +82,8 @@ static void viscous_pressure(double *viscous, const double *log_viscosity, const
  * a grid that begins there lacks. They follow from dP/dX = viscosity lambda (H - H_exit)/H^3,
  * where H is the gap of the dry contact plus a constant. X = start / s, midpoint rule in s. */
 static inlet_tail tail_before(const central_line *line, const ehd_contact *contact, double start) {
+    // estimates of the inlet are the same in two digits from 20 on (README.md, Estimates of inlet and
+    // step; M = 1, 5 and 20)
     const int num_intervals = 200;
     const double stride = 1. / num_intervals, flux = line->film[line->exit];
     const contact_kind *kind = contact->kind;
@@ -464,10 +464,12 @@ static void set_effects(full_resolution *self, const film_pair films[3], const i
     // the minimum film of a coarse grid may move to another node, and hardly change by chance
     self->effects.of[EFFECT_INLET_MINIMUM] =
         fmax(self->effects.of[EFFECT_INLET], SAFETY * fabs(of_minimum[1]));
-    self->effects.of[EFFECT_STEP] = SAFETY * step_effect(central, of_central, third ? 3 : 2, LIMIT);
+    self->effects.of[EFFECT_STEP] =
+        SAFETY * step_effect(central, of_central, third ? 3 : 2, resolution_limit);
     // three minimum films may agree by chance
-    self->effects.of[EFFECT_STEP_MINIMUM] = fmax(
-        self->effects.of[EFFECT_STEP], SAFETY * step_effect(minimum, of_minimum, 2, LIMIT_MINIMUM));
+    self->effects.of[EFFECT_STEP_MINIMUM] =
+        fmax(self->effects.of[EFFECT_STEP],
+             SAFETY * step_effect(minimum, of_minimum, 2, resolution_limit_minimum));
 }
 
 /* Sets the error estimates of the rolling resistance. Of a line contact the resistance includes

@@ -16,6 +16,13 @@ typedef struct full_resolution {
     size_t outlet_nodes; // from the minimum film behind X = 0 to the exit
 } full_resolution;
 
+/* Largest error estimates, relative, that are not noted: of the central film, and of the minimum film
+ * and the rolling resistance, which converge less regularly. If no order of convergence is observed,
+ * a step is too coarse where twice the step changes a film by more (fullrun/README.md, Estimates of
+ * inlet and step; test_resolution.c, too_coarse_to_tell; effects.bats, "a note of the minimum
+ * film"). */
+extern const double resolution_limit, resolution_limit_minimum;
+
 /* Estimates the errors of films and rolling resistance for the inlet or domain and for the step
  * (fullrun/README.md, Estimates of inlet and step). It solves the contact from the solution on
  * grids of twice and four times the step. One of them is solved again with an endless inlet, a
