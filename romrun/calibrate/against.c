@@ -121,6 +121,7 @@ static void print_heading(const char *path, const ehd_grid *grid, const ehd_grid
 ehd_status against_check(double moes_M, double alpha_p_H, double hertz_pressure,
                          flow_thinning thinning, const ehd_grid *grid, const char *path,
                          const ehd_contact *contact, ehd_error *error) {
+    // as many digits as scenes are written with (reduced.bats, "--against prints the deviations")
     const double slack = 1e-6;
     const ehd_status status = grid_check_shape(grid, path, &contact->grid, "the scene", error);
 
@@ -176,7 +177,8 @@ typedef struct time_deviation {
     double sum, length; // integral over T of the relative size, and the time that it covers
 } time_deviation;
 
-/* Times are equal up to this relative difference. */
+/* Times are equal up to this relative difference: round-off of summed steps (scenes.bats,
+ * "deviations over time are exact"). */
 static const double SAME_TIME = 1e-12;
 
 /* Returns a value of the second run at a time. `near`: in and out, index of the spline interval. */

@@ -12,7 +12,7 @@
  * of the region and find the largest errors; the others represent the usual errors. With 20 scenes
  * far from one another and 10 others, the factors of the estimates are at least 1.6 times those
  * that cover all of 118 and 149 random scenes (both loaded regions). With 20 scenes along the walk
- * alone they are as low as 0.65 times. */
+ * alone they are as low as 0.65 times (deimselect/README.md, The check). */
 enum { MIN_SCENES = 10, MAX_SCENES = 30, PERCENT_SPREAD = 67, MAX_TRAJECTORIES = 3 };
 
 static const shard all = {1, 1};

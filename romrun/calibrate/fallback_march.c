@@ -58,7 +58,7 @@ ehd_status fallback_march_create(fallback_march **created, parts_march *reduced,
                                  double accuracy, const char *distrust, ehd_error *error) {
     // With the whole accuracy of 1 % as the limit, an untrained load of +-30 % leaves the minimum
     // film 25 % off. With a tenth it is 0.57 % off, with 348 instead of 330 of 640 steps by the
-    // full model.
+    // full model (README.md, Fallback to the full model).
     const double part = 0.1;
     const full_settings settings = full_default_settings();
     const ehd_contact *reference = reduced_march_steps(parts_march_part(reduced, 0))->reference;

@@ -8,10 +8,11 @@
 
 // ---- the ladder
 
-static const double MIN_MODES = 10;
-static const double STRIDE = 1.4142; // ratio of successive numbers of modes
-static const size_t HALVED = 2;      // strides at the end, among the accurate sizes, that are
-                                     // halved
+/* Fewest modes, ratio of successive numbers of modes, and number of strides at the end, among the
+ * accurate sizes, that are halved. Two strides double the modes (README.md, Calibration and the accuracy dial; test_trade.c,
+ * the_ladder_goes_from_ten_modes_to_all). */
+static const double MIN_MODES = 10, STRIDE = 1.4142;
+static const size_t HALVED = 2;
 static const double ROWS_PER_MODE[] = {1.2, 1.5, 2, 3, INFINITY}; // at most the stored number
 enum { NUM_ROWS_PER_MODE = sizeof ROWS_PER_MODE / sizeof *ROWS_PER_MODE };
 

@@ -467,22 +467,23 @@ static bool accept(fmu_instance *self) {
 }
 
 /* Most halvings of a step that does not converge: down to a millionth of the communication step.
- * Then it is discarded. */
+ * Then it is discarded (fmu.bats, "a step that cannot be done changes nothing"). */
 enum { MOST_HALVINGS = 20 };
 
 /* A communication step is discarded if it stands still. This is checked after every
  * WATCHED_ATTEMPTS: at the rate of the last ones the rest would take more than MOST_ATTEMPTS.
  * Towards a load that no contact has, each millionth of a step may converge; one step of
- * tests/pipeline/fmu.bats then took more than 17 minutes. */
+ * fmu.bats, "a step that cannot be done changes nothing", then took more than 17 minutes. */
 enum { WATCHED_ATTEMPTS = 100, MOST_ATTEMPTS = 100000 };
 
 /* Most halvings of a step whose local error is too large; then the error is taken for noise. A
  * local error falls with the third power of the step, behind a kink of the inputs with the second
- * or first. On the line of tests/pipeline/fmu.bats errors stop falling after 6 to 10 halvings, at
- * 2e-8 to 8e-8 of the film. */
+ * or first. On the line of fmu.bats, "a tolerance below the solver's noise", errors stop falling
+ * after 6 to 10 halvings, at 2e-8 to 8e-8 of the film. */
 enum { MOST_FOR_ERROR = 10 };
 
-// part of the noise level that is kept for the next step, as in march_run
+// part of the noise level that is kept for the next step, as NOISE_KEPT in march.c (fmu.bats, "a
+// tolerance below the solver's noise is no error")
 static const double NOISE_KEPT = 0.9;
 
 /* A communication step, in parts that are powers of 1/2, so that their sum is exact. */

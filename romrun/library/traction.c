@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Traction of solutions and of accepted states. */
 #include "common/physics/traction.h"
+#include "common/algebra/rounding.h"
 
 #include "common/program/arena.h"
 #include "common/time/frame.h"
@@ -101,7 +102,7 @@ static ehd_status find_sliding(double *sliding, ehdrom_contact *self, const slid
     const double own_sliding = reference->slide_roll * of->frame.speed * units_of(self, of)->speed;
     if (isnan(*sliding)) *sliding = own_sliding;
     if (traction_thins_flow(reference) &&
-        !(fabs(*sliding - own_sliding) <= 1e-9 * fabs(own_sliding)))
+        !(fabs(*sliding - own_sliding) <= ROUNDING * fabs(own_sliding)))
         return ehd_fail(&self->error, EHD_DATA,
                         "sliding: found %g, expected %g: with lubricant.shear.in_film a film is of "
                         "one sliding",
