@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "romrun/model/flat_model.h"
 
+#include "common/algebra/rounding.h"
 #include "common/output/grid_file.h"
 #include "common/settings/scene.h"
 #include "romrun/model/reduced_cut.h"
@@ -234,7 +235,7 @@ static void walk_shown(flat *file, reduced_model *model) {
 static void check_shift(flat *file, const reduced_model *model) {
     const start_shift *shift = &model->shift;
     const row_set *rows = &model->rows;
-    const double rounding = 1e-9 * model->grid.step;
+    const double rounding = ROUNDING * model->grid.step;
 
     for (size_t q = 0; q < shift->num_nodes; q++)
         if (!(shift->x[q] > 0) ||

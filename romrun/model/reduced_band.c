@@ -7,11 +7,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-// margins of the band, in half widths
-static const double EXIT_MARGIN = 0.1;     // beyond the trained exits of a line contact
-static const double LINES_MARGIN = 0.3;    // beyond the trained exits of a point contact, whose
-                                           // single lines vary more
-static const double MINIMUM_MARGIN = 0.05; // before the trained film minima
+/* Margins of the band, in half widths: beyond the trained exits of a line contact and of a point
+ * contact, whose single lines vary more, and before the trained film minima. Exits of iterates may
+ * lie beyond the trained ones: without the first margin not every trained solution leads to every
+ * other one, and neither with -0.1 for the last (test_reduced_solver.c,
+ * any_trained_solution_leads_to_any_other). */
+static const double EXIT_MARGIN = 0.1, LINES_MARGIN = 0.3, MINIMUM_MARGIN = 0.05;
 
 /* Returns the node of a training state's film minimum, from the deflection of its pressure. */
 static size_t film_minimum(const reduced_basis *basis, const double *deflection,

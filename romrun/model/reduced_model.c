@@ -16,8 +16,6 @@ void reduced_model_free(reduced_model *model) {
     memset(model, 0, sizeof *model);
 }
 
-// with 1e-4, 1e-5 and 1e-6, and seven integrands in training: 98, 120 and 140 nodes for the
-// friction of a line on 1201 nodes, and largest errors of 9e-4, 6e-5 and 3e-5
 const double node_cubature_tolerance = 1e-5;
 
 // ---- lines and columns

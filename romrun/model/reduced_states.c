@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "common/algebra/rounding.h"
 #include "romrun/model/reduced_model.h"
 
 #include "common/physics/traction.h"
@@ -59,7 +60,7 @@ ehd_status reduced_states_init(reduced_states *states, size_t num_states, size_t
 }
 
 static bool is_same(double left, double right) {
-    return fabs(left - right) <= 1e-9 * fmax(fabs(left), fabs(right));
+    return fabs(left - right) <= ROUNDING * fmax(fabs(left), fabs(right));
 }
 
 /* Compares two lubricants. Unknown rises count as equal. */

@@ -39,8 +39,10 @@ ehd_status weighting_plain(double *factors, const double *sampled, size_t num_ro
  * nothing. */
 static void solve_bounded(double *w, double *slope, const double *matrix, size_t size,
                           double min_weight) {
+    // of a change over the largest weight; with 0.1 or two sweeps it is not the minimum
+    // (test_weighting.c, weights_are_those_of_the_minimum)
+    const double enough = 1e-6;
     const size_t max_sweeps = 2000;
-    const double enough = 1e-6; // of the largest weight
     double change = INFINITY, largest = 0;
 
     for (size_t sweep = 0; sweep < max_sweeps && change > enough * largest; sweep++) {
@@ -61,7 +63,7 @@ static void solve_bounded(double *w, double *slope, const double *matrix, size_t
 ehd_status weighting_quadrature(double *factors, const double *sampled, size_t num_rows,
                                 size_t num_modes, ehd_error *error) {
     // above 0, since the exit may deactivate other rows; from 1e-6 to 0.2 the worst error is the
-    // same in four digits
+    // same in four digits (test_weighting.c, weights_stay_positive)
     const double min_weight = 0.05;
     double *gram = malloc(num_rows * num_rows * sizeof *gram);
     double *slope = malloc(num_rows * sizeof *slope);
