@@ -174,7 +174,8 @@ static ehd_status attempt(march_step *outcome, void *solver, const contact_frame
 /* Returns the least time between the states that steps begin at (README.md, Steps of another
  * integrator). */
 static double least_interval(const bdf_march *self, const contact_frame *frame) {
-    const double least = 0.5; // steps of the grid
+    // steps of the grid (README.md, BDF2; test_online_transient.c, steps_may_have_any_lengths)
+    const double least = 0.5;
 
     return self->allows_short && bdf_march_along_path(self)
                ? least * frame_grid_step(frame, &self->reference->grid)

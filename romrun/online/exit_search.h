@@ -45,6 +45,9 @@ typedef struct exit_search {
  * reduced_settings. */
 void exits_init(exit_search *self, const reduced_model *model, double spacing, arena *memory);
 
+/* Relative change of the central film by an exit that is a node off (README.md, Within a node). */
+extern const double exit_node_change;
+
 /* Start the watches. `tolerance`: relative tolerance of the central film.
  *
  * In time the exit of a line contact stays while an iteration changes the pressure by more than

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "romrun/online/film_splines.h"
 
+#include "common/algebra/rounding.h"
 #include "common/algebra/vectors.h"
 #include "common/physics/deflection.h"
 #include "common/time/bdf.h"
@@ -93,7 +94,7 @@ static void widen_grid(film_splines *self, const reduced_model *model) {
     const contact_kind *kind = model->kind;
     const contact_shape *shape = &grid->shape;
     double growth =
-        kind->half_width(shape, 2.25, 1, 1) / kind->half_width(shape, 1, 1, 1) - 1 - 1e-9;
+        kind->half_width(shape, 2.25, 1, 1) / kind->half_width(shape, 1, 1, 1) - 1 - ROUNDING;
     double y_max = grid_y(grid, grid->num_nodes - 1);
     size_t lines = (size_t)ceil(growth * y_max / grid_step_across(grid));
 
@@ -443,7 +444,7 @@ double path_filter_change(const previous_film *self, size_t node, const reduced_
 /* Snaps a point to a node that it misses by round-off only. Most weights are then zero, which saves
  * a point contact most of the work while the frame keeps its width. */
 static double round_to_node(double nodes) {
-    return fabs(nodes - round(nodes)) < 1e-9 ? round(nodes) : nodes;
+    return fabs(nodes - round(nodes)) < ROUNDING ? round(nodes) : nodes;
 }
 
 /* Evaluates a spline of one function. */
@@ -546,15 +547,15 @@ static double uncut_pressure(const previous_film *self, const spline_point *alon
 /* Returns P of a line contact; `path` as in uncut_pressure. */
 static double window_pressure(const previous_film *self, const spline_point *along,
                               const film_splines *splines, const path_films *path) {
-    const size_t margin = 4; // nodes between the window's ends and where it is used
+    enum { MARGIN = 4 }; // nodes between the window's ends and where it is used
     const double *u = along->weight;
     size_t node = along->node;
 
-    if (node + 1 < self->window_begin + margin) {
+    if (node + 1 < self->window_begin + MARGIN) {
         const spline_point across = {0, {1}};
         return uncut_pressure(self, along, &across, splines, path);
     }
-    if (node + margin + 1 >= self->window_begin + self->window_size) return 0;
+    if (node + MARGIN + 1 >= self->window_begin + self->window_size) return 0;
     size_t i = node - self->window_begin;
     return u[0] * self->window[i] + u[1] * self->curvature[i] + u[2] * self->window[i + 1] +
            u[3] * self->curvature[i + 1];

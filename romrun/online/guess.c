@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Starts from the trained solutions, and error estimates of the grid interpolated between them. */
 #include "common/algebra/cholesky.h"
+#include "common/algebra/rounding.h"
 #include "romrun/model/start_shift.h"
 #include "romrun/online/reduced_solver.h"
 
@@ -9,11 +10,13 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* Trained states in a fit, at most: four for each of its six terms (README.md, Starts). */
 enum { NUM_NEIGHBOURS = 24 };
 
 /* Other starts that are tried after the first one. Of 482 random scenes inside the lower training
  * (scenes/studies/silent-failures, seed 42) the first start solves 434, the next eleven solve 38,
- * and the twelve after them 5. A start that leads nowhere takes 38 iterations. */
+ * and the twelve after them 5. A start that leads nowhere takes 38 iterations (test_guess.c,
+ * goes_on_to_other_starts). */
 enum { MAX_STARTS = 11 };
 
 /* Coordinates of a training solution relative to a contact. They are differences of ln M; of half
@@ -103,9 +106,8 @@ enum { ANY_EFFECT = -1 }; // also states without known effects of the grid
 
 /* Checks whether a state has the contact's own lubricant, or one that is not known. */
 static bool is_own(const neighbour *self) {
-    const double same = 1e-9;
-
-    return fabs(self->away[ALONG_VISCOSITY]) < same && fabs(self->away[ALONG_DENSITY]) < same;
+    return fabs(self->away[ALONG_VISCOSITY]) < ROUNDING &&
+           fabs(self->away[ALONG_DENSITY]) < ROUNDING;
 }
 
 /* Checks whether a state may be a start: it is stationary, or the model has no stationary states
@@ -194,6 +196,8 @@ static size_t fill_terms(double terms[MAX_TERMS], const neighbour *self, size_t 
  * `differs` [NUM_COORDINATES]. */
 static bool fit_weights(double *weights, const neighbour *nearest, size_t count,
                         const neighbour_fit *fit, const bool *differs) {
+    // of the sum of the weights, which is 1 where the fit is determined (test_guess.c,
+    // nearest_on_a_line_and_far_away)
     const double slack = 1e-6;
     double normal[MAX_TERMS * MAX_TERMS] = {0}, unit[MAX_TERMS] = {1}, magnitude = 0, sum = 0;
     double terms[NUM_NEIGHBOURS][MAX_TERMS], strength[NUM_NEIGHBOURS];
@@ -246,10 +250,8 @@ static void combine_states(reduced_state *state, const reduced_model *model,
 
 /* Checks whether neighbours differ from each other in a coordinate. */
 static bool do_differ(const neighbour *nearest, size_t count, int coordinate) {
-    const double same = 1e-9;
-
     for (size_t i = 1; i < count; i++)
-        if (fabs(nearest[i].away[coordinate] - nearest[0].away[coordinate]) > same) return true;
+        if (fabs(nearest[i].away[coordinate] - nearest[0].away[coordinate]) > ROUNDING) return true;
     return false;
 }
 
@@ -362,11 +364,10 @@ ehd_status reduced_solve_from_training(reduced_info *info, reduced_state *state,
 
 void reduced_neighbour(reduced_state *state, const reduced_model *model, contact_place place) {
     const wanted_place here = place_wanted(&place);
-    const double same = 1e-9;
     neighbour nearest[NUM_NEIGHBOURS];
     double one = 1;
 
-    if (nearest_states(nearest, &model->states, &here, same, ANY_EFFECT, NULL) > 0)
+    if (nearest_states(nearest, &model->states, &here, ROUNDING, ANY_EFFECT, NULL) > 0)
         combine_states(state, model, nearest, &one, 1);
     else
         reduced_guess(state, model, place);
@@ -379,7 +380,8 @@ void reduced_neighbour(reduced_state *state, const reduced_model *model, contact
  * Infinite if the estimate of the nearest state is. */
 static double effect_at(const reduced_states *states, const neighbour *nearest, size_t count,
                         int effect) {
-    const double rounding = 1e-12; // relative to a film
+    const double rounding = 1e-12; // relative to a film, for estimates of 0 (test_guess.c,
+                                   // effects_are_powers)
     neighbour finite[NUM_NEIGHBOURS] = {0};
     double weights[NUM_NEIGHBOURS], log_size = 0;
     size_t num_finite = 0;

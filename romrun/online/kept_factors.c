@@ -32,7 +32,9 @@ void kept_factors_set(kept_factors *self, const row_system *system, const node_s
     self->valid = least_squares_factorise(self->factors, self->matrix, num_rows) == EHD_OK;
 }
 
-static const double MAX_EXIT_DISTANCE = 0.025; // half widths
+/* Distance of the exit from that of the factors, half widths, up to which the factors are tried
+ * (README.md, In time; test_kept_factors.c, factors_serve_while_exits_are_near). */
+static const double MAX_EXIT_DISTANCE = 0.025;
 
 /* Returns at least one node on the lines of point contacts, whose steps are longer than
  * MAX_EXIT_DISTANCE. Without this node, a move of a line's exit by a node would cost the factors in

@@ -257,13 +257,14 @@ static const double MAX_RESIDUAL_OVER_CALIBRATION = 100;
  * scenes with two trainings of lines, those inside and with the trained density take at most 1.9
  * times as many iterations as any of 60 scenes of the calibration. Incompressible scenes of these
  * compressible trainings take up to 8 times as many. A twentieth of them, good ones, takes more
- * than 5 times as many. */
+ * than 5 times as many (README.md, Results that are rejected). */
 static const double MAX_ITERATIONS_OVER_CALIBRATION = 5;
 
 /* Most negative pressure of a solution, in Hertz pressures. Of 1000 solutions with trained
  * lubricants, in 18 sizes of three trainings from 14 modes on, none goes below -3e-4. No line with
  * any lubricant that is good to 1 % with all of its model goes below -4e-4. Where solutions go
- * below -1e-3, the fields are off by 0.01 to 4 Hertz pressures (scenes/studies/silent-failures). */
+ * below -1e-3, the fields are off by 0.01 to 4 Hertz pressures (scenes/studies/silent-failures;
+ * test_online.c, the_library_says_what_it_solved). */
 static const double MOST_NEGATIVE = 1e-3;
 
 /* Marks a result as not converged if its pressures cannot be those of a solution. */

@@ -7,17 +7,18 @@
 #include <math.h>
 #include <stdlib.h>
 
+/* Numbers of control nodes (README.md, Indicated deviation in time). */
 enum { NUM_INLET = 12, NUM_INSIDE = 12, MOST_NODES = NUM_INLET + NUM_INSIDE };
 
 // Films form between X = FAR_INLET and ENTRY and are then carried unchanged up to CONSTRICTION,
 // behind which they settle anew. DENSER: exponent that makes nodes denser towards the entry, where
-// a residual enters with a larger share.
+// a residual enters with a larger share (README.md, Indicated deviation in time).
 static const double FAR_INLET = -2.6, ENTRY = -0.85, CONSTRICTION = 0.6, DENSER = 1.7;
 // distances within which the largest error of films counts, half widths: before and behind the
 // centre, and before the minimum. Short waves behind a front go slower than the fluid. In 20
 // histories (scenes/studies/silent-in-time, calibration seed 1000007) the largest error of the
 // central film over its bound is 5.7 with 0.1 behind the centre and 1.4 from 0.3 on; in 75 others
-// it is 1.4 from 0.4 on.
+// it is 1.4 from 0.4 on (README.md, Indicated deviation in time).
 static const double CENTRE = 0.1, BEHIND_CENTRE = 0.4, ARRIVING = 0.3;
 
 void time_indicator_free(time_indicator *self) {
@@ -29,10 +30,10 @@ void time_indicator_free(time_indicator *self) {
 /* Adds the node of the central line nearest to X, if it lies behind the last one. */
 static void add_node(time_indicator *self, double x) {
     const ehd_grid *grid = &self->model->grid;
-    const size_t margin = 4; // columns that the stencils reach
-    const size_t begin = grid_central_line(grid), last = grid_width(grid) - 1 - margin;
+    enum { MARGIN = 4 }; // columns that the stencils reach
+    const size_t begin = grid_central_line(grid), last = grid_width(grid) - 1 - MARGIN;
     const double columns = round((x - grid_x(grid, begin)) / grid->step);
-    const size_t column = (size_t)fmin(fmax(columns, (double)margin), (double)last);
+    const size_t column = (size_t)fmin(fmax(columns, (double)MARGIN), (double)last);
 
     if (self->num_nodes > 0 && begin + column <= self->node[self->num_nodes - 1]) return;
     self->x[self->num_nodes] = grid_x(grid, begin + column);

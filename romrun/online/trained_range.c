@@ -2,6 +2,7 @@
 #include "romrun/online/trained_range.h"
 
 #include "common/algebra/hull.h"
+#include "common/algebra/rounding.h"
 #include "common/program/arena.h"
 #include "romrun/online/known_lubricants.h"
 
@@ -13,7 +14,8 @@
 _Static_assert((int)RANGE_AXES <= (int)HULL_AXES, "axes of a hull");
 
 void trained_place(double place[RANGE_AXES], contact_place of) {
-    const double least = 1e-3; // below it the viscosity rises by less than a thousandth
+    // below it the viscosity rises by less than a thousandth (README.md, Results that are rejected)
+    const double least = 1e-3;
 
     place[0] = log(of.moes_M);
     place[1] = log(fmax(of.alpha_p_H, least));
@@ -143,7 +145,7 @@ static void find_extent(trained_range *self, const reduced_states *states) {
     self->high = in_units(high, self);
     // training points count as inside. So do points between the few states that are kept of a
     // trajectory, which is a curve
-    self->slack = stationary ? 1e-9 : 2e-3;
+    self->slack = stationary ? ROUNDING : 2e-3;
 }
 
 /* Writes a place, in parts of the extents, as a column. */
@@ -302,6 +304,8 @@ range_memory *range_memory_create(const trained_range *of) {
 }
 
 static bool is_faster(double rate, double trained) {
+    // allowance for the trained rate, which is one between states, and rate a unit of T at which any
+    // contact may change (README.md, Indicated deviation in time)
     const double slack = 1.05, least = 1e-3;
 
     return rate > fmax(slack * trained, least);
