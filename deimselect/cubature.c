@@ -28,10 +28,10 @@ static const integrand integrands[] = {
     {&shear_limiting, 1e-1}};
 enum {
     NUM_INTEGRANDS = sizeof integrands / sizeof *integrands,
-    MAX_STATES = 120,
+    MAX_STATES = 120, // of the basis in the table (romrun/online/README.md, Traction)
     // 200 MB for the table. With every second of 3600 nodes of a point contact, non-negative
     // weights give errors of 10 %, because nodes on ridges of Newtonian stress are missing. With
-    // all nodes the error is 9e-6.
+    // all nodes the error is 9e-6 (romrun/online/README.md, Traction).
     MAX_CANDIDATES = 8000
 };
 
@@ -208,7 +208,9 @@ static void add_states(cubature_fit *self) {
 
 // ---- weights
 
-static const double MOST_OFF = 5e-4; // largest accepted relative error of a row
+/* Largest accepted relative error of a row. Otherwise fields are summed over the whole grid
+ * (romrun/online/README.md, Traction). */
+static const double MOST_OFF = 5e-4;
 
 /* Computes non-negative weights. EHD_NOT_CONVERGED: no weights integrate all rows to MOST_OFF. */
 static ehd_status solve_weights(double *weights, const cubature_fit *self, const double *values,

@@ -54,7 +54,8 @@ static size_t modes_by_energy(const double *singular_values, size_t rank, double
     return num_modes;
 }
 
-/* Sums of squares of this value do not overflow for any number of nodes and snapshots. */
+/* Source: range of a double. Sums of squares of this value do not overflow for any number of nodes
+ * and snapshots. */
 static const double LARGEST_VALUE = 1e140;
 
 /* Checks whether all values are finite and at most LARGEST_VALUE in magnitude. The loop has no

@@ -31,7 +31,7 @@ const test_weight *test_weight_find(const char *name) {
 /* Floor of the weight "mode". The first pressure mode vanishes at the inlet and beyond the trained
  * exits, and rows there would not count. Least squares need weights of about one over the residual
  * that truncated modes leave in a row. A floor of 1e-3 exceeds that from X = -1.3 on (README.md,
- * The floor). */
+ * The floor; test_test_weight.c, mode_is_that_of_the_basis). */
 static const double WEIGHT_FLOOR = 1e-4; // of the largest entry
 
 ehd_status test_weight_mode(double *weight, const reduced_basis *basis, const ehd_contact *contacts,

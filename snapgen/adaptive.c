@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "snapgen/adaptive.h"
 
+#include "common/algebra/rounding.h"
 #include "common/physics/traction.h"
 #include "romrun/calibrate/check_scenes.h"
 #include "romrun/calibrate/trade.h"
@@ -282,7 +283,6 @@ static ehd_status add_corners_of(adaptive *self, size_t family, const double (*p
                                  double (*here)[RANGE_AXES], size_t *numbers, size_t *corners,
                                  ehd_error *error) {
     const trial_verdict unknown = {{NAN, NAN}, {NAN, NAN}};
-    const double rounding = 1e-9; // tolerance of trained_range_check: none is outside
     size_t count = 0;
 
     for (size_t i = 0; i < self->set->num_points; i++) {
@@ -290,7 +290,7 @@ static ehd_status add_corners_of(adaptive *self, size_t family, const double (*p
         memcpy(here[count], places[i], sizeof *here);
         numbers[count++] = i;
     }
-    count = point_choice_corners(corners, (const double(*)[RANGE_AXES])here, count, rounding);
+    count = point_choice_corners(corners, (const double(*)[RANGE_AXES])here, count, ROUNDING);
     if (count == 0) return ehd_no_memory(error, "choice");
     for (size_t i = 0; i < count && self->num_states < self->settings->max_points; i++)
         add_point(self, numbers[corners[i]], &unknown);
