@@ -317,6 +317,9 @@ tidy = printf '%s\n' $1 | xargs -P $(JOBS) -n 3 sh -c 'clang-tidy --quiet "$$@" 
     $2 $(ALL_CPPFLAGS) -Iromrun/library 2>&1 | \
     { ! grep -vE "^[0-9]+ warnings? (generated|treated)|^Suppressed|^$$"; }' sh
 
+constants: ## print docs/constants.md: the numbers that decide how the programs compute, with their reasons
+	@/usr/bin/python3 tests/constants.py
+
 clean: ## remove build/
 	rm -rf build
 
@@ -330,7 +333,7 @@ print-%:
 	@echo '$* = $($*)'
 
 .PHONY: all deps lint-deps coverage-deps slurm-deps fuzz-deps fuzz-coverage demo demo-point check check-long check-slurm \
-        run-slurm-tests coverage fuzz bench costs figures examples trade man python install uninstall version dist format format-check lint clean help FORCE
+        run-slurm-tests coverage fuzz bench costs figures examples trade man python install uninstall version dist format format-check lint constants clean help FORCE
 
 # ---- What has to be installed
 
