@@ -38,7 +38,7 @@ const double resolution_limit = 0.01, resolution_limit_minimum = 0.03;
 
 /* Longest step, in half widths, of a grid that gives the effect of a point contact's domain. In two
  * of 67 random scenes (scenes/studies/discretization) the estimate was 0.3 and 0.7 of the effect on
- * steps of 1, and 0.9 and 1.2 on steps of 0.5 (boundary.bats, "fine enough"). */
+ * steps of 1, and 0.9 and 1.2 on steps of 0.5 (boundary.bats, "the effect of the domain is found"). */
 static const double COARSEST_FOR_DOMAIN = 0.5;
 
 /* Films, and the rolling moment, to which the rolling resistance is proportional. */

@@ -136,7 +136,8 @@ static pod_settings share_of(const pod_settings *wanted, const snapshot_set *fro
 static ehd_status check_distance(const pod_basis *pod, const snapshot_set *from,
                                  const bases_settings *settings, const bases_plan *plan,
                                  ehd_error *error) {
-    const double share = LOCAL_SHARE + PART_SHARE, rounding = 1 + 1e-6;
+    const double share = LOCAL_SHARE + PART_SHARE;
+    const double rounding = 1 + 1e-6; // of the distance (stream.bats, "a part that left out")
     const double asked = sqrt(plan->energy * pod->energy);
     const double left_out = settings->pressure.num_modes > 0 ? sqrt(pod->tail) / ROOT_SHARE : 0;
     const double most = fmax(asked, left_out);

@@ -6,17 +6,20 @@
 
 #include <math.h>
 
+/* Shares of the root of the allowed energy (stream.bats, "a small limit: the error within the
+ * bound"). */
 const double LOCAL_SHARE = 0.05, PART_SHARE = 0.05, ROOT_SHARE = 0.9;
 
 /* Directions that are dropped while streaming may have this part of the energy that the distance
- * leaves. */
+ * leaves (stream.bats, "a small limit: the error within the bound"). */
 static const double DROPPED_SHARE = 0.2;
 
 /* Allowed energy whose local share is 1e-22, as for trajectories. This keeps singular values above
- * 1e-11 of the first. */
+ * 1e-11 of the first (README.md, More than fits in memory). */
 static const double EXACT_ENERGY = 4e-20;
 
-/* Lower limit of the local energy; below it there is only round-off. */
+/* Lower limit of the local energy; below it there is only round-off (README.md, More than fits in
+ * memory). */
 static const double LEAST_LOCAL = 1e-28;
 
 /* Sets how much a stream may omit. A part shares its energy equally between distance and modes. */
@@ -37,6 +40,7 @@ static double most_modes(const pod_settings *wanted, size_t max_rank) {
 /* Returns the memory of the states with their coordinates, which are held and copied once for
  * writing. The states of a part are held twice too while they are read. */
 static double state_bytes(const snapshot_set *from, double num_modes) {
+    // scalars of a state (README.md, More than fits in memory)
     const double columns = 20, lines = (double)grid_lines(&from->grid);
     double rank = 0, longest = 0;
 
