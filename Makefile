@@ -175,13 +175,21 @@ demo-point: $(PROGRAMS) ## the same with a stationary point contact
 	@$(MAKE) -C scenes/studies/point-stationary demo BIN=../../../$(BIN)
 
 # Needs the programs too: the pipeline tests run them. These come first, since they take the longest.
-check: $(PROGRAMS) $(LIBRARY) $(USE_LIBRARY) $(FMU_FILES) $(USE_FMU) $(TESTS) $(FAULT_TOOLS) $(REPLAY) $(FLIP) ## unit and pipeline tests; last line: N passed, N failed
+TEST_PROGRAMS := $(PROGRAMS) $(LIBRARY) $(USE_LIBRARY) $(FMU_FILES) $(USE_FMU) $(TESTS) $(FAULT_TOOLS) $(REPLAY) $(FLIP)
+check: $(TEST_PROGRAMS) ## unit and pipeline tests, minutes; last line: N passed, N failed
 	@$(run_tests) $(PIPELINES) $(TESTS)
 
-check-long: export TIMEOUT ?= 7200
-check-long: $(BUILD)/unit/test_online_transient
-check-long: $(PROGRAMS) $(FMU_FILES) $(LONG_TESTS) $(USE_LIBRARY) $(FAULT_TOOLS) $(FLIP) ## the tests that take minutes
-	@$(run_tests) $(LONG_TESTS) $(LONG_PIPELINES)
+check-all: export CHECK_ALL = yes
+check-all: $(TEST_PROGRAMS) ## these with the slow ones: examples, studies, kills, all cases
+	@$(run_tests) $(PIPELINES) $(TESTS)
+
+check-release: export CHECK_ALL = yes
+check-release: export TIMEOUT ?= 7200
+check-release: $(TEST_PROGRAMS) $(LONG_TESTS) ## check-all and tests that take hours; as root also in bare Debian 12 and 13
+	@$(run_tests) $(PIPELINES) $(TESTS) $(LONG_TESTS) $(LONG_PIPELINES)
+	@if [ "$$(id -u)" = 0 ] && command -v debootstrap >/dev/null; then \
+	    for suite in bookworm trixie; do tests/debian.sh $$suite demo check || exit; done; \
+	else echo 'bare systems: not tested, which needs root and debootstrap'; fi
 
 # Apart from check, since it installs Slurm.
 check-slurm: $(PROGRAMS) | slurm-deps ## training as jobs of a Slurm that is started for it, on this machine alone
@@ -332,7 +340,7 @@ help: ## this list
 print-%:
 	@echo '$* = $($*)'
 
-.PHONY: all deps lint-deps coverage-deps slurm-deps fuzz-deps fuzz-coverage demo demo-point check check-long check-slurm \
+.PHONY: all deps lint-deps coverage-deps slurm-deps fuzz-deps fuzz-coverage demo demo-point check check-all check-release check-slurm \
         run-slurm-tests coverage fuzz bench costs figures examples trade man python install uninstall version dist format format-check lint constants clean help FORCE
 
 # ---- What has to be installed

@@ -6,6 +6,7 @@
 #     tests/run.sh LOG_FOLDER TEST...
 #
 # FILTER: of pipelines only the tests whose names match it.
+# CHECK_ALL: if it is set, pipelines also run the tests with the tag "slow", and unit tests all their cases (check.h).
 set -u
 
 # Runs one test: its TAP output goes to LOG_FOLDER/NAME.tap, its counts to LOG_FOLDER/NAME.count, and
@@ -16,7 +17,11 @@ run_one() {
     name=$(basename "$test")
     log=$logs/$name.tap
     command=("$test")
-    [[ $test == *.bats ]] && command=(bats --tap ${FILTER:+--filter "$FILTER"} "$test")
+    if [[ $test == *.bats ]]; then
+        command=(bats --tap ${FILTER:+--filter "$FILTER"})
+        [[ ${CHECK_ALL-} ]] || command+=(--filter-tags '!slow')
+        command+=("$test")
+    fi
 
     CMOCKA_MESSAGE_OUTPUT=TAP timeout "${TIMEOUT:-3600}" "${command[@]}" >"$log" 2>&1 </dev/null
     code=$?

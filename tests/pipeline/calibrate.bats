@@ -245,6 +245,7 @@ with h5py.File('x.h5', 'r+') as f, h5py.File('good.h5') as good:
     done
 }
 
+# bats test_tags=slow
 @test "other quantities are indicated, and --accuracy-of is about them" {
     cat >deviations.py <<'PYTHON'
 import h5py, numpy
@@ -298,6 +299,7 @@ with h5py.File('w.h5', 'r+') as f: f.attrs.pop('content_sha256', None); del f['i
     [[ $stderr == *"found no indicated deviation of the pressure, for which --accuracy-of asks"* ]]
 }
 
+# bats test_tags=slow
 @test "the friction is indicated where a scene slides, by its own law, and only there" {
     sliding_scene >sliding.yml
     for law in "eyring, tau0: 5e6" newtonian "limiting, limit: 0.05"; do
@@ -522,6 +524,7 @@ PYTHON
     [ ! -e x.h5.partial ]
 }
 
+# bats test_tags=slow
 @test "in time what is indicated decides the exit code, step by step" {
     moving_scene "step: 0.05" "end_time: 2, fixed_step: 0.02"
     time_plan train "0.5, 1.3" 0.1

@@ -244,6 +244,7 @@ else:
 PYTHON
 }
 
+# bats test_tags=slow
 @test "--cases: memory does not grow with the rows" {
     is_installed || skip "sanitizers keep freed memory"
     local kilobytes=() rows=${MANY_ROWS:-20000}
@@ -264,6 +265,7 @@ PYTHON
     ((kilobytes[2] - kilobytes[0] < 2000 && kilobytes[3] - kilobytes[1] < 3000 + rows / 60))
 }
 
+# bats test_tags=slow
 @test "--cases: an interrupted run goes on with --resume, to the rows of one run" {
     many_cases 6000
     romrun base.yml --cases many.csv --model c.h5 -o whole.csv --quiet --jobs 2 >/dev/null

@@ -39,6 +39,7 @@ train() {
     close_to "$(number point.h5 central_film_thickness)" "$(number fine.h5 central_film_thickness)" 3e-3
 }
 
+# bats test_tags=slow
 @test "a reduced model follows the accurate full model, line and point, coupled and independent" {
     train plan.yml
     [ "$(romrun --print m.h5 discretization)" = $'discretization\naccurate' ]
@@ -125,6 +126,7 @@ PYTHON
     snapgen --check s.h5
 }
 
+# bats test_tags=slow
 @test "cross fluxes make point contacts and ellipses more accurate, and the reduced model follows" {
     cp scene.yml line.yml
     point_scene 20 -3

@@ -45,6 +45,7 @@ within() {
     awk -v f="$1" -v a="$2" -v b="$3" 'BEGIN { exit !(a / b < f && b / a < f && a / b > 0) }'
 }
 
+# bats test_tags=slow
 @test "each training point has the estimates of fullrun, and the model has them all" {
     for rows in published accurate; do
         fullrun scene.yml -q --set discretization=$rows --set moes.M=27 --set moes.L=8 -o full.h5 --force
@@ -60,6 +61,7 @@ within() {
     done
 }
 
+# bats test_tags=slow
 @test "between training points they are nearly those of the full model" {
     for place in "11 3" "20 5" "30 9" "36 3"; do
         read -r M L <<<"$place"

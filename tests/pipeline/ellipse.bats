@@ -55,6 +55,7 @@ PYTHON
     [ "$(number other.h5 central_film_thickness)" != "$(number ellipse.h5 central_film_thickness)" ]
 }
 
+# bats test_tags=slow
 @test "the far field does what a longer domain does" {
     films() { # RATIO BOUNDARY X_MIN Y_MAX
         fullrun scene.yml --set ellipticity="$1" --set boundary="$2" --set grid.x_min="$3" --set grid.y_max="$4" \

@@ -6,6 +6,7 @@ load common
 
 setup() { unset MAKEFLAGS MAKELEVEL MFLAGS V; }
 
+# bats test_tags=slow
 @test "the cam: its history keeps the speed above zero, and the lift is solved full and reduced" {
     copy_scene examples/cam-tappet
     run_make history
@@ -43,6 +44,7 @@ small_oscillator() {
     sed -i 's/^ENERGY.*/model.PRESSURE_MODES = 40\nmodel.ROWS = 64/' Makefile
 }
 
+# bats test_tags=slow
 @test "the oscillator: the library as a force element agrees with the full model" {
     outside
     small_oscillator
@@ -100,6 +102,7 @@ small_oscillator() {
     [ ! -e x.csv ]
 }
 
+# bats test_tags=slow
 @test "the bouncing mass: its contact is lost and found again, and forces give the momentum" {
     case $VARIANT in
     release | debug | cov) ;;
@@ -125,6 +128,7 @@ small_oscillator() {
     awk -F, 'NR > 1 && $3 == 0 && $2 > 0 && ($4 - $2) ^ 2 > 1e-24 { exit 1 }' out/bounces.csv
 }
 
+# bats test_tags=slow
 @test "the roller: several contacts in threads of its own, and it comes to rest where the track is" {
     outside
     copy_scene examples/roller
@@ -188,6 +192,7 @@ small_oscillator() {
     [ ! -e x.csv ]
 }
 
+# bats test_tags=slow
 @test "a contact of one's own: a copied example, three files edited, the programs on the PATH" {
     local root=$BATS_TEST_DIRNAME/../..
     mkdir -p "$BATS_TEST_TMPDIR"/prefix/{bin,share/ehdrom} "$BATS_TEST_TMPDIR/my"
@@ -222,6 +227,7 @@ far" ]
     [[ $output == *"BIN: found no ehdrom there, expected the folder of its programs"* ]]
 }
 
+# bats test_tags=slow
 @test "a model of one's own by one command: a region, an accuracy, nothing else" {
     local root=$BATS_TEST_DIRNAME/../..
     mkdir -p "$BATS_TEST_TMPDIR"/prefix/{bin,share/ehdrom} "$BATS_TEST_TMPDIR/my"
@@ -284,6 +290,7 @@ YAML
     [ "$(grep -c "\(snapgen\|deimselect\) .*--jobs 1" <<<"$(sed -z 's/\\\n//g' <<<"$output")")" -eq 3 ]
 }
 
+# bats test_tags=slow
 @test "a line contact in SI units in time: an example at a small size" {
     copy_scene examples/line-in-time
     # in the training the histories would end at T = 2.5
@@ -295,6 +302,7 @@ YAML
     [ "$(head -c 4 out/picture.png | tail -c 3)" = PNG ]
 }
 
+# bats test_tags=slow
 @test "a contact that goes to and fro: an example at a small size" {
     copy_scene examples/line-in-time
     run_make to-and-fro
@@ -304,6 +312,7 @@ YAML
     [ "$(head -c 4 out/to-and-fro.png | tail -c 3)" = PNG ]
 }
 
+# bats test_tags=slow
 @test "a point contact in SI units: an example at a small size" {
     copy_scene examples/point
     sed -i 's/step: 0.02/step: 0.1875/' scene.yml
@@ -315,6 +324,7 @@ YAML
     for picture in profiles maps; do [ "$(head -c 4 out/$picture.png | tail -c 3)" = PNG ]; done
 }
 
+# bats test_tags=slow
 @test "the inner race of a ball bearing: an example at a small size" {
     copy_scene examples/ball-bearing
     sed -i 's/step: 0.0625/step: 0.125/' scene.yml # the step along; across it is half of that

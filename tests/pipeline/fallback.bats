@@ -43,6 +43,7 @@ PYTHON
     shows_no by_full_model h5dump -H plain.h5
 }
 
+# bats test_tags=slow
 @test "outside of the training the full model solves, from the reduced solution" {
     set=(--set moes.M=18 --set moes.L=7)
     fullrun scene.yml "${set[@]}" -o full.h5 --quiet
@@ -224,6 +225,7 @@ with h5py.File("x.h5") as x, h5py.File("full.h5") as full:
 PYTHON
 }
 
+# bats test_tags=slow
 @test "in time a run can be stopped and resumed: the same numbers" {
     set=(--set transient.load.amplitude=0.2 --set transient.load.period=2 --set transient.end_time=60)
     romrun moving.yml --model tm.h5 "${set[@]}" --fallback full -o whole.h5 --quiet >log

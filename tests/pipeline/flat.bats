@@ -42,6 +42,7 @@ transient: {load: {law: sine, amplitude: 0.05, period: 1}, fixed_step: 0.02, end
 YAML
 }
 
+# bats test_tags=slow
 @test "a scene has the same bits by either file, stationary and in time, with what is indicated" {
     for model in c:line i:line p:point; do
         scene=${model#*:}.yml model=${model%:*}
@@ -130,6 +131,7 @@ PYTHON
     refused 73 "x.h5: found an existing file" romrun moes.yml --model c.h5 -o x.h5
 }
 
+# bats test_tags=slow
 @test "damage is found, and a stranger's numbers lead nowhere" {
     head -c 100000 c.ehdrom >cut.ehdrom
     refused 65 "cut.ehdrom: found" romrun line.yml --model cut.ehdrom

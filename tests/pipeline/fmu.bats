@@ -138,6 +138,7 @@ PYTHON
     ./use_fmu 3 approach3 derivatives
 }
 
+# bats test_tags=slow
 @test "traction of a scene that slides, of each step, and inlet heating; nothing else changes" {
     sliding=(--set slide_roll=0 --set lubricant.shear.law=eyring --set lubricant.shear.tau0=5e6
         --set lubricant.thermal_conductivity=0.14 --set lubricant.viscosity.temperature_coefficient=0.03)

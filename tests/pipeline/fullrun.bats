@@ -506,6 +506,7 @@ YAML
 }
 
 # The oil's viscosity is given at 40 degC. The film at another temperature must be that of the viscosity there.
+# bats test_tags=slow
 @test "a temperature stands for the viscosity that it makes" {
     cat >hot.yml <<'YAML'
 contact: line
@@ -558,6 +559,7 @@ YAML
     fullrun --check result.h5
 }
 
+# bats test_tags=slow
 @test "a pressure spike beyond the law's limit is reported with the limit, and exit 3" {
     cat >spike.yml <<'YAML'
 contact: line

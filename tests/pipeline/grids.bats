@@ -59,6 +59,7 @@ deviation() {
     sed -n "s/^  $1 .* \([-+][0-9.]*\) permille/\1/p" out.txt
 }
 
+# bats test_tags=slow
 @test "a scene without grid gets one by its M and L, and fullrun says so" {
     for moes in "2 5" "18 4" "200 5"; do
         read -r M L <<<"$moes"
@@ -88,6 +89,7 @@ solved() {
     ! grep -q "too coarse" out.txt || { echo "found $* on too coarse a grid"; return 1; }
 }
 
+# bats test_tags=slow
 @test "contacts are solved on the grids that they choose, from rigid to thin films" {
     solved line 0.1 0
     solved line 0.3 25
@@ -105,6 +107,7 @@ solved() {
     solved ellipse 1 10 0.2
 }
 
+# bats test_tags=slow
 @test "a chosen step that proves too coarse is halved" {
     # the minimum film depends on nodes that a coarser grid does not resolve
     incompressible=(--set moes.M=2000 --set moes.L=10 --set lubricant.density.law=incompressible)
@@ -125,6 +128,7 @@ solved() {
     [ "$(grep -c "the grid .* %, the inlet too short to tell" <<<"$output")" -eq 2 ]
 }
 
+# bats test_tags=slow
 @test "progress of a long solution ends with the solution" {
     # this takes 20 iterations on the finest grid, where eight are usual, and long enough for progress to be shown
     fullrun scene.yml --set contact=point --set moes.M=300 --set moes.L=25 --set output.resolution=false \
@@ -132,6 +136,7 @@ solved() {
     shows_no '999/1000' cat err.txt
 }
 
+# bats test_tags=slow
 @test "what a scene gives of its grid stays, and the rest is chosen" {
     read -r nodes start step <<<"$(grid_of own.h5)"
     fullrun scene.yml --set grid.step=0.01 -q -o x.h5 >out.txt
@@ -158,6 +163,7 @@ assert f['y'][-1] == -f['y'][0] == -0.75 * f['x'][0] and f['x'][1] - f['x'][0] =
     [ ! -e y.h5 ]
 }
 
+# bats test_tags=slow
 @test "a plan has one grid that serves all its points, and snapgen says so" {
     first=0 least=1
     for M in 8 10 12.5 15 17 19 21; do
@@ -201,6 +207,7 @@ YAML
         snapgen mixed.yml -o x.h5
 }
 
+# bats test_tags=slow
 @test "romrun takes the grid of the model, and fullrun too with --grid-of" {
     [ "$(grid_of own.h5)" != "$(grid_of m.h5)" ]
     romrun --allow-untrusted scene.yml --model m.h5 -q -o rom.h5 --set output.fields=true --against full.h5 >out.txt
@@ -249,6 +256,7 @@ YAML
     grep -qx "against published.h5 (another discretization, published: what it does is in the deviations):" out.txt
 }
 
+# bats test_tags=slow
 @test "runs in time take the grid too, and go on only on their own" {
     cat >moving.yml <<'YAML'
 groups:
@@ -282,6 +290,7 @@ YAML
     sed -i 's/, end_time: 20//; s/fixed_step/end_time: 0.5, fixed_step/' time.yml
 }
 
+# bats test_tags=slow
 @test "in time the inlet suits the lightest load, whose film is that of a stationary contact" {
     sed -e 's/M: 18/M: 20/' -e '$d' time.yml >light.yml
     echo 'transient: {load: {law: ramp, from: 1, to: 0.05, start: 1, duration: 8}, end_time: 12}' >>light.yml

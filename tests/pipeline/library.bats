@@ -176,6 +176,7 @@ print(repr(plugin.central_film(b"m.h5", b"scene.yml")))'
     [ "$output" = "$(number r.h5 central_film_thickness)" ]
 }
 
+# bats test_tags=slow
 @test "a stationary solution is romrun's, to the last bit" {
     romrun scene.yml --model m.h5 --allow-untrusted -o r.h5 --quiet --set output.fields=true
     for kind in $kinds; do
@@ -203,6 +204,7 @@ PYTHON
     close_to "$(value central_film_thickness)" "$(number other.h5 central_film_thickness)" 1e-15
 }
 
+# bats test_tags=slow
 @test "SI and dimensionless, whatever the locale" {
     local name=C
     # with LOCPATH glibc leaks memory, which sanitizers report
@@ -454,6 +456,7 @@ for i in range(20):
 PYTHON
 }
 
+# bats test_tags=slow
 @test "from Python: the same numbers, arrays, errors, and a mass by scipy" {
     outside
     # the package is used as if installed, without pip
@@ -706,6 +709,7 @@ PYTHON
     awk -F, '{ sum += $3; n++; if ($3 > most) most = $3 } END { exit !(n > 20 && most > 20.3e3 && most < 20.9e3) }' mass.csv
 }
 
+# bats test_tags=slow
 @test "pip installs the Python package for a library that is named, or that the system has" {
     outside
     /usr/bin/python3 -c 'import setuptools, wheel, pip' 2>/dev/null || skip "there is no pip, or no setuptools for it"

@@ -29,6 +29,7 @@ $1"
 
 # ---- rows of a user's own
 
+# bats test_tags=slow
 @test "the rows of a model given back make the same model" {
     for rows in 14 18 25; do
         deimselect --no-check r.h5 --basis b.h5 --method qr --rows $rows -o m.h5 --force
@@ -71,6 +72,7 @@ with h5py.File('d.h5') as d:
     assert (d['row_weight'][...] == 2 * m['row_weight']).all()"
 }
 
+# bats test_tags=slow
 @test "rows from HDF5 that cannot be are refused" {
     deimselect --no-check r.h5 --basis b.h5 -o m.h5
     # bad PATTERN CODE: checks that rows and weights changed by the code are refused; it sees them as `row` and `weight`
@@ -163,6 +165,7 @@ foreign_model() {
     same_model m.h5 w.h5
 }
 
+# bats test_tags=slow
 @test "a model written from the schema page is that of deimselect" {
     podbuild s.h5 -o bi.h5 --deformation independent --pressure-modes 8 --deformation-modes 7
     snapgen plan.yml --basis bi.h5 -o ri.h5 --quiet
@@ -187,6 +190,7 @@ foreign_model() {
     foreign_model b.h5 r.h5
 }
 
+# bats test_tags=slow
 @test "the same of a point contact, half and whole" {
     point_scene 13 -2.5
     cat >plan.yml <<'YAML'

@@ -217,6 +217,7 @@ PYTHON
     cmp x/resources/model.ehdrom all.ehdrom
 }
 
+# bats test_tags=slow
 @test "the study: costs, random scenes, and the film where one model follows on another" {
     unset MAKEFLAGS MAKELEVEL MFLAGS V
     copy_scenes studies/parts
@@ -248,6 +249,7 @@ PYTHON
     grep -q '^10-40  *' out-lubricants/costs.txt && grep -q '^10-40  *40 ' $table
 }
 
+# bats test_tags=slow
 @test "the study: a region in SI units, by the M of its contacts" {
     unset MAKEFLAGS MAKELEVEL MFLAGS V
     copy_scenes studies/parts

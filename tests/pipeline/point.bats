@@ -185,6 +185,7 @@ PYTHON
 # megabytes PROGRAM...: prints the memory that the program states for its nodes
 megabytes() { "$@" 2>&1 >/dev/null | sed -n 's/.* nodes take about \([0-9]*\) MB.*/\1/p'; }
 
+# bats test_tags=slow
 @test "a training states the memory of all jobs together, and refuses what is not there" {
     cat >plan.yml <<'YAML'
 groups:
@@ -220,6 +221,7 @@ threads_of() {
     wait $pid || true
 }
 
+# bats test_tags=slow
 @test "--jobs changes no result of a large grid, and shares it in time too" {
     large="--set grid.step=0.025" # 181 by 81 nodes
     fullrun scene.yml $large -o one.h5 --jobs 1

@@ -47,6 +47,7 @@ PYTHON
     [[ $status == 74 && $output == "fullrun: stdout: "* ]]
 }
 
+# bats test_tags=slow
 @test "every look at a result that grows prints it" {
     moving_scene 'x_min: -4, x_max: 2, step: 0.05' 'end_time: 1000, fixed_step: 0.01'
     fullrun moving.yml -o grows.h5 --quiet &

@@ -2,6 +2,11 @@
 #include "tests/unit/check.h"
 
 #include <math.h>
+#include <stdlib.h>
+
+bool check_all(void) {
+    return getenv("CHECK_ALL") != NULL;
+}
 
 bool is_close(double actual, double expected, double relative, double absolute) {
     const double limit = absolute + relative * fabs(expected);

@@ -13,6 +13,10 @@
 #include <cmocka.h>
 #include <stdbool.h>
 
+/* Returns whether all cases of a test are to run, as in `make check-all`, or few of them, as in
+ * `make check`. */
+bool check_all(void);
+
 /* Returns true if |actual - expected| <= absolute + relative * |expected|. Any NaN is false, and an
  * infinity is only close to itself. */
 bool is_close(double actual, double expected, double relative, double absolute);

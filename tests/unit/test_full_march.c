@@ -181,8 +181,9 @@ static void tolerance_holds(void **state) {
                  {"load: {law: step, from: 1, to: 1.5, at: 100}", 102},
                  {"speed: {law: ramp, from: 1, to: 1.5, start: 1000, duration: 1}", 1003},
                  {"speed: {law: ramp, from: 1, to: 0, start: 0.5, duration: 1}", 3}};
+    const size_t num_cases = check_all() ? sizeof cases / sizeof *cases : 2;
     (void)state;
-    for (size_t i = 0; i < 2 * sizeof cases / sizeof *cases; i++) {
+    for (size_t i = 0; i < 2 * num_cases; i++) {
         const bool accurate = i % 2;
         double error[2] = {0};
         for (int t = 2; t >= 0; t--) {
