@@ -83,7 +83,8 @@ static void inlet_effect_is_what_a_long_inlet_does(void **state) {
         set_inlet(&contact, -32);
         const film_pair wide = films_of(&contact);
         check_bound(found.of[EFFECT_INLET], wide.central / films.central - 1, 1.4);
-        check_bound(found.of[EFFECT_INLET_MINIMUM], wide.minimum / films.minimum - 1, 1.5);
+        // at least that of the central film, which mostly changes more
+        check_bound(found.of[EFFECT_INLET_MINIMUM], wide.minimum / films.minimum - 1, 1.75);
     }
 }
 
