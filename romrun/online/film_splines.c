@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "romrun/online/film_splines.h"
 
+#include "common/algebra/natural_spline.h"
 #include "common/algebra/rounding.h"
 #include "common/algebra/vectors.h"
 #include "common/physics/deflection.h"
 #include "common/time/bdf.h"
 #include "common/time/path_filter.h"
-#include "common/algebra/natural_spline.h"
 
 #include <math.h>
 #include <stdbool.h>
