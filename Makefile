@@ -180,7 +180,7 @@ check: $(TEST_PROGRAMS) ## unit and pipeline tests, minutes; last line: N passed
 	@$(run_tests) $(PIPELINES) $(TESTS)
 
 check-all: export CHECK_ALL = yes
-check-all: $(TEST_PROGRAMS) ## these with the slow ones: examples, studies, kills, all cases
+check-all: $(TEST_PROGRAMS) ## check, and the slow tests: examples, studies, kills, all cases
 	@$(run_tests) $(PIPELINES) $(TESTS)
 
 check-release: export CHECK_ALL = yes
@@ -296,7 +296,7 @@ version: ## write the Makefile's VERSION to header, Python package and citation
 	@sed -i 's/^version = .*/version = "$(VERSION)"/' romrun/python/pyproject.toml
 	@sed -i 's/^version: .*/version: $(VERSION)/' CITATION.cff
 
-# What is committed, built and tested in a folder outside of this one.
+# Packs HEAD, then builds and tests the archive in another folder.
 ARCHIVE := build/ehdrom-$(VERSION).tar.gz
 dist: version ## a source archive of HEAD, which is built and tested apart
 	@git diff --quiet HEAD || { echo 'make dist: found changes that are not committed, expected none' >&2; exit 1; }

@@ -461,7 +461,7 @@ static void set_effects(full_resolution *self, const film_pair films[3], const i
     }
     self->order = full_observed_order(central);
     self->effects.of[EFFECT_INLET] = SAFETY * fabs(of_central[1]);
-    // the minimum film of a coarse grid may move to another node, and hardly change by chance
+    // on a coarse grid the minimum may move to another node, and then change too little by chance
     self->effects.of[EFFECT_INLET_MINIMUM] =
         fmax(self->effects.of[EFFECT_INLET], SAFETY * fabs(of_minimum[1]));
     self->effects.of[EFFECT_STEP] =
@@ -497,7 +497,7 @@ ehd_status full_resolution_estimate(full_resolution *self, const full_state *sta
     film_pair films[3] = {no_films, no_films, no_films};
     inlet_change change = {NAN, NAN, grid->x_min, NAN};
     const central_line line = central_line_of(state, grid);
-    // the domain's effect is found by a larger domain, on the coarsest grid that has a solution
+    // the coarsest grid that has a solution, and is fine enough, gives the effect of the domain
     const bool coarsest_first = far_field_is_there(grid);
 
     give_size(&on[0]);
@@ -514,7 +514,7 @@ ehd_status full_resolution_estimate(full_resolution *self, const full_state *sta
         status =
             solve_coarse(&films[g], &change, &on[g], state, grid, (size_t)1 << g, threads, error);
     }
-    if (!status && isnan(change.central)) {
+    if (!status && isnan(change.central) && (grid->inner_lines == 1 || !isnan(films[1].central))) {
         film_pair own;
         status = solve_coarse(&own, &change, &on[0], state, grid, 1, threads, error);
     }

@@ -25,8 +25,8 @@ extern const double resolution_limit, resolution_limit_minimum;
 
 /* Estimates the errors of films and rolling resistance for the inlet or domain and for the step
  * (fullrun/README.md, Estimates of inlet and step). It solves the contact from the solution on
- * grids of twice and four times the step. One of them is solved again with an endless inlet, a
- * larger domain or the far field around.
+ * grids of twice and four times the step. One of them, or the grid of the solution, is solved again
+ * with an endless inlet, a larger domain or the far field around.
  * Errors: EHD_MEMORY, EHD_INTERNAL, EHD_INTERRUPTED. */
 ehd_status full_resolution_estimate(
     // output:

@@ -12,7 +12,7 @@
 
 /* Computes the PODs of the pressures and, if independent, of the deflections, the weight D of the
  * first pressure mode, and the training solutions in reduced coordinates. Reads all sources once
- * for the modes, and once more for the coordinates. Only `basis` holds the modes. Errors: EHD_DATA
+ * for the modes, once more for those of independent deflections, and once for the coordinates. Only `basis` holds the modes. Errors: EHD_DATA
  * (more modes than the rank of the snapshots, or parts that omit too much), EHD_INTERRUPTED,
  * EHD_MEMORY, EHD_INTERNAL (LAPACK); else as snapshot_set_open. */
 ehd_status bases_build(

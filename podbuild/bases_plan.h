@@ -13,8 +13,8 @@ typedef struct bases_settings {
     deformation_kind kind;
     bool exact; // the number of modes is given and no energy: a stream omits only noise before the
                 // modes are chosen
-    bool
-        as_part; // the modes are those of a part, which may omit PART_SHARE of the root of the energy
+    // the modes are those of a part, which may omit PART_SHARE of the root of the energy
+    bool as_part;
 } bases_settings;
 
 /* Parts of the root of the allowed energy: of the distance of the snapshots from the directions of

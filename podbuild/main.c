@@ -63,7 +63,7 @@ static const program_option own_options[] = {
     {"weight", 0, "NAME", "Weight of the Reynolds rows: mode (default), identity, row-norm; see below",
      OPTION_READ(weight, read_weight)},
     {"memory", 0, "SIZE", "Memory that arrays may take, as 2G or 500M; default half of the machine's. Snapshots that "
-     "need more are streamed, and read twice", OPTION_READ(memory, memory_option_read)},
+     "need more are streamed, and read several times", OPTION_READ(memory, memory_option_read)},
     {"compress", 0, NULL, "Write a part: the POD of these snapshots and their states, for bases of several parts, which leave "
      "out no less than --energy of theirs", OPTION_FLAG(bases.as_part)},
     {"plan", 0, "PLAN.yml", "The plan of the training, for weights that evaluate its contacts", OPTION_TEXT(plan)},
@@ -117,15 +117,16 @@ static void report_thinness(const program *self, const pod_basis *pressure,
     if (distance && num > 1 && num == files->num_rows && pressure->num_modes == num) {
         pod_left_out(distance, pressure, states->coordinates, states->num_unknowns, num);
         gsl_sort(distance, 1, num);
-        printf("as many modes as states; each state is told by the others to %.1e (median), %.1e "
-               "(worst)\n",
+        printf("as many modes as states; distance of a state from the span of the others %.1e "
+               "(median), %.1e (worst)\n",
                distance[num / 2], distance[num - 1]);
         if (distance[num / 2] > promised)
-            program_warn(self,
-                         "%s: found a training too thin: half of its pressures are further than "
-                         "%.2g from what the others tell, expected at most %g; add points between "
-                         "them, or have them chosen in a region (schemas/plan.md)",
-                         self->arguments[0], distance[num / 2], promised);
+            program_warn(
+                self,
+                "%s: found a training too thin: half of its pressures are further than "
+                "%.2g from the span of the others, expected at most %g; add points between "
+                "them, or have them chosen in a region (schemas/plan.md)",
+                self->arguments[0], distance[num / 2], promised);
     }
     free(distance);
 }

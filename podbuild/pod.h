@@ -21,9 +21,8 @@ typedef struct pod_basis {
     size_t num_snapshots;
     double energy; // sum of the squares of all snapshots
     double tail;   // energy of the omitted modes, and of directions that were dropped before
-    double
-        distance; // distance of the snapshots that were decomposed from the given ones; 0 for one
-                  // block
+    // distance of the snapshots that were decomposed from the given ones; 0 for one block
+    double distance;
 } pod_basis;
 
 typedef struct pod_settings {

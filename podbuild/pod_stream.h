@@ -38,8 +38,9 @@ typedef struct pod_stream pod_stream;
  *     |S - S Pᵀ P| <= sqrt(sum sigma'² + t) + sqrt(d),   |sigma(X) - sigma(S)| <= sqrt(d)
  *
  * When directions are dropped, the SVD omits a positive semidefinite part of XᵀX, and the traces of
- * these parts add up. The triangle inequality adds S - X. Compressed snapshots that are streamed in
- * place of others add their own distance p to sqrt(d) (pod_stream_inherit).
+ * these parts add up. The triangle inequality adds S - X. If compressed
+ * snapshots are streamed in place of others, their squared distance p adds sqrt(p) to the bound
+ * (pod_stream_inherit).
  *
  * The result depends only on the snapshots, their order and the settings. */
 ehd_status pod_stream_create(

@@ -9,8 +9,8 @@
 #include "common/time/film_errors.h"
 #include "common/time/march.h"
 
-/* Source: BDF2 with equal steps. Factor by which it enlarges an error that steps of equal length add to a film one after the
- * other, such as the change by the filter. It is the formula's rate times the step. */
+/* Source: BDF2 with equal steps. BDF2 enlarges an error that each of many equal steps adds to a film,
+ * such as the change by the filter, by this factor. It is the formula's rate times the step. */
 extern const double march_error_growth;
 
 /* Distance before the exit boundary, in half widths, up to which the local error is evaluated.

@@ -5,7 +5,9 @@
 #include <stdlib.h>
 
 bool check_all(void) {
-    return getenv("CHECK_ALL") != NULL;
+    const char *all = getenv("CHECK_ALL");
+
+    return all && *all;
 }
 
 bool is_close(double actual, double expected, double relative, double absolute) {

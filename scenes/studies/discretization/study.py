@@ -280,7 +280,7 @@ output: {{fields: false}}
     def grid(self, length=1, step=None):
         """The domain times a length, of whole steps."""
         length, step = length * self.shorter, step or self.step
-        x_max = self.x_max * max(1, length)  # exits of a wider point lie farther behind
+        x_max = self.x_max * max(1, length)  # exits of a wide point lie farther behind
         x_min = x_max - math.ceil((x_max - min(length * self.x_min, -1.25)) / step - 1e-6) * step
         if self.is_line:
             return {"x_min": x_min, "x_max": x_max, "step": step}
@@ -379,7 +379,7 @@ def solved(folder, name, program, settings, *options):
             found.append({**results.solution(f"{folder}/run.h5"),
                           "formulas": [(word[1], word[2], float(word[3]), 1e-9 * float(word[6])) for word in words]})
         return found
-    return results.kept(f"{folder}/{name}.json", run, "scene.yml", f"{folder}/../model.h5",
+    return results.kept(f"{folder}/{name}.json", run, "scene.yml", f"{folder}/../model.h5", __file__,
                         os.path.join(os.environ["BIN"], program))
 
 
