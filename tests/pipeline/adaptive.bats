@@ -69,6 +69,7 @@ with h5py.File("s.h5") as s:
 PYTHON
 }
 
+# bats test_tags=slow
 @test "the next stages take it, and the accuracy is met between the candidates" {
     podbuild s.h5 -o b.h5 --energy 1e-18
     snapgen region.yml --adaptive --basis b.h5 -o r.h5 --quiet
@@ -96,6 +97,7 @@ print(len(h5py.File("r.h5")["state"]) == len(h5py.File("s.h5")["state"]))')" = T
     same_data s.h5 many.h5
 }
 
+# bats test_tags=slow
 @test "--resume looks at what each state holds" {
     resume=(snapgen region.yml --adaptive --start 8 --jobs 1 --quiet -o x.h5 --resume)
     # makes the file look as it does before the training ends
@@ -115,6 +117,7 @@ print(len(h5py.File("r.h5")["state"]) == len(h5py.File("s.h5")["state"]))')" = T
     refused 65 "training_point: found [0-9]+ as states 0 and 1, expected it once" "${resume[@]}"
 }
 
+# bats test_tags=slow
 @test "kill -9 and Ctrl-C lose no finished point, and --resume gives the bits of an uninterrupted run" {
     slow=(snapgen region.yml --adaptive --start 8 --batch 3 --accuracy 1e-6 --most 50
         --set grid.step=0.005 --quiet)
@@ -159,6 +162,7 @@ with h5py.File("s.h5") as s, h5py.File("y.h5") as y:
 PYTHON
 }
 
+# bats test_tags=slow
 @test "a point contact: far fewer points than candidates, and the accuracy is met at the others" {
     cat >ball.yml <<'YAML'
 contact: point
@@ -223,6 +227,7 @@ YAML
     [ ! -e z.h5 ]
 }
 
+# bats test_tags=slow
 @test "its file opens with h5py, xarray and ncdump" {
     run "$BATS_TEST_DIRNAME/open_elsewhere.py" s.h5
     echo "$output"
@@ -230,6 +235,7 @@ YAML
     [ "$status" -eq 0 ]
 }
 
+# bats test_tags=slow
 @test "a region is trained where it needs it, each lubricant with its own corners" {
     cat >free.yml <<'YAML'
 groups:
@@ -268,6 +274,7 @@ PYTHON
     refuse 64 "--shard: found with a region" snapgen free.yml --shard 1/2 -o x.h5
 }
 
+# bats test_tags=slow
 @test "a training in rounds: points are chosen, solved in pieces, taken over, with the bits of one run" {
     how=(region.yml --adaptive --start 8 --accuracy 1e-2 --set grid.step=0.01)
     snapgen "${how[@]}" -o whole.h5 --quiet >whole.txt

@@ -49,6 +49,7 @@ sweep() {
     /usr/bin/python3 -B "$BATS_TEST_DIRNAME/resize_axes.py" "$@"
 }
 
+# bats test_tags=slow
 @test "axes of snapshots, parts and bases" {
     sweep s.h5 "snapgen --check s.h5" "podbuild --force s.h5 -o x.h5 --pressure-modes 3" "podbuild --print s.h5 pressure"
     sweep part.h5 "podbuild --check part.h5" "podbuild --force part.h5 -o x.h5 --pressure-modes 3"
@@ -59,6 +60,7 @@ sweep() {
     sweep bp.h5 "podbuild --check bp.h5" "deimselect --no-check rp.h5 --basis bp.h5 --rows 60 --method sopt --force -o x.h5"
 }
 
+# bats test_tags=slow
 @test "axes of adaptive trainings and of trajectories" {
     sweep as.h5 "snapgen --check as.h5" "podbuild --force as.h5 -o x.h5 --pressure-modes 3"
     sweep ar.h5 "deimselect --check ar.h5" "deimselect --no-check ar.h5 --basis ab.h5 --force -o x.h5"
@@ -72,6 +74,7 @@ sweep() {
     sweep history.h5 "fullrun resized.yml --quiet"
 }
 
+# bats test_tags=slow
 @test "axes of residuals" {
     sweep ir.h5 "deimselect --check ir.h5" "deimselect --no-check ir.h5 --basis ib.h5 --force -o x.h5"
     sweep r.h5 "deimselect --check r.h5" "deimselect --no-check r.h5 --basis b.h5 --force -o x.h5" \
@@ -79,6 +82,7 @@ sweep() {
     sweep rp.h5 "deimselect --check rp.h5" "deimselect --no-check rp.h5 --basis bp.h5 --rows 60 --method sopt --force -o x.h5"
 }
 
+# bats test_tags=slow
 @test "axes of models" {
     local scene="--model m.h5 --allow-untrusted --quiet --force -o x.h5"
     sweep c.h5 "romrun --check c.h5" "romrun --export c.h5 --force -o x.rom" "romrun line.yml ${scene/m.h5/c.h5}"
@@ -88,6 +92,7 @@ sweep() {
     sweep tm.h5 "romrun --check tm.h5" "romrun --export tm.h5 --force -o x.rom" "romrun moving.yml ${scene/m.h5/tm.h5}"
 }
 
+# bats test_tags=slow
 @test "axes of results and of tables of cases" {
     sweep result.h5 "fullrun --check result.h5" "fullrun --print result.h5 pressure --si" \
         "fullrun line.yml --start result.h5 --force -o x.h5 --quiet" "romrun line.yml --model m.h5 --against result.h5 --allow-untrusted --quiet" \

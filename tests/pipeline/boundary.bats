@@ -27,6 +27,7 @@ train() {
     deimselect --no-check "$name-r.h5" --basis "$name-b.h5" -o "$name.h5" --quiet >/dev/null
 }
 
+# bats test_tags=slow
 @test "with the far field a short domain does, and results say which they have" {
     long=(--set grid.x_min=-12 --set grid.x_max=4 --set grid.y_max=9)
     fullrun scene.yml --set grid.x_min=-4 --set grid.y_max=3 -o open.h5 >open.txt
@@ -72,6 +73,7 @@ PYTHON
     refuse 65 "boundary: found both, expected open.zero" fullrun scene.yml -o x.h5 --set contact=point --set boundary=both
 }
 
+# bats test_tags=slow
 @test "a reduced model has it from its training, and follows the full model" {
     train open
     train zero "${zero[@]}"

@@ -23,6 +23,7 @@ with h5py.File(sys.argv[1]) as file:
 PYTHON
 }
 
+# bats test_tags=slow
 @test "the table says what romrun finds" {
     run --separate-stderr romrun --calibrate check.yml --model m.h5 -o x.h5 --quiet
     [ "$status" -eq 0 ]
@@ -135,6 +136,7 @@ PYTHON
     done
 }
 
+# bats test_tags=slow
 @test "the indicated deviation bounds the true one, and a broken promise is exit code 4" {
     for M in 10 12; do
         for L in 3 5; do
@@ -356,6 +358,7 @@ with h5py.File('w.h5', 'r+') as f: f.attrs.pop('content_sha256', None); del f['i
     done
 }
 
+# bats test_tags=slow
 @test "a calibration of before has one factor for both films, and no limit to residuals" {
     cp c.h5 x.h5
     /usr/bin/python3 -c "
@@ -374,6 +377,7 @@ with h5py.File('x.h5', 'r+') as f:
     [ "$(number new.h5 indicated_deviation_minimum)" != "$(number old.h5 indicated_deviation_minimum)" ]
 }
 
+# bats test_tags=slow
 @test "a calibration of before has factors that hold for all bounds" {
     romrun scene.yml --model c.h5 -o new.h5 --quiet
     patch c.h5 "del f['indicator_growth']"
@@ -432,6 +436,7 @@ PYTHON
     [[ $status == 0 && $stderr != *"again with"* ]]
 }
 
+# bats test_tags=slow
 @test "--verify tells the deviation to first order, and changes nothing" {
     fullrun scene.yml -o full.h5
     for modes in 8 12; do
@@ -449,6 +454,7 @@ PYTHON
     refused 64 "--trade: found with an option for solving" romrun --verify --trade --model c.h5
 }
 
+# bats test_tags=slow
 @test "a calibrated model is a model" {
     romrun scene.yml --model m.h5 -o first.h5 --allow-untrusted
     romrun scene.yml --model c.h5 -o second.h5
@@ -485,6 +491,7 @@ PYTHON
     refused 73 "found an input as output" romrun --calibrate check.yml --model x.h5 -o x.h5 --force
 }
 
+# bats test_tags=slow
 @test "trajectories, with the steps of the full model" {
     moving_scene "step: 0.05" "end_time: 0.5, fixed_step: 0.01"
     time_plan train "0.5, 1" 0.1

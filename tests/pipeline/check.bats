@@ -24,6 +24,7 @@ setup() {
 unchecked="a model never checked at these sizes, which romrun --calibrate does, and deimselect without --no-check"
 advice="(--fallback full has the full model solve it, --allow-untrusted takes it all the same)"
 
+# bats test_tags=slow
 @test "a model is checked on scenes between its training's, as romrun --calibrate does" {
     [[ $(tail -n 1 log) == "checked on 10 scenes between the training points: central film at most "*" % off, minimum film "*" %" ]]
     [ "$(head -n 3 log)" = "$(cat no-check.log)" ]
@@ -83,6 +84,7 @@ PYTHON
     [[ $stderr == *"found outside of the trained range"* ]]
 }
 
+# bats test_tags=slow
 @test "residuals without a plan give a model that is not checked" {
     /usr/bin/python3 -c "
 import h5py

@@ -18,6 +18,7 @@ train() {
     deimselect --no-check r.h5 --basis b.h5 -o m.h5 --force --quiet >/dev/null
 }
 
+# bats test_tags=slow
 @test "the accurate rows are near the solution of the equations on a coarse grid" {
     sed -i 's/^moes: .*/moes: {M: 20, L: 10}/; s/law: dowson-higginson/law: incompressible/' scene.yml
     fullrun scene.yml -o published.h5 --quiet "${published[@]}" >published.txt
@@ -79,6 +80,7 @@ train() {
     [ "$(romrun --print x.h5 discretization)" = $'discretization\npublished' ]
 }
 
+# bats test_tags=slow
 @test "files of one discretisation are refused with the other" {
     train plan.yml "${published[@]}"
     cp s.h5 published.h5
@@ -114,6 +116,7 @@ with h5py.File(sys.argv[1], "r+") as f:
 PYTHON
 }
 
+# bats test_tags=slow
 @test "interrupted runs of versions without the key go on with the published rows alone" {
     slow=(snapgen plan.yml --quiet --set grid.step=0.0025 --jobs 1)
     "${slow[@]}" "${published[@]}" -o whole.h5

@@ -89,6 +89,7 @@ within() {
     [[ $output == *"of this, about"* ]]
 }
 
+# bats test_tags=slow
 @test "output.resolution false, or a model without them: no line, no attributes" {
     shows_no effect snapgen --print without-s.h5
     shows_no effect romrun --print without.h5

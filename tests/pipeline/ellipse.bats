@@ -145,6 +145,7 @@ PYTHON
     run -65 fullrun point.yml --start one.h5 -o x.h5
 }
 
+# bats test_tags=slow
 @test "a reduced model follows the full one between its training" {
     for file in s.h5 b.h5 r.h5 e.h5; do
         snapgen --check $file
@@ -231,6 +232,7 @@ PYTHON
     [ "$(grep -c 'force=[-0-9]' fmu)" -eq 41 ]
 }
 
+# bats test_tags=slow
 @test "in time, the reduced model follows the full one, and of ellipticity 1 the point contact" {
     sed -e 's/stationary/transient/' scene.yml >moving.yml
     echo 'transient: {load: {law: sine, amplitude: 0.1, period: 0.5}, end_time: 0.3, fixed_step: 0.03}' >>moving.yml

@@ -267,6 +267,7 @@ YAML
     [[ $status == 0 && ! $output =~ $programs ]]
 }
 
+# bats test_tags=slow
 @test "a model of one's own by one command: histories, an accuracy, one processor" {
     local lib=$BATS_TEST_DIRNAME/../../scenes/lib
     cd "$BATS_TEST_TMPDIR"

@@ -30,6 +30,7 @@ with h5py.File(sys.argv[1]) as a, h5py.File(sys.argv[2]) as b:
 PYTHON
 }
 
+# bats test_tags=slow
 @test "a good reduced result stays, and says whose it is" {
     romrun scene.yml --model c.h5 -o plain.h5
     run --separate-stderr romrun scene.yml --model c.h5 --fallback full -o x.h5

@@ -91,6 +91,7 @@ PYTHON
     [ ! -e x.ehdrom.partial ]
 }
 
+# bats test_tags=slow
 @test "what is made beside HDF5 files goes to regular files of its own" {
     echo mine >other
     mkfifo pipe

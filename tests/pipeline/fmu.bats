@@ -126,6 +126,7 @@ PYTHON
     done
 }
 
+# bats test_tags=slow
 @test "a tolerance below the solver's noise is no error" {
     for kind in "2 2" "3 approach3"; do
         run -0 ./use_fmu $kind tolerances
@@ -205,6 +206,7 @@ stationary_inlet_heating_factor=0x1[^ ]*p-1\$")" -eq 40 ]
         if (old[2] == "" || substr(old[2], 1, 12) != substr(new[2], 1, 12)) { print; exit 1 } }'
 }
 
+# bats test_tags=slow
 @test "the same inputs give the same bytes, without paths, names or history" {
     cp m.h5 "$all/other.h5"
     (cd "$all" && romrun --fmu "$BATS_FILE_TMPDIR/scene.yml" --model other.h5 -o 3.fmu --quiet)

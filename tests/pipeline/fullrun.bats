@@ -527,6 +527,7 @@ YAML
         fullrun hot.yml -o r.h5 --set lubricant.viscosity.reference_temperature=
 }
 
+# bats test_tags=slow
 @test "the inlet's heating is a factor beside films that do not change, or unknown" {
     cat >hot.yml <<'YAML'
 contact: line

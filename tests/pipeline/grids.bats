@@ -232,6 +232,7 @@ YAML
     same_data x.h5 full.h5
 }
 
+# bats test_tags=slow
 @test "a result on another grid is compared by interpolation, and called one" {
     read -r nodes x_min step <<<"$(grid_of own.h5)"
     romrun --allow-untrusted scene.yml --model m.h5 --set output.fields=true --against own.h5 >out.txt
@@ -326,6 +327,7 @@ YAML
         snapgen far.yml -o x.h5
 }
 
+# bats test_tags=slow
 @test "an interrupted training goes on only on its own grid" {
     sed -i 's/moes.M: .*\], /moes.M: [8, 9, 10, 11, 12, 13, 14, 15, 16, 17, 18, 20], /' plan.yml
     stop_when INT 'states >= 3' x.h5 snapgen plan.yml -o x.h5 --quiet --jobs 1
@@ -341,6 +343,7 @@ YAML
     snapgen plan.yml -o x.h5 --resume --quiet
 }
 
+# bats test_tags=slow
 @test "what a basis or model is used with takes its grid" {
     # without a basis or model each of these plans would have another grid
     cat >check.yml <<'YAML'

@@ -128,6 +128,7 @@ refused() {
     [[ $stderr == "m.h5: "*"undefined symbol: ehdrom_hdf5), expected "* ]]
 }
 
+# bats test_tags=slow
 @test "a program may be static altogether, by what pkg-config --static says" {
     outside
     # HDF5 as in Debian 13 has a driver for remote files that the rest refers to
@@ -286,6 +287,7 @@ assert abs(film_by_load * 20e3 - (other_film - film) * 50) < 0.02 * film, (film_
 PYTHON
 }
 
+# bats test_tags=slow
 @test "a point contact in SI is romrun's, to the last bit, and a step the dimensionless one" {
     romrun point.yml --model p.h5 --allow-untrusted -o r.h5 --quiet
     for kind in $kinds; do

@@ -116,6 +116,7 @@ with h5py.File('rows.h5', 'w') as f:
 # ---- the example
 
 # The measured deviation is 0.05 per mille; with a wrong basis or wrong rows it is far larger.
+# bats test_tags=slow
 @test "the example of own stages is as accurate as its README says" {
     cp -r "$BATS_TEST_DIRNAME/../../scenes/examples/own-stage" own
     cd own

@@ -59,6 +59,7 @@ solved() {
         awk '/^central film/ { film = $4 } /^solved by/ { part = " " $3 } END { print film part }'
 }
 
+# bats test_tags=slow
 @test "a scene is solved by the model in whose range it lies deepest, with its bits" {
     for case in "9 low" "12.5 low" "14.5 high" "21 high"; do
         read -r moes_M name <<<"$case"
@@ -265,6 +266,7 @@ PYTHON
     [[ $(grep '^list' out-machine/draw-1-20.txt) =~ ^list\ +$((low + high))\ +0\ +0\ +[0-9]+\ +[0-9]+\ +0\  ]]
 }
 
+# bats test_tags=slow
 @test "line contacts: each part may have a grid of its own" {
     mv base.yml fine.yml
     sed 's/step: [0-9.]*/step: 0.1/' fine.yml >base.yml

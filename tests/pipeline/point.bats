@@ -36,6 +36,7 @@ assert half["film_thickness"][0, 16, 24] == half["central_film_thickness"][0]
 PYTHON
 }
 
+# bats test_tags=slow
 @test "its files open with h5py, xarray and ncdump" {
     fullrun scene.yml -o result.h5
     snapgen plan.yml -o snapshots.h5
@@ -47,6 +48,7 @@ PYTHON
     done
 }
 
+# bats test_tags=slow
 @test "starts from the result of either domain" {
     fullrun scene.yml -o half.h5
     fullrun scene.yml --set grid.half=false --start half.h5 -o whole.h5
@@ -91,6 +93,7 @@ assert numpy.array_equal(half["exit_node"][...], last)
 PYTHON
 }
 
+# bats test_tags=slow
 @test "an interrupted training goes on to the same bits" {
     snapgen plan.yml -o straight.h5 --jobs 1
     sed -i 's/\[15, 20\]/[12, 13, 14, 15, 16, 17, 18, 19, 20]/' plan.yml
@@ -238,6 +241,7 @@ threads_of() {
     same_data one.h5 many.h5
 }
 
+# bats test_tags=slow
 @test "--jobs are threads from 10,000 nodes on, and as many as there are processors by default" {
     [[ $VARIANT != tsan ]] || skip "the sanitizer has a thread of its own"
     [ "$(threads_of --set grid.step=0.025 --jobs 3)" -eq 3 ]

@@ -62,6 +62,7 @@ PYTHON
     refused 65 "grows.h5.partial: found a damaged file \(truncated file" fullrun --print grows.h5.partial time load
 }
 
+# bats test_tags=slow
 @test "--print: a run that stopped early is printed as far as it came" {
     sed -i -e 's/stationary/transient/' -e '$a transient: {load: {law: ramp, from: 1, to: 200, duration: 1}, end_time: 1}' scene.yml
     run -3 fullrun scene.yml --quiet -o r.h5 --set discretization=published
@@ -148,6 +149,7 @@ PYTHON
     refused 64 "--si: found without --print" fullrun scene.yml --si
 }
 
+# bats test_tags=slow
 @test "--print: every dataset, axis and attribute of every kind of file, to the last bit" {
     small_model
     printf 'moes.M,moes.L\n10,3\n12,5\n' >cases.csv

@@ -37,6 +37,7 @@ film() {
     awk -v name="$film" '$1 == name && $2 == "film" { print $4 }' "$1/own.txt"
 }
 
+# bats test_tags=slow
 @test "a model gives the same bits with every core type, and models of every core type agree" {
     common_setup_small
     for core in "${cores[@]}"; do
@@ -56,6 +57,7 @@ film() {
     done
 }
 
+# bats test_tags=slow
 @test "a program on a processor that it was not built for says what that lacks" {
     command -v qemu-x86_64 || skip "found no qemu-x86_64"
     is_installed || skip "a sanitizer does not run there"

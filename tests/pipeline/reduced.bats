@@ -22,6 +22,7 @@ setup() {
 
 # ---- solutions
 
+# bats test_tags=slow
 @test "from training to answer" {
     run --separate-stderr podbuild s.h5 -o x.h5
     [ "$status" -eq 0 ]
@@ -53,6 +54,7 @@ setup() {
     romrun --check red.h5
 }
 
+# bats test_tags=slow
 @test "with a basis of its own for the deflection, and rows by any method" {
     podbuild s.h5 -o bi.h5 --deformation independent --pressure-modes 8 --deformation-modes 7
     snapgen plan.yml --basis bi.h5 -o ri.h5 --quiet
@@ -70,6 +72,7 @@ stability() {
         sed -n 's/^stability: \([^ ]*\).*/\1/p'
 }
 
+# bats test_tags=slow
 @test "as few rows as a wanted stability takes" {
     for method in joint exits; do
         deimselect --no-check r.h5 --basis b.h5 -o x.h5 --method $method --stability 2 --force >log
@@ -90,6 +93,7 @@ stability() {
     refused 64 "--stability" deimselect r.h5 --basis b.h5 --stability 0.5 -o x.h5
 }
 
+# bats test_tags=slow
 @test "with other weights of the test basis" {
     for weight in identity "row-norm --plan plan.yml"; do
         podbuild s.h5 -o bw.h5 --weight $weight --force
@@ -176,6 +180,7 @@ without_cubature() {
     patch "$1" "[f.__delitem__(k) for k in list(f) if k.startswith('cubature') or k == 'moment_jacobian']"
 }
 
+# bats test_tags=slow
 @test "traction, from few nodes or from fields" {
     sliding_scene >sliding.yml
     fullrun sliding.yml -o slid.h5 --quiet
@@ -216,6 +221,7 @@ without_cubature() {
     done
 }
 
+# bats test_tags=slow
 @test "traction with a basis of its own for the deflection" {
     sliding_scene >sliding.yml
     podbuild s.h5 -o bi.h5 --deformation independent --pressure-modes 8 --deformation-modes 7
@@ -251,6 +257,7 @@ for name in ("central_film_thickness", "minimum_film_thickness", "load", "exit_p
 PYTHON
 }
 
+# bats test_tags=slow
 @test "traction of a point contact, from few nodes or from fields" {
     small_point_model
     sed 's/^  density.*/&\n  shear: {law: eyring, tau0: 5e6}/' point.yml >sliding.yml
@@ -270,6 +277,7 @@ PYTHON
     done
 }
 
+# bats test_tags=slow
 @test "altered weights of the traction are refused" {
     for value in -1.0 "float('nan')" "float('inf')"; do
         for name in cubature_friction cubature_dry; do
@@ -304,6 +312,7 @@ with h5py.File('other.h5', 'r+') as f: f['cubature_friction'][3] *= 2"
 }
 
 # Method joint is greedy: a selection of fewer rows has the first ones, with weights of their own.
+# bats test_tags=slow
 @test "the first rows of a model weigh as if selected alone" {
     run --separate-stderr deimselect --no-check r.h5 --basis b.h5 -o few.h5 --rows 14
     [ "$status" -eq 0 ]
@@ -318,6 +327,7 @@ with h5py.File('other.h5', 'r+') as f: f['cubature_friction'][3] *= 2"
         "$(number red.h5 central_film_thickness)" 1e-9
 }
 
+# bats test_tags=slow
 @test "every kind of file opens with h5py, xarray and ncdump" {
     romrun --allow-untrusted scene.yml --model m.h5 -o red.h5
     podbuild s.h5 -o bi.h5 --deformation independent --pressure-modes 8 --deformation-modes 7
@@ -342,6 +352,7 @@ with h5py.File('other.h5', 'r+') as f: f['cubature_friction'][3] *= 2"
 
 # ---- the trained range, and points that fail
 
+# bats test_tags=slow
 @test "a scene outside of the trained range is solved, flagged, and exit 4" {
     run --separate-stderr romrun scene.yml --model m.h5 -o red.h5 --set moes.M=16
     [ "$status" -eq 4 ]
@@ -361,6 +372,7 @@ with h5py.File('other.h5', 'r+') as f: f['cubature_friction'][3] *= 2"
     refuse 65 "red.h5: found no" podbuild red.h5 -o x.h5
 }
 
+# bats test_tags=slow
 @test "a point that does not converge is left out, and the bases are built of the rest" {
     cat >failing.yml <<'YAML'
 groups:
@@ -467,6 +479,7 @@ assert len(set(h5py.File('fr.h5')['iteration_state'][...])) == 8 - $lost"
         snapgen plan.yml --basis bad.h5 -o x.h5
 }
 
+# bats test_tags=slow
 @test "a file of another kind or of a newer schema" {
     refuse 65 "b.h5: " podbuild b.h5 -o x.h5
     refuse 65 "s.h5: " snapgen plan.yml --basis s.h5 -o x.h5
@@ -510,6 +523,7 @@ PYTHON
     refuse 65 "bad.h5: .*$dataset" "$@"
 }
 
+# bats test_tags=slow
 @test "truncated, empty, foreign and bit-flipped files" {
     damaged s.h5 pressure podbuild bad.h5 -o x.h5
     damaged b.h5 pressure_basis snapgen plan.yml --basis bad.h5 -o x.h5 --quiet
@@ -522,6 +536,7 @@ PYTHON
     refuse 66 "none.h5" romrun scene.yml --model none.h5 -o x.h5
 }
 
+# bats test_tags=slow
 @test "values that no solver could have found" {
     patch s.h5 "f['pressure'][2, 60] = numpy.nan"
     refuse 65 "bad.h5: pressure: found nan, expected a number that is finite" podbuild bad.h5 -o x.h5
@@ -539,6 +554,7 @@ PYTHON
     refuse 65 "bad.h5: .*load_jacobian" romrun scene.yml --model bad.h5 -o x.h5
 }
 
+# bats test_tags=slow
 @test "a basis by somebody else's program, with only what it must have" {
     /usr/bin/python3 - <<'PYTHON'
 import h5py, numpy
@@ -615,6 +631,7 @@ PYTHON
     done
 }
 
+# bats test_tags=slow
 @test "Ctrl-C during snapgen --basis leaves nothing" {
     cat >slow.yml <<'YAML'
 groups:
@@ -632,6 +649,7 @@ YAML
 
 # ---- the command line
 
+# bats test_tags=slow
 @test "misuse is one line and exit 64" {
     refuse 64 "--model" romrun scene.yml -o x.h5
     refuse 64 "SCENE.yml" romrun --model m.h5 -o x.h5

@@ -48,6 +48,7 @@ PYTHON
     done
 }
 
+# bats test_tags=slow
 @test "files of all stages open elsewhere, and a model read again is the same" {
     for file in b.h5 r.h5 m.h5; do
         romrun --check $file
@@ -84,6 +85,7 @@ YAML
     grep -q "Newton step" out.txt
 }
 
+# bats test_tags=slow
 @test "the whole domain gives what the half gives" {
     snapgen plan.yml -o ws.h5 --set grid.half=false
     podbuild ws.h5 -o wb.h5 --pressure-modes 12
@@ -110,6 +112,7 @@ stability() {
     awk -v exits="$(stability exits 24)" -v qr="$(stability qr 24)" 'BEGIN { exit !(exits < qr) }'
 }
 
+# bats test_tags=slow
 @test "an independent basis, of the half and of the whole" {
     for half in true false; do
         set -- --set grid.half=$half
@@ -142,6 +145,7 @@ stability() {
         refuse 65 "bad.h5: .*" romrun scene.yml --model bad.h5 -o x.h5
 }
 
+# bats test_tags=slow
 @test "a point contact in time: from two trajectories to one between them" {
     point_scene 20 -3
     sed -i 's/regime: stationary/regime: transient/' scene.yml
@@ -189,6 +193,7 @@ PYTHON
     same_data twice.h5 again.h5
 }
 
+# bats test_tags=slow
 @test "the band of every line of a stranger's model is checked" {
     # an inner line without a band (with as many nodes in all), columns beyond or below the grid, and exits outside
     for patch in "none 5 6" "band_line_end 5 1000000000000" "band_line_begin 5 -3" \

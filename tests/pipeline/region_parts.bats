@@ -66,6 +66,7 @@ solves() {
     refuse 64 "--num-parts: found with --basis" snapgen region.yml --basis b.h5 --num-parts 2 -o s.h5
 }
 
+# bats test_tags=slow
 @test "the parts that are asked for, their list, and who takes it" {
     run train ACCURACY=1e-2 SPLIT=2
     echo "$output"
@@ -96,6 +97,7 @@ solves() {
     [[ $output == *"along M: 6 to "*" to 20"* ]]
 }
 
+# bats test_tags=slow
 @test "a region whose errors do not fall fast enough becomes parts, and one that is small does not" {
     # the training starts with the corners only, so that twenty points are many
     few=(ACCURACY=1e-4 SNAPGEN_OPTIONS='--start 4')
@@ -123,6 +125,7 @@ solves() {
     [ "$(head -n 1 small/parts.mk)" = "REGION_PARTS := " ]
 }
 
+# bats test_tags=slow
 @test "one grid for all parts, where a contact in time is to pass from one to the other" {
     printf 'contact: line\nregime: stationary\nlubricant: {viscosity: {law: barus, alpha: 2e-8}}\n' >base.yml
     sed -i 's/M: \[6, 24\]/M: [6, 45]/' region.yml
@@ -135,6 +138,7 @@ solves() {
     grep -q '^# point --set grid.x_min=-.* --set grid.step=0.1 --set grid.y_max=' list.txt
 }
 
+# bats test_tags=slow
 @test "settings in quotes, and a training that is compressed, which is not done again" {
     sed -i 's/M: \[6, 24\]/M: [10, 11]/' region.yml
     compressed=(ACCURACY=1e-2 PARTS=yes SET="--set 'lubricant.density.law=incompressible'" out/parts.mk out/part.h5)
@@ -180,6 +184,7 @@ solves() {
     done
 }
 
+# bats test_tags=slow
 @test "Ctrl-C loses no part that is trained" {
     train ACCURACY=1e-2 SPLIT=2 out/parts.mk
     inode=$(stat -c %i out/M-6-*/snapshots.h5)

@@ -53,6 +53,7 @@ with h5py.File(sys.argv[1]) as left, h5py.File(sys.argv[2]) as right:
 PYTHON
 }
 
+# bats test_tags=slow
 @test "all stages give the same bits again, with other --jobs and other OpenBLAS threads" {
     chain one 1 1
     chain again 1 1

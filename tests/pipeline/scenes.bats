@@ -38,6 +38,7 @@ makes_nothing() {
     [[ $status == 0 && ! $output =~ bin/$programs && ! $output =~ published.py\ point ]] || { echo "expected no program in: $output"; return 1; }
 }
 
+# bats test_tags=slow
 @test "the lower loaded region: demo and figures, and then nothing is left to do" {
     small_low
     run_make demo
@@ -58,6 +59,7 @@ makes_nothing() {
     makes_nothing
 }
 
+# bats test_tags=slow
 @test "the higher loaded region: demo, with its points from a file" {
     small_high
     run_make demo
@@ -67,6 +69,7 @@ makes_nothing() {
     [ -s out/profiles.png ]
 }
 
+# bats test_tags=slow
 @test "only what a change touches is made again" {
     small_low
     run_make models demo figures FIGURE3_CASE=
@@ -94,6 +97,7 @@ makes_nothing() {
     [[ $output =~ "out/snapshots.h5" ]]
 }
 
+# bats test_tags=slow
 @test "a case that is not trained is solved and marked; a missing one stops with a word" {
     small_low
     echo "far,no1,40,18,,,,,,,," >>cases.csv
@@ -107,6 +111,7 @@ makes_nothing() {
     [[ $output == *"cases.csv: found no cases"* ]]
 }
 
+# bats test_tags=slow
 @test "the steps in time: what results tell of them, and what is true" {
     copy_scene studies/transient-load
     run_make effects HISTORIES='soft speed' TOLERANCES=1.5e-3 TRUTH_STEP=0.01
@@ -136,6 +141,7 @@ small_transient() {
         EXTREME_AMPLITUDES=0.1 EXTREME_PERIODS='0.5 1' HISTORIES=soft TRUTH_STEP=0.02 SNAPGEN_OPTIONS='--jobs 1')
 }
 
+# bats test_tags=slow
 @test "the transient load: tables and figures, and then nothing is left to do" {
     small_transient
     run_make tables figures "${sizes[@]}"
@@ -167,6 +173,7 @@ print(trajectories.largest(*(results.read_trajectory(f"out/{kind}/fixed-2.h5") f
         "$(sed -n 's/.*central film thickness *at most \([^ ]*\) %.*/\1/p' <<<"$output")" 0.01
 }
 
+# bats test_tags=slow
 @test "the transient load: distances from the truth, of a period that was not trained too" {
     small_transient
     # transport is along the path, up to a time when entering film has reached the centre
@@ -192,6 +199,7 @@ print(trajectories.largest(*(results.read_trajectory(f"out/{kind}/fixed-2.h5") f
              off["published-quarter"] > 0 && off["published-quarter"] < off["published-half"]) }' out*/confirm.txt
 }
 
+# bats test_tags=slow
 @test "the transient load: beyond the published range, and with the published basis" {
     small_transient
     run_make extremes paper-size "${sizes[@]}"
@@ -201,6 +209,7 @@ print(trajectories.largest(*(results.read_trajectory(f"out/{kind}/fixed-2.h5") f
     [ "$(grep -c model-paper out/tables-paper.txt)" -eq 2 ]
 }
 
+# bats test_tags=slow
 @test "a run that stops early or is not trusted is shown as far as it came" {
     small_transient
     # this program stops with a given exit code

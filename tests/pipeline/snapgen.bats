@@ -62,6 +62,7 @@ PYTHON
     [[ $output == "1 points, 1 converged, "* ]]
 }
 
+# bats test_tags=slow
 @test "--jobs changes no result" {
     slow_plan
     snapgen "${slow[@]}" -o one.h5 --jobs 1
@@ -71,6 +72,7 @@ PYTHON
     same_data one.h5 many.h5
 }
 
+# bats test_tags=slow
 @test "shards have the bits of the whole, in the order of the plan, and so has their basis" {
     slow_plan
     snapgen "${slow[@]}" -o all.h5
@@ -122,6 +124,7 @@ assert any(warm[key][0] != whole[key][0] for key in whole)
 PYTHON
 }
 
+# bats test_tags=slow
 @test "--resume tells a cold run from one that starts from neighbours" {
     slow_plan
     stop_when KILL 'states >= 1' s.h5 snapgen "${slow[@]}" -o s.h5 --cold
@@ -177,6 +180,7 @@ YAML
 
 # ---- interruption and resume
 
+# bats test_tags=slow
 @test "Ctrl-C leaves no final file, and --resume gives what an uninterrupted run gives" {
     slow_plan
     snapgen "${slow[@]}" -o whole.h5
@@ -198,6 +202,7 @@ YAML
     same_data whole.h5 s.h5
 }
 
+# bats test_tags=slow
 @test "kill -9, again and again, loses no finished point" {
     slow_plan
     snapgen "${slow[@]}" -o whole.h5
@@ -220,6 +225,7 @@ partial_of() {
     mv bad.h5 s.h5.partial
 }
 
+# bats test_tags=slow
 @test "--resume solves again what is not as it was solved, or cannot be" {
     snapgen plan.yml -o whole.h5 --quiet
     for change in "f['exit_node'][0] = 10**6" "f['moes_M'][1] = -3" "f['moes_M'][1] *= 1.5" \
@@ -251,6 +257,7 @@ partial_of() {
     refused 73 "u.h5: found an existing file" snapgen plan.yml -o u.h5 --resume
 }
 
+# bats test_tags=slow
 @test "an interrupted run is continued or replaced, never discarded unasked" {
     slow_plan
     for signal in INT KILL; do

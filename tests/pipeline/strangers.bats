@@ -40,6 +40,7 @@ stranger() {
     esac
 }
 
+# bats test_tags=slow
 @test "no data of other files are read" {
     local -A dataset=([s]=pressure [b]=weight [r]=weighted_residual [m]=load_jacobian [full]=central_film_thickness
         [moving]=central_film_thickness)
@@ -90,6 +91,7 @@ with h5py.File('other.h5', 'w') as f: f['time'], f['g'] = numpy.array([0, 0.5, 1
     refuse 65 "selected_row: found a soft link" deimselect r.h5 --basis b.h5 --rows-from bad.h5 -o x.h5
 }
 
+# bats test_tags=slow
 @test "sizes that a file cannot have are refused before they are taken" {
     # these axes have no data; the product with the size of a number overflows, or is more than the file can hold
     local huge="
@@ -137,6 +139,7 @@ with h5py.File('T.h5', 'w') as f:
     refuse 65 "T.h5: found numbers that take 80 MB in a file with .* MB of data, expected at most 1032 times as much" fullrun moving.yml -o x.h5
 }
 
+# bats test_tags=slow
 @test "files that nobody writes on purpose" {
     # harmless oddities are read: a group within itself, a block before the file, bytes behind it, many attributes
     patch m.h5 "
@@ -185,6 +188,7 @@ with h5py.File('T.h5', 'w') as f:
     [[ $stderr != *$'\x1b'* ]]
 }
 
+# bats test_tags=slow
 @test "tables and scenes that nobody writes on purpose" {
     /usr/bin/python3 -c "
 text = open('scene.yml').read()
@@ -261,6 +265,7 @@ interrupted() {
     grep -qx "$pattern" log
 }
 
+# bats test_tags=slow
 @test "a signal ends a program while it reads" {
     large_residuals
     interrupted "romrun: bad.h5: interrupted while it was read" romrun --check bad.h5
@@ -268,6 +273,7 @@ interrupted() {
     [ ! -e x.h5 ] && [ ! -e x.h5.partial ]
 }
 
+# bats test_tags=slow
 @test "code that a file asks for is not loaded" {
     cat >filter.c <<'C'
 #include <fcntl.h>
@@ -307,6 +313,7 @@ C
     [ ! -e loaded ]
 }
 
+# bats test_tags=slow
 @test "numbers are what they may be" {
     stranger m "state_moes_M: found 0, expected above 0" "f['state_moes_M'][2] = 0"
     stranger m "state_moes_M: found -1, expected above 0" "f['state_moes_M'][2] = -1"
@@ -355,6 +362,7 @@ C
     [ "$status" -eq 0 ] || [ "$status" -eq 3 ]
 }
 
+# bats test_tags=slow
 @test "--check takes what the readers take, and says why not" {
     for file in *.h5; do
         for name in romrun deimselect fullrun; do $name --check $file; done
@@ -411,6 +419,7 @@ with h5py.File('bad.h5', 'r+') as f:
     esac
 }
 
+# bats test_tags=slow
 @test "a change of content by accident is noticed" {
     changed s "f['pressure'][4, 30] += 1e-9" pressure
     changed s "f['moes_M'][4] += 1e-9" moes_M
@@ -506,6 +515,7 @@ assert not [c for c in text if (c < " " and c not in "\n\t") or "\x7f" <= c <= "
     [ -z "$(grep -v "^$(basename "$1"): " <<<"$stderr")" ]
 }
 
+# bats test_tags=slow
 @test "control characters of files do not reach a terminal" {
     local evil='"\x1b[2J\x7f\u009b31m\u2028\u202eX\r\n\b" + "romrun: all is well"'
     for attribute in schema_name schema_version discretization contact kind; do
@@ -555,6 +565,7 @@ assert xml.etree.ElementTree.fromstring(description).get("modelName") == 'a??<&"
 PYTHON
 }
 
+# bats test_tags=slow
 @test "a flat model is one under another rounding of the host too" {
     is_installed || skip "sanitizers have to be loaded first"
     romrun --export m.h5 -o m.ehdrom

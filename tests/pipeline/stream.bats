@@ -76,6 +76,7 @@ films() {
     grep -q "48 snapshots at once, at most [0-9.]* MB of 1000 MB" log
 }
 
+# bats test_tags=slow
 @test "a small limit: the error within the bound, the states as they are, and the films of the direct way" {
     podbuild s.h5 --memory 650K -o x.h5 2>log
     grep -q "48 snapshots of 603 nodes one after the other, .*: at most 0.[0-9]* MB of 0.65 MB" log
@@ -141,6 +142,7 @@ assert (h5py.File('b.h5')['state_stationary'][...] == 0).any()"
 
 # ---- parts
 
+# bats test_tags=slow
 @test "parts of a training make the basis of all of it" {
     for k in 1 2 3; do
         podbuild --compress s$k.h5 -o p$k.h5 >told
@@ -200,6 +202,7 @@ assert numpy.array_equal(x, y) and numpy.array_equal(x[: sum(map(len, expected))
     refuse 73 "p.h5: " podbuild -q s1.h5 --compress -o p.h5
 }
 
+# bats test_tags=slow
 @test "a stranger's part is read like every other" {
     podbuild -q --compress s1.h5 -o p.h5
     spoilt() {
@@ -269,6 +272,7 @@ subprocess.run(sys.argv[1:], check=True, stdout=subprocess.DEVNULL)
 print(resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss)" "$@"
 }
 
+# bats test_tags=slow
 @test "the memory stated is kept" {
     [ "$VARIANT" = release ] || skip "sanitizers take memory of their own"
     many

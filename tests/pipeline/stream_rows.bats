@@ -63,6 +63,7 @@ for name in "row_weight", "row_jacobian_modes", "sigma_min_by_exit":
 PY
 }
 
+# bats test_tags=slow
 @test "within a limit that all fits in, at once and with the same bits" {
     deimselect -q --no-check many.h5 --basis b.h5 --memory 100M -o x.h5
     same_data x.h5 model.h5
@@ -70,6 +71,7 @@ PY
     grep -q "4[0-9]* iterations at once, at most [0-9.]* MB of 100 MB" log
 }
 
+# bats test_tags=slow
 @test "a small limit: the rows, their weights and the control rows are those of all at once" {
     deimselect --no-check many.h5 --basis b.h5 --memory 5M -o x.h5 2>log
     cat log
