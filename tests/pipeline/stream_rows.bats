@@ -144,6 +144,7 @@ subprocess.run(sys.argv[1:], check=True, stdout=subprocess.DEVNULL)
 print(resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss)" "$@"
 }
 
+# bats test_tags=slow
 @test "the memory stated is kept" {
     [ "$VARIANT" = release ] || skip "sanitizers take memory of their own"
     libraries=$(peak deimselect -q --check b.h5)
@@ -164,6 +165,7 @@ print("groups:\n- scene: base.yml\n  vary: {moes.M: [" + M + "], moes.L: [" + L 
 PY
 }
 
+# bats test_tags=slow
 @test "residuals are written as they come, in the order of the plan" {
     grid_plan few.yml 5
     snapgen -q few.yml --basis b.h5 --jobs 1 -o one.h5

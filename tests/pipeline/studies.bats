@@ -6,6 +6,7 @@ load common
 
 setup() { unset MAKEFLAGS MAKELEVEL MFLAGS V; }
 
+# bats test_tags=slow
 @test "the convergence map: all points of a small one, and it tells those that fail" {
     copy_scene studies/convergence-map
     sed -i -e 's/"low": (".*", 0.005)/"low": ("5, 12", 0.02)/' -e 's/"high": (".*", 0.002)/"high": ("50, 70", 0.01)/' \
@@ -28,6 +29,7 @@ setup() { unset MAKEFLAGS MAKELEVEL MFLAGS V; }
     [[ $output == *"failed: barus,incompressible,5,10,"*"72 points, 9 failed"* ]]
 }
 
+# bats test_tags=slow
 @test "the convergence map: estimates of inlet and step beside what is measured" {
     copy_scene studies/convergence-map
     run_make estimates ESTIMATE_LOW=5 ESTIMATE_HIGH=60 ESTIMATE_L='5 20'
@@ -41,6 +43,7 @@ setup() { unset MAKEFLAGS MAKELEVEL MFLAGS V; }
     [[ $(PYTHONPATH=../../lib /usr/bin/python3 -B study.py compare out/estimates.csv) == *"inlet  "*"missed 1;"* ]]
 }
 
+# bats test_tags=slow
 @test "discretisations: the accurate rows are nearer to the equations, stationary and in time" {
     copy_scene studies/discretization
     mkdir ../transient-load
@@ -60,6 +63,7 @@ setup() { unset MAKEFLAGS MAKELEVEL MFLAGS V; }
     [[ $status == 0 && ! $output =~ study.py ]]
 }
 
+# bats test_tags=slow
 @test "silent failures: every scene drawn is in the table, the same for a seed" {
     copy_scenes studies/stationary-line studies/silent-failures
     cd studies || return

@@ -5,6 +5,7 @@
 
 load common
 
+# bats test_tags=slow
 @test "a dimple passes as it is in pure rolling; in sliding it is flattened and a patch of its film runs ahead" {
     copy_whole_study surfaces
     make dimple SET='--set grid.step=0.0703125' | tee table # 65 by 65 nodes
@@ -54,6 +55,7 @@ PYTHON
          END { exit bad || found != 10 }' table
 }
 
+# bats test_tags=slow
 @test "short waves pass a contact that rolls and long ones are flattened, near the published curves" {
     copy_whole_study surfaces
     mkdir -p out

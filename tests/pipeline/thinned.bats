@@ -62,6 +62,7 @@ setup() {
 
 unseen="--set physical.load=1.07e5 --set physical.speed=0.6 --set slide_roll=0.8 --set lubricant.shear.tau0=3.4e6"
 
+# bats test_tags=slow
 @test "unseen loads, speeds, sliding and stresses, and their friction" {
     # shellcheck disable=SC2086
     fullrun line.yml -o full.h5 --quiet $unseen
@@ -80,6 +81,7 @@ unseen="--set physical.load=1.07e5 --set physical.speed=0.6 --set slide_roll=0.8
         romrun line.yml --model plan.h5 -o x.h5 --quiet $unseen --against rolled.h5
 }
 
+# bats test_tags=slow
 @test "what the sliding does and what the pressure gradient does count apart" {
     romrun line.yml --model plan.h5 -o one.h5 --quiet --set slide_roll=0.2 --set lubricant.shear.tau0=4e6
     romrun line.yml --model plan.h5 -o back.h5 --quiet --set slide_roll=-0.2 --set lubricant.shear.tau0=4e6
@@ -102,6 +104,7 @@ unseen="--set physical.load=1.07e5 --set physical.speed=0.6 --set slide_roll=0.8
 
 # The films are those of Conry, Wang and Cusano's flow by an independent solver, extrapolated to a step of 0, within
 # 2e-4. On this step the films are at most 1.3e-4 off.
+# bats test_tags=slow
 @test "films of lines are those of the exact flow at any gradient" {
     cat >exact.yml <<'YAML'
 contact: line
@@ -172,6 +175,7 @@ VALUES
     told "a flow that is thinned more than any in training" bad.h5
 }
 
+# bats test_tags=slow
 @test "a large stress gives the Newtonian film" {
     romrun line.yml --model newton.h5 -o newton-film.h5 --quiet --set lubricant.shear.in_film=false
     # the result is trusted: so small a thinning changes no film
@@ -234,6 +238,7 @@ YAML
     [ "$status" -eq 4 ]
 }
 
+# bats test_tags=slow
 @test "in time" {
     sed -i 's/stationary/transient/; s/tau0: 5e6/tau0: 3.7e6/; s/slide_roll: 0.4/slide_roll: 1/' line.yml
     echo 'transient: {end_time: 1, fixed_step: 0.02, load: {law: sine, amplitude: 0.1, period: 0.8}}' >>line.yml
@@ -258,6 +263,7 @@ PYTHON
     [ "$status" -eq 4 ]
 }
 
+# bats test_tags=slow
 @test "point contacts" {
     sliding_scene point 'load: 60, radius: 0.0127, speed: 0.8' 1 \
         'x_min: -3, x_max: 1.5, step: 0.125, y_max: 2, half: true' >point.yml

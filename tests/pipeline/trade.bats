@@ -22,6 +22,7 @@ sizes() { romrun --print "$out"/calibrated.h5 position_rows | tail -n +2 | grep 
 # film WAY SCENE: prints the stored central film, scenes counted from 0.
 film() { /usr/bin/python3 -c 'import json, sys; print(json.load(open(sys.argv[1]))[int(sys.argv[2])]["H_c"])' "$out/trade/$1.json" "$2"; }
 
+# bats test_tags=slow
 @test "a stationary scene: sizes, grids, tolerances, starts and formulas in one picture" {
     copy_scene studies/stationary-line
     sed -i -e 's/moes.M: .*/moes.M: [10, 12, 15]/' -e 's/moes.L: .*/moes.L: [9, 11, 13]/' plan.yml
@@ -77,6 +78,7 @@ film() { /usr/bin/python3 -c 'import json, sys; print(json.load(open(sys.argv[1]
     [[ $status == 2 && $output == *"check-plan.yml: found 4 stationary scenes, expected the 2 that"* ]]
 }
 
+# bats test_tags=slow
 @test "a point contact: its own formulas, grids that are no whole multiples" {
     copy_scene studies/point-stationary
     sed -i -e 's/step: 0.02/step: 0.125/' scene.yml
@@ -104,6 +106,7 @@ inlet" ]
         'BEGIN { exit !(0 < a && a < b) }'
 }
 
+# bats test_tags=slow
 @test "a transient scene: sizes, steps, grids and formulas at each time" {
     copy_scene studies/transient-load
     sed -i 's/end_time: .*/end_time: 1.5/' scene.yml # up to T = 1 the central film does not vary

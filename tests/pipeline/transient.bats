@@ -136,6 +136,7 @@ lose() {
     fullrun --check "$name.h5"
 }
 
+# bats test_tags=slow
 @test "a load that falls to 0 does what one does that falls to 1e-4" {
     printf '%s\n' time,load 0,1 1,1 3,0 5,0 7,1 9,1 >none.csv
     sed 's/,0$/,0.0001/' none.csv >little.csv
@@ -165,6 +166,7 @@ with h5py.File("none.h5") as none, h5py.File("little.h5") as little:
 PYTHON
 }
 
+# bats test_tags=slow
 @test "a load falls to 0 after long steps, and rises nearly at once" {
     printf '%s\n' time,load 0,1 2,1 3,0 5,0 5.00000001,1 9,1 >jump.csv
     lose jump 'closure: load' load
@@ -178,6 +180,7 @@ with h5py.File("jump.h5") as file:
 PYTHON
 }
 
+# bats test_tags=slow
 @test "bodies that part lose their load, and get it back where they touch" {
     printf '%s\n' time,approach 0,1 3,-0.3 4,-0.3 7,1 9,1 >apart.csv
     lose apart 'closure: approach' approach
@@ -202,6 +205,7 @@ PYTHON
 
 # ---- training
 
+# bats test_tags=slow
 @test "points and trajectories of one plan are trained, reduced and run" {
     snapgen plan.yml -o s.h5 --jobs 1 --quiet >log
     grep -q "11 points, 11 converged" log
@@ -287,6 +291,7 @@ with h5py.File("far.h5") as file:
 PYTHON
 }
 
+# bats test_tags=slow
 @test "steps of load and speed are solved by the projected system, with nearly all modes" {
     cat >steps.yml <<'YAML'
 groups:
@@ -328,6 +333,7 @@ assert (stationary, moving) == (9, 2), (stationary, moving)
 PYTHON
 }
 
+# bats test_tags=slow
 @test "no shard is empty, also where points are fewer than shards" {
     cat >few.yml <<'YAML'
 groups:
@@ -431,6 +437,7 @@ bad_table() {
     [ ! -e r.h5.partial ]
 }
 
+# bats test_tags=slow
 @test "bad tables are refused with file and row" {
     printf 'time,load\n0,1\n0.5,1.1\n2,1\n' >table.csv
     sed 's/load:.*/load: {law: table, file: table.csv, column: load}/' scene.yml >good.yml
@@ -610,6 +617,7 @@ long_scene() {
     echo 'output: {fields_every: 500}' >>long.yml
 }
 
+# bats test_tags=slow
 @test "a run can be followed, killed and resumed: the same numbers" {
     long_scene
     fullrun long.yml -o whole.h5 --quiet >log
@@ -646,6 +654,7 @@ interrupt() {
     [ "$code" -eq 130 ]
 }
 
+# bats test_tags=slow
 @test "tables are inputs, and a changed one does not go on" {
     long_scene
     printf 'time,load,speed\n0,1,1\n20,1.1,1\n40,1,1.1\n' >table.csv
@@ -672,6 +681,7 @@ with h5py.File("x.h5") as file:
 PYTHON
 }
 
+# bats test_tags=slow
 @test "tables are inputs of a training too" {
     printf 'time,load\n0,1\n0.5,1.1\n1,1\n' >table.csv
     sed -e 's/load:.*/load: {law: table, file: table.csv, column: load}/' \
@@ -703,6 +713,7 @@ for name, expected in ("x.h5", ["tables-plan.yml", "table.csv"]), \
 PYTHON
 }
 
+# bats test_tags=slow
 @test "Ctrl-C is 130, and the run can be resumed" {
     long_scene
     stop_when INT "len(time) > 100" r.h5 fullrun long.yml -o r.h5 2>log >out
@@ -718,6 +729,7 @@ PYTHON
     [ "$entries" -lt 20001 ]
 }
 
+# bats test_tags=slow
 @test "the copy of an interrupted run is not deleted, and can be resumed" {
     long_scene
     stop_when INT "len(time) > 100" r.h5 fullrun long.yml -o r.h5 2>log >out
@@ -743,6 +755,7 @@ PYTHON
     refused 73 "a.h5: found an existing file" fullrun scene.yml -o a.h5 --resume
 }
 
+# bats test_tags=slow
 @test "an interrupted romrun goes on" {
     snapgen plan.yml -o s.h5 --quiet
     podbuild s.h5 -o b.h5
@@ -795,6 +808,7 @@ PYTHON
 
 # ---- along the path
 
+# bats test_tags=slow
 @test "a model is run as its training carried the films" {
     sed 's/^regime.*/&\ntransport: upwind/' scene.yml >upwind.yml
     sed 's/scene: scene.yml/scene: upwind.yml/' plan.yml >upwind-plan.yml
@@ -841,6 +855,7 @@ PYTHON
     refused 65 "plan.yml: transient.smoothing: found 0.0" snapgen plan.yml -o z.h5
 }
 
+# bats test_tags=slow
 @test "a run by the rows can be killed and resumed" {
     long_scene
     sed 's/^regime.*/&\ntransport: upwind/; s/end_time: 40/end_time: 8/' long.yml >rows.yml
@@ -850,6 +865,7 @@ PYTHON
     scalars_equal r.h5 whole.h5
 }
 
+# bats test_tags=slow
 @test "an entrainment that reverses: exits on either side, killed and resumed, refused elsewhere" {
     cat >fro.yml <<'YAML'
 contact: line
@@ -967,6 +983,7 @@ YAML
 
 # ---- surfaces that are not smooth
 
+# bats test_tags=slow
 @test "a dent, a waviness and a table move through the contact: where they are, resumed, refused elsewhere" {
     cat >dent.yml <<'YAML'
 contact: line
@@ -1046,6 +1063,7 @@ PYTHON
     refuse 65 "surface.kind: found dent, expected none with a reduced model" snapgen dent.yml -o x.h5
 }
 
+# bats test_tags=slow
 @test "long waves are flattened and short ones pass, as published" {
     # C. H. Venner, F. Couhier, A. A. Lubrecht, J. A. Greenwood, Tribology Series 32 (1997) 103-112: amplitudes for M =
     # 100 and L = 11, by wavelength over half width

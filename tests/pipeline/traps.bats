@@ -100,6 +100,7 @@ slides() {
     slides 'contact: line' 300e3 '  viscosity: {law: wlf, preset: no1}'
 }
 
+# bats test_tags=slow
 @test "a reversal, a surface, a load of 0 and bodies apart raise none" {
     printf '%s\n' time,of 0,1 1,1 2,0 3,0 4,1 5,1 >load.csv
     printf '%s\n' time,of 0,1 1,1 3,-0.3 3.5,-0.3 4.5,1 5,1 >approach.csv
