@@ -15,7 +15,7 @@
 
 // ---- readings
 
-/* Two readings of all sources: of the rows for the modes, and of the states for the
+/* Reads all sources several times: the rows for the modes of each field, then the states for the
  * coordinates. */
 typedef struct reading {
     snapshot_set *from;
@@ -29,7 +29,7 @@ typedef struct reading {
     ehd_deflection *deflection; // NULL if coupled
 } reading;
 
-/* Returns the number of fields that both readings read. */
+/* Returns the number of fields that are read in all. */
 static size_t count_readings(const snapshot_set *from, bool independent) {
     size_t count = from->num_rows * (independent ? 2 : 1);
 
@@ -166,23 +166,13 @@ static void project(double *coordinates, size_t stride, const double *fields, si
                     fields, nodes, pod->modes, nodes, 0, coordinates, (int)stride);
 }
 
-/* Copies states from `first` on, without coordinates but the rigid approach. */
+/* Copies all states of a source to states from `first` on. Of their coordinates it copies only the
+ * rigid approach, which is the last one. */
 static void put_states(reduced_states *to, size_t first, const reduced_states *from) {
-    const size_t num = from->num_states, num_lines = to->num_lines;
-
-    for (size_t s = 0; s < num; s++)
+    for (size_t s = 0; s < from->num_states; s++)
         to->coordinates[(first + s + 1) * to->num_unknowns - 1] =
             from->coordinates[(s + 1) * from->num_unknowns - 1];
-    memcpy(to->exit + first * num_lines, from->exit, num * num_lines * sizeof *to->exit);
-    memcpy(to->moes_M + first, from->moes_M, num * sizeof(double));
-    memcpy(to->alpha_p_H + first, from->alpha_p_H, num * sizeof(double));
-    memcpy(to->thinning + first, from->thinning, num * sizeof *to->thinning);
-    memcpy(to->central_film_thickness + first, from->central_film_thickness, num * sizeof(double));
-    memcpy(to->stationary + first, from->stationary, num * sizeof *to->stationary);
-    memcpy(to->rate + first, from->rate, num * sizeof(double));
-    memcpy(to->load_rate + first, from->load_rate, num * sizeof(double));
-    memcpy(to->effects + first, from->effects, num * sizeof *to->effects);
-    memcpy(to->rises + first, from->rises, num * sizeof *to->rises);
+    reduced_states_put(to, first, from);
 }
 
 /* Reads `count` states of a source from state `s` on, and writes their coordinates and exits to

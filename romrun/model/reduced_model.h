@@ -48,6 +48,9 @@ ehd_status reduced_states_init(reduced_states *states, size_t num_states, size_t
                                size_t num_unknowns, ehd_error *error);
 void reduced_states_free(reduced_states *states);
 
+/* Copies all states but their coordinates to the states of `target` from `first` on. */
+void reduced_states_put(reduced_states *target, size_t first, const reduced_states *source);
+
 /* Copies all arrays. EHD_MEMORY. */
 ehd_status reduced_states_copy(reduced_states *target, const reduced_states *source,
                                ehd_error *error);

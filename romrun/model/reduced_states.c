@@ -113,23 +113,30 @@ void reduced_basis_free(reduced_basis *basis) {
     memset(basis, 0, sizeof *basis);
 }
 
+void reduced_states_put(reduced_states *target, size_t first, const reduced_states *source) {
+    const size_t count = source->num_states, num_lines = source->num_lines;
+
+    memcpy(target->exit + first * num_lines, source->exit, count * num_lines * sizeof(size_t));
+    memcpy(target->moes_M + first, source->moes_M, count * sizeof(double));
+    memcpy(target->alpha_p_H + first, source->alpha_p_H, count * sizeof(double));
+    memcpy(target->thinning + first, source->thinning, count * sizeof *target->thinning);
+    memcpy(target->central_film_thickness + first, source->central_film_thickness,
+           count * sizeof(double));
+    memcpy(target->stationary + first, source->stationary, count * sizeof *target->stationary);
+    memcpy(target->rate + first, source->rate, count * sizeof(double));
+    memcpy(target->load_rate + first, source->load_rate, count * sizeof(double));
+    memcpy(target->effects + first, source->effects, count * sizeof *target->effects);
+    memcpy(target->rises + first, source->rises, count * sizeof *target->rises);
+}
+
 ehd_status reduced_states_copy(reduced_states *target, const reduced_states *source,
                                ehd_error *error) {
     ehd_status status = reduced_states_init(target, source->num_states, source->num_lines,
                                             source->num_unknowns, error);
-    size_t count = source->num_states;
 
     if (status) return status;
-    memcpy(target->coordinates, source->coordinates, count * source->num_unknowns * sizeof(double));
-    memcpy(target->exit, source->exit, count * source->num_lines * sizeof *target->exit);
-    memcpy(target->moes_M, source->moes_M, count * sizeof(double));
-    memcpy(target->alpha_p_H, source->alpha_p_H, count * sizeof(double));
-    memcpy(target->thinning, source->thinning, count * sizeof *target->thinning);
-    memcpy(target->central_film_thickness, source->central_film_thickness, count * sizeof(double));
-    memcpy(target->stationary, source->stationary, count * sizeof *target->stationary);
-    memcpy(target->rate, source->rate, count * sizeof(double));
-    memcpy(target->load_rate, source->load_rate, count * sizeof(double));
-    memcpy(target->effects, source->effects, count * sizeof *target->effects);
-    memcpy(target->rises, source->rises, count * sizeof *target->rises);
+    memcpy(target->coordinates, source->coordinates,
+           source->num_states * source->num_unknowns * sizeof(double));
+    reduced_states_put(target, 0, source);
     return EHD_OK;
 }
