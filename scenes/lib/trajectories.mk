@@ -2,6 +2,36 @@
 # Reduced models of a plan of trajectories, and from runs to tables and a picture (trajectories.py). Included by the
 # Makefile of each study whose load oscillates, which says what its models are (training.mk). cases.csv has the periods.
 
+PLAN  = $(OUT)/plan.yml
+PLANS = plan.yml check-plan.yml
+
+# Training: the running in from the stationary contact under loads of these periods, with steps by error control and
+# with fixed ones. Long steps smooth what short ones resolve, so a model that is to agree with the full one step by step
+# must have seen both.
+TRAINED_PERIODS ?= 0.5, 1, 2
+define plan.yml
+groups:
+  - scene: scene.yml
+    vary:
+      transient.load.period: [$(TRAINED_PERIODS)]
+  - scene: scene.yml
+    vary:
+      transient.load.period: [$(TRAINED_PERIODS)]
+      transient.fixed_step: [$(FIXED_STEP)]
+endef
+plan.yml := $(plan.yml)
+
+# Trajectories to measure the models on: periods between those of the training (`make trade`).
+CHECK_PERIODS ?= 0.75, 1.5
+define check-plan.yml
+groups:
+  - scene: scene.yml
+    vary:
+      transient.load.period: [$(CHECK_PERIODS)]
+      transient.fixed_step: [$(FIXED_STEP)]
+endef
+check-plan.yml := $(check-plan.yml)
+
 # More pieces are faster on Slurm, but have the bits of one to rounding only.
 SHARDS ?= $(or $(file <$(OUT)/shards),1)
 

@@ -133,7 +133,7 @@ makes_nothing() {
 small_transient() {
     copy_scene studies/transient-load
     sed -i 's/end_time: .*/end_time: 0.2/' scene.yml
-    sed -i '/^define plan.yml/,/^endef/ s/period: \[.*/period: [0.5, 1]/' Makefile
+    sed -i '1i TRAINED_PERIODS = 0.5, 1' Makefile
     printf '%s\n' "$(head -n 1 cases.csv)" 0.5,0.2,0.005,5010,4192,3949,119 0.75,0.2,0.005,,,, >few.csv
     mv few.csv cases.csv
     sizes=(model.PRESSURE_MODES=32 model.ROWS=50 model-paper.PRESSURE_MODES=25

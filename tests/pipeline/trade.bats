@@ -110,8 +110,7 @@ inlet" ]
 @test "a transient scene: sizes, steps, grids and formulas at each time" {
     copy_scene studies/transient-load
     sed -i 's/end_time: .*/end_time: 1.5/' scene.yml # up to T = 1 the central film does not vary
-    sed -i '/^define plan.yml/,/^endef/ s/period: \[.*/period: [0.5, 1]/' Makefile
-    sed -i '/^define check-plan/,/^endef/ s/period: \[.*/period: [0.75]/' Makefile
+    sed -i -e '1i TRAINED_PERIODS = 0.5, 1' -e '1i CHECK_PERIODS = 0.75' Makefile
     small="MODELS=model model.PRESSURE_MODES=70 model.ROWS=120 TRADE_STRETCHES=2 TRADE_REPEAT=1"
     run_make trade $small TRADE_TRUTH='0.5 0.0025' TRADE_STEPS='5e-4 1.5e-3 1.5e-2 fixed0.01 still40'
     echo "$output"
