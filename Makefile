@@ -183,6 +183,11 @@ check-all: export CHECK_ALL = yes
 check-all: $(TEST_PROGRAMS) ## check, and the slow tests: examples, studies, kills, all cases
 	@$(run_tests) $(PIPELINES) $(TESTS)
 
+check-slow: export CHECK_ALL = slow
+check-slow: $(TEST_PROGRAMS) ## what check leaves out of check-all
+	@$(run_tests) $(shell grep -l 'test_tags=slow' $(PIPELINES)) \
+	    $(patsubst tests/unit/%.c,$(BUILD)/unit/%,$(shell grep -l 'check_all()' $(TESTS:$(BUILD)/unit/%=tests/unit/%.c)))
+
 check-release: export CHECK_ALL = yes
 check-release: export TIMEOUT ?= 7200
 check-release: $(TEST_PROGRAMS) $(LONG_TESTS) ## check-all and tests that take hours; as root also in bare Debian 12 and 13
@@ -340,7 +345,7 @@ help: ## this list
 print-%:
 	@echo '$* = $($*)'
 
-.PHONY: all deps lint-deps coverage-deps slurm-deps fuzz-deps fuzz-coverage demo demo-point check check-all check-release check-slurm \
+.PHONY: all deps lint-deps coverage-deps slurm-deps fuzz-deps fuzz-coverage demo demo-point check check-all check-slow check-release check-slurm \
         run-slurm-tests coverage fuzz bench costs figures examples trade man python install uninstall version dist format format-check lint constants clean help FORCE
 
 # ---- What has to be installed

@@ -6,7 +6,8 @@
 #     tests/run.sh LOG_FOLDER TEST...
 #
 # FILTER: of pipelines only the tests whose names match it.
-# CHECK_ALL: if it is set, pipelines also run the tests with the tag "slow", and unit tests all their cases (check.h).
+# CHECK_ALL: empty: pipelines leave out the tests with the tag "slow", and unit tests many cases (check.h). slow: pipelines
+# run only these tests, and unit tests all cases. Any other text: all tests, all cases.
 set -u
 
 # Runs one test: its TAP output goes to LOG_FOLDER/NAME.tap, its counts to LOG_FOLDER/NAME.count, and
@@ -20,6 +21,7 @@ run_one() {
     if [[ $test == *.bats ]]; then
         command=(bats --tap ${FILTER:+--filter "$FILTER"})
         [[ ${CHECK_ALL-} ]] || command+=(--filter-tags '!slow')
+        [[ ${CHECK_ALL-} == slow ]] && command+=(--filter-tags slow)
         command+=("$test")
     fi
 
