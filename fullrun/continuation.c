@@ -8,16 +8,18 @@
 #include <math.h>
 #include <string.h>
 
-/* Central film of the start over that of the film formula. Newton corrects too thick a film in a
- * few steps, but drives a film that is too thin at the contact's edges to zero there. Of 24 cold
- * starts at the corners of M and L (test_continuation.c, extremes_converge) 8 fail at 1. At 1.5, 2, 4 and 10 all
- * converge, in 760, 731, 765 and 820 steps. */
+/* Central film of the start over the central film of the formula. Newton's iteration corrects too
+ * thick a film in a few steps. It drives a film that is too thin to zero at the edges of the
+ * contact. With 1.5, 2, 4 and 10 all of 24 cold starts at the corners of M and L converge, in
+ * 760, 731, 765 and 820 steps. With 1 eight of them fail (test_continuation.c,
+ * extremes_converge). */
 static const double START_FILM = 2;
 
-/* Smallest stride of a continuation, as a part of the way. Of 89 cold starts by continuation
- * (M 0.5 to 1000, L 0 to 50, lines and points of three laws) 43 converge, all with strides down
- * to 1/8. The others drive the film to zero on their grid, after a number of solutions that grows
- * with the logarithm of this stride (test_continuation.c, far_start_is_given_up_early). */
+/* Smallest stride of a continuation, as a part of the way. Of 89 cold starts by continuation (M
+ * 0.5 to 1000, L 0 to 50, lines and points of three laws) 43 converge, all with strides down to
+ * 1/8. The other starts drive the film to zero on their grid. The number of solutions until they
+ * are given up grows with the logarithm of this stride (test_continuation.c,
+ * far_start_is_given_up_early). */
 static const double MIN_STRIDE = 1. / 256;
 
 /* Ends the pressurised zone of the dry contact at a node. On a point contact only this

@@ -15,9 +15,9 @@
 #include <string.h>
 
 /* Largest pressure gradient at the end of the grid in a trusted result, in Hertz pressures per
- * half width. With this gradient the central film is 0.15 % off: measured under loads that vary
- * by half, on grids to X = 1.15 … 2 against one to 4 (README.md, In time). After a load step by half
- * the gradient briefly reaches half of it. */
+ * half width. With a gradient of 0.3 the error of the central film is 0.15 %. It was measured
+ * under loads that vary by half, on grids to X = 1.15 … 2 against a grid to 4 (README.md, In
+ * time). After a load step by half the gradient is up to 0.15 for a short time. */
 static const double MAX_END_GRADIENT = 0.3;
 
 struct full_march {
@@ -25,7 +25,7 @@ struct full_march {
     ehd_contact reference;
     double start_film;
     full_solver *solver;
-    previous_state states[NUM_BDF_PLACES]; // at the places of `bdf`; none is passing
+    previous_state states[NUM_BDF_PLACES]; // at the places of `bdf`, without PASSING
     previous_carrier carrier;
     double *entrained; // [num_inner] d/dX of the base's rho H, discretised as in the rows
     bool *noisy;       // [num_nodes] nodes left out of the local error
@@ -64,7 +64,9 @@ double full_march_bytes(const ehd_contact *reference) {
 static double dry_start_film(const ehd_contact *reference) {
     const contact_kind *kind = reference->kind;
     const contact_shape *shape = &reference->grid.shape;
-    const double slowness = 100; // (README.md, In time; test_full_march.c, start_at_rest)
+    // speed of the reference over the speed of the formula (README.md, In time; test_full_march.c,
+    // start_at_rest)
+    const double slowness = 100;
     double moes_M = kind->moes_M(shape, reference->lambda / slowness);
     double moes_L = reference->alpha_p_H / kind->alpha_p_H(shape, moes_M, 1);
 
@@ -79,8 +81,9 @@ static size_t state_size(const full_march *self) {
 
 static const bdf_model model;
 
-/* Connects the states to the march of steps. Saves the errors of `kept` in front of the states and,
- * along the path, the time up to which the base is used. */
+/* Connects the states to the march of BDF2 steps. In saved data, the errors `kept` stand in front
+ * of the states. Along the path, the time up to which the base is used stands in front of these
+ * errors. */
 static void set_bdf_march(full_march *self) {
     const ehd_grid *grid = &self->reference.grid;
     bdf_march *bdf = &self->bdf;
@@ -179,10 +182,10 @@ static double reference_approach(const full_march *self, const full_state *state
  * load. */
 static ehd_status continue_to_approach(full_info *info, full_march *self, contact_frame *frame,
                                        ehd_error *error) {
-    // of 120 approaches (lines and points, M 5 to 100, L 0 to 10, H0 from -6 to 2) 73 are
-    // reached, all with strides down to 1/128. The others mostly lift off; giving one up takes
-    // about 30 solutions. The load settles to Newton's tolerance (test_full_march.c,
-    // start_from_an_approach_far_away)
+    // Smallest stride, as a part of the way, and relative tolerance of the load, which is
+    // Newton's. Of 120 approaches (lines and points, M 5 to 100, L 0 to 10, H0 from -6 to 2) 73
+    // are reached, all with strides down to 1/128. The others mostly lift off. An approach is
+    // given up after about 30 solutions (test_full_march.c, start_from_an_approach_far_away).
     const double min_stride = 1. / 1024, settled = 1e-8;
     const double wanted = frame->approach;
     full_state *state = &state_before(self, 0)->state, *last = &state_before(self, 1)->state;
@@ -300,7 +303,8 @@ static void place_start_surface(full_march *self, const contact_frame *frame, do
  * its heights. If the approach is given, the frame follows the load. */
 static ehd_status add_surface(full_info *info, full_march *self, contact_frame *frame,
                               ehd_error *error) {
-    // as in continue_to_approach (test_surface.c, one_at_rest_is_part_of_the_start)
+    // Smallest stride, as a part of the heights, and relative tolerance of the load, as in
+    // continue_to_approach (test_surface.c, one_at_rest_is_part_of_the_start).
     const double min_stride = 1. / 128, settled = 1e-8;
     full_state *state = &state_before(self, 0)->state, *last = &state_before(self, 1)->state;
     double done = 0, stride = 1, load = 1;
@@ -454,8 +458,8 @@ static void predict(full_march *self) {
             formula->predictor[i] * state_before(self, i + 1)->state.rigid_approach;
 }
 
-/* Carries rho H of the previous states over into the attempt's frame, and sums it up for the rows.
- * Along the path the rows have no entrainment except that of the base. */
+/* Carries rho H of the previous states over into the attempt's frame, and sums it up for the
+ * rows. Along the path the rows have only the entrainment of the base. */
 static void carry_over(full_march *self, const contact_frame *frame) {
     const size_t num_inner = self->reference.grid.num_inner;
     const bdf_march *bdf = &self->bdf;
@@ -521,8 +525,8 @@ static double mass_at(const full_state *state, const ehd_contact *contact, size_
            lubricant_density(&contact->lubricant, state->pressure[k] * contact->hertz_pressure);
 }
 
-/* Returns the local error at the node of row r without the formula's factor, but 0 near ruptured
- * film. */
+/* Returns the local error at the node of row r, without the factor of the formula. The error is 0
+ * near ruptured film. */
 static double missed_mass(const full_march *self, size_t r) {
     return self->bdf.masses.counts[r] ? bdf_march_missed(&self->bdf, r) : 0;
 }
@@ -801,7 +805,7 @@ const full_state *full_march_state(const full_march *self, const contact_frame *
 
 // ---- from and to another model
 
-/* Computes a state without its frame. `given->exits` may be NULL. */
+/* Copies a state, without its frame, to `given`. `given->exits` may be NULL. */
 static void give(handed_state *given, const void *solver, size_t place) {
     const full_march *self = solver;
     const full_state *state = &self->states[place].state;
@@ -880,7 +884,7 @@ full_march_effort full_march_effort_of(const full_march *self) {
 // ---- saving
 
 static const double RUPTURED = -1; // stands for a node without pressure; no pressure is that low
-static const double NEVER = -1;    // stands for a base that is used without an end
+static const double NEVER = -1;    // stands for a base whose use has no end
 
 /* Saves rigid approach, exit, pressure and film, in this order. */
 static void save(double *target, const void *solver, size_t place) {
@@ -916,7 +920,8 @@ static ehd_status restore(void *solver, size_t place, const double *source, ehd_
     return EHD_OK;
 }
 
-/* Saves, along the path, the time up to which the base is used, and then the accumulated errors. */
+/* Saves the accumulated errors. Along the path, the time up to which the base is used stands in
+ * front of them. */
 static void save_rest(double *front, double *behind, const void *solver) {
     const full_march *self = solver;
     const double until = self->carrier.base_until;

@@ -31,7 +31,7 @@ march_solver full_march_solver(full_march *self);
 /* Returns the last accepted state, and its frame unless `frame` is NULL. */
 const full_state *full_march_state(const full_march *self, const contact_frame **frame);
 
-/* Returns the march as one of BDF2 steps, to hand states over. */
+/* Returns the march of BDF2 steps inside this march, which hands states over. */
 bdf_march *full_march_steps(full_march *self);
 
 /* Effort of the march so far, times in seconds. */

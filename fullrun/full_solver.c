@@ -76,9 +76,9 @@ full_solver *full_solver_free(full_solver *self) {
     return NULL;
 }
 
-/* Number of inner nodes above which a grid is large. The cycle takes half of the factors' time
- * from 33 nodes a side on already (README.md, Large point contacts). With a lower limit, solutions
- * on the grids of trainings and studies, up to 129 by 65 nodes, would have another round-off. */
+/* Number of inner nodes above which a grid is large. From 33 nodes a side on the cycle takes half
+ * of the time of the factors (README.md, Large point contacts). A lower limit would change the
+ * round-off of solutions on the grids of trainings and studies, up to 129 by 65 nodes. */
 static const size_t LARGE = 10000;
 
 bool full_is_large(const ehd_grid *grid) {
@@ -100,12 +100,13 @@ double full_solver_bytes(const ehd_grid *grid) {
     // numbers a node: kernel 1, its transform 2; signal of a half grid 2, signal and spectrum of
     // a whole grid 4 each
     const double of_deflection = (grid->half ? 5 : 11) * sizeof(double);
-    enum { OF_FACTORS = 100 }; // bytes per node and log2 of the nodes, measured with UMFPACK
+    // bytes of the factors per node and per log2 of the number of nodes, measured with UMFPACK
+    enum { OF_FACTORS = 100 };
     double nodes = (double)grid->num_inner;
 
     if (full_is_large(grid)) // the coarser grids are freed before it is solved
         return nodes * (gmres_workspace_bytes(grid) + of_solver + of_deflection);
-    // the grid and all coarser ones of a cold start: 1 + 1/4 + 1/16 …
+    // 4/3: the grid and all coarser grids of a cold start, 1 + 1/4 + 1/16 …
     return 4. / 3 * nodes * (gmres_workspace_bytes(grid) + of_solver + of_deflection) +
            OF_FACTORS * nodes * log2(nodes);
 }
@@ -402,7 +403,7 @@ static double scale_rows(full_solver *self, full_state *state) {
 // ---- exit boundary
 
 // Largest move of the exit downstream in one iteration, half widths. At M below 5 the exit lies
-// far out, and moves by single nodes would take most of the iterations (test_full_solver.c,
+// far downstream. Moves by single nodes would take most of the iterations (test_full_solver.c,
 // flux_finds_the_exit_at_once).
 static const double MAX_STRIDE = 0.1;
 
@@ -449,8 +450,8 @@ static bool can_divide_node(const full_state *state, const ehd_grid *grid) {
     return state->exit + 1 < grid->num_nodes;
 }
 
-// Scaled residual below which the exit is placed within its node (README.md, Exit boundary;
-// test_full_solver.c, pressure_holds_the_exit).
+// Scaled residual below which the solver places the exit within its node (README.md, Exit
+// boundary; test_full_solver.c, pressure_holds_the_exit).
 static const double NEAR_SOLUTION = 0.01;
 
 /* Near the solution, places the exit within its node from the pressure there. The state's rows
@@ -536,9 +537,9 @@ static bool exit_cycles(exit_watch *watch, size_t next) {
 
 // ---- Newton
 
-/* Largest relative tolerance of a linear system. Two point contacts of 128 cells take 86 GMRES
- * iterations in 10 Newton iterations; 109 in 10 with 1e-4, 84 in 11 with 0.1 (test_full_point.c,
- * inexact_newton_ends_where_dense_does). */
+/* Largest relative tolerance of a linear system. With 0.01 two point contacts of 128 cells take
+ * 86 GMRES iterations in 10 Newton iterations. With 1e-4 they take 109 in 10, with 0.1 they take
+ * 84 in 11 (test_full_point.c, inexact_newton_ends_where_dense_does). */
 static const double MAX_FORCING = 0.01;
 
 /* Returns the relative tolerance of the linear system in an inexact Newton step (Eisenstat and
@@ -643,15 +644,15 @@ static bool film_is_positive(const full_solver *self, const full_state *state) {
     return true;
 }
 
-/* Largest number of halvings of a Newton step. 196 cold starts of lines (M 1 to 2000, L 0 to 25,
- * Barus and Roelands, accurate rows) take 5.6 iterations in the mean, and 88 without halvings
- * (test_full_solver.c, steps_are_searched). */
+/* Largest number of halvings of a Newton step. With halvings 196 cold starts of lines (M 1 to
+ * 2000, L 0 to 25, Barus and Roelands, accurate rows) take 5.6 iterations in the mean. Without
+ * halvings they take 88 (test_full_solver.c, steps_are_searched). */
 static const int MAX_HALVINGS = 10;
 
-/* Square sum of the scaled residuals below which a step need not reduce them. From a neighbour's
- * solution the first steps may increase them. The lower loaded region
- * (scenes/studies/stationary-line) at a step of 0.01 takes 837 iterations from neighbours, and
- * 1884 if each step must reduce them (README.md, Newton). */
+/* Square sum of the scaled residuals below which a step need not reduce them. The first steps
+ * from a neighbour's solution may increase the residuals. With 1e-2 the lower loaded region
+ * (scenes/studies/stationary-line) at a step of 0.01 takes 837 iterations from neighbours. If
+ * each step must reduce the residuals, it takes 1884 (README.md, Newton). */
 static const double SMALL_RESIDUALS = 1e-2;
 
 /* Takes a Newton step, halved until the film is positive and the residuals are smaller than the
@@ -694,11 +695,11 @@ static double complementarity(const full_solver *self, const full_state *state) 
     return worst;
 }
 
-// In time, pressures (of p_H) and scaled multipliers below this have no significant sign: within
-// a ruptured zone the sign is round-off. The paper's transient case with a load of 30 % and
-// period 1/4, to T = 1, takes 6439 iterations, and 8664 with 0. With 1e-10 and 1e-9 steps
-// collapse (test_full_march.c, sine_leads_to_a_periodic_state). Stationary points need no such
-// limit.
+// Size of pressures, in Hertz pressures, and of scaled multipliers in time below which their sign
+// does not count. Within a ruptured zone the sign is round-off. With 1e-7 the paper's transient
+// case with a load of 30 % and period 1/4, to T = 1, takes 6439 iterations. With 0 it takes 8664.
+// With 1e-10 and 1e-9 the steps become too short (test_full_march.c,
+// sine_leads_to_a_periodic_state). Stationary points need no such limit.
 static const double IN_TIME_NOISE = 1e-7;
 
 // values of index[]: a node gets pressure by its own sign, or by the sign of nodes beside it
@@ -710,8 +711,8 @@ enum { WANTED = 1, JOINED };
  * instead, the second zone of pressure would begin at a time that depends on the grid: T = 0, 10
  * and 20 with a step of 0.02, 0.01 and 0.005 (line, M = 3, L = 3, growing radius). */
 static bool mark_runs(full_solver *self, const full_state *state) {
-    // n^2 m; 1e-4 changes less than one step in a hundred (test_second_zone.c,
-    // the_zone_does_not_depend_on_the_grid)
+    // Smallest n^2 m of a run that is marked, in scaled multipliers. With 1e-4 less than one step
+    // in a hundred changes (test_second_zone.c, the_zone_does_not_depend_on_the_grid).
     const double least = 1e-5;
     const size_t end = self->grid.num_nodes - 1;
     bool found = false;
@@ -730,11 +731,11 @@ static bool mark_runs(full_solver *self, const full_state *state) {
 }
 
 /* Extends the intervals of pressure of a line from the marked nodes, in both directions, until
- * the multipliers add up to zero. There the film without pressure carries on the flow through
- * the end. If intervals grew by one node an iteration, the march of
- * scenes/examples/line-in-time to and fro would take 4313 iterations instead of 2850. A second
- * zone of pressure grows by hundreds of nodes and would exceed the limit of iterations. On
- * point contacts it would take 4 % more iterations. */
+ * the multipliers add up to zero. There the film without pressure carries on the flow through the
+ * end. If intervals grew by one node an iteration, the roller to and fro in
+ * scenes/examples/line-in-time would take 4313 iterations instead of 2850. A second zone of
+ * pressure grows by hundreds of nodes and would exceed the limit of iterations. On point contacts
+ * this extension would take 4 % more iterations. */
 static void grow_intervals(full_solver *self, const full_state *state) {
     const size_t num_rows = self->grid.num_inner;
     double sum[2] = {0, 0}; // multipliers from the marked nodes on, forwards and backwards
@@ -807,9 +808,9 @@ static void list_unknowns(full_solver *self, const full_state *state) {
     }
 }
 
-// Scaled residual that round-off may leave: above 1e-12 on 513 by 513 nodes of a point contact,
-// up to 9e-12 on a line of step 0.000625 at M = 2000 (test_full_solver.c,
-// rounding_ends_the_iteration).
+// Largest scaled residual that round-off may leave. Round-off leaves more than 1e-12 on 513 by
+// 513 nodes of a point contact. It leaves up to 9e-12 on a line of step 0.000625 at M = 2000
+// (test_full_solver.c, rounding_ends_the_iteration).
 static const double MAX_ROUNDING = 1e-10;
 
 /* Returns the scaled residual that round-off may leave in the closure, whose row has ones. From

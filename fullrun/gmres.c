@@ -24,17 +24,17 @@
 #include <string.h>
 #include <umfpack.h>
 
-/* Largest number of iterations. Their vectors take most of the solver's memory. A system that
- * needs more is solved less accurately. 21 stationary lines and points (M 1 to 1000, L 0 to 25)
- * and three in time need at most 20, a line of 76801 nodes 77 (test_gmres.c,
- * vectors_suffice_for_a_fine_grid). */
+/* Largest number of iterations. Their vectors take most of the solver's memory. The solution of a
+ * system that needs more is less accurate. 21 stationary lines and points (M 1 to 1000, L 0 to
+ * 25) and three contacts in time need at most 20 iterations. A line of 76801 nodes needs 77
+ * (test_gmres.c, vectors_suffice_for_a_fine_grid). */
 enum { MAX_ITERATIONS = 80 };
 
-/* Columns by which the rows of a cycle are wider at either end at first. Their entries are then
- * added to the last ones of the row. Without them, differences along the line lack some of their
- * nodes, and solutions of the line grow or fade downstream. With M = 200, L = 20 and 256 cells a
- * side GMRES takes 109 iterations, without them 197 (test_full_point.c,
- * fine_grids_take_few_iterations). */
+/* Number of columns by which the rows of a cycle are wider at either end at first. Their entries
+ * are then added to the last entries of the row. Without these columns, differences along the
+ * line lack some of their nodes, and solutions of the line grow or fade downstream. With 2
+ * columns GMRES takes 109 iterations for M = 200, L = 20 and 256 cells a side, without them 197
+ * (test_full_point.c, fine_grids_take_few_iterations). */
 enum { CYCLE_WIDER = 2 };
 
 /* Factors of the band of one system. They also precondition the next systems of a Newton
@@ -492,9 +492,9 @@ static bool renew_factors(full_system *system) {
     return solve_border(system);
 }
 
-/* Number of iterations that take as long as new factors. On 65 by 65 nodes in time factors take
- * 3.8 ms and an iteration 0.35 ms, on a line of 1201 nodes 1.1 and 0.1 ms (test_gmres.c,
- * factors_serve_the_whole_step). */
+/* Number of iterations that take as long as new factors. On 65 by 65 nodes in time new factors
+ * take 3.8 ms and an iteration 0.35 ms. On a line of 1201 nodes they take 1.1 ms and 0.1 ms
+ * (test_gmres.c, factors_serve_the_whole_step). */
 static const size_t COST_OF_FACTORS = 10;
 
 /* Checks whether the factors of an earlier system save more time than their

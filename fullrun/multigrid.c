@@ -24,9 +24,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The coarsest grid, which a band matrix solves, has at most COARSEST lines or at
- * most COARSEST columns. With 4 cycles converge too slowly (test_multigrid.c,
- * cycles_converge_on_any_grid). */
+/* COARSEST: largest number of lines or of columns of the coarsest grid, which a band matrix
+ * solves. One of both numbers is at most COARSEST. With 4 the cycles converge too slowly
+ * (test_multigrid.c, cycles_converge_on_any_grid). MAX_LEVELS: largest number of grids. */
 enum { COARSEST = 40, MAX_LEVELS = 20 };
 
 /* Factors L U of a line's matrix at a node: entries of L for two nodes and one node back, the
@@ -72,9 +72,9 @@ static bool is_coarsest(const level *self) {
     return self->columns <= COARSEST || self->lines <= COARSEST;
 }
 
-/* Ratio of the flow across the lines to that along them, above which a coarser grid keeps
- * all nodes of a line. Otherwise GMRES stalls (README.md, Large point contacts; test_multigrid.c,
- * cycles_converge_on_narrow_ellipses). */
+/* Ratio of the flow across the lines to the flow along them, above which a coarser grid keeps all
+ * nodes of a line. If the grid dropped nodes then, GMRES would stall (README.md, Large point
+ * contacts; test_multigrid.c, cycles_converge_on_narrow_ellipses). */
 static const double MUCH_ACROSS = 4;
 
 static level coarser(const level *fine) {

@@ -34,8 +34,10 @@ enum { POINTS = 6 }; // nodes of the interpolation beyond the grid
 /* Returns the grid with a margin around it: as much as a contact grows under 2.25 times its load,
  * or as fluid moves within a few steps. */
 static ehd_grid wide_grid(const ehd_grid *grid, size_t *margin, size_t *side) {
-    // sqrt(2.25) - 1 of a line's half width; of a point's 0.31. With a load that rises to 2.25 in 0.3
-    // the films of scenes/examples/line-in-time are the same from 0.05 on
+    // Width of the margin over the largest |X| of the grid. Under 2.25 times the load the half
+    // width of a line grows by sqrt(2.25) - 1 = 0.5, the half width of a point by 0.31. With 0.05
+    // and more the films of scenes/examples/line-in-time are the same under a load that rises to
+    // 2.25 within T = 0.3.
     const double growth = 0.5;
     const double x = fmax(fabs(grid_x(grid, 0)), fabs(grid_x(grid, grid->inner_x + 1)));
     const double y = grid->inner_lines > 1 ? grid_y(grid, grid->num_nodes - 1) : 0;

@@ -30,15 +30,17 @@ static central_line central_line_of(const full_state *state, const ehd_grid *gri
     return line;
 }
 
-/* Source: P. J. Roache (J. Fluids Eng. 116, 1994), for three grids. Factor by which an estimate is
- * enlarged to make it a bound. */
+/* Source: P. J. Roache (J. Fluids Eng. 116, 1994) gives 1.25 for three grids. The constant is the
+ * factor that turns an estimate into a bound. */
 static const double SAFETY = 1.25;
 
 const double resolution_limit = 0.01, resolution_limit_minimum = 0.03;
 
-/* Longest step, in half widths, of a grid that gives the effect of a point contact's domain. In two
- * of 67 random scenes (scenes/studies/discretization) the estimate was 0.3 and 0.7 of the effect on
- * steps of 1, and 0.9 and 1.2 on steps of 0.5 (boundary.bats, "the effect of the domain is found"). */
+/* Longest step of the grid on which the effect of a point contact's domain is computed, half
+ * widths. The estimates were compared with the effects in 67 random scenes
+ * (scenes/studies/discretization). With steps of 1 two estimates were 0.3 and 0.7 times the
+ * effect, with 0.5 they were 0.9 and 1.2 times (boundary.bats, "the effect of the domain is
+ * found"). */
 static const double COARSEST_FOR_DOMAIN = 0.5;
 
 /* Films, and the rolling moment, to which the rolling resistance is proportional. */
@@ -82,8 +84,8 @@ static void viscous_pressure(double *viscous, const double *log_viscosity, const
  * a grid that begins there lacks. They follow from dP/dX = viscosity lambda (H - H_exit)/H^3,
  * where H is the gap of the dry contact plus a constant. X = start / s, midpoint rule in s. */
 static inlet_tail tail_before(const central_line *line, const ehd_contact *contact, double start) {
-    // estimates of the inlet are the same in two digits from 20 on (README.md, Estimates of inlet and
-    // step; M = 1, 5 and 20)
+    // Number of intervals. From 20 on the estimates of the inlet are the same in two digits, for
+    // M = 1, 5 and 20 (README.md, Estimates of inlet and step).
     const int num_intervals = 200;
     const double stride = 1. / num_intervals, flux = line->film[line->exit];
     const contact_kind *kind = contact->kind;
@@ -374,9 +376,9 @@ static ehd_status solve_larger(inlet_change *change, coarse_grid *smaller, const
     return status;
 }
 
-/* Solves the contact on a grid with `stride` times the step of the solution. The films
- * are NaN if it does not converge. The first such grid that converges, and is fine enough,
- * also gives the change by an endless domain. */
+/* Solves the contact on a grid with `stride` times the step of the solution. The films are NaN if
+ * the solver does not converge. The first such grid that converges and is fine enough also gives
+ * the change of the films by an endless domain. */
 static ehd_status solve_coarse(film_pair *films, inlet_change *change, const ehd_contact *contact,
                                const full_state *solution, const ehd_grid *fine, size_t stride,
                                team *threads, ehd_error *error) {
@@ -461,12 +463,13 @@ static void set_effects(full_resolution *self, const film_pair films[3], const i
     }
     self->order = full_observed_order(central);
     self->effects.of[EFFECT_INLET] = SAFETY * fabs(of_central[1]);
-    // on a coarse grid the minimum may move to another node, and then change too little by chance
+    // The minimum may move to another node of the coarse grid. Its film may then change too
+    // little by chance.
     self->effects.of[EFFECT_INLET_MINIMUM] =
         fmax(self->effects.of[EFFECT_INLET], SAFETY * fabs(of_minimum[1]));
     self->effects.of[EFFECT_STEP] =
         SAFETY * step_effect(central, of_central, third ? 3 : 2, resolution_limit);
-    // three minimum films may agree by chance
+    // The minimum films of the three grids may agree by chance.
     self->effects.of[EFFECT_STEP_MINIMUM] =
         fmax(self->effects.of[EFFECT_STEP],
              SAFETY * step_effect(minimum, of_minimum, 2, resolution_limit_minimum));
@@ -497,7 +500,7 @@ ehd_status full_resolution_estimate(full_resolution *self, const full_state *sta
     film_pair films[3] = {no_films, no_films, no_films};
     inlet_change change = {NAN, NAN, grid->x_min, NAN};
     const central_line line = central_line_of(state, grid);
-    // the coarsest grid that has a solution, and is fine enough, gives the effect of the domain
+    // The coarsest grid that has a solution and is fine enough gives the effect of the domain.
     const bool coarsest_first = far_field_is_there(grid);
 
     give_size(&on[0]);

@@ -16,17 +16,18 @@ typedef struct full_resolution {
     size_t outlet_nodes; // from the minimum film behind X = 0 to the exit
 } full_resolution;
 
-/* Largest error estimates, relative, that are not noted: of the central film, and of the minimum film
- * and the rolling resistance, which converge less regularly. If no order of convergence is observed,
- * a step is too coarse where twice the step changes a film by more (fullrun/README.md, Estimates of
+/* Largest relative error estimates without a note. resolution_limit is for the central film,
+ * resolution_limit_minimum for the minimum film and the rolling resistance, which converge less
+ * regularly. The limits are also used if no order of convergence is observed. A step is then too
+ * coarse if the film changes by more when the step is doubled (fullrun/README.md, Estimates of
  * inlet and step; test_resolution.c, too_coarse_to_tell; effects.bats, "a note of the minimum
  * film"). */
 extern const double resolution_limit, resolution_limit_minimum;
 
 /* Estimates the errors of films and rolling resistance for the inlet or domain and for the step
  * (fullrun/README.md, Estimates of inlet and step). It solves the contact from the solution on
- * grids of twice and four times the step. One of them, or the grid of the solution, is solved again
- * with an endless inlet, a larger domain or the far field around.
+ * grids of twice and four times the step. On one of these grids, or on the grid of the solution,
+ * it solves the contact again with an endless inlet, a larger domain or the far field around.
  * Errors: EHD_MEMORY, EHD_INTERNAL, EHD_INTERRUPTED. */
 ehd_status full_resolution_estimate(
     // output:

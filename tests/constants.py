@@ -18,9 +18,10 @@ PAGE = """\
 # Constants
 
 `make constants` prints this page. It lists the named numbers in the sources that decide how the programs compute:
-tolerances, thresholds, factors, limits of iterations. The reason of a number is its comment: behind it, above it, or in
-the header that declares it. Numbers without a blank line between them share the comment above. The comment gives the
-unit, the meaning, and the measurement or argument that chose the number. It names at least one of
+tolerances, thresholds, factors, limits of iterations. The reason of a number is its comment. It stands behind the
+number, above it, or in the header that declares the number. Numbers without a blank line between them share the comment
+above. The comment gives the meaning, the unit, and the measurement or argument that chose the number. It names at least
+one of
 
 - a unit test, as `test_march.c, kinks_are_hit_exactly`,
 - a pipeline test, as `fmu.bats, "name"`, by the beginning of its name or all of it,
@@ -30,17 +31,17 @@ unit, the meaning, and the measurement or argument that chose the number. It nam
 
 `make check` fails if one of them does not exist, if a number has no reason, or if this page is out of date.
 
-Listed are
+The page lists
 
-- `const double`, `const size_t` and the like that are set to a number, and `#define` of a number,
+- `const double`, `const size_t` and similar constants that are set to a number, and `#define` of a number,
 - `enum` constants whose comment names a test, a benchmark, a study or a page. C needs an `enum` for the length of an array.
 
-Not listed are
+The page does not list
 
 - other `enum` constants: positions, lengths of texts and arrays, portions of work and memory,
 - numbers from a publication or a norm, or of mathematics: their comment begins with `Source:`,
-- bounds of what a file or a scene may contain: their comment begins with `Bounds of`,
-- 0 and 1 in functions, which are there for their address; -1 as a mark.
+- bounds of the content of a file or a scene: their comment begins with `Bounds of`,
+- 0 and 1 in functions, where a variable is needed for its address, and -1 as a mark.
 """
 
 NUMBER = r"[-+]?(?:0[xX][0-9a-fA-F.]+(?:p[-+]?\d+)?|(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)[uULlf]*"

@@ -89,9 +89,9 @@ static double point_primitive(double a, double b) {
     return a * asinh(b / fabs(a)) + b * asinh(a / fabs(b));
 }
 
-/* Distance, in sides of the cell, beyond which a series replaces the closed form. The closed form
- * takes thirty times as long. The truncation error of the series is below 1e-12 of the integral; from
- * 10 sides on it is too large for test_ellipse.c, kernel_is_the_integral_over_a_cell. */
+/* Distance beyond which a series replaces the closed form, in sides of the cell. The closed form
+ * takes thirty times as long. With 40 the truncation error of the series is below 1e-12 of the
+ * integral. With 10 it is too large (test_ellipse.c, kernel_is_the_integral_over_a_cell). */
 static const double FAR_CELL = 40;
 
 /* Returns the integral of 1/r over a distant square cell, by a multipole expansion up to the fourth
@@ -274,7 +274,8 @@ ehd_status carriage_check(const ehd_carriage *found, const char *found_in,
         return ehd_fail(error, EHD_DATA, "%s%stransport: found %s, expected %s, as in %s", in,
                         colon, transport_name(found->transport),
                         transport_name(expected->transport), expected_in);
-    // defaults follow the step of a grid, which has round-off; false if either is NaN
+    // The default smoothing depends on the step of a grid, which has round-off. isgreater is
+    // false if either value is NaN.
     if (isgreater(fabs(found->smoothing - expected->smoothing), ROUNDING))
         return ehd_fail(error, EHD_DATA, "%s%stransient.smoothing: found %g, expected %g, as in %s",
                         in, colon, found->smoothing, expected->smoothing, expected_in);

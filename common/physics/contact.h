@@ -291,9 +291,9 @@ typedef struct contact_settings {
 #define MAX_MOES_M 1e5
 #define MAX_MOES_L 100
 
-/* Default distance at which a given approach is measured, in half widths. It has to be more than half
- * the length of the grid, which it is for most of them (grids.bats, "an approach is measured from far
- * enough"). */
+/* Default distance at which a given approach is measured, in half widths. The distance must be
+ * at least half the length of the grid. With 10 it is, on most grids (grids.bats, "an approach
+ * is measured from far enough"). */
 extern const double far_approach_length;
 
 /* Makes a contact without grid. Returns EHD_OK, or EHD_DATA: lubricant constants, Hertz pressure

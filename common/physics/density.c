@@ -7,7 +7,7 @@ const lubricant_law density_incompressible = {.name = "incompressible"};
 /* Returns (5.9e8 + 1.34 p) / (5.9e8 + p), Dowson and Higginson, Elasto-Hydrodynamic Lubrication,
  * 1966. */
 static double dowson_higginson(const ehd_lubricant *self, double pressure, double *derivative) {
-    const double c = 5.9e8; // Source: above, Pa
+    const double c = 5.9e8; // Source: Dowson and Higginson, as above; Pa
 
     (void)self;
     *derivative = 0.34 * c / ((c + pressure) * (c + pressure));

@@ -22,8 +22,9 @@ typedef struct eyring_factor {
     double value, by_log_rate, by_log_gradient;
 } eyring_factor;
 
-/* Source: range of a double, in which exp(Sigma) overflows at 709. Largest Sigma for which the factor
- * is evaluated. It is constant above. Only iterates far from a solution have such gradients. */
+/* Source: the range of a double, in which exp(Sigma) overflows from Sigma = 709 on. The constant
+ * is the largest Sigma for which the factor is evaluated. The factor is constant above it. Only
+ * iterates far from a solution have such gradients. */
 #define EYRING_LARGEST_GRADIENT 600.
 
 /* Returns the factors for Sigma >= 0, without cancellation or overflow. */
@@ -98,10 +99,11 @@ static inline eyring_factor eyring_across(const eyring_gradient *of, double rate
                            eyring_at_rest_slope(of) + by_rate / 2 * eyring_sliding_slope(of)};
 }
 
-/* Error bounds of the factors for gradients Sigma_x along the sliding and Sigma_y across it, both
- * up to 3, at any rate of sliding. The factor along is off by less than DOUBT_ALONG Sigma_y^2. The
- * factor across is off by less than DOUBT_ACROSS Sigma_x^2 + DOUBT_ACROSS_OWN Sigma_y^2
- * (by quadrature: test_eyring_flow.c, doubt_is_a_bound). */
+/* Coefficients of the error bounds of the factors, for gradients Sigma_x along the sliding and
+ * Sigma_y across it. Both gradients are at most 3, and the rate of sliding is any. The error of
+ * the factor along is below DOUBT_ALONG Sigma_y^2. The error of the factor across is below
+ * DOUBT_ACROSS Sigma_x^2 + DOUBT_ACROSS_OWN Sigma_y^2. Errors by quadrature stay below both
+ * bounds (test_eyring_flow.c, doubt_is_a_bound). */
 #define EYRING_DOUBT_ALONG      0.1
 #define EYRING_DOUBT_ACROSS     0.25
 #define EYRING_DOUBT_ACROSS_OWN 0.025

@@ -6,8 +6,9 @@
 #include <math.h>
 #include <string.h>
 
-/* Largest chi of the collocation. The exit lies at chi = 98 to 108 degrees (1.71 to 1.89) for all
- * ratios; up to 3 the polynomials are not accurate enough (test_far_angle.c, keeps_the_flow). */
+/* Largest angle chi of the collocation, radians. For all ratios the exit lies at chi = 1.71 to
+ * 1.89 (98 to 108 degrees). With 3 the polynomials are not accurate enough (test_far_angle.c,
+ * keeps_the_flow). */
 static const double LAST = 1.95;
 
 /* Returns the part of S that has a closed form but no exit, 4 cos(phi)/((3 + 2 ratio) q^2). Up to a
@@ -106,7 +107,9 @@ static void solve_growth(double term[FAR_TERMS], double ratio) {
  * largest. The exit lies between the middle, where -driven/h is 0, and LAST. The logarithmic
  * derivative of h is a difference quotient. */
 static double find_exit(const double *term, double ratio) {
-    const double d = 1e-4; // of chi. With 1e-2 the flow is lost (test_far_angle.c, keeps_the_flow)
+    // Distance in chi of the difference quotient, radians. With 1e-2 the solution does not keep
+    // the flow (test_far_angle.c, keeps_the_flow).
+    const double d = 1e-4;
     double low = M_PI_2, high = LAST - d;
 
     for (int i = 0; i < 40; i++) {

@@ -4,7 +4,8 @@
 #include <math.h>
 #include <stddef.h>
 
-// Source: E' of two steel bodies with E = 206 GPa and nu = 0.3, Pa
+// Source: two steel bodies with E = 206 GPa and nu = 0.3. The constant is their reduced modulus
+// E', Pa.
 static const double STEEL_MODULUS = 226e9;
 
 double film_moes(double moes_M, double moes_L) {

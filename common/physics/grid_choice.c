@@ -20,10 +20,11 @@ typedef struct grid_rule {
     double sides;        // y_max over -x_min
 } grid_rule;
 
-/* Measured at 192 line contacts, M 1 to 2000, L 0 to 25, Barus incompressible and Roelands
- * compressible, against long inlets and the limit of small steps (docs/history.md, default-grid). H_c
- * is within 0.9 % and H_m within 1.2 %, where 1 and 3 % are wanted. With four times the step H_m is
- * not within 3 % (M = 240, L = 0). With the next shorter inlet H_c is off by 1.6 % (M = 1). */
+/* Limits for line contacts, measured at 192 contacts against long inlets and the limit of small
+ * steps (docs/history.md, default-grid). M was 1 to 2000 and L 0 to 25, with Barus incompressible
+ * and Roelands compressible. The error of H_c is at most 0.9 % (wanted: 1 %), the error of H_m at
+ * most 1.2 % (wanted: 3 %). With four times the step the error of H_m exceeds 3 % (M = 240, L =
+ * 0). With the next shorter inlet the error of H_c is 1.6 % (M = 1). */
 static const grid_rule line_rule = {
     .coarsest = 0.02,
     .thick = 1. / 50,
@@ -72,8 +73,9 @@ static const grid_rule zero_rule = {
     .sides = 0.75,
 };
 
-/* Step that resolves the surroundings of any contact, and spikes at its centre, half widths
- * (README.md, Default grid; test_grid_choice.c, points_with_the_far_field). */
+/* Smallest step that the surroundings of a contact may require, half widths. It also
+ * resolves spikes at the centre (README.md, Default grid; test_grid_choice.c,
+ * points_with_the_far_field). */
 static const double FINEST_AROUND = 0.0625;
 
 static const grid_rule *rule_of(const ehd_contact *contact) {
@@ -85,7 +87,8 @@ static const grid_rule *rule_of(const ehd_contact *contact) {
  * the viscous pressure of an inlet with the gap of the dry contact (Grubin). Midpoint rule in t,
  * with X = -start/s and s = 1 - t^2. */
 static double grubin_integral(const ehd_contact *contact, double film, double start) {
-    // 4 to 400 give seven lines (M 0.5 to 1000, L 0 to 15) the same inlet (README.md, Default grid)
+    // Number of intervals. With 4 to 400 intervals seven lines (M 0.5 to 1000, L 0 to 15) get the
+    // same inlet (README.md, Default grid).
     const int num_intervals = 400;
     double sum = 0;
 
@@ -115,8 +118,8 @@ static double load_effect(const ehd_contact *contact, double length) {
     const double moes_L = contact_moes_L(contact);
     const contact_shape *shape = &contact->grid.shape;
     const bool line = kind->dimensions == 1;
-    // of ln M, for a difference. From 1e-6 to 0.5 lines of M = 0.5, 1 and 2 begin at the same X
-    // (README.md, Default grid)
+    // Change of ln M in the difference quotient. With 1e-6 to 0.5 lines of M = 0.5, 1 and 2 begin
+    // at the same X (README.md, Default grid).
     const double change = 1e-3;
     const double moes_M = contact->moes_M, lambda = contact->lambda / kind->load;
     const double thicker = log(kind->central_film(shape, moes_M * exp(-change), moes_L) /
@@ -127,9 +130,9 @@ static double load_effect(const ehd_contact *contact, double length) {
     return 1.66 * 1.925 * lambda * (thicker - 2. / 3) / length;
 }
 
-/* Returns the relative change of the film by the viscous pressure that is built up before a domain.
- * `all`: grubin_integral up to X = -1. The film follows the pressure with the exponent 8/11 (Ertel
- * and Grubin). */
+/* Returns the relative change of the film by the viscous pressure that is built up before a
+ * domain. `all`: grubin_integral up to X = -1. The film follows the viscous pressure with the
+ * exponent 8/11 (Ertel and Grubin). */
 static double pressure_effect(const ehd_contact *contact, double film, double all, double length) {
     return 8. / 11 * grubin_integral(contact, film, length) / all;
 }
@@ -150,8 +153,8 @@ static double next_length(double length) {
     return length * (fmod(log2(length), 1) == 0 ? 1.5 : 4. / 3);
 }
 
-/* Returns the shortest inlet whose three effects are within the limits of the rule. From
- * rule->longest on, only the terms that the far field omits are limited. */
+/* Returns the shortest inlet whose three effects are within the limits of the rule. An inlet
+ * of rule->longest or more is checked only for the terms that the far field omits. */
 static double inlet_length(const ehd_contact *contact) {
     const grid_rule *rule = rule_of(contact);
     const double film = central_film(contact), all = grubin_integral(contact, film, 1);

@@ -10,7 +10,7 @@
 grid_extent grid_extent_needed(const ehd_contact *contact);
 
 /* Returns an extent with the shortest inlet for which grid_inlet_effect is at most `effect`. The
- * inlet is not longer than that of grid_extent_needed. */
+ * inlet is not longer than the inlet of grid_extent_needed. */
 grid_extent grid_extent_within(const ehd_contact *contact, double effect);
 
 /* Estimates the relative error of the central film of a stationary contact with this M if its

@@ -573,10 +573,11 @@ static net_flow net_pressure_flow(int left, int here, int right, double scale,
     return net;
 }
 
-/* Pressure below which a node counts as near the exit. With a jump instead of a ramp Newton's
- * iteration cycles (k = 0.5, M = 4.83, L = 10; discretization.bats, "cross fluxes fade in at the
- * exit"). The slowest of 24 cold starts (k = 0.5, 0.7 and 1) takes 13 iterations; with 1e-3 two of
- * them take 71. */
+/* Pressure below which a node counts as near the exit, in Hertz pressures. Below this pressure
+ * the flow fades in (net_along). With a jump instead of this ramp Newton's iteration cycles (k =
+ * 0.5, M = 4.83, L = 10; discretization.bats, "cross fluxes fade in at the exit"). With 1e-2 the
+ * slowest of 24 cold starts (k = 0.5, 0.7 and 1) takes 13 iterations. With 1e-3 two of them take
+ * 71. */
 static const double EXIT_PRESSURE = 1e-2;
 
 /* Returns the net flow of U rho H - eps dP/dx, which equals the inflow from across. It is zero

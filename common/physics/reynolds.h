@@ -133,8 +133,9 @@ double reynolds_flow_doubt(const ehd_contact *contact,
                            size_t num_rows, const double *pressure,
                            const double *film); // [num_nodes]
 
-/* Largest error bound with which a result is trusted, as a part of the flow, and the reason that is
- * reported above it. It is the default accuracy (romrun/online/README.md, Thinned flow). */
+/* Largest error bound with which a result is trusted, as a part of the flow. The bound is the
+ * default accuracy (romrun/online/README.md, Thinned flow). The text is the reason that is
+ * reported above this bound. */
 extern const double flow_doubt_most;
 extern const char flow_doubt_reason[];
 

@@ -42,9 +42,9 @@ double contact_shear_stress(const ehd_contact *contact, double pressure, double 
     return copysign(eyring * eyring_stress(&of, newtonian / eyring), viscous);
 }
 
-/* Distance of the differences in pressure, relative film and gradient. With 1e-5 the derivatives of
- * the friction of the `limiting` law are 1e-6 off, with 1e-4 6e-5 (test_traction.c,
- * slopes_are_those_of_the_laws). */
+/* Distance of the difference quotients: of the pressure in Hertz pressures, of the film relative
+ * to the film, and of the gradient. With 1e-5 the error of the derivatives of the friction is
+ * 1e-6 (`limiting` law), with 1e-4 it is 6e-5 (test_traction.c, slopes_are_those_of_the_laws). */
 static const double DISTANCE = 1e-5;
 
 stress_slopes contact_stress_slopes(const ehd_contact *contact, double pressure, double film,

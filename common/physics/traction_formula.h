@@ -21,9 +21,10 @@ typedef struct traction_estimate {
 traction_estimate traction_at_mean_pressure(const ehd_contact *contact, double film, // H
                                             double slide_roll);
 
-/* Smallest excess for which the coefficient is within 10 % of that of the stress under Hertz'
- * pressure, up to alpha p_H = 20 (test_traction_formula.c, stands_for_the_stress_under_hertz). Below
- * this excess the coefficient is too small. */
+/* Smallest excess (traction_estimate) at which the coefficient is accurate. Above it, and up to
+ * alpha p_H = 20, the coefficient is within 10 % of the coefficient of the stress under Hertz'
+ * pressure (test_traction_formula.c, stands_for_the_stress_under_hertz). Below it the coefficient
+ * is too small. */
 extern const double TRACTION_MIN_EXCESS;
 
 /* Returns the mean of Hertz' pressure over its maximum. */

@@ -121,7 +121,7 @@ const lubricant_law viscosity_barus = {.name = "barus",
 // ---- Roelands: ln eta = (ln eta0 + 9.67) [(1 + p/1.96e8)^z - 1]. The temperature brings the
 // factor ((T - 138)/(T_ref - 138))^-S0 on ln eta0 + 9.67 (README.md, Temperature).
 
-// Source: Roelands, 1966; the ice point in K
+// Source: Roelands, 1966. ICE_POINT is 0 degrees Celsius.
 static const double ROELANDS_PRESSURE = 1.96e8; // Pa
 static const double ROELANDS_TEMPERATURE = 138; // K
 static const double ICE_POINT = 273.15;         // K
@@ -245,8 +245,8 @@ static double wlf(const ehd_lubricant *self, double pressure, double *derivative
  * or has a pole where C2 + y reaches zero. The limit is the smaller of both pressures, or 100 GPa
  * if neither lies below that. */
 static double wlf_pressure_limit(const double *constants) {
-    // Pa. With steps from 1e5 to 1e8 the limits are the published ones (test_lubricant.c,
-    // wlf_coefficients_and_limits)
+    // Step of the search, Pa. With steps from 1e5 to 1e8 the limits are the published ones
+    // (test_lubricant.c, wlf_coefficients_and_limits).
     const double step = 1e6;
     const double max = 1e11; // Bounds of the limit, Pa
     double slope, low = 0;
@@ -299,8 +299,9 @@ static double integrate(ehd_lubricant *self, double left, double right, double w
 /* Integrates eta0/eta from 0 to `end`, in octaves, because it may decay within a pressure of any
  * size. */
 static double integrate_inverse_viscosity(ehd_lubricant *self, double end) {
-    // The published oils need no halves: their alpha is the same with a depth of 0 (test_lubricant.c,
-    // alpha_is_the_integral_of_fluidity). 40 octaves leave 1e-12 of the range
+    // Number of octaves, most halvings of an octave, and tolerance relative to the integral. 40
+    // octaves leave 1e-12 of the range. With a DEPTH of 0 alpha of the published oils is the same
+    // (test_lubricant.c, alpha_is_the_integral_of_fluidity).
     enum { NUM_OCTAVES = 40, DEPTH = 30 };
     const double tolerance = 1e-12;
     double octaves[NUM_OCTAVES + 1], scale = 0, sum = 0;

@@ -7,8 +7,8 @@
 #include <stdio.h>
 #include <string.h>
 
-// T at which each trajectory ends. The fluid passes the contact in two units of T (schemas/plan.md,
-// Histories)
+// Time T at which each trajectory ends. The fluid passes the contact in two units of T
+// (schemas/plan.md, Histories).
 static const double END = 2.5;
 
 static const char *const kind_names[] = {"sine", "ramp", "step"};

@@ -426,8 +426,8 @@ static const setting *same_meaning(const char *key) {
     return NULL;
 }
 
-/* Finds the setting, or the group of settings, whose name is spelled most like `key`, and copies its
- * name to `meant`. Returns false if no name is similar. */
+/* Finds the setting, or the group of settings, whose name is spelled most like `key`, and copies
+ * its name to `meant`. Returns false if no name is similar. */
 static bool find_similar(char meant[MAX_KEY], const char *key) {
     size_t nearest = (strlen(key) + 2) / 3 + 1;
     bool found = false;
@@ -438,7 +438,8 @@ static bool find_similar(char meant[MAX_KEY], const char *key) {
             end += strcspn(end, ".");
             snprintf(part, sizeof part, "%.*s", (int)(end - row->key), row->key);
             const size_t distance = edit_distance(key, part);
-            const bool near_group = *end != '.' || distance <= 2; // groups have many settings
+            // a group has many settings, so its name must be spelled more alike
+            const bool near_group = *end != '.' || distance <= 2;
             if (distance < nearest && near_group) {
                 nearest = distance;
                 found = true;
@@ -450,8 +451,8 @@ static bool find_similar(char meant[MAX_KEY], const char *key) {
 }
 
 /* Finds the setting or group that an unknown key probably stands for, and copies its name to
- * `meant`: one of the same meaning, else one of similar spelling, else one with the same last part.
- * Returns false if there is none. */
+ * `meant`. It looks for the same meaning, then for a similar spelling, then for the same last
+ * part. Returns false if it finds none. */
 static bool find_meant(char meant[MAX_KEY], const char *key) {
     const setting *found = same_meaning(key);
     if (strlen(key) >= MAX_KEY) return false;

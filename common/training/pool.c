@@ -205,7 +205,7 @@ static size_t start_threads(pthread_t *threads, size_t num_wanted, pool *self) {
  * space (ulimit -v) counts all of it. Without this check 8 threads under a limit of 400 to 1000 MB
  * ran out of memory after work. */
 static size_t workers_with_memory(size_t num_wanted, double worker_bytes) {
-    const double heap = 64 << 20; // Source: glibc, as above; bytes
+    const double heap = 64 << 20; // Source: heap of a thread in glibc, as above; bytes
     size_t num = num_wanted;
 
     while (num > 0) {

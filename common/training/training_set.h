@@ -20,7 +20,7 @@ typedef struct trajectory_scene {
     size_t number; // number of the point in the plan
     scene scene;
     ehd_contact contact; // in its reference state
-    grid_extent needed;  // for all times
+    grid_extent needed;  // extent of the grid for all times
 } trajectory_scene;
 
 typedef struct training_set {

@@ -30,8 +30,8 @@ static void explain(accuracy_choice *choice, const trade_table *table,
 
 ehd_status accuracy_choose(accuracy_choice *choice, const trade_table *table, double accuracy,
                            bool in_time, const char *name, ehd_error *error) {
-    // allowance, so that --accuracy accepts the three printed digits (test_trade.c,
-    // accuracy_names_what_it_can_give)
+    // Factor on the smallest accuracy that the message prints. Its three digits are rounded, and
+    // --accuracy must accept the printed value (test_trade.c, accuracy_names_what_it_can_give).
     const double rounding = 1.006;
     size_t num_measured = in_time ? table->num_trajectories : table->num_scenes;
     size_t chosen = trade_cheapest(table, accuracy, in_time);
@@ -72,9 +72,10 @@ ehd_status accuracy_choose(accuracy_choice *choice, const trade_table *table, do
 }
 
 double accuracy_tolerance(double accuracy) {
-    // film, relative, and part of the accuracy: the iterations add less than the fiftieth to the error
+    // Relative tolerances of the central film: smallest one, and the tolerance as a part of the
+    // accuracy. With 0.02 the iterations add less than a fiftieth of the accuracy to the error
     // (README.md, Calibration and the accuracy dial; test_trade.c,
-    // a_promise_is_kept_or_the_result_flagged)
+    // a_promise_is_kept_or_the_result_flagged).
     const double full_convergence = 1e-8, part = 0.02;
 
     return fmax(full_convergence, part * accuracy);

@@ -121,7 +121,8 @@ static void print_heading(const char *path, const ehd_grid *grid, const ehd_grid
 ehd_status against_check(double moes_M, double alpha_p_H, double hertz_pressure,
                          flow_thinning thinning, const ehd_grid *grid, const char *path,
                          const ehd_contact *contact, ehd_error *error) {
-    // as many digits as scenes are written with (reduced.bats, "--against prints the deviations")
+    // Relative tolerance of the conditions: scenes are written with as many digits (reduced.bats,
+    // "--against prints the deviations").
     const double slack = 1e-6;
     const ehd_status status = grid_check_shape(grid, path, &contact->grid, "the scene", error);
 
@@ -169,19 +170,20 @@ void against_print(const run_result *result, const stored_result *stored, const 
 
 // ---- over time
 
-/* Relative deviation of one quantity, at the times of the first run that the second one covers. If
- * the times differ, the second run is interpolated by a cubic spline. */
+/* Relative deviation of one quantity, at the times of the first run that the second run covers.
+ * If the times differ, a cubic spline interpolates the second run. */
 typedef struct time_deviation {
     double largest;     // relative
     double at;          // time T of the largest deviation
     double sum, length; // integral over T of the relative size, and the time that it covers
 } time_deviation;
 
-/* Times are equal up to this relative difference: round-off of summed steps (scenes.bats,
- * "deviations over time are exact"). */
+/* Relative difference up to which two times are equal. It allows for the round-off of summed
+ * steps (scenes.bats, "deviations over time are exact"). */
 static const double SAME_TIME = 1e-12;
 
-/* Returns a value of the second run at a time. `near`: in and out, index of the spline interval. */
+/* Returns a value of the second run at a time. `near`: index of the spline interval, in and out.
+ */
 static double value_at(double time, const double *other_time, const double *other_values,
                        const spline *between, size_t *near) {
     *near = spline_interval(between, time, *near);
@@ -191,7 +193,8 @@ static double value_at(double time, const double *other_time, const double *othe
     return spline_value(between, time, *near);
 }
 
-/* Adds the deviations of a part of both runs. The second part has at least 3 times. */
+/* Adds the deviations between a part of the first run and a part of the second one. The second
+ * part has at least 3 times. */
 static ehd_status add_deviations(time_deviation *deviation, const double *time,
                                  const double *values, size_t num_times, const double *other_time,
                                  const double *other_values, size_t num_other, ehd_error *error) {

@@ -9,10 +9,11 @@
 
 /* Limits of the number of stationary check scenes, percentage of scenes that are far from one
  * another, and largest number of trajectories. Scenes far from one another lie mostly at the edge
- * of the region and find the largest errors; the others represent the usual errors. With 20 scenes
- * far from one another and 10 others, the factors of the estimates are at least 1.6 times those
- * that cover all of 118 and 149 random scenes (both loaded regions). With 20 scenes along the walk
- * alone they are as low as 0.65 times (deimselect/README.md, The check). */
+ * of the region and find the largest errors. The other scenes represent the usual errors. The
+ * factors of the estimates were compared with the factors that cover all of 118 and 149 random
+ * scenes (both loaded regions). With 20 scenes far from one another and 10 others they are at
+ * least 1.6 times as large. With 20 scenes along the walk alone they are as low as 0.65 times
+ * (deimselect/README.md, The check). */
 enum { MIN_SCENES = 10, MAX_SCENES = 30, PERCENT_SPREAD = 67, MAX_TRAJECTORIES = 3 };
 
 static const shard all = {1, 1};

@@ -56,9 +56,10 @@ fallback_march *fallback_march_free(fallback_march *self) {
 
 ehd_status fallback_march_create(fallback_march **created, parts_march *reduced, double start_film,
                                  double accuracy, const char *distrust, ehd_error *error) {
-    // With the whole accuracy of 1 % as the limit, an untrained load of +-30 % leaves the minimum
-    // film 25 % off. With a tenth it is 0.57 % off, with 348 instead of 330 of 640 steps by the
-    // full model (README.md, Fallback to the full model).
+    // Limit of the estimated film errors, as a part of the accuracy. Measured with an accuracy of
+    // 1 % and an untrained load of +-30 %. With 1 the error of the minimum film is 25 %, and the
+    // full model takes 330 of 640 steps. With 0.1 the error is 0.57 %, and the full model takes
+    // 348 steps (README.md, Fallback to the full model).
     const double part = 0.1;
     const full_settings settings = full_default_settings();
     const ehd_contact *reference = reduced_march_steps(parts_march_part(reduced, 0))->reference;
@@ -107,9 +108,9 @@ static contact_frame load_frame(const fallback_march *self, size_t steps) {
 }
 
 /* Returns the largest difference between the films of a reduced and a full state, over the larger
- * of the full film and the central film; infinite if a film is not a number. All nodes before the
- * exits of the full state count. Nodes without pressure count too, because the fluid carries their
- * film on. `steps`: from the state to the attempt. */
+ * of the full film and the central film. Returns infinity if a film is not a number. All nodes
+ * before the exits of the full state count. Nodes without pressure count too, because the fluid
+ * carries their film on. `steps`: number of steps from the state to the attempt. */
 static double deviation(fallback_march *self, reduced_march *part, size_t steps,
                         double central_film) {
     const ehd_grid *grid = &self->reference.grid;

@@ -55,9 +55,9 @@ static double sum_of_largest(film_factors factors, const step_samples *steps, re
  * convex function of the floor, so a ternary search finds its minimum. */
 static film_factors with_best_floor(film_factors factors, const step_samples *steps,
                                     reduced_film film, const bool *lost, double *errors) {
-    // the quantile of time_factors_fit, and the relative width of the interval that it ends with. With
-    // 0.5 for either a step decides a factor alone (test_time_factors.c,
-    // test_a_step_with_a_tiny_bound_decides_no_factor)
+    // Quantile of the errors at which the search begins (time_factors_fit), and width of the last
+    // interval over the width of the first. With 0.5 for either constant, a single step decides a
+    // factor (test_time_factors.c, test_a_step_with_a_tiny_bound_decides_no_factor).
     const double usual = 0.95, precision = 1e-3;
 
     for (size_t i = 0; i < steps->count; i++)

@@ -8,8 +8,9 @@
 
 // ---- the ladder
 
-/* Fewest modes, ratio of successive numbers of modes, and number of strides at the end, among the
- * accurate sizes, that are halved. Two strides double the modes (README.md, Calibration and the accuracy dial; test_trade.c,
+/* Sizes of the ladder. MIN_MODES: fewest modes. STRIDE: ratio of successive numbers of modes; two
+ * strides double the modes. HALVED: number of strides at the end, among the accurate sizes, that
+ * are halved (README.md, Calibration and the accuracy dial; test_trade.c,
  * the_ladder_goes_from_ten_modes_to_all). */
 static const double MIN_MODES = 10, STRIDE = 1.4142;
 static const size_t HALVED = 2;

@@ -70,14 +70,14 @@ double trade_part_in_time(const trade_position *position, double deviation);
 enum { TRADE_NAME = 96 };
 void trade_name(char name[TRADE_NAME], const model_sizes *sizes);
 
-/* Safety factor of error estimates, for scenes that differ from those of the calibration
- * (romrun/online/README.md, Indicated deviation; scenes/studies/silent-failures; test_trade.c,
- * the_factor_leaves_a_margin). */
+/* Safety factor of error estimates. It allows for scenes that differ from the scenes of the
+ * calibration (romrun/online/README.md, Indicated deviation; scenes/studies/silent-failures;
+ * test_trade.c, the_factor_leaves_a_margin). */
 extern const double trade_margin;
 
-/* Allowed pressure deviation in Hertz pressures, over the allowed film deviation. A spike
- * may be false where films are right (romrun/calibrate/README.md, Calibration and the accuracy dial; test_trade.c,
- * pressures_may_be_off_three_times_as_much). */
+/* Allowed error of the pressure in Hertz pressures, over the allowed relative error of the films.
+ * A spike of the pressure may be wrong where the films are right (romrun/calibrate/README.md,
+ * Calibration and the accuracy dial; test_trade.c, pressures_may_be_off_three_times_as_much). */
 extern const double trade_pressures_allowed;
 
 /* Returns the factor of the error estimate of a film (indicator.h): the smallest with which the

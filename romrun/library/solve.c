@@ -338,7 +338,7 @@ ehdrom_status ehdrom_restart(ehdrom_contact *self) {
 /* Numbers in front of a saved state, which identify its model and settings. */
 enum { SAVED_MARK, SAVED_COUNT, SAVED_M, SAVED_L, SAVED_ALPHA, SAVED_LENGTH, NUM_SAVED };
 
-// Bounds of what is read: version of this layout
+// Bounds of the states that are restored: version of this layout
 static const double saved_mark = 3004;
 
 static void head_of(double head[NUM_SAVED], const ehdrom_contact *self) {

@@ -7,11 +7,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Margins of the band, in half widths: beyond the trained exits of a line contact and of a point
- * contact, whose single lines vary more, and before the trained film minima. Exits of iterates may
- * lie beyond the trained ones: without the first margin not every trained solution leads to every
- * other one, and neither with -0.1 for the last (test_reduced_solver.c,
- * any_trained_solution_leads_to_any_other). */
+/* Margins of the band, half widths. EXIT_MARGIN: beyond the trained exits of a line contact.
+ * LINES_MARGIN: beyond the trained exits of a point contact, whose single lines vary more.
+ * MINIMUM_MARGIN: before the trained film minima. Exits of iterates may lie beyond the trained
+ * exits. Without EXIT_MARGIN, or with -0.1 for MINIMUM_MARGIN, some trained solutions do not lead
+ * to every other one (test_reduced_solver.c, any_trained_solution_leads_to_any_other). */
 static const double EXIT_MARGIN = 0.1, LINES_MARGIN = 0.3, MINIMUM_MARGIN = 0.05;
 
 /* Returns the node of a training state's film minimum, from the deflection of its pressure. */

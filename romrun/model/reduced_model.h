@@ -174,9 +174,9 @@ typedef struct node_cubature {
 } node_cubature;
 
 /* Tolerance of a cubature in its training: root of the mean square of the relative error of the
- * sum over its nodes, against the sum over the grid. With 1e-4, 1e-5 and 1e-6, and seven integrands
- * in training, the friction of a line on 1201 nodes takes 98, 120 and 140 nodes, and the largest
- * errors are 9e-4, 6e-5 and 3e-5 (romrun/online/README.md, Traction). */
+ * sum over its nodes, against the sum over the grid. Measured with seven integrands in training,
+ * on the friction of a line on 1201 nodes. With 1e-4, 1e-5 and 1e-6 it takes 98, 120 and 140
+ * nodes, and the largest errors are 9e-4, 6e-5 and 3e-5 (romrun/online/README.md, Traction). */
 extern const double node_cubature_tolerance;
 
 /* Data of the online solver. Solvers only read it, so several threads may share it. */

@@ -39,8 +39,9 @@ ehd_status weighting_plain(double *factors, const double *sampled, size_t num_ro
  * nothing. */
 static void solve_bounded(double *w, double *slope, const double *matrix, size_t size,
                           double min_weight) {
-    // of a change over the largest weight; with 0.1 or two sweeps it is not the minimum
-    // (test_weighting.c, weights_are_those_of_the_minimum)
+    // Change of a weight over the largest weight at which the sweeps end, and largest number of
+    // sweeps. With 0.1, or with two sweeps, the result is not the minimum (test_weighting.c,
+    // weights_are_those_of_the_minimum).
     const double enough = 1e-6;
     const size_t max_sweeps = 2000;
     double change = INFINITY, largest = 0;
@@ -62,8 +63,8 @@ static void solve_bounded(double *w, double *slope, const double *matrix, size_t
 
 ehd_status weighting_quadrature(double *factors, const double *sampled, size_t num_rows,
                                 size_t num_modes, ehd_error *error) {
-    // above 0, since the exit may deactivate other rows; from 1e-6 to 0.2 the worst error is the
-    // same in four digits (test_weighting.c, weights_stay_positive)
+    // Smallest weight. It is above 0, since the exit may deactivate other rows. With 1e-6 to 0.2
+    // the worst error is the same in four digits (test_weighting.c, weights_stay_positive).
     const double min_weight = 0.05;
     double *gram = malloc(num_rows * num_rows * sizeof *gram);
     double *slope = malloc(num_rows * sizeof *slope);

@@ -3,7 +3,8 @@
 
 #include <math.h>
 
-/* Strides of the coarse search. With 2 it misses dips (test_band_minimum.c, one_dip_anywhere). */
+/* Number of strides of the coarse search. With 2 the search misses dips (test_band_minimum.c,
+ * one_dip_anywhere). */
 enum { COARSE = 24 };
 
 typedef struct band {

@@ -6,12 +6,13 @@
 #include <math.h>
 #include <string.h>
 
-/* Distance that an exit may move at a time, and distance from the wanted exit that counts as
- * settled, half widths (README.md, The exit). A node or two do not move the film. */
+/* WINDOW: distance that an exit may move at a time, half widths. SETTLED: distance from the
+ * wanted exit at which an exit counts as settled, half widths. A move by a node or two hardly
+ * changes the film (README.md, The exit). */
 static const double WINDOW = 0.05, SETTLED = 0.005;
 
-/* Negative pressure, in Hertz pressures, that truncation may cause. With 1e-4 and 1e-7 a model of
- * scenes/examples/line-in-time takes 234 and 232 iterations in place of 232. */
+/* Size of negative pressures that truncation may cause, Hertz pressures. With 1e-5 a model of
+ * scenes/examples/line-in-time takes 232 iterations. With 1e-4 it takes 234, with 1e-7 232. */
 static const double NOISE = 1e-5;
 
 const double exit_node_change = 1e-5;
@@ -418,7 +419,8 @@ static void watch_all(exit_search *self) {
         self->watches[l] = (exit_watch){.change = INFINITY};
 }
 
-/* A tolerance above exit_node_change does not need the exit of the converged state. */
+/* Starts the watches for a stationary contact. With a tolerance above exit_node_change the exit
+ * need not be that of the converged state. */
 void exits_watch_stationary(exit_search *self, double tolerance) {
     self->far = INFINITY;
     self->hold = HELD_IN_CYCLE;
@@ -446,8 +448,9 @@ static size_t hold_at_turn(const exit_search *self, exit_watch *watch, size_t ex
  * iteration. */
 static size_t hold_in_cycle(const exit_search *self, const exit_watch *watch, double before,
                             size_t exit, size_t next) {
-    // ratio of changes above which the iteration stalls, for changes below `few`. 0.2 to 0.95 and 5e-4
-    // to 5e-2 change no iteration of a model of scenes/examples/line-in-time
+    // `stalled`: ratio of successive changes above which the iteration stalls. `few`: change of
+    // P, in Hertz pressures, below which this ratio counts. With 0.2 to 0.95 and 5e-4 to 5e-2 all
+    // iterations of a model of scenes/examples/line-in-time are the same.
     const double stalled = 0.6, few = 5e-3;
     const bool near = index_distance(next, exit) <= settled_distance(self->model);
     const bool stalls = watch->change < few && watch->change > stalled * before;

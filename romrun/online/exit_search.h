@@ -45,7 +45,7 @@ typedef struct exit_search {
  * reduced_settings. */
 void exits_init(exit_search *self, const reduced_model *model, double spacing, arena *memory);
 
-/* Relative change of the central film by an exit that is a node off (README.md, Within a node). */
+/* Relative change of the central film if the exit moves by a node (README.md, Within a node). */
 extern const double exit_node_change;
 
 /* Start the watches. `tolerance`: relative tolerance of the central film.

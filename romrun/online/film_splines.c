@@ -547,7 +547,7 @@ static double uncut_pressure(const previous_film *self, const spline_point *alon
 /* Returns P of a line contact; `path` as in uncut_pressure. */
 static double window_pressure(const previous_film *self, const spline_point *along,
                               const film_splines *splines, const path_films *path) {
-    enum { MARGIN = 4 }; // nodes between the window's ends and where it is used
+    enum { MARGIN = 4 }; // nodes at either end of the window that are not used
     const double *u = along->weight;
     size_t node = along->node;
 

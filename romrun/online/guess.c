@@ -10,13 +10,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Trained states in a fit, at most: four for each of its six terms (README.md, Starts). */
+/* Largest number of trained states in a fit: four for each of the six terms of the fit
+ * (README.md, Starts). */
 enum { NUM_NEIGHBOURS = 24 };
 
-/* Other starts that are tried after the first one. Of 482 random scenes inside the lower training
- * (scenes/studies/silent-failures, seed 42) the first start solves 434, the next eleven solve 38,
- * and the twelve after them 5. A start that leads nowhere takes 38 iterations (test_guess.c,
- * goes_on_to_other_starts). */
+/* Largest number of other starts that are tried after the first one. Of 482 random scenes inside
+ * the lower training (scenes/studies/silent-failures, seed 42) the first start solves 434. The
+ * next eleven starts solve 38, and the twelve after them 5. A start that leads to no solution
+ * takes 38 iterations (test_guess.c, goes_on_to_other_starts). */
 enum { MAX_STARTS = 11 };
 
 /* Coordinates of a training solution relative to a contact. They are differences of ln M; of half
@@ -196,8 +197,8 @@ static size_t fill_terms(double terms[MAX_TERMS], const neighbour *self, size_t 
  * `differs` [NUM_COORDINATES]. */
 static bool fit_weights(double *weights, const neighbour *nearest, size_t count,
                         const neighbour_fit *fit, const bool *differs) {
-    // of the sum of the weights, which is 1 where the fit is determined (test_guess.c,
-    // nearest_on_a_line_and_far_away)
+    // Largest difference of the sum of the weights from 1. The sum is 1 if the neighbours
+    // determine the fit (test_guess.c, nearest_on_a_line_and_far_away).
     const double slack = 1e-6;
     double normal[MAX_TERMS * MAX_TERMS] = {0}, unit[MAX_TERMS] = {1}, magnitude = 0, sum = 0;
     double terms[NUM_NEIGHBOURS][MAX_TERMS], strength[NUM_NEIGHBOURS];
@@ -380,8 +381,9 @@ void reduced_neighbour(reduced_state *state, const reduced_model *model, contact
  * Infinite if the estimate of the nearest state is. */
 static double effect_at(const reduced_states *states, const neighbour *nearest, size_t count,
                         int effect) {
-    const double rounding = 1e-12; // relative to a film, for estimates of 0 (test_guess.c,
-                                   // effects_are_powers)
+    // Smallest estimate, relative to a film. It replaces estimates of 0, which have no logarithm
+    // (test_guess.c, effects_are_powers).
+    const double rounding = 1e-12;
     neighbour finite[NUM_NEIGHBOURS] = {0};
     double weights[NUM_NEIGHBOURS], log_size = 0;
     size_t num_finite = 0;

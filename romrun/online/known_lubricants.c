@@ -15,16 +15,15 @@
 enum { OF_VISCOSITY, OF_VISCOSITY_HALF, OF_DENSITY, NUM_DIFFERENCES };
 _Static_assert((int)NUM_DIFFERENCES <= (int)HULL_AXES, "the hull has no room for the differences");
 
-/* Lubricants that differ by less are taken for the same. Measured with a model of a point contact
- * with one oil, on 30 oils with alpha +-8 % and eta0 +-20 %: where they differ by less than 0.01,
- * the error estimate is at least 1.2 times the error, below 0.03 at least 1.3 times; above it may
- * be 0.64 times the error (README.md, Lubricants; test_known_lubricants.c,
- * one_lubricant_is_known_alone). */
+/* Difference below which two lubricants count as the same. Measured with a model of a point
+ * contact with one oil, on 30 oils with alpha +-8 % and eta0 +-20 %. For differences up to 0.03
+ * the error estimate is at least 1.2 times the error, from 0.03 to 0.05 at least 0.64 times
+ * (README.md, Lubricants; test_known_lubricants.c, one_lubricant_is_known_alone). */
 static const double TOLERANCE = 0.01;
 
-/* Differences of viscosity are divided by alpha p, but by no less than this: below it the viscosity
- * is nearly that of zero pressure, whatever the law. 100 is too much for
- * test_known_lubricants.c, lubricants_between_are_known. */
+/* Smallest alpha p by which differences of viscosity are divided. Below it the viscosity is
+ * nearly that of zero pressure, for any law. With 100 a lubricant between known ones is not
+ * judged rightly (test_known_lubricants.c, lubricants_between_are_known). */
 static const double LEAST_ALPHA_P = 1;
 
 struct known_lubricants {

@@ -27,9 +27,9 @@ struct least_squares {
 };
 
 /* Reciprocal condition of the Gram matrix below which QR is used. Measured on random columns: the
- * solution's error is 1e-5 at a condition of 1e6, and up to 1e-3 at 1e7, where this limit lies. At
- * 1e8 no digit is left (test_least_squares.c, qr_takes_over_where_normal_equations_fail;
- * docs/history.md, conditioning). */
+ * error of the solution is 1e-5 at a condition of 1e6, and up to 1e-3 at 1e7, where this limit
+ * lies. At 1e8 no digit is right (test_least_squares.c,
+ * qr_takes_over_where_normal_equations_fail; docs/history.md, conditioning). */
 static const double MIN_RCOND = 1e-13;
 
 least_squares *least_squares_free(least_squares *self) {

@@ -130,10 +130,10 @@ static double stress_at(double *largest, const ehd_contact *contact, double pres
     return stress;
 }
 
-/* Part of the largest pressure from which on the largest stress is searched for at the needed nodes
- * too. The stress falls with the pressure more than it rises with a thinner film. If the gradient
- * thins the flow, only nodes of the rows count, since the pressures beside them are needed
- * (README.md, Traction). */
+/* Part of the largest pressure from which on needed nodes count in the search for the largest
+ * stress. The stress falls with the pressure more than it rises with a thinner film. If the
+ * pressure gradient thins the flow, only nodes of the rows count, since the gradient needs the
+ * pressures beside them (README.md, Traction). */
 static const double NEAR_LARGEST = 0.7;
 
 static void look_at_needed(double *largest, const node_state *self, const ehd_contact *contact) {

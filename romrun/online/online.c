@@ -795,10 +795,10 @@ typedef struct solved_frame {
 } solved_frame;
 
 /* Distance between the conditions of a central difference, relative to the values in distance_of.
- * Only the residuals of the rows are differenced, at fixed coordinates. Derivatives of the line of
- * scenes/examples (central and minimum film by load and speed) change by less than 1e-6 from 2e-3
- * to 2e-5, by 6e-4 with 2e-2 and by 6e-5 with 2e-7 (test_derivatives.c,
- * derivatives_of_lines_are_those_of_differences). */
+ * Only the residuals of the rows are differenced, at fixed coordinates. The derivatives of
+ * central and minimum film by load and speed were computed for the line of scenes/examples. With
+ * 2e-3 to 2e-5 they change by less than 1e-6, with 2e-2 by 6e-4 and with 2e-7 by 6e-5
+ * (test_derivatives.c, derivatives_of_lines_are_those_of_differences). */
 static const double DISTANCE = 2e-4;
 
 /* Returns the distance between the conditions along a direction; 0: the direction is zero. */

@@ -253,18 +253,19 @@ static void indicate(online_result *result, part_solver *solver, const ehd_conta
  * (scenes/studies/silent-failures, seed 22). */
 static const double MAX_RESIDUAL_OVER_CALIBRATION = 100;
 
-/* Multiple of the calibration's most iterations above which a result is not trusted. Of 1700 random
- * scenes with two trainings of lines, those inside and with the trained density take at most 1.9
- * times as many iterations as any of 60 scenes of the calibration. Incompressible scenes of these
- * compressible trainings take up to 8 times as many. A twentieth of them, good ones, takes more
- * than 5 times as many (README.md, Results that are rejected). */
+/* Multiple of the most iterations in the calibration above which a result is not trusted.
+ * Measured on 1700 random scenes with two trainings of lines and 60 scenes of the calibration.
+ * Scenes inside, with the trained density, take at most 1.9 times the most iterations.
+ * Incompressible scenes of these compressible trainings take up to 8 times as many. One in twenty
+ * of these scenes, although good, takes more than 5 times as many (README.md, Results that are
+ * rejected). */
 static const double MAX_ITERATIONS_OVER_CALIBRATION = 5;
 
-/* Most negative pressure of a solution, in Hertz pressures. Of 1000 solutions with trained
- * lubricants, in 18 sizes of three trainings from 14 modes on, none goes below -3e-4. No line with
- * any lubricant that is good to 1 % with all of its model goes below -4e-4. Where solutions go
- * below -1e-3, the fields are off by 0.01 to 4 Hertz pressures (scenes/studies/silent-failures;
- * test_online.c, the_library_says_what_it_solved). */
+/* Largest size of a negative pressure of a solution, Hertz pressures. Of 1000 solutions with
+ * trained lubricants, in 18 sizes of three trainings from 14 modes on, none goes below -3e-4. Of
+ * lines with any lubricant that the whole model solves to 1 %, none goes below -4e-4. Where
+ * solutions go below -1e-3, the errors of the fields are 0.01 to 4 Hertz pressures
+ * (scenes/studies/silent-failures; test_online.c, the_library_says_what_it_solved). */
 static const double MOST_NEGATIVE = 1e-3;
 
 /* Marks a result as not converged if its pressures cannot be those of a solution. */

@@ -10,7 +10,7 @@
 struct parts_march {
     size_t num_parts;
     reduced_march *parts[MAX_PARTS];
-    bool holds[MAX_PARTS]; // whether a part has the accepted states
+    bool holds[MAX_PARTS]; // whether the part has the accepted states
     size_t accepted;       // part that solved the last accepted state
     size_t attempted;      // part of the last attempt
     size_t num_handed;
@@ -90,7 +90,7 @@ static size_t deepest(const parts_march *self, const contact_frame *frame) {
     return found;
 }
 
-/* Hands the accepted states of the part that solved the last one to another part. */
+/* Hands the accepted states to another part, from the part that solved the last state. */
 static ehd_status take_states_over(parts_march *self, size_t part, ehd_error *error) {
     reduced_march *from = self->parts[self->accepted], *to = self->parts[part];
     const ehd_status status = bdf_march_take_over(
@@ -107,8 +107,8 @@ static bool covers(const parts_march *self, size_t part, const contact_frame *fr
     return !reduced_march_check_range(self->parts[part], frame, frame);
 }
 
-/* Returns `part` if the frame lies in its range or in no range, else the part in whose range it
- * lies deepest. */
+/* Returns `part` if the frame lies in the range of this part, or in no range. Otherwise returns
+ * the part in whose range the frame lies deepest. */
 static size_t part_for(const parts_march *self, size_t part, const contact_frame *frame) {
     if (self->num_parts == 1 || covers(self, part, frame)) return part;
     const size_t other = deepest(self, frame);

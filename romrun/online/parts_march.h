@@ -11,7 +11,7 @@
 typedef struct parts_march parts_march;
 
 /* Creates a march of up to MAX_PARTS marches, one per part, with the same reference and grid. It
- * owns them and frees them, also if it fails. Errors: EHD_MEMORY. */
+ * owns these marches and frees them, also if creating fails. Errors: EHD_MEMORY. */
 ehd_status parts_march_create(
     // output:
     parts_march **self, // free with parts_march_free

@@ -16,8 +16,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Weighted sums of rho H of accepted states in the present frame, at the rows' nodes and, on
- * demand, the band's. */
+/* Weighted sums of rho H of the accepted states in the frame of the attempt. They are at the
+ * nodes of the rows and, on demand, at the nodes of the band. */
 typedef struct previous_sums {
     size_t *ascending;             // [num_rows] rows in the order of their nodes
     double *sum;                   // [num_rows] sum with the weights of the formula
@@ -228,10 +228,10 @@ static ehd_status check_carriage(const reduced_model *model, const ehd_contact *
     return status;
 }
 
-/* Data that is saved behind the accepted states: frames under the load of the last state and of the
- * state from which rates are measured, the path up to which films are doubtful, whether there are
- * kept factors, their rate and frame, and the errors that rows cause in the films. The state of the
- * factors and the indicator's errors follow. */
+/* Data that is saved behind the accepted states: the frames under the load of the last state and
+ * of the state from which rates are measured, the path up to which films are doubtful, and the
+ * errors that rows cause in the films. `valid`: 1 if there are kept factors; `rate` and `frame`
+ * belong to them. The state of the factors and the errors of the indicator follow this struct. */
 typedef struct saved_rest {
     contact_frame load_frame, rate_frame;
     double doubtful;
@@ -245,8 +245,8 @@ _Static_assert(sizeof(saved_rest) == NUM_REST * sizeof(double), "these are doubl
 
 static const bdf_model model_in_time;
 
-/* Connects the states to the march of steps. Along the path, the errors that films have taken up
- * are saved in front of the states. */
+/* Connects the states to the march of BDF2 steps. Along the path, the errors that films have
+ * taken up stand in front of the states in saved data. */
 static void set_bdf_march(reduced_march *self) {
     const reduced_model *model = self->model;
     bdf_march *bdf = &self->bdf;
@@ -396,11 +396,13 @@ static void move_rate_frame(reduced_march *self) {
         self->rate_frame = *now;
 }
 
-/* Returns why a state lies beyond the model, or NULL if it does not: a thinned flow that the
- * equations do not cover, a film that ruptures in the inlet, where the model has no exit, a second
- * zone of pressure, an exit at the edge of its range, or a contact outside of the trained range. */
+/* Returns why the model does not cover a state, or NULL if it does. Reasons are a thinned flow
+ * that the equations do not cover, a film that ruptures in the inlet, where the model has no
+ * exit, a second zone of pressure, an exit at the edge of its range, and a contact outside of the
+ * trained range. */
 static const char *why_not_to_trust(reduced_march *self, const reduced_state *state) {
-    // in Hertz pressures. Truncation alone causes a tenth of it (README.md, Results that are rejected)
+    // Pressure below which the film ruptures, Hertz pressures. Truncation alone causes a tenth of
+    // it (README.md, Results that are rejected).
     const double rupture = -1e-3;
     const reduced_model *model = self->model;
     ehd_contact contact;
@@ -422,7 +424,7 @@ static const char *why_not_to_trust(reduced_march *self, const reduced_state *st
 static void judge(march_step *outcome, reduced_march *self, const reduced_state *state,
                   const contact_frame *frame) {
     self->load_frame = isnan(frame->approach)
-                           ? *frame // the load is given, though least squares meet it only nearly
+                           ? *frame // a given load, which least squares meet only nearly
                            : frame_of_load(self->reference.kind, frame, outcome->scalars.load);
     if (outcome->status == EHD_NOT_CONVERGED) return;
     if (outcome->status == EHD_OK) march_distrust(outcome, why_not_to_trust(self, state));
@@ -460,7 +462,8 @@ static ehd_status solve_under_load(reduced_info *info, reduced_march *self,
  * cycle will do. */
 static ehd_status find_load(reduced_info *info, reduced_march *self, contact_frame *frame,
                             ehd_error *error) {
-    // (test_online_transient.c, the_approach_gives_the_load_back)
+    // Largest number of rescalings, and largest relative error of the load in a cycle
+    // (test_online_transient.c, the_approach_gives_the_load_back).
     const size_t max_rescalings = 30;
     const double most_in_cycle = 1e-6;
     double off = INFINITY, before;
@@ -489,8 +492,9 @@ static ehd_status find_load(reduced_info *info, reduced_march *self, contact_fra
  * film. Then find_load takes over. */
 static ehd_status walk_to_approach(reduced_info *info, reduced_march *self, contact_frame *frame,
                                    ehd_error *error) {
-    // `near` in central films, strides in ln(load) (test_online_transient.c,
-    // a_start_from_an_approach_finds_its_load)
+    // `near`: error of the approach from which on find_load is used, in central films.
+    // `max_loads`: largest number of loads. Strides: changes of ln(load)
+    // (test_online_transient.c, a_start_from_an_approach_finds_its_load).
     const size_t max_loads = 30;
     const double near = 0.1, first_stride = 0.05, longest_stride = 0.2;
     double stride = 0, before = 0;
@@ -744,7 +748,8 @@ static void masses_at(double *mass, const previous_film *const *films, size_t nu
                              &self->reference);
 }
 
-/* Returns the sum over the few states of a formula. dot() is made for longer vectors. */
+/* Returns the weighted sum over the states of a formula. The function dot() is made for longer
+ * vectors. */
 static double history_sum(const double *weights, const double *values, size_t count) {
     double sum = 0;
 
@@ -753,8 +758,8 @@ static double history_sum(const double *weights, const double *values, size_t co
     return sum;
 }
 
-/* Computes the sum of rho H of the states for the squeeze term at the rows' nodes, [num_rows].
- * `masses`, [BDF_PREVIOUS, num_rows]: rho H of each state; NULL: not needed. */
+/* Computes the weighted sum of rho H of the states for the squeeze term at the rows' nodes,
+ * [num_rows]. `masses`, [BDF_PREVIOUS, num_rows]: rho H of each state; NULL if not needed. */
 static void sum_at_rows(double *sum, double *const *masses, const reduced_march *self,
                         const contact_frame *frame, double entrainment) {
     const reduced_model *model = self->model;
@@ -773,7 +778,7 @@ static void sum_at_rows(double *sum, double *const *masses, const reduced_march 
     }
 }
 
-/* Prepares an accepted state; along the path with a share of the filter. */
+/* Prepares an accepted state. Along the path it applies `share` of the filter. */
 static void prepare(void *solver, size_t place, double share) {
     reduced_march *self = solver;
     previous_film *film = &self->states[place];
@@ -808,7 +813,7 @@ static double sum_at(const reduced_march *self, size_t node) {
     return sum_in_frame(self, node, &self->states[bdf_march_place(&self->bdf, 0)].frame);
 }
 
-/* Returns the sum of sum_at and the base's entrainment at a node of the band, evaluated once per
+/* Returns sum_at plus the entrainment of the base at a node of the band. It is evaluated once per
  * attempt. */
 static double previous_at(void *solver, size_t node) {
     reduced_march *self = solver;
@@ -823,16 +828,19 @@ static double previous_at(void *solver, size_t node) {
 }
 
 /* Returns the distance before the exit at which the estimate of the local error ends. It is at
- * least some nodes long, since in truncated modes a node that the exit passes gets a finite
- * pressure at once. */
+ * least some nodes long: with truncated modes a node gets a finite pressure at once when the exit
+ * passes it. */
 static double exit_margin(const ehd_grid *grid) {
-    const double min_nodes = 4; // 1 to 10 change no step of scenes/examples/line-in-time
+    // Smallest margin in nodes. With 1 to 10 all steps of scenes/examples/line-in-time are the
+    // same.
+    const double min_nodes = 4;
 
     return fmax(march_exit_margin, min_nodes * grid->step);
 }
 
-/* Sets the columns of all lines before which, less the margin, the local error is estimated: the
- * first exit among the states of the step and the lines within the margin. */
+/* Sets, for all lines, the column before which the local error is estimated. The margin comes
+ * before this column. The column is the first exit among the states of the step and the lines
+ * within the margin. */
 static void find_error_end(reduced_march *self) {
     const reduced_model *model = self->model;
     size_t margin = (size_t)ceil(exit_margin(&model->grid) / model->grid.step);
@@ -859,8 +867,8 @@ static bool is_before_exit(const reduced_march *self, size_t node) {
     return grid_x(grid, node) < end - exit_margin(grid);
 }
 
-/* Returns bdf_march_missed at any node, for the attempt's state, which is prepared. *mass: rho H
- * there. */
+/* Returns bdf_march_missed at any node. The state of the attempt must be prepared. *mass: rho H
+ * at the node. */
 static double missed_at(double *mass, const reduced_march *self, size_t node) {
     const previous_film *films[BDF_PREVIOUS];
     const previous_film *next = &self->states[bdf_march_place(&self->bdf, 0)];
@@ -879,7 +887,8 @@ static double hertz_density(const ehd_contact *contact, double x) {
                              contact->hertz_pressure * sqrt(fmax(1 - x * x, 0)));
 }
 
-/* Finds bdf_march_missed at places on the way to the centre. The attempt's state is prepared. */
+/* Computes bdf_march_missed at the places on the way to the centre. The state of the attempt must
+ * be prepared. */
 static void miss_on_the_way(reduced_march *self) {
     error_estimate *estimate = &self->estimate;
 
@@ -897,10 +906,10 @@ static void miss_on_the_way(reduced_march *self) {
     }
 }
 
-/* Returns the sum of the missed rho H that a film takes up on its way to the centre, as in the full
- * model: along the central line, linear between the places. In steps shorter than
- * frame_shortest_step the sum is divided by the path of that step, since noise does not shrink
- * further. */
+/* Returns the sum of the missed rho H that a film takes up on its way to the centre, as the full
+ * model does. The sum is taken along the central line and is linear between the places. If the
+ * step is shorter than frame_shortest_step, the sum is divided by the path of
+ * frame_shortest_step, since noise does not shrink further. */
 static double error_on_the_way(void *solver) {
     const reduced_march *self = solver;
     const error_estimate *estimate = &self->estimate;
@@ -918,8 +927,8 @@ static double error_on_the_way(void *solver) {
             fmax(self->bdf.entrainment, 1));
 }
 
-/* Marks the rows before the exit and, along the path, finds the local error on the way to the
- * centre. */
+/* Marks the rows before the exit. Along the path it also computes the local error on the way to
+ * the centre. */
 static void mark(void *solver) {
     reduced_march *self = solver;
     const bdf_masses *masses = &self->bdf.masses;
@@ -984,8 +993,8 @@ static void set_effects(march_step *outcome, reduced_march *self, const ehd_cont
         (scalars->minimum_film_thickness * hertz_density(contact, scalars->minimum_position));
 }
 
-/* Estimates the errors of an attempt whose state is prepared. `contact` has the entrainment of its
- * rows. */
+/* Estimates the errors of an attempt. The state of the attempt must be prepared, and `contact`
+ * has the entrainment of its rows. */
 static void indicate(march_step *outcome, reduced_march *self, const ehd_contact *contact) {
     time_indicator *indicator = &self->indicator;
     const previous_film *next = state_before(self, 0);
@@ -1006,10 +1015,11 @@ static void indicate(march_step *outcome, reduced_march *self, const ehd_contact
     set_indicated(outcome, self, contact);
 }
 
-/* Returns whether a step whose exit did not settle is to be repeated with a shorter one. It is not
- * if it is already much shorter than the step before. */
+/* Returns whether a step whose exit did not settle is repeated with a shorter step. It is not
+ * repeated if it is already much shorter than the step before. */
 static bool shorter_may_settle(const reduced_march *self) {
-    // scenes/examples/line-in-time, where all exits settle, does not reach it
+    // Length of the step over the length of the step before, above which the step is repeated. In
+    // scenes/examples/line-in-time all exits settle, so no step reaches this limit.
     const double much_shorter = 0.05;
     const size_t *index = self->bdf.ring.place;
 
@@ -1032,14 +1042,16 @@ static double film_of_attempt(const void *context, size_t node) {
                                    self->splines);
 }
 
-/* Returns the tolerance of the iterations: a tenth of the error that a step of its length may cause
- * in the film. Period 1/2 of the line in scenes/studies/transient-load (120 modes, 140 rows, error
- * control) then takes 1897 iterations in place of 2118. With pressures to three times
- * KEPT_TOLERANCE the errors of short steps would be noise: the minimum film would be 1.0 % from the
- * full model's in place of 0.4 %. */
+/* Returns the tolerance of the iterations: a tenth of the error that a step of its length may
+ * cause in the film. Period 1/2 of the line in scenes/studies/transient-load (120 modes, 140
+ * rows, error control) then takes 1897 iterations instead of 2118. If pressures were solved to
+ * three times KEPT_TOLERANCE, the errors of short steps would be noise. The minimum film would
+ * then be 1.0 % from the full model's instead of 0.4 %. */
 static double iteration_tolerance(const reduced_march *self) {
-    // a model of scenes/examples/line-in-time takes 232 iterations, 254 with a tenth of `most`; the
-    // largest film changes by 4e-4 (test_path_march.c, a_tolerance_of_the_steps_saves_iterations)
+    // `part`: tolerance over the error of the step. `most`: largest tolerance. A model of
+    // scenes/examples/line-in-time takes 232 iterations. With a tenth of `most` it takes 254, and
+    // the largest film changes by 4e-4 (test_path_march.c,
+    // a_tolerance_of_the_steps_saves_iterations).
     const double part = 0.1, most = 1.5e-6;
     const double path = self->bdf.step * fmax(self->bdf.entrainment, 1);
 
@@ -1143,11 +1155,13 @@ static bool same_exits(const reduced_state *a, const reduced_state *b, const red
                   model->band.num_lines * sizeof(size_t)) == 0;
 }
 
-/* Returns whether the kept factors stay for the next step, by their convergence in this one.
+/* Returns whether the kept factors stay for the next step, from their convergence in this step.
  * Keeping them longer does not save time. */
 static bool factors_are_current(const reduced_march *self, const reduced_state *solved) {
-    // a model of scenes/examples/line-in-time (step 0.02) takes 232 iterations; 194 with 1 and 271 with
-    // 10 iterations, 216 with a rate of 0.05 and 232 with 2
+    // `max_iterations`: most iterations, and `max_rate_change`: largest relative change of the
+    // rate, with which the factors stay. A model of scenes/examples/line-in-time (step 0.02)
+    // takes 232 iterations. With at most 1 iteration it takes 194, with 10 it takes 271. With a
+    // rate of 0.05 it takes 216, with 2 it takes 232.
     const size_t max_iterations = 3;
     const double max_rate_change = 0.25;
 
@@ -1223,7 +1237,8 @@ reduced_state reduced_march_state_before(const reduced_march *self, size_t steps
     return found->state;
 }
 
-/* Computes a state without its frame. `given->exits` may be NULL. */
+/* Computes pressure, film and exits of a state, without its frame, for `given`. `given->exits`
+ * may be NULL. */
 static void give(handed_state *given, const void *solver, size_t place) {
     const reduced_march *self = solver;
     const reduced_state *state = &self->states[place].state;
@@ -1338,7 +1353,7 @@ static void take_errors(void *solver, const double errors[NUM_ERROR_PLACES],
 
 static contact_frame load_frame(const void *solver, size_t place) {
     const reduced_march *self = solver;
-    (void)place; // the last accepted one
+    (void)place; // it is the last accepted one
 
     return self->last_load_frame;
 }

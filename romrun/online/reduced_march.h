@@ -66,8 +66,8 @@ reduced_state reduced_march_state(const reduced_march *self, contact_frame *fram
 
 // ---- handing states from and to another model
 
-/* Returns the march as one of BDF2 steps, to hand states over. Its reference has the smoothing of
- * the model. */
+/* Returns the march of BDF2 steps inside this march, which hands states over. Its reference has
+ * the smoothing of the model. */
 bdf_march *reduced_march_steps(reduced_march *self);
 
 /* Returns the accepted state `steps` before the next one: 1 is the last one, 0 the last attempt. */

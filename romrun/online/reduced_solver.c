@@ -235,10 +235,12 @@ static ehd_status observe(reduced_solver *self, ehd_error *error) {
     return self->observer(self->observer_context, residual, step, error);
 }
 
-/* Limits of the damping: change of the pressure in Hertz pressures, and part of the smallest film
- * that is left. Between any two of twelve trained solutions (test_reduced_solver.c,
- * any_trained_solution_leads_to_any_other) a pressure change of 0.3 takes 850 iterations and loses
- * none, 0.1 takes 863 and loses 4, 1 takes 893 and loses 2. Film parts up to 0.5 change nothing. */
+/* MAX_PRESSURE_CHANGE: largest change of the pressure in one iteration, Hertz pressures.
+ * MIN_FILM_LEFT: part of the smallest film that an iteration must leave. Both limits set the
+ * damping. Measured between any two of twelve trained solutions: with a pressure change of 0.3
+ * all are found, in 850 iterations. With 0.1 four are lost, in 863 iterations. With 1 two are
+ * lost, in 893 iterations. Film parts up to 0.5 change nothing (test_reduced_solver.c,
+ * any_trained_solution_leads_to_any_other). */
 static const double MAX_PRESSURE_CHANGE = 0.3;
 static const double MIN_FILM_LEFT = 0.2;
 
@@ -290,14 +292,16 @@ static iterate take_step(reduced_state *state, reduced_solver *self, const itera
     return now;
 }
 
-/* Limits for the change of P by another iteration: absolute, in Hertz pressures, and over the film's
- * tolerance. With 1e-2 and 1e6 sixty contacts around scenes/examples/line take the same 258
- * iterations, with 1e-6 or 1e2 282, and the films change by less than 1e-10. */
+/* Limits of the change of P by another iteration, below which the iteration has converged.
+ * PRESSURE_TOLERANCE: absolute, Hertz pressures. PRESSURE_OVER_FILM: over the tolerance of the
+ * film. Sixty contacts around scenes/examples/line take 258 iterations. With 1e-2 and 1e6 they
+ * take as many. With 1e-6 or 1e2 they take 282, and the films change by less than 1e-10. */
 static const double PRESSURE_TOLERANCE = 1e-4, PRESSURE_OVER_FILM = 1e4;
 
-/* Change of P in an iteration in time, above which it is far from the solution. With 5e-3 to 5e-2
- * the line under a load of period 1/2 (scenes/studies/transient-load) takes 1413 to 1445 iterations
- * (tolerance 5e-3). If the exits never stay, it takes 2210. */
+/* Change of P in an iteration in time above which the iteration is far from the solution, Hertz
+ * pressures. With 5e-3 to 5e-2 the line under a load of period 1/2
+ * (scenes/studies/transient-load) takes 1413 to 1445 iterations (tolerance 5e-3). If the exits
+ * never stay, it takes 2210. */
 static const double NEAR_CHANGE = 5e-3;
 
 /* Returns the change by another iteration over the change by this one. Convergence is taken as
@@ -456,18 +460,20 @@ static ehd_status gauss_newton(reduced_info *info, reduced_state *state, reduced
 
 // ---- in time, with the factors of an earlier Jacobian
 
-/* Most iterations with kept factors, and slowest rate of convergence (README.md, In time). A reduced
- * model of scenes/examples/line-in-time (step 0.02) takes 232 iterations, 264 with at most 3, 188
- * with a rate of 0.2, in which more have own Jacobians, and 237 with 0.9 (test_kept_factors.c,
- * kept_factors_serve_steps_alike). */
+/* MAX_KEPT_ITERATIONS: largest number of iterations with kept factors. MAX_KEPT_RATE: largest
+ * ratio of successive changes with kept factors (README.md, In time). With 8 and 0.5 a reduced
+ * model of scenes/examples/line-in-time (step 0.02) takes 232 iterations. With at most 3 it takes
+ * 264. With a rate of 0.2 it takes 188, of which more have own Jacobians. With 0.9 it takes 237
+ * (test_kept_factors.c, kept_factors_serve_steps_alike). */
 static const size_t MAX_KEPT_ITERATIONS = 8;
 static const double MAX_KEPT_RATE = 0.5;
 
-/* Limit for the change of P in one iteration, above which it would need damping, and its tolerance.
- * The L2 norm follows from the coordinates and does not depend on the grid. With 2e-2 the line under
- * a load of period 1/2 (scenes/studies/transient-load) takes 370 iterations with own Jacobians and
- * 1768 with kept ones, with 2e-3 685 and 1143; 18 % fewer instructions. With a tolerance of 7e-5 the
- * film of scenes/examples/line-in-time changes by 4e-4, with 7e-7 it takes 288 iterations for 232. */
+/* MAX_KEPT_CHANGE: change of P in one iteration above which the iteration would need damping, L2
+ * norm. KEPT_TOLERANCE: tolerance of this change. The norm follows from the coordinates and does
+ * not depend on the grid. The line under a load of period 1/2 (scenes/studies/transient-load)
+ * takes 370 iterations with own Jacobians and 1768 with kept ones, and 18 % fewer instructions
+ * than with 2e-3, which takes 685 and 1143. A tolerance of 7e-5 changes the film of
+ * scenes/examples/line-in-time by 4e-4. With 7e-7 it takes 288 iterations instead of 232. */
 static const double MAX_KEPT_CHANGE = 2e-2, KEPT_TOLERANCE = 7e-6;
 
 /* Makes factors at the state at which the rows have been evaluated. */
@@ -520,8 +526,9 @@ typedef enum { KEPT_CONVERGED, KEPT_SLOW, KEPT_FAILED } kept_outcome;
 static bool take_kept_step(kept_iterate *at, reduced_info *info, reduced_state *state,
                            reduced_solver *self, const kept_factors *kept) {
     const reduced_model *model = self->model;
-    // assumed rate of convergence before the second step. With 0.03 a model of
-    // scenes/examples/line-in-time takes 220 iterations for 232, and the film is the same to 1e-6
+    // Rate of convergence that is assumed before the second step. With 0.3 a model of
+    // scenes/examples/line-in-time takes 232 iterations. With 0.03 it takes 220, and the film is
+    // the same to 1e-6.
     const double first_rate = 0.3;
     double before = at->change, *step = self->system.step, *right = self->system.right;
     size_t num_rows = system_fill_right(&self->system, &self->nodes, state->coordinates, kept->row,
@@ -594,8 +601,8 @@ static bool newton_with(kept_factors *factors, reduced_info *info, reduced_state
 
 /* Iterates with the Jacobian at the state, which is near the solution. If exits move, it goes on
  * with a Jacobian at the new exits, where other rows are active. Returns false if it does not
- * converge; the state is then one on the way. With one Jacobian in place of three nothing changes in
- * scenes/examples/line-in-time. */
+ * converge, with a state between start and solution. With one Jacobian instead of three
+ * scenes/examples/line-in-time has the same result. */
 static bool end_with_one(reduced_info *info, reduced_state *state, reduced_solver *self,
                          const ehd_contact *contact, const reduced_squeeze *squeeze) {
     enum { MOST = 3 };
@@ -634,9 +641,9 @@ static bool end_with_kept(reduced_info *info, reduced_state *state, reduced_solv
 /* Returns whether to try the kept factors. With factors of a much shorter time step each iteration
  * changes the solution too little, by the ratio of the rates. Such a small change would be taken
  * for convergence. At a ratio of 3 the iterations converge at a rate of 2/3, which is slower than
- * MAX_KEPT_RATE allows (README.md, In time). */
+ * MAX_KEPT_RATE allows. */
 static bool kept_are_of_use(const reduced_solver *self, const reduced_squeeze *squeeze) {
-    // (README.md, In time)
+    // largest ratio of the rate of the factors to the rate of the step (README.md, In time)
     const double most_shorter = 3;
 
     return squeeze && self->kept.valid && !self->observer &&

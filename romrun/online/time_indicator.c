@@ -7,18 +7,21 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* Numbers of control nodes (README.md, Indicated deviation in time). */
+/* Numbers of control nodes: in the inlet, inside of the contact, and both together (README.md,
+ * Indicated deviation in time). */
 enum { NUM_INLET = 12, NUM_INSIDE = 12, MOST_NODES = NUM_INLET + NUM_INSIDE };
 
-// Films form between X = FAR_INLET and ENTRY and are then carried unchanged up to CONSTRICTION,
-// behind which they settle anew. DENSER: exponent that makes nodes denser towards the entry, where
-// a residual enters with a larger share (README.md, Indicated deviation in time).
+// Places X of the control nodes, half widths. Films form between FAR_INLET and ENTRY. They are
+// then carried unchanged up to CONSTRICTION, and settle anew behind it. DENSER: exponent that
+// makes nodes denser towards the entry, where a residual enters with a larger share (README.md,
+// Indicated deviation in time).
 static const double FAR_INLET = -2.6, ENTRY = -0.85, CONSTRICTION = 0.6, DENSER = 1.7;
-// distances within which the largest error of films counts, half widths: before and behind the
-// centre, and before the minimum. Short waves behind a front go slower than the fluid. In 20
-// histories (scenes/studies/silent-in-time, calibration seed 1000007) the largest error of the
-// central film over its bound is 5.7 with 0.1 behind the centre and 1.4 from 0.3 on; in 75 others
-// it is 1.4 from 0.4 on (README.md, Indicated deviation in time).
+// Distances within which the largest error of films counts, half widths: before and behind the
+// centre, and before the minimum. Short waves behind a front move more slowly than the fluid. The
+// largest error of the central film was compared with its bound. In 20 histories
+// (scenes/studies/silent-in-time, calibration seed 1000007) the error is 5.7 times the bound with
+// 0.1 behind the centre, and 1.4 times from 0.3 on. In 75 other histories it is 1.4 times from
+// 0.4 on (README.md, Indicated deviation in time).
 static const double CENTRE = 0.1, BEHIND_CENTRE = 0.4, ARRIVING = 0.3;
 
 void time_indicator_free(time_indicator *self) {

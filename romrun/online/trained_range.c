@@ -14,7 +14,8 @@
 _Static_assert((int)RANGE_AXES <= (int)HULL_AXES, "axes of a hull");
 
 void trained_place(double place[RANGE_AXES], contact_place of) {
-    // below it the viscosity rises by less than a thousandth (README.md, Results that are rejected)
+    // Smallest alpha p_H that is distinguished. Below it the viscosity rises by less than a
+    // thousandth (README.md, Results that are rejected).
     const double least = 1e-3;
 
     place[0] = log(of.moes_M);
@@ -304,8 +305,8 @@ range_memory *range_memory_create(const trained_range *of) {
 }
 
 static bool is_faster(double rate, double trained) {
-    // allowance for the trained rate, which is one between states, and rate a unit of T at which any
-    // contact may change (README.md, Indicated deviation in time)
+    // `slack`: factor on the trained rate, which is a mean between two states. `least`: rate per
+    // unit of T at which any contact may change (README.md, Indicated deviation in time).
     const double slack = 1.05, least = 1e-3;
 
     return rate > fmax(slack * trained, least);
