@@ -12,8 +12,9 @@ const char *const residual_names[] = {"residuals", "Jacobian products"};
 
 static const char *const field_names[] = {"weighted_residual", "weighted_jacobian_step"};
 
-/* Parts of the energy that streams may omit: as for trajectories, and for lack of
- * room. Weaker modes would select rows by round-off. */
+/* Parts of the energy that streams may omit. local_energy is that of trajectories. dropped_energy
+ * is for directions that are dropped for lack of room. Weaker modes would select rows by
+ * round-off. */
 static const pod_stream_settings of_sets = {.local_energy = 1e-22, .dropped_energy = 1e-16};
 
 /* Parts of the energy that streams of residuals of unit norm may omit. Only their largest entries

@@ -56,9 +56,9 @@ void residual_snapshots_free(residual_snapshots *snapshots);
 /* Returns the number of converged residuals: the last iteration of each stationary state. */
 size_t residual_snapshots_converged(const residual_snapshots *snapshots);
 
-/* Computes the POD of a set with at most num_modes modes. If the set is streamed, the POD has
- * singular values above 1e-11 of the first as long as there is room for their directions. Otherwise
- * it drops directions below 1e-8 of the first. Errors as pod_build and pod_stream_add;
+/* Computes the POD of a set with at most num_modes modes. If the set is streamed, the POD keeps
+ * singular values above 1e-11 of the first. If there is no room for their directions, the stream
+ * drops directions below 1e-8 of the first. Errors as pod_build and pod_stream_add;
  * EHD_INTERRUPTED. */
 ehd_status residual_snapshots_pod(
     // output:

@@ -101,8 +101,9 @@ static double bytes_at_once(const row_sizes *sizes) {
            fmax(2 * sizes->snapshots * a_field + fmax(pod, select), bytes_of_model(sizes));
 }
 
-/* Returns the memory of a streamed selection (a pod_work_bytes): the largest over the second POD
- * beside the modes of the first, the selection of rows, and the selection of control rows. */
+/* Returns the largest memory of a streamed selection, bytes (a pod_work_bytes). Compares three
+ * stages: the second POD beside the modes of the first, the selection of rows, and the selection
+ * of control rows. */
 static double bytes_of_stream(const void *work, size_t block, size_t max_rank) {
     const row_sizes *sizes = work;
     const double a_field = 8 * sizes->rows_in_all;

@@ -19,10 +19,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Ridge that is added to A^T A (modes of unit norm), which is singular with fewer rows than
- * modes. From 1e-14 to 1e-6 the selected rows do not change (examples: 56 modes of a line, 24 of
- * a point). Below, round-off selects rows or the factorisation fails; above, the ridge affects
- * the selection (bench_selection.c; test_selection.c, s_opt_starts_with_pivots). */
+/* Ridge that is added to A^T A (modes of unit norm), which is singular with fewer rows than modes.
+ * From 1e-14 to 1e-6 the selected rows do not change (examples: 56 modes of a line, 24 of a
+ * point). With a smaller ridge, round-off selects rows or the factorisation fails. A larger ridge
+ * affects the selection (bench_selection.c; test_selection.c, s_opt_starts_with_pivots). */
 static const double RIDGE = 1e-10;
 
 enum { BLOCK = 512 }; // nodes in a block of scan_modes

@@ -15,21 +15,21 @@
 
 // ---- readings
 
-/* Reads all sources several times: the rows for the modes of each field, then the states for the
+/* Data for reading all sources several times: their rows for the modes, and their states for the
  * coordinates. */
 typedef struct reading {
     snapshot_set *from;
     const bases_plan *plan;
-    const program *caller; // NULL: shows no progress, and is not interrupted
+    const program *caller; // NULL: no progress, no interruption
     progress shown;
-    size_t done;
-    const char *what;
+    size_t done;                // number of fields that have been read
+    const char *what;           // what is computed, for progress and messages
     double *fields;             // [1 or batch, num_nodes] pressures
-    double *deflected;          // [1 or batch, num_nodes] their deflections; NULL if coupled
+    double *deflected;          // [1 or batch, num_nodes] deflections; NULL if coupled
     ehd_deflection *deflection; // NULL if coupled
 } reading;
 
-/* Returns the number of fields that are read in all. */
+/* Returns the number of fields that are read in all, for the progress. */
 static size_t count_readings(const snapshot_set *from, bool independent) {
     size_t count = from->num_rows * (independent ? 2 : 1);
 
@@ -38,7 +38,7 @@ static size_t count_readings(const snapshot_set *from, bool independent) {
     return count;
 }
 
-/* Makes room for several fields. */
+/* Resizes an array to num_fields fields. */
 static ehd_status make_room(double **fields, const reading *self, size_t num_fields,
                             ehd_error *error) {
     double *longer = array_resize(*fields, num_fields, self->from->grid.num_nodes, sizeof *longer);
@@ -73,7 +73,7 @@ static ehd_status go_on(reading *self, ehd_error *error) {
                                  : EHD_OK;
 }
 
-/* Puts the path of a source before a message about its snapshots. */
+/* Puts the path of a source in front of a message about its snapshots. */
 static ehd_status name_source(ehd_error *error, ehd_status status, const snapshot_source *source,
                               const ehd_error *cause) {
     if (!status) return EHD_OK;
@@ -101,9 +101,9 @@ static ehd_status stream_rows(pod_stream *stream, reading *self, size_t index, b
     return status;
 }
 
-/* Computes the POD of all rows, of pressures or of their deflections. Deflection is linear in the
- * pressure, so the deflections of compressed snapshots represent those of the snapshots. Boundary
- * nodes are included, because they have a film too. */
+/* Computes the POD of all rows, or of their deflections if `deflected`. Deflection is linear in
+ * the pressure. Deflections of compressed snapshots therefore replace the deflections of the
+ * original ones. Boundary nodes are included, because they have a film too. */
 static ehd_status find_modes(pod_basis *pod, reading *self, const pod_settings *wanted,
                              bool deflected, ehd_error *error) {
     pod_stream *stream = NULL;
@@ -121,7 +121,8 @@ static ehd_status find_modes(pod_basis *pod, reading *self, const pod_settings *
     return status;
 }
 
-/* Returns what the POD of the rows may omit. Rows that are parts leave it a smaller share. */
+/* Returns the settings for the POD of the rows, with the energy that its modes may omit. The share
+ * of this energy is smaller if some rows are parts, because parts have omitted energy before. */
 static pod_settings share_of(const pod_settings *wanted, const snapshot_set *from,
                              const bases_settings *settings) {
     const double share = settings->as_part ? PART_SHARE : from->num_parts > 0 ? ROOT_SHARE : 1;
@@ -131,13 +132,15 @@ static pod_settings share_of(const pod_settings *wanted, const snapshot_set *fro
     return root;
 }
 
-/* Checks that parts have omitted no more than their share of the allowed energy, or of the energy
- * that the modes omit if their number is given. */
+/* Checks that parts have not omitted too much energy. The limit is a share of the allowed energy.
+ * If the number of modes is given and the modes omit more, it is a share of the energy that the
+ * modes omit. */
 static ehd_status check_distance(const pod_basis *pod, const snapshot_set *from,
                                  const bases_settings *settings, const bases_plan *plan,
                                  ehd_error *error) {
     const double share = LOCAL_SHARE + PART_SHARE;
-    const double rounding = 1 + 1e-6; // of the distance (stream.bats, "a part that left out")
+    // tolerance for round-off of the distance (stream.bats, "a part that left out")
+    const double rounding = 1 + 1e-6;
     const double asked = sqrt(plan->energy * pod->energy);
     const double left_out = settings->pressure.num_modes > 0 ? sqrt(pod->tail) / ROOT_SHARE : 0;
     const double most = fmax(asked, left_out);
@@ -153,7 +156,8 @@ static ehd_status check_distance(const pod_basis *pod, const snapshot_set *from,
 
 // ---- coordinates
 
-/* Projects fields onto modes: [num_fields, num_modes] with `stride` numbers a row. */
+/* Computes the coordinates of fields in the modes, [num_fields, num_modes]. Row i begins at
+ * coordinates[i * stride]. */
 static void project(double *coordinates, size_t stride, const double *fields, size_t num_fields,
                     const pod_basis *pod) {
     const int modes = (int)pod->num_modes, nodes = (int)pod->num_nodes;
@@ -166,8 +170,8 @@ static void project(double *coordinates, size_t stride, const double *fields, si
                     fields, nodes, pod->modes, nodes, 0, coordinates, (int)stride);
 }
 
-/* Copies all states of a source to states from `first` on. Of their coordinates it copies only the
- * rigid approach, which is the last one. */
+/* Copies all states of `from` to `to`, beginning with state `first` of `to`. Of the coordinates,
+ * copies only the last one, the rigid approach. */
 static void put_states(reduced_states *to, size_t first, const reduced_states *from) {
     for (size_t s = 0; s < from->num_states; s++)
         to->coordinates[(first + s + 1) * to->num_unknowns - 1] =
@@ -175,8 +179,8 @@ static void put_states(reduced_states *to, size_t first, const reduced_states *f
     reduced_states_put(to, first, from);
 }
 
-/* Reads `count` states of a source from state `s` on, and writes their coordinates and exits to
- * states from `first` on. */
+/* Reads `count` states of a source, beginning with state `s`. Writes their coordinates and exits
+ * to `states`, beginning with state `first`. */
 static ehd_status project_batch(reduced_states *states, size_t first, reading *self, size_t index,
                                 size_t s, size_t count, const pod_basis pods[2], ehd_error *error) {
     const ehd_grid *grid = &self->from->grid;
@@ -214,7 +218,7 @@ static ehd_status project_states(reduced_states *states, size_t first, reading *
     return status;
 }
 
-/* Projects the modes of a part onto the new modes. Writes [num_rows, modes] to `turned`. */
+/* Projects the modes of a part onto the new modes. `turned`: [num_rows, num_modes] projections. */
 static ehd_status project_modes(double *turned, reading *self, size_t index, const pod_basis *pod,
                                 ehd_error *error) {
     const size_t num_rows = self->from->sources[index].num_rows, batch = self->plan->batch;
@@ -232,8 +236,8 @@ static ehd_status project_modes(double *turned, reading *self, size_t index, con
     return status;
 }
 
-/* Adds the states of a part. Their coordinates in its own modes are multiplied by the projection of
- * these modes onto the new ones. */
+/* Adds the states of a part. Multiplies their coordinates in the modes of the part by the
+ * projections of these modes onto the new ones. */
 static ehd_status project_part(reduced_states *states, size_t first, reading *self, size_t index,
                                const pod_basis *pod, ehd_error *error) {
     const snapshot_source *source = &self->from->sources[index];
@@ -283,7 +287,7 @@ static ehd_status find_coordinates(reduced_states *states, reading *self, const 
 
 // ---- bases
 
-/* Moves the modes to a basis, [num_nodes, num_modes], and frees them in the POD. */
+/* Moves the modes of a POD to an array [num_nodes, num_modes], and frees them in the POD. */
 static ehd_status take_modes(double **modes, size_t *num_modes, pod_basis *pod, ehd_error *error) {
     const size_t num = *num_modes = pod->num_modes;
 

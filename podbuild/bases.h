@@ -12,9 +12,10 @@
 
 /* Computes the PODs of the pressures and, if independent, of the deflections, the weight D of the
  * first pressure mode, and the training solutions in reduced coordinates. Reads all sources once
- * for the modes, once more for those of independent deflections, and once for the coordinates. Only `basis` holds the modes. Errors: EHD_DATA
- * (more modes than the rank of the snapshots, or parts that omit too much), EHD_INTERRUPTED,
- * EHD_MEMORY, EHD_INTERNAL (LAPACK); else as snapshot_set_open. */
+ * for the modes, once more for the modes of independent deflections, and once for the coordinates.
+ * Afterwards only `basis` holds the modes. Errors: EHD_DATA (more modes than the rank of the
+ * snapshots, or parts that omit too much energy), EHD_INTERRUPTED, EHD_MEMORY, EHD_INTERNAL
+ * (LAPACK); else as snapshot_set_open. */
 ehd_status bases_build(
     // output:
     reduced_basis *basis,       // free with reduced_basis_free
@@ -24,8 +25,8 @@ ehd_status bases_build(
     snapshot_set *from,
     // input:
     const bases_settings *settings,
-    const bases_plan *plan, // NULL: all at once
-    const program *caller,  // shows progress, and may be interrupted; NULL: neither
+    const bases_plan *plan, // NULL: all rows are one block
+    const program *caller,  // for progress and interruption; NULL: neither
     ehd_error *error);
 
 #endif

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Computes how much memory a basis takes, and divides a limit between block and directions.
- * Error budget: README.md, "Error bound"; the shares of sqrt(E) add up to one.
+/* Computes the memory that a basis takes, and divides a limit between the block and the
+ * directions. Error budget: README.md, "Error bound"; the shares of sqrt(E) add up to one.
  * Called by main.c (bases_plan_make) and by bases.c (bases_plan_at_once). */
 #include "podbuild/bases_plan.h"
 
@@ -10,19 +10,21 @@
  * bound"). */
 const double LOCAL_SHARE = 0.05, PART_SHARE = 0.05, ROOT_SHARE = 0.9;
 
-/* Directions that are dropped while streaming may have this part of the energy that the distance
- * leaves (stream.bats, "a small limit: the error within the bound"). */
+/* Share of dropped directions in the energy that remains after the share of the distance
+ * (stream.bats, "a small limit: the error within the bound"). */
 static const double DROPPED_SHARE = 0.2;
 
-/* Allowed energy whose local share is 1e-22, as for trajectories. This keeps singular values above
- * 1e-11 of the first (README.md, More than fits in memory). */
+/* Allowed energy if only the number of modes is given. LOCAL_SHARE then allows a squared distance
+ * of 1e-22, which keeps singular values above 1e-11 of the first (README.md, More than fits in
+ * memory). */
 static const double EXACT_ENERGY = 4e-20;
 
-/* Lower limit of the local energy; below it there is only round-off (README.md, More than fits in
- * memory). */
+/* Lower limit of the local energy. A smaller energy is only round-off (README.md, More than fits
+ * in memory). */
 static const double LEAST_LOCAL = 1e-28;
 
-/* Sets how much a stream may omit. A part shares its energy equally between distance and modes. */
+/* Sets the energies that a stream may omit. For a part, half of the root of the energy is for the
+ * distance and half for the modes. */
 static void share_energy(bases_plan *plan, const bases_settings *settings) {
     const double part = settings->as_part ? PART_SHARE * PART_SHARE : 1;
     const double local = settings->as_part ? 0.5 : LOCAL_SHARE;
@@ -32,15 +34,16 @@ static void share_energy(bases_plan *plan, const bases_settings *settings) {
     plan->stream.dropped_energy = DROPPED_SHARE * (1 - local) * (1 - local) * part * plan->energy;
 }
 
-/* Returns the largest number of modes that a stream may have at its end. */
+/* Returns the largest number of modes that a stream can compute. */
 static double most_modes(const pod_settings *wanted, size_t max_rank) {
     return wanted->num_modes ? fmin((double)wanted->num_modes, (double)max_rank) : (double)max_rank;
 }
 
-/* Returns the memory of the states with their coordinates, which are held and copied once for
- * writing. The states of a part are held twice too while they are read. */
+/* Returns the memory of the states and their coordinates, bytes. The states are held twice,
+ * because a copy is made for writing. The states of a part are also held twice while they are
+ * read. */
 static double state_bytes(const snapshot_set *from, double num_modes) {
-    // scalars of a state (README.md, More than fits in memory)
+    // number of scalars of a state (README.md, More than fits in memory)
     const double columns = 20, lines = (double)grid_lines(&from->grid);
     double rank = 0, longest = 0;
 
@@ -59,7 +62,7 @@ static double plan_bytes(const bases_plan *plan, const snapshot_set *from,
     const bool independent = settings->kind == DEFORMATION_INDEPENDENT;
     const double a_field = 8 * (double)from->grid.num_nodes;
     const double few =
-        (independent ? 24 : 6) * a_field; // rows that are read, and work arrays of the deflection
+        (independent ? 24 : 6) * a_field; // fields being read, and work arrays of the deflection
     const double stream = pod_stream_bytes(from->grid.num_nodes, from->num_rows, &plan->stream);
     const double pressure = most_modes(&settings->pressure, plan->stream.max_rank);
     const double deformation =
@@ -68,7 +71,7 @@ static double plan_bytes(const bases_plan *plan, const snapshot_set *from,
     double most = stream + (independent ? pressure * a_field : 0);
 
     most = fmax(most, (pressure + deformation) * a_field + batches);
-    // modes in the basis, and a second copy while they are transposed and written
+    // modes in the basis, and a second copy for transposing and writing them
     most = fmax(most, (pressure + deformation + fmax(pressure, deformation)) * a_field);
     return most + few + state_bytes(from, pressure + deformation);
 }

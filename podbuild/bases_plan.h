@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Memory plan and error budget of a basis: whether all rows are one block, or how large the blocks
- * are. Called by main.c before any field is read, and by bases.c. */
+/* Memory plan and error budget for building a basis. The plan takes all rows as one block, or sets
+ * the size of the blocks and the largest number of directions.
+ * Called by main.c before any field is read, and by bases.c. */
 #ifndef EHD_BASES_PLAN_H
 #define EHD_BASES_PLAN_H
 
@@ -11,29 +12,32 @@ typedef struct bases_settings {
     pod_settings pressure;
     pod_settings deformation; // unused if kind is DEFORMATION_COUPLED
     deformation_kind kind;
-    bool exact; // the number of modes is given and no energy: a stream omits only noise before the
-                // modes are chosen
-    // the modes are those of a part, which may omit PART_SHARE of the root of the energy
+    // The number of modes is given and no energy. A stream then omits only round-off before the
+    // modes are chosen.
+    bool exact;
+    // The modes are written as a part. They may omit PART_SHARE of the root of the energy.
     bool as_part;
 } bases_settings;
 
-/* Parts of the root of the allowed energy: of the distance of the snapshots from the directions of
- * a stream, of the energy that parts omitted before, and of the modes of rows that hold parts. */
+/* Shares of the root of the allowed energy. LOCAL_SHARE is for the distance of the snapshots from
+ * the directions of a stream. PART_SHARE is for the energy that parts have omitted before.
+ * ROOT_SHARE is for the modes, if there are parts. */
 extern const double LOCAL_SHARE, PART_SHARE, ROOT_SHARE;
 
 typedef struct bases_plan {
     bool at_once;  // all rows are one block
     double limit;  // memory limit, bytes
     double bytes;  // upper bound of the memory of this plan, bytes
-    double energy; // part of the energy that may be omitted in all
+    double energy; // energy that may be omitted in all, relative to the energy of the rows
     pod_stream_settings stream;
-    size_t batch; // number of states that are projected at once
+    size_t batch; // number of states that are projected together
 } bases_plan;
 
-/* Returns the plan to take all rows as one block. */
+/* Returns the plan that takes all rows as one block. */
 bases_plan bases_plan_at_once(const snapshot_set *from, const bases_settings *settings);
 
-/* Plans the memory. EHD_MEMORY: the limit is too small. */
+/* Plans the memory for a limit, bytes. Takes all rows as one block if the limit allows it.
+ * EHD_MEMORY: the limit is too small. */
 ehd_status bases_plan_make(
     // output:
     bases_plan *plan,

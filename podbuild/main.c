@@ -50,7 +50,7 @@ static ehd_status read_deformation(void *member, const char *argument, ehd_error
 // clang-format off
 #define OWN_OPTIONS build_options
 
-// columns: name, letter, argument, help, how it is read
+// columns: name, letter, argument, help, how the argument is read
 static const program_option own_options[] = {
     {"pressure-modes", 0, "N", "Number of pressure modes; by default as --energy asks",
      OPTION_COUNT(bases.pressure.num_modes, 1, 100000)},
@@ -105,9 +105,9 @@ static void report(const reduced_basis *basis, const basis_origin *origin,
         printf("deformation: coupled\n");
 }
 
-/* Prints how thin the training is, if there are as many modes as states. More states would then
- * improve the basis. The distance of each state from the span of the others estimates by how much.
- * Warns if the median distance exceeds the default accuracy of results. */
+/* Prints the distance of each state from the span of the others, if there are as many modes as
+ * states. More states would then improve the basis by about this distance. Warns if the median
+ * distance exceeds the default accuracy of results. */
 static void report_thinness(const program *self, const pod_basis *pressure,
                             const reduced_states *states, const snapshot_set *files) {
     const double promised = accuracy_limit(0);
@@ -131,8 +131,8 @@ static void report_thinness(const program *self, const pod_basis *pressure,
     free(distance);
 }
 
-/* Sets the weight of --weight. If a plan is given, reads its contacts for weights that evaluate
- * them. */
+/* Computes the weight that --weight names. Reads the contacts of the plan, if a plan is given, for
+ * weights that need contacts. */
 static ehd_status weigh(reduced_basis *basis, const program *self, const build_options *options,
                         ehd_error *error) {
     plan given = {0};
@@ -161,8 +161,8 @@ static ehd_status weigh(reduced_basis *basis, const program *self, const build_o
     return status;
 }
 
-/* Returns the paths of the input files, NULL at the end; free with free(). Returns NULL without
- * memory. */
+/* Returns the paths of the input files, NULL at the end; free with free(). Returns NULL if there
+ * is no memory. */
 static const char **list_inputs(const program *self, ehd_error *error) {
     const char **inputs = calloc(self->num_arguments + 1, sizeof *inputs);
 
@@ -234,8 +234,8 @@ static ehd_status check_parts(const snapshot_set *files, const build_options *op
     return EHD_OK;
 }
 
-/* Plans the memory before the snapshots are read, prints the plan, and checks that so much memory
- * is free. */
+/* Plans the memory before the snapshots are read, and prints the plan. If the snapshots are
+ * streamed, checks that so much memory is free. */
 static ehd_status plan_memory(bases_plan *way, const snapshot_set *files, const program *self,
                               const build_options *options, ehd_error *error) {
     ehd_status status = check_parts(files, options, error);

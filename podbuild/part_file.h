@@ -11,16 +11,14 @@
 /* Source and omitted energy of a part. */
 typedef struct part_origin {
     size_t num_snapshots; // number of snapshots that the modes were computed from
-    size_t num_left_out;  // number of states that had not converged
+    size_t num_left_out;  // number of states that had not converged or were not trusted
     double energy;        // sum of the squares of the snapshots
-    double discarded;     // upper bound of the sum of squared distances from the modes, relative to
-                          // energy
+    double discarded;     // upper bound of the energy that the modes omit, relative to `energy`
     // [num_pressure of the basis], descending; not read by part_read_origin
     const double *singular_values;
 } part_origin;
 
-/* Writes caller->output and gives the file its name. `inputs`: paths of the snapshot files, NULL at
- * the end. */
+/* Writes the file caller->output. `inputs`: paths of the snapshot files, NULL at the end. */
 ehd_status part_write(const reduced_basis *basis, const part_origin *origin, const program *caller,
                       const char *settings_text, const char *const *inputs, ehd_error *error);
 
@@ -34,7 +32,7 @@ ehd_status part_read_states(
     // input:
     artefact *file, const ehd_grid *grid, ehd_error *error);
 
-/* Checks a part for --check: reads all of the file except the modes. */
+/* Checks a part for --check. Reads all data except the modes, which artefact_check reads. */
 ehd_status part_check(const char *path, ehd_error *error);
 
 #endif

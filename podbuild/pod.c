@@ -109,13 +109,13 @@ void pod_fix_sign(double *mode, size_t num_nodes) {
 
 /* Work arrays of the following functions. All matrices are column-major. */
 typedef struct pod_work {
-    size_t num_nodes, num_states, num_values; // num_values: the smaller of the other two
+    size_t num_nodes, num_states, num_values; // num_values: the smaller of both others
     double *matrix;   // [num_nodes, num_states] the snapshots, later their QR or LQ factors
     double *scales;   // [num_values] of the factors' reflectors
     double *triangle; // [num_values, num_values] R or L
     double *left;     // [num_values, num_values] left singular vectors of the triangle
     double *right;    // [num_values, num_values]
-    arena memory;     // of all arrays but the matrix
+    arena memory;     // memory of all arrays except the matrix
 } pod_work;
 
 static void work_init(pod_work *work, double *matrix, size_t num_nodes, size_t num_states) {
@@ -184,7 +184,8 @@ static ehd_status decompose(pod_basis *basis, pod_work *work, const pod_settings
     return status ? status : form_modes(basis, work, error);
 }
 
-/* Sets the energies of snapshots and omitted modes, summed up from the weakest on. */
+/* Computes the energy of all snapshots and of the omitted modes. Adds the weakest values first, so
+ * that small energies are not lost by round-off. */
 static void sum_up(pod_basis *basis) {
     for (size_t i = basis->num_singular_values; i-- > 0;) {
         const double square = basis->singular_values[i] * basis->singular_values[i];
@@ -238,7 +239,7 @@ void pod_row(double *row, const pod_basis *basis, size_t i) {
 
 double pod_discarded(const pod_basis *basis) {
     const double length = sqrt(basis->tail) + basis->distance;
-    // without a distance the bound is the tail itself, without the rounding of its root
+    // without a distance the bound is the tail itself; the square of its root would add round-off
     const double omitted = basis->distance > 0 ? length * length : basis->tail;
 
     return basis->energy > 0 ? omitted / basis->energy : 0;

@@ -9,19 +9,20 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/* A truncated POD, which also stands for its snapshots: their Gram matrix is that of the rows,
- * singular value times mode, up to the energy that the modes omit. */
+/* A truncated POD. Its rows, singular value times mode, can replace the snapshots: both have the
+ * same Gram matrix except for the energy that the modes omit. */
 typedef struct pod_basis {
     size_t num_modes;
     size_t num_nodes;
     size_t num_singular_values;
     double *modes;           // [num_modes, num_nodes] row-major, orthonormal, strongest first; the
                              // largest entry of each mode is positive
-    double *singular_values; // [num_singular_values], all of them, descending
+    double *singular_values; // [num_singular_values] descending, also of omitted modes
     size_t num_snapshots;
     double energy; // sum of the squares of all snapshots
-    double tail;   // energy of the omitted modes, and of directions that were dropped before
-    // distance of the snapshots that were decomposed from the given ones; 0 for one block
+    double tail;   // energy of the omitted modes and of directions that a stream dropped
+    // Upper bound of the distance, root of the sum of squares, between the given snapshots and
+    // those that were decomposed (pod_stream.h). 0 for one block of snapshots.
     double distance;
 } pod_basis;
 
@@ -49,13 +50,13 @@ ehd_status pod_build(
     const double *snapshots, // [num_snapshots, num_nodes] row-major
     size_t num_snapshots, size_t num_nodes, const pod_settings *settings, ehd_error *error);
 
-/* As pod_build, but without a copy of the snapshots, which it overwrites and does not check. */
+/* Like pod_build, but overwrites the snapshots instead of copying them. It does not check them. */
 ehd_status pod_decompose(pod_basis *basis, double *snapshots, size_t num_snapshots,
                          size_t num_nodes, const pod_settings *settings, ehd_error *error);
 
 void pod_free(pod_basis *basis);
 
-/* Writes row i, [num_nodes]: the singular value times the mode. */
+/* Computes row i, [num_nodes]: the singular value times the mode. */
 void pod_row(double *row, const pod_basis *basis, size_t i);
 
 /* Returns an upper bound of the energy that the modes omit, relative to the energy of all

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Computes the POD of blocks of snapshots: each block B enters S ≈ U R Q by its components B Qᵀ,
- * and the POD of its remainder extends Q (Himpe, Leibner and Rave 2018; pod_stream.h).
+/* Computes the POD of snapshots in blocks, S ≈ U R Q (Himpe, Leibner and Rave 2018; pod_stream.h).
+ * Each block B updates R by its components B Qᵀ. The POD of the remainder of B extends Q.
  * Called by bases.c, snapgen/trajectory.c and deimselect/residual_snapshots.c. */
 #include "podbuild/pod_stream.h"
 
@@ -14,10 +14,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Largest number of nodes that are rotated at once. */
+/* Largest number of nodes at which the directions are rotated at once. */
 enum { MOST_ROTATED = 128 };
 
-/* Largest number of extensions for a block. The SVD of a remainder finds thirteen decades. */
+/* Largest number of times that one block extends the directions. One SVD of a remainder resolves
+ * singular values down to 1e-13 of the first. */
 enum { MAX_EXTENSIONS = 2 };
 
 struct pod_stream {
@@ -28,7 +29,7 @@ struct pod_stream {
     double *directions; // [rank, num_nodes] Q
     double *triangle;   // [rank, rank] row-major, R
     size_t rank;
-    size_t num_snapshots; // with those that were merged in compressed form
+    size_t num_snapshots; // includes snapshots that were merged in compressed form
     double energy;        // |S|²
     double distance;      // d
     double dropped;       // t
@@ -45,7 +46,8 @@ static double squared(const double *rows, size_t num_rows, size_t width) {
 
 // ---- directions
 
-/* product = rows · directionsᵀ: [num_rows, num_directions] with `stride` numbers a row. */
+/* Computes product = rows · directionsᵀ, [num_rows, num_directions]. Row i begins at product[i *
+ * stride]. */
 static void take_components(double *product, size_t stride, const double *rows, size_t num_rows,
                             const double *directions, size_t num_directions, size_t num_nodes) {
     if (num_rows == 0 || num_directions == 0) return;
@@ -54,7 +56,7 @@ static void take_components(double *product, size_t stride, const double *rows, 
                 (int)stride);
 }
 
-/* rows += factor · components · directions. */
+/* Adds factor · components · directions to the rows. */
 static void add_components(double *rows, size_t num_rows, double factor, const double *components,
                            size_t stride, const double *directions, size_t num_directions,
                            size_t num_nodes) {
@@ -68,7 +70,7 @@ static size_t rotated_nodes(size_t num_nodes) {
     return num_nodes < MOST_ROTATED ? num_nodes : MOST_ROTATED;
 }
 
-/* Replaces the directions by `num` combinations of them. */
+/* Replaces the directions by `num` linear combinations of them. */
 static ehd_status rotate(pod_stream *self, const double *combinations, size_t num,
                          ehd_error *error) {
     const size_t most = rotated_nodes(self->num_nodes);
@@ -89,8 +91,8 @@ static ehd_status rotate(pod_stream *self, const double *combinations, size_t nu
     return EHD_OK;
 }
 
-/* Turns the directions into modes, the strongest first, and drops the weakest as `settings` tell.
- * Destroys the triangle. *svd: of the triangle. */
+/* Replaces the directions by modes, the strongest first. `settings` choose the number of modes.
+ * Overwrites the triangle. *svd: POD of the triangle. */
 static ehd_status turn_to_modes(pod_basis *svd, pod_stream *self, const pod_settings *settings,
                                 ehd_error *error) {
     ehd_status status = pod_decompose(svd, self->triangle, self->rank, self->rank, settings, error);
@@ -118,9 +120,9 @@ static ehd_status drop_weakest(pod_stream *self, ehd_error *error) {
     return EHD_OK;
 }
 
-/* Makes the directions from `first` on orthogonal to the earlier ones and, again, to each other.
- * Before, they are orthogonal up to round-off divided by the small norm of the rows that they were
- * computed from. */
+/* Makes the new directions, from `first` on, orthogonal to the earlier ones, and orthonormal
+ * again. The new directions come from rows of small norm. Round-off divided by this norm is their
+ * deviation from orthogonality. */
 static ehd_status orthogonalise(pod_stream *self, size_t first, ehd_error *error) {
     const size_t num_nodes = self->num_nodes, num = self->rank - first;
     const size_t longest = first > num ? first : num;
@@ -145,12 +147,12 @@ static ehd_status orthogonalise(pod_stream *self, size_t first, ehd_error *error
 /* Components A of the waiting snapshots along the directions. */
 typedef struct components {
     double *along; // [num_waiting, stride]
-    double *again; // [num_waiting, stride] work array
+    double *again; // [num_waiting, stride] work array of `subtract`
     size_t stride;
 } components;
 
-/* Moves what is left of the waiting rows along the directions from `first` on to their
- * components. */
+/* Subtracts from the waiting rows their components along the directions from `first` on, and adds
+ * these components to `to`. */
 static void subtract(pod_stream *self, components *to, size_t first) {
     const double *directions = self->directions + first * self->num_nodes;
     const size_t num = self->rank - first, stride = to->stride;
@@ -177,8 +179,8 @@ static ehd_status append(pod_stream *self, const pod_basis *modes, ehd_error *er
     return orthogonalise(self, before, error);
 }
 
-/* Copies the remainders of waiting rows whose squared norm exceeds `squared_length`. Returns their
- * number. *left_out: sum of the squared norms of the others. */
+/* Copies the remainders of waiting rows whose squared norm exceeds `squared_length`. Returns the
+ * number of copied rows. *left_out: sum of the squared norms of the other rows. */
 static size_t copy_long_rows(double *rows, double *left_out, const pod_stream *self,
                              double squared_length) {
     const size_t num_nodes = self->num_nodes;
@@ -196,9 +198,9 @@ static size_t copy_long_rows(double *rows, double *left_out, const pod_stream *s
     return num_long;
 }
 
-/* Computes the POD of the remainders of the waiting rows, as far as their energy `left` exceeds
- * `allowed`. Rows that are short leave the others less to omit. *found has no modes if round-off
- * makes all rows short. */
+/* Computes the POD of the remainders of the waiting rows, whose energy is `left`. The POD omits at
+ * most the energy `allowed`. Short rows are omitted first, and the modes may omit the rest of
+ * `allowed`. *found has no modes if all rows are short because of round-off. */
 static ehd_status decompose_remainder(pod_basis *found, const pod_stream *self, double left,
                                       double allowed, ehd_error *error) {
     double *rows = array_new(self->num_waiting, self->num_nodes, sizeof *rows), left_out;
@@ -216,8 +218,8 @@ static ehd_status decompose_remainder(pod_basis *found, const pod_stream *self, 
     return status;
 }
 
-/* Adds the POD of the remainders of the waiting rows to the directions. *full: there is no room for
- * these directions, and none is added. */
+/* Adds the modes of the remainders of the waiting rows to the directions. *full: there is no room
+ * for these modes, and none is added. */
 static ehd_status extend(bool *full, pod_stream *self, components *to, double left, double allowed,
                          ehd_error *error) {
     const size_t max_rank = self->settings.max_rank, before = self->rank;
@@ -231,9 +233,9 @@ static ehd_status extend(bool *full, pod_stream *self, components *to, double le
     return status;
 }
 
-/* Subtracts the components of the waiting rows along the directions. Extends the directions until
- * the energy of the remainders, *left, is at most `allowed`, or only round-off. *full: there is no
- * room for more directions. */
+/* Subtracts from the waiting rows their components along the directions. Extends the directions
+ * until *left, the energy of the remainders, is at most `allowed`, or at most MAX_EXTENSIONS
+ * times. *full: there is no room for more directions. */
 static ehd_status take_up(bool *full, double *left, pod_stream *self, components *to,
                           double allowed, ehd_error *error) {
     ehd_status status = EHD_OK;
@@ -242,7 +244,7 @@ static ehd_status take_up(bool *full, double *left, pod_stream *self, components
     subtract(self, to, 0);
     *left = squared(self->waiting, self->num_waiting, self->num_nodes);
     for (int round = 0; !status && !*full && *left > allowed && round < MAX_EXTENSIONS; round++) {
-        // subtract again: the round-off of the first subtraction is not small compared to the
+        // subtract again, because the round-off of the first subtraction may be as large as the
         // remainder
         subtract(self, to, 0);
         *left = squared(self->waiting, self->num_waiting, self->num_nodes);
@@ -253,8 +255,8 @@ static ehd_status take_up(bool *full, double *left, pod_stream *self, components
     return status;
 }
 
-/* Adds the components A of the waiting rows to the triangle: R := triangle of [R; A]. `before`: the
- * number of directions that R has. */
+/* Adds the components A of the waiting rows to the triangle: R := triangle of [R; A]. `before`:
+ * number of directions before this block. */
 static ehd_status update_triangle(pod_stream *self, const components *from, size_t before,
                                   ehd_error *error) {
     const size_t rank = self->rank, present = before + self->num_waiting;
@@ -277,7 +279,7 @@ static ehd_status update_triangle(pod_stream *self, const components *from, size
     free(self->triangle);
     self->triangle = rows;
     for (size_t i = 1; i < rank && !status; i++)
-        memset(rows + i * rank, 0, i * sizeof *rows); // the reflectors of LAPACK
+        memset(rows + i * rank, 0, i * sizeof *rows); // removes the reflectors of LAPACK
     return status;
 }
 
@@ -289,8 +291,8 @@ static ehd_status too_many(const pod_stream *self, ehd_error *error) {
                     self->settings.max_rank, self->num_snapshots);
 }
 
-/* Restores the waiting rows from their components. Drops directions of those that there were
- * `before`. */
+/* Makes room for new directions. Restores the waiting rows from their components, removes
+ * directions beyond the first `before`, and drops the weakest of the others. */
 static ehd_status make_room(pod_stream *self, components *from, size_t before, ehd_error *error) {
     add_components(self->waiting, self->num_waiting, 1, from->along, from->stride, self->directions,
                    self->rank, self->num_nodes);
@@ -380,7 +382,8 @@ ehd_status pod_stream_add(pod_stream *self, const double *snapshots, size_t coun
         pod_check_snapshots(snapshots, count, num_nodes, self->num_snapshots, error);
 
     for (size_t i = 0; i < count && !status; i++) {
-        // a full block waits until more snapshots come, since a single block has the exact POD
+        // a full block waits for the next snapshot: if none follows, a single block has the exact
+        // POD
         if (self->num_waiting == self->settings.block) status = absorb(self, error);
         if (status) break;
         double *row = self->waiting + self->num_waiting++ * num_nodes;
@@ -414,7 +417,7 @@ double pod_stream_energy(const pod_stream *self) {
     return self->energy;
 }
 
-/* Returns the energy that the modes may still omit, relative to the energy of the directions. */
+/* Returns the energy that the modes may still omit, relative to the energy of the triangle. */
 static double root_share(const pod_stream *self, double discarded) {
     const double present = squared(self->triangle, self->rank, self->rank);
     const double length = fmax(0, sqrt(discarded * self->energy) - sqrt(self->distance));
@@ -422,7 +425,7 @@ static double root_share(const pod_stream *self, double discarded) {
     return present > 0 ? fmax(0, length * length - self->dropped) / present : 0;
 }
 
-/* Computes the modes of more than one block. */
+/* Computes the modes if there is more than one block. */
 static ehd_status finish_chain(pod_basis *basis, pod_stream *self, const pod_settings *settings,
                                ehd_error *error) {
     pod_settings root = *settings;
@@ -434,7 +437,7 @@ static ehd_status finish_chain(pod_basis *basis, pod_stream *self, const pod_set
     status = turn_to_modes(basis, self, &root, error);
     if (status) return status;
     double *shorter = array_resize(self->directions, self->rank, self->num_nodes, sizeof *shorter);
-    free(basis->modes); // of the triangle
+    free(basis->modes); // modes of the triangle
     basis->modes = shorter ? shorter : self->directions;
     self->directions = NULL;
     basis->num_nodes = self->num_nodes;
@@ -464,13 +467,13 @@ double pod_stream_bytes(size_t num_nodes, size_t num_snapshots,
     const bool one_block = num_snapshots <= settings->block;
     const double nodes = (double)num_nodes, rank = (double)settings->max_rank;
     const double block = (double)(one_block ? num_snapshots : settings->block);
-    // An SVD takes its matrix, two arrays of vectors, and four more in dgesdd.
+    // The SVD needs its matrix, two arrays of singular vectors, and four work arrays in dgesdd.
     if (one_block) {
         const double values = fmin(nodes, block);
         return 8 * ((block + values) * nodes + 7 * values * values);
     }
-    // The remainder of a block is copied for its POD, and its modes are not yet directions. The SVD
-    // of the triangle takes seven more arrays of its size.
+    // The remainder of a block is copied for its POD, and the modes are held beside the
+    // directions. The SVD of the triangle needs seven more arrays of the triangle's size.
     const double small = 8 * rank * rank + 2 * block * (rank + 2 * block) + 7 * block * block;
 
     return 8 * ((rank + 3 * block) * nodes + small + rank * (double)rotated_nodes(num_nodes));
@@ -478,7 +481,7 @@ double pod_stream_bytes(size_t num_nodes, size_t num_snapshots,
 
 bool pod_stream_room(size_t *block, size_t *max_rank, size_t num_snapshots, size_t least,
                      size_t most, double limit, pod_work_bytes *bytes, const void *work) {
-    // large blocks give faster products, small ones leave room for more directions
+    // large blocks make the products faster; small blocks leave room for more directions
     static const size_t blocks[] = {128, 64, 32, 16, 8, 4, 2, 1};
     bool enough = false;
 

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* POD of snapshots that arrive one after the other: hierarchical approximate POD (Himpe, Leibner
- * and Rave, SIAM J. Sci. Comput. 40(5), A3267, 2018) on a tree that is a chain of blocks.
+ * and Rave, SIAM J. Sci. Comput. 40(5), A3267, 2018). The tree of this method is here a chain:
+ * blocks of snapshots are added one after the other.
  * Called by bases.c, by snapgen for trajectories, and by deimselect for residuals. */
 #ifndef EHD_POD_STREAM_H
 #define EHD_POD_STREAM_H
@@ -11,36 +12,37 @@
 #include <stddef.h>
 
 typedef struct pod_stream_settings {
-    // Parts of the energy of all snapshots so far, 0 <= … < 1. local_energy: squared distance of
-    // the snapshots from the directions kept. dropped_energy: energy of directions that are dropped
-    // for lack of room.
+    // Energies that may be omitted, relative to the energy of all snapshots so far, 0 <= … < 1.
+    // local_energy: squared distance of the snapshots from the directions. dropped_energy: energy
+    // of directions that are dropped for lack of room.
     double local_energy, dropped_energy;
-    size_t block;    // number of snapshots that are added together
+    size_t block;    // number of snapshots that are processed together
     size_t max_rank; // largest number of directions; 0: no limit
 } pod_stream_settings;
 
 typedef struct pod_stream pod_stream;
 
-/* Creates a stream. Snapshots that fit in one block have the POD of pod_build, to the last bit.
- * Otherwise orthonormal directions Q, in rows, and a triangle R represent all snapshots so far:
- * their Gram matrix is Qᵀ Rᵀ R Q. For each block B of snapshots
+/* Creates a stream. Snapshots that fit in one block have the POD of pod_build, bit by bit.
+ * Otherwise all snapshots so far are represented by orthonormal directions Q, in rows, and a
+ * triangle R: the Gram matrix of the snapshots is Qᵀ Rᵀ R Q. Each block B of snapshots changes Q
+ * and R:
  *
  *     A = B Qᵀ,   B' = B - A Q,   Q := [Q; V],   R := triangle of [R 0; A B' Vᵀ]
  *
- * V is the POD of B', up to the allowed distance. Nearly all of the work are two products, each as
- * large as the Gram matrix of Q and all snapshots.
+ * V is the POD of B', up to the allowed distance. Two matrix products, B Qᵀ and A Q, take nearly
+ * all of the time.
  *
- * Error bound, with |.| the root of the sum of the squares of all entries. S are the snapshots, X
- * their projections on the directions, d = |S - X|² <= local_energy |S|², t <= dropped_energy |S|²
- * the energy of directions that were dropped. P are the modes kept at the end, and sigma' the
- * singular values behind them.
+ * Error bound. |.| is the root of the sum of the squares of all entries, S are the snapshots, and
+ * X their projections on the directions. d = |S - X|² <= local_energy |S|² is the squared
+ * distance. t <= dropped_energy |S|² is the energy of directions that were dropped. P are the
+ * modes kept at the end, and sigma' the singular values of the modes that are not kept.
  *
  *     |S - S Pᵀ P| <= sqrt(sum sigma'² + t) + sqrt(d),   |sigma(X) - sigma(S)| <= sqrt(d)
  *
- * When directions are dropped, the SVD omits a positive semidefinite part of XᵀX, and the traces of
- * these parts add up. The triangle inequality adds S - X. If compressed
- * snapshots are streamed in place of others, their squared distance p adds sqrt(p) to the bound
- * (pod_stream_inherit).
+ * Proof: when directions are dropped, the SVD omits a positive semidefinite part of XᵀX, and the
+ * traces of these parts add up. The triangle inequality adds S - X. If compressed snapshots are
+ * streamed in place of the original ones, p is the squared distance between both, and the bound
+ * increases by sqrt(p) (pod_stream_inherit).
  *
  * The result depends only on the snapshots, their order and the settings. */
 ehd_status pod_stream_create(
@@ -52,9 +54,9 @@ ehd_status pod_stream_create(
 
 pod_stream *pod_stream_free(pod_stream *self); // accepts and returns NULL
 
-/* Adds snapshots. How they are divided among calls does not matter. Errors: EHD_DATA (a value that
- * is not finite or above 1e140; the stream is unchanged); EHD_MEMORY (also if there are more
- * directions than room), EHD_INTERNAL (LAPACK; after these the stream can only be freed). */
+/* Adds snapshots. The result does not depend on how many snapshots each call adds. Errors:
+ * EHD_DATA: a value is not finite or is above 1e140; the stream is unchanged. EHD_MEMORY (also if
+ * there are more directions than room) or EHD_INTERNAL (LAPACK): the stream can only be freed. */
 ehd_status pod_stream_add(
     // in and out:
     pod_stream *self,
@@ -62,18 +64,18 @@ ehd_status pod_stream_add(
     const double *snapshots, size_t count, // [count, num_nodes] row-major
     ehd_error *error);
 
-/* Adds the rows of a POD in place of its snapshots. Errors as pod_stream_add. */
+/* Adds the rows of a POD in place of the snapshots of this POD. Errors as pod_stream_add. */
 ehd_status pod_stream_merge(pod_stream *self, const pod_basis *part, ehd_error *error);
 
-/* Counts p, the squared distance of snapshots from the rows that were added in their place. Parts
- * hold different snapshots, so their p add up. */
+/* Adds to p: the squared distance between original snapshots and the compressed ones that were
+ * added in their place. Parts hold different snapshots, so their squared distances add up. */
 void pod_stream_inherit(pod_stream *self, double squared_distance);
 
 /* Returns the sum of the squares of all snapshots so far. */
 double pod_stream_energy(const pod_stream *self);
 
-/* Computes the modes. settings->discarded_energy bounds the omitted energy with d and t included,
- * but not p. The stream can only be freed afterwards. Errors as pod_build. */
+/* Computes the modes. settings->discarded_energy limits the omitted energy including d and t, but
+ * without p. Afterwards the stream can only be freed. Errors as pod_build. */
 ehd_status pod_stream_finish(
     // output:
     pod_basis *basis, // free with pod_free
@@ -84,16 +86,16 @@ ehd_status pod_stream_finish(
 
 // ---- memory
 
-/* Returns the largest memory of a stream of num_snapshots snapshots, with its modes, bytes. */
+/* Returns the largest memory of a stream of num_snapshots snapshots and its modes, bytes. */
 double pod_stream_bytes(size_t num_nodes, size_t num_snapshots,
                         const pod_stream_settings *settings);
 
-/* Returns the memory of all work with streams, bytes, for a given block size and largest number of
+/* Returns the memory of all work with streams, bytes, for a block size and a largest number of
  * directions. */
 typedef double pod_work_bytes(const void *work, size_t block, size_t max_rank);
 
-/* Divides a memory limit between a block of snapshots and `least` to `most` directions. Returns
- * false if the limit, in bytes, is too small for `least` directions; then *block is 1 and *max_rank
+/* Divides a memory limit, bytes, between a block of snapshots and `least` to `most` directions.
+ * Returns false if the limit is too small for `least` directions. Then *block is 1 and *max_rank
  * is `least`. */
 bool pod_stream_room(
     // output:

@@ -11,13 +11,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Number of files that stay open between two passes, so that their digests are checked only
+/* Number of files that stay open between two readings, so that their digests are checked only
  * once. */
 enum { KEPT_OPEN = 200 };
 
 // ---- columns
 
-/* Columns of a snapshot or result file while its converged states are picked. */
+/* Columns of a snapshot or result file from which the converged states are read. */
 typedef struct column_reader {
     artefact *file;
     size_t count;   // number of states, converged or not
@@ -29,8 +29,8 @@ static bool is_result(const artefact *file) {
     return artefact_kind(file) == &schema_result;
 }
 
-/* Reads an optional column of the converged states to every `stride`-th number. With `attribute` a
- * result has it as an attribute. */
+/* Reads an optional column for the converged states. Writes to every `stride`-th number of `to`.
+ * `attribute`: in a result file the value is an attribute. */
 static ehd_status pick(double *to, size_t stride, const char *name, bool attribute,
                        const column_reader *from, ehd_error *error) {
     const snapshot_source *source = from->source;
@@ -46,7 +46,8 @@ static ehd_status pick(double *to, size_t stride, const char *name, bool attribu
     return status;
 }
 
-/* Reads what is unknown or zero unless the file has it. */
+/* Reads optional columns. A central film that the file does not have is NaN; other missing values
+ * do not change. */
 static ehd_status pick_optional(reduced_states *states, const column_reader *from,
                                 ehd_error *error) {
     ehd_status status = pick(&states->thinning->sliding, 2, "thinning", true, from, error);
@@ -65,8 +66,9 @@ static ehd_status pick_optional(reduced_states *states, const column_reader *fro
                          error);
 }
 
-/* Reads the rates on trajectories, whose columns have no valid values at stationary states. Only
- * the first state of a trajectory is stationary. `trajectory`: [count], -1 for stationary states. */
+/* Reads the rates of change on trajectories. They are set to zero for stationary points, where the
+ * columns have no valid values. Only the first state of a trajectory is stationary. `trajectory`:
+ * [count], -1 for stationary points. */
 static ehd_status pick_rates(reduced_states *states, const column_reader *from,
                              const int64_t *trajectory, ehd_error *error) {
     double *time = array_new(states->num_states, 1, sizeof *time);
@@ -87,8 +89,8 @@ static ehd_status pick_rates(reduced_states *states, const column_reader *from,
     return status;
 }
 
-/* Reads which states converged, and which of them are rows. States of a trajectory are among its
- * compressed steps, so they are no rows. Status 4 (EHD_UNTRUSTED) is no training solution either. */
+/* Lists the converged states, and those of them that are rows. States of a trajectory are no rows,
+ * because the compressed steps contain them. Untrusted states (EHD_UNTRUSTED) are left out too. */
 static ehd_status choose_states(snapshot_source *source, size_t count, const int64_t *outcome,
                                 const int64_t *trajectory, ehd_error *error) {
     source->entry = array_new(count, 1, sizeof *source->entry);
@@ -157,7 +159,7 @@ static ehd_status learn_states(snapshot_set *self, snapshot_source *source, ehd_
 
 // ---- files
 
-/* Checks that films are carried in one way in all files with trajectories. */
+/* Checks that films are carried in the same way in all files with trajectories. */
 static ehd_status check_carriage(snapshot_set *self, artefact *file, const char *path,
                                  ehd_error *error) {
     ehd_carriage carriage;

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Training solutions: rows of pressures that the basis is built from, and states with what belongs
- * to them. They lie in files (snapshots, results, parts of a training) or in memory.
+/* Training solutions in files (snapshots, results, parts of a training) or in memory. States are
+ * converged solutions with their scalars. Rows are the pressure fields that the basis is built
+ * from: stationary states, compressed steps of trajectories, or modes of parts.
  * Called by podbuild and, for solutions in memory, by snapgen. */
 #ifndef EHD_SNAPSHOT_SET_H
 #define EHD_SNAPSHOT_SET_H
@@ -12,39 +13,40 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/* One file, or solutions in memory. */
+/* One source: a file, or solutions in memory. */
 typedef struct snapshot_source {
-    const char *path;      // NULL: in memory
-    artefact *file;        // NULL while the file is closed, and in memory
-    const double **fields; // [num_states] pressures in memory, with boundary nodes; else NULL
-    bool is_part;          // a row is a mode times its singular value
-    part_origin origin;    // of a part
+    const char *path;      // NULL: solutions in memory
+    artefact *file;        // NULL: closed, or solutions in memory
+    const double **fields; // [num_states] pressures in memory, with boundary nodes; NULL: file
+    bool is_part;          // the file is a part; a row is a mode times its singular value
+    part_origin origin;    // origin of a part
     double *values;        // [num_rows] singular values of a part
     size_t num_states;     // converged states
-    size_t *entry;         // [num_states] their entries in the file
-    // Columns of the states, but of a part, with the rigid approach as the only coordinate. Exits
-    // are known only in memory.
+    size_t *entry;         // [num_states] entries of the converged states in the file
+    // Columns of the states; empty for a part. The only coordinate is the rigid approach. Exits
+    // are set only for solutions in memory.
     reduced_states states;
-    size_t num_rows;       // rows that the basis is built from: stationary states, then the
-                           // compressed steps of trajectories
-    size_t num_stationary; // rows that are states
-    size_t *row_state;     // [num_stationary] states of these rows
+    size_t num_rows;       // number of rows: stationary states, then compressed steps of
+                           // trajectories; modes of a part
+    size_t num_stationary; // number of rows that are stationary states
+    size_t *row_state;     // [num_stationary] states of the stationary rows
 } snapshot_source;
 
 typedef struct snapshot_set {
     const contact_kind *kind;
     ehd_grid grid;
     const char *transported; // path of the first file with trajectories, or NULL
-    ehd_carriage carriage;   // how films are carried on these trajectories
+    ehd_carriage carriage;   // how films are carried along these trajectories
     size_t num_sources;
     snapshot_source *sources;    // [num_sources]
     size_t num_parts;            // number of sources that are parts
     size_t num_states, num_rows; // sums over all sources
-    size_t num_left_out;         // number of states that had not converged
+    size_t num_left_out;         // number of states that had not converged or were not trusted
 } snapshot_set;
 
-/* Opens all files and reads the columns of their states, but no fields. EHD_DATA: no converged
- * state, files of different grids, or values that are not finite; else as artefact_open. */
+/* Opens all files and reads the columns of their states, but no fields. Errors: EHD_DATA (no
+ * converged state, files of different grids, or values that are not finite); else as
+ * artefact_open. */
 ehd_status snapshot_set_open(
     // output:
     snapshot_set *self, // give to snapshot_set_close
@@ -60,7 +62,7 @@ typedef struct solved_state {
     lubricant_rises rises; // at the Hertz pressure
 } solved_state;
 
-/* Makes snapshots of solutions in memory. Errors: EHD_MEMORY. */
+/* Makes a set of solutions in memory. Error: EHD_MEMORY. */
 ehd_status snapshot_set_gather(
     // output:
     snapshot_set *self, // give to snapshot_set_close
@@ -70,12 +72,13 @@ ehd_status snapshot_set_gather(
 
 void snapshot_set_close(snapshot_set *self); // also accepts a zero struct
 
-/* Opens a source unless it is open. snapshot_set_leave closes it again if there are many files. */
+/* Opens a source unless it is open. snapshot_set_leave closes the source again if there are many
+ * files. */
 ehd_status snapshot_set_use(snapshot_set *self, size_t source, ehd_error *error);
 void snapshot_set_leave(snapshot_set *self, size_t source);
 
-/* Read a pressure field of an open source, [num_nodes] with boundary nodes: of one of its states,
- * of one of its rows, or a mode of a part. */
+/* Read a pressure field of an open source, [num_nodes] with boundary nodes. The field is that of a
+ * state, that of a row, or a mode of a part. */
 ehd_status snapshot_set_state(double *pressure, const snapshot_set *self, size_t source,
                               size_t state, ehd_error *error);
 ehd_status snapshot_set_row(double *pressure, const snapshot_set *self, size_t source, size_t row,

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Computes the weight D of the Reynolds rows, one number for each node.
- * Equation: eq. (27) of Maier et al. 2015, W = D² J V; the floor and row-norm are ours.
+/* Computes the weight D of the Reynolds rows, one number for each node. Equation: W = D² J V, eq.
+ * (27) of Maier et al. 2015. The floor and row-norm are not in the paper.
  * Called by bases.c (mode) and by main.c for --weight. */
 #include "podbuild/test_weight.h"
 

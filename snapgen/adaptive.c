@@ -481,9 +481,9 @@ static ehd_status build_model(reduced_model *model, trial_costs *costs, const ad
     return status;
 }
 
-/* Reports how long the stages after the training are expected to take at least: as long as with
- * the present points. The check takes full solutions; solve_round reports it. The number of
- * rounds to come is not known, and extrapolation of the estimates does not give it
+/* Reports the least expected durations of the stages after the training: their durations with the
+ * present points. solve_round reports the duration of the check, which needs full solutions. The
+ * number of further rounds is not known. Extrapolation of the error estimates does not predict it
  * (docs/history.md, adaptive-training). */
 static void tell_costs(const adaptive *self, const trial_costs *costs) {
     const stage *here = &self->caller->stage;

@@ -140,8 +140,8 @@ static ehd_status trace_point(void *shared, void *worker, size_t point, size_t p
     return status;
 }
 
-/* Writes the iterations of finished points in the order of the plan, so that threads change no
- * result. */
+/* Writes the iterations of finished points in the order of the plan. The number of threads
+ * therefore does not change the file. */
 static ehd_status write_finished(repeated_training *training, ehd_error *error) {
     ehd_status status = EHD_OK;
 
@@ -262,8 +262,9 @@ static ehd_status write_iterations(void *sink, size_t point, const point_trace *
     return status;
 }
 
-/* Writes the compressed iterations of the trajectories, after those of the points. The shorter of
- * the two sets, of rows of this width, is filled up with zeros, which have no effect. */
+/* Writes the compressed iterations of the trajectories, after the iterations of the points.
+ * `width`: numbers in a row. If one of the two sets has fewer rows, rows of zeros are added, which
+ * have no effect. */
 static ehd_status put_compressed(artefact *file, const trajectories *repeated, size_t width,
                                  size_t first, size_t count, ehd_error *error) {
     const struct {

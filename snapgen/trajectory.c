@@ -12,8 +12,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Singular values below 1e-11 of the first are omitted. The distance of the snapshots from the
- * directions of the stream may have half of this error. A block of 512 is fastest near the rank. */
+/* Singular values below 1e-11 of the first are omitted. Half of this error may be the distance of
+ * the snapshots from the directions of the stream. A stream is fastest if its block, here 512, is
+ * about as long as its rank. */
 static const pod_settings compression = {.discarded_energy = 1e-22};
 static const pod_stream_settings compression_stream = {.local_energy = 0.25e-22, .block = 512};
 
@@ -26,7 +27,7 @@ typedef struct task {
     trajectories *result;
     // [num_trajectories], read before the threads start, since HDF5 is for one thread only
     ehd_histories **histories;
-    pod_basis *first, *second; // [num_trajectories] sets that wait to be merged
+    pod_basis *first, *second; // [num_trajectories] PODs that are not merged yet
     bool *done;                // [num_trajectories]
     size_t num_merged;
     pod_stream *all_first, *all_second;
@@ -214,7 +215,7 @@ static void name_trajectory(char name[TRAJECTORY_NAME], const trajectory_run *se
     }
 }
 
-/* Finishes a stream. Without snapshots, or if all of them are zero, *result has no modes. */
+/* Finishes a stream. If it has no snapshots, or only zeros, *result has no modes. */
 static ehd_status finish(pod_basis *result, pod_stream *stream, ehd_error *error) {
     *result = (pod_basis){0};
     return pod_stream_energy(stream) > 0 ? pod_stream_finish(result, stream, &compression, error)

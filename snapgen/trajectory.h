@@ -19,8 +19,9 @@ typedef struct trajectories {
     kept_states *kept; // [num_trajectories]
     bool *failed;      // [num_trajectories]; nothing of a failed one is kept
     size_t num_steps;
-    // compressed pressures and nothing, or D f and D J dz; merged in the order of the plan,
-    // whatever the number of threads
+    // PODs of all trajectories. Full model: `first` of the pressures, `second` empty. Reduced
+    // model: `first` of D f, `second` of D J dz. The trajectories are merged in the order of the
+    // plan, for any number of threads.
     pod_basis first, second;
 } trajectories;
 

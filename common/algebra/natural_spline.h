@@ -6,11 +6,14 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/* Computes the curvatures (second derivatives times step^2 / 6) of `width` splines at once from
- * their values at `num` nodes `stride` apart: curvature[k-1] + 4 curvature[k] + curvature[k+1] =
- * second difference of the values. On input `curvatures` holds the last curvature and, unless the
- * first node is a mirror (`even`), the first one (0: natural). `factor`: [num] work. The function
- * is inline because splines of one function otherwise take 2.6 times as many instructions. */
+/* Computes the curvatures (second derivatives times step^2 / 6) of `width` splines from their
+ * values at `num` nodes. Values of neighbouring nodes are `stride` numbers apart. The equation is
+ *
+ *     curvature[k-1] + 4 curvature[k] + curvature[k+1] = second difference of the values
+ *
+ * On input `curvatures` holds the curvature at the last node and, unless the first node is a
+ * mirror (`even`), at the first one. 0 makes a natural spline. `factor`: [num] work array. The
+ * function is inline because a single spline otherwise takes 2.6 times as many instructions. */
 static inline void spline_curvatures(double *curvatures, double *factor, const double *values,
                                      size_t num, size_t stride, size_t width, bool even) {
     factor[0] = even ? 0.5 : 0; // from 2 curvature[0] + curvature[1] = value[1] - value[0]
@@ -32,15 +35,15 @@ static inline void spline_curvatures(double *curvatures, double *factor, const d
 
 enum { NUM_SPLINE_WEIGHTS = 4 };
 
-/* A point between nodes `node` and node + 1 of one direction. The weights are those of value and
- * curvature at the first node, then at the second. */
+/* A point between the nodes `node` and node + 1. The spline at this point is a weighted sum. Order
+ * of the weights: value and curvature at node `node`, then at node + 1. */
 typedef struct spline_point {
     size_t node;
     double weight[NUM_SPLINE_WEIGHTS];
 } spline_point;
 
-/* Returns the point `nodes` steps behind the first of `num` nodes. Outside of these nodes the
- * spline is linear. */
+/* Returns the point at the distance `nodes`, in steps, from the first of `num` nodes. Outside of
+ * the nodes the spline is linear. */
 static inline spline_point spline_at(double nodes, size_t num) {
     size_t last = num - 2;
     size_t first = nodes < (double)last ? nodes > 0 ? (size_t)nodes : 0 : last;

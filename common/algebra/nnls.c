@@ -10,17 +10,18 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Part of a column's length that is left when the columns in use are taken out of it, below which it
- * depends on these. Round-off leaves 1e-16. From 0 to 1e-2 no solution of test_nnls.c,
- * columns_may_depend_on_each_other, changes. */
+/* Smallest part of a column's length that is orthogonal to the columns in use. A column with a
+ * smaller part counts as dependent on these columns. Round-off leaves 1e-16. No value from 0 to
+ * 1e-2 changes a solution of test_nnls.c, columns_may_depend_on_each_other. */
 static const double DEPENDENT = 1e-10;
 
-/* Cosine between a column and the residual below which the column does not reduce the residual any
- * more: round-off. With 1e-2 solutions are not optimal (test_nnls.c, solutions_are_optimal). */
+/* Smallest cosine between a column and the residual at which the column reduces the residual. A
+ * smaller cosine is round-off. With 1e-2 solutions are not optimal (test_nnls.c,
+ * solutions_are_optimal). */
 static const double NO_DESCENT = 1e-11;
 
-/* Changes of the columns in use, for each column, after which the search is given up. One for each
- * column is too few (test_nnls.c, solutions_are_optimal). */
+/* Largest number of changes of the columns in use, per column of the matrix. After more changes
+ * the search fails. One change per column is too few (test_nnls.c, solutions_are_optimal). */
 enum { MAX_CHANGES = 10 };
 
 /* Columns of unit length and the right side, rotated so that the columns in use are triangular:

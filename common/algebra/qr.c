@@ -7,7 +7,8 @@
 #include <string.h>
 
 reflection reflection_of(double *direction, const double *column, size_t count, double length) {
-    // Source: range of a double, in which squares of these neither underflow nor overflow
+    // Source: range of a double. Squares of lengths between these limits neither underflow nor
+    // overflow.
     const double least = 0x1p-500, most = 0x1p500;
     const double end = column[0] > 0 ? -length : length;
     double size = length;
@@ -15,7 +16,7 @@ reflection reflection_of(double *direction, const double *column, size_t count, 
     memcpy(direction, column, count * sizeof *direction);
     direction[0] -= end;
     if (length < least || length > most) { // the square of the length underflows or overflows
-        const int most_exponent = 1000;    // Source: range of a double; the scale is finite
+        const int most_exponent = 1000;    // Source: range of a double; 2^1000 is finite
         const int exponent = -ilogb(length);
         const double scale = ldexp(1, exponent < most_exponent ? exponent : most_exponent);
         vector_scale(direction, scale, count);

@@ -9,25 +9,26 @@
 
 #include <hdf5.h>
 
-/* What hdf5_open_own finds of a dataset. */
+/* Properties of a dataset that hdf5_open_own finds. */
 typedef struct own_dataset {
-    const char *foreign; // why it must not be read; NULL: no reason
-    double chunk;        // numbers in a chunk, 1 without chunks
-    haddr_t address;     // of its object header; HDF5 references to the dataset contain it
+    const char *foreign; // why the dataset must not be read; NULL: it may be read
+    double chunk;        // numbers in a chunk; 1: no chunks
+    haddr_t address;     // address of the object header; HDF5 references contain this address
 } own_dataset;
 
-/* A dataset of the schema. An axis is a field of real numbers along itself. */
+/* A dataset of the schema, which is an axis or a field. `field` describes an axis as a field of
+ * real numbers along this axis. */
 typedef struct file_dataset {
     artefact_field field;
-    const artefact_axis *axis; // NULL: it is no axis
-    size_t length;             // of an axis, 0: not known (yet)
-    // when the file was opened:
-    bool there;
+    const artefact_axis *axis; // NULL: the dataset is a field
+    size_t length;             // length of an axis; 0: not known yet
+    // state when the file was opened:
+    bool there; // the file has the dataset
     own_dataset own;
     int rank;
     hsize_t dims[ARTEFACT_MAX_RANK]; // the first ARTEFACT_MAX_RANK lengths
-    bool checked;                    // digest was checked before a part was read
-    hid_t held; // of a dataset on the growing axis, kept open while streaming; 0: not open
+    bool checked;                    // the digest has been checked, before a part was read
+    hid_t held; // id of a dataset on the growing axis that stays open while streaming; 0: not open
 } file_dataset;
 
 struct artefact {
@@ -43,8 +44,8 @@ struct artefact {
     char *digests;      // content_sha256 of a file being read; NULL: not to be checked
     int64_t *outcomes;  // `status` of the entries of outcome_axis; NULL: none
     const char *outcome_axis;
-    file_dataset *datasets; // the schema's axes, then its fields; ends with {0}
-    file_dataset *fields;   // the first of its fields
+    file_dataset *datasets; // axes of the schema, then its fields; ends with {0}
+    file_dataset *fields;   // first field in `datasets`
     const char *growing;    // name of the axis that grows while writing; NULL: none
     int lock;               // descriptor that holds the writer's lock; -1 when reading
     int copy_lock;          // descriptor that holds the lock of the copy; -1: no copy
@@ -124,10 +125,10 @@ void hdf5_visit_attributes(hid_t object, void (*visit)(const char *name, void *d
 
 // ---- own_data.c
 
-/* Opens an existing dataset. Negative, with the reason in `foreign`: a link is not hard, the data
- * are in other files, or a filter is not gzip, shuffle or Fletcher-32. Negative without a reason:
- * the dataset is damaged. Call it before any other access to the dataset. `name` may lead through
- * groups. */
+/* Opens an existing dataset and returns its id. Returns a negative number, with the reason in
+ * `foreign`, if a link is not hard, if the data are in other files, or if a filter is not gzip,
+ * shuffle or Fletcher-32. Returns a negative number without a reason if the dataset is damaged.
+ * Call it before any other access to the dataset. `name` may lead through groups. */
 hid_t hdf5_open_own(own_dataset *about, hid_t root, const char *name);
 ehd_status hdf5_refuse(const char *path, const char *name, const char *found, ehd_error *error);
 
@@ -171,10 +172,10 @@ ehd_status check_memory(const artefact *file, const artefact_field *field, size_
 
 typedef struct content_digest {
     struct sha256_ctx context;
-    size_t entry; // numbers in an entry
+    size_t entry; // number of values in an entry
     bool by_entry;
 } content_digest;
-/* Compute the SHA-256 of a dataset from its entries in their order. */
+/* Compute the SHA-256 of a dataset. Entries must be added in their order. */
 void digest_begin(content_digest *self, const artefact *file, const artefact_field *field);
 void digest_add(content_digest *self, size_t first, size_t count, const void *numbers);
 void digest_end(content_digest *self, char text[65]);
@@ -253,7 +254,7 @@ ehd_status give_final_name(artefact *file, ehd_error *error);
 /* Functions for reading, writing and resuming. */
 artefact *artefact_new(const char *path);
 void artefact_delete(artefact *file); // closes the HDF5 file without error checks; accepts NULL
-/* Sets the schema of a file. Returns false without memory. */
+/* Sets the schema of a file. Returns false if there is no memory. */
 bool set_schema(artefact *file, const artefact_schema *schema);
 file_dataset *find_dataset(const artefact *file, const char *name); // NULL: not in the schema
 const artefact_field *find_field(const artefact *file, const char *name);

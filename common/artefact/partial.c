@@ -221,8 +221,9 @@ static const char *find_finished(const char *path) {
     return finished;
 }
 
-/* Refuses to replace the finished work of an interrupted run, or its copy, except with --force.
- * Then it removes an empty partial file, which writer_new has just made. */
+/* Refuses to replace the finished work of an interrupted run, or the copy of this work, except
+ * with --force. If only the copy has finished work, removes the empty partial file that writer_new
+ * has just made. */
 static ehd_status check_unfinished(const artefact *file, ehd_error *error) {
     const char *finished = file->force ? NULL : find_finished(file->partial);
     const char *copied = file->force || finished ? NULL : find_finished(file->saved);

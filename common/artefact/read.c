@@ -283,8 +283,8 @@ static ehd_status check_scale(const artefact *file, const char *axis, ehd_error 
     return status;
 }
 
-/* Reads the shape of a dataset, if there is one, and checks that it is the file's own and has the
- * right type. */
+/* Reads the shape of a dataset, if the file has it. Checks its type, and that its data are in this
+ * file. */
 static ehd_status look_at(file_dataset *of, const artefact *file, ehd_error *error) {
     const char *name = of->field.name;
     hsize_t dims[H5S_MAX_RANK] = {0};
@@ -307,8 +307,8 @@ static ehd_status look_at(file_dataset *of, const artefact *file, ehd_error *err
     return status;
 }
 
-/* Returns the length of a dataset along an axis of the schema; 0 if the dataset has fewer or more
- * axes than in the schema. */
+/* Returns the length of a dataset along an axis of the schema. Returns 0 if the file lacks the
+ * dataset, or if the number of its axes differs from the schema. */
 static size_t length_along(const file_dataset *of, const char *axis) {
     size_t rank = 0, place = ARTEFACT_MAX_RANK;
 
@@ -317,8 +317,8 @@ static size_t length_along(const file_dataset *of, const char *axis) {
     return place < rank && of->there && of->rank == (int)rank ? (size_t)of->dims[place] : 0;
 }
 
-/* Finds the lengths of optional axes. A file has an optional axis if it has the scale. Files of
- * other programs may lack scales; then a field with all of its axes is enough. */
+/* Finds the lengths of optional axes. A file has an optional axis if it has the scale of this
+ * axis. Files of other programs may lack scales. A field with all of its axes is then enough. */
 static void learn_optional_axes(artefact *file) {
     for (file_dataset *axis = file->datasets; axis < file->fields; axis++) {
         if (!axis->axis->optional) continue;
@@ -346,7 +346,7 @@ static ehd_status check_field(artefact *file, const file_dataset *of, ehd_error 
     return check_shape(file, of, axes, rank, error);
 }
 
-/* Checks the shape of an axis, and which axes of fields it belongs to. */
+/* Checks the shape of an axis, and that its scale belongs to the right axes of fields. */
 static ehd_status check_axis(artefact *file, const file_dataset *of, ehd_error *error) {
     if (!of->there) return EHD_OK;
     const ehd_status status = check_shape(file, of, of->field.axes, 1, error);

@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const double COARSEST_STEP = 0.25; // Bounds of the step, half widths, as for scenes
+static const double COARSEST_STEP = 0.25; // Bounds of the grid step, half widths, as for scenes
 
 /* Writes an axis. `along`: distance of its nodes in rows. */
 static ehd_status write_axis(artefact *file, const char *name, size_t length, size_t along,

@@ -14,9 +14,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Shortest time between two checkpoints, and longest time that an entry waits for others, s. A write
- * takes as long as a step, and who follows a run sees it five times a second (transient.bats, "a run
- * can be followed, killed and resumed"). */
+/* CHECKPOINT_PAUSE: shortest time between two checkpoints, s. WRITE_PAUSE: longest time before a
+ * step is written, together with others, s. A write takes as long as a step. A reader that follows
+ * the run sees new steps five times a second (transient.bats, "a run can be followed, killed and
+ * resumed"). */
 static const double CHECKPOINT_PAUSE = 1, WRITE_PAUSE = 0.2;
 enum { MAX_WAITING = 256 };
 
@@ -359,8 +360,8 @@ static double mean_effect(const run_totals *totals, const march_state *state) {
 
 /* Prints a note if error control did not keep the effect of the time steps near the tolerance. */
 static void note_effect(const runner *self, const run_totals *totals) {
-    // in tolerances. Error control holds the effect to a factor of 3 (common/time/README.md, Along
-    // the path; scenes.bats, "the steps in time")
+    // in tolerances. Error control keeps the effect within a factor of 3 (common/time/README.md,
+    // Along the path; scenes.bats, "the steps in time")
     const double much = 3;
     const double tolerance = self->task->given->transient.tolerance;
     const double effect = mean_effect(totals, &self->march.state);

@@ -70,8 +70,9 @@ static int digits_of(double error, int most) {
     return error > 0 ? (int)fmin(fmax(ceil(-log10(error)) + 1, 1), most) : most;
 }
 
-/* Bounds of the friction coefficient: the largest that the law `limiting` accepts. If a lubricant whose viscosity
- * rises with pressure has more, a line warns that its law of shear stress does not hold. */
+/* Bounds of the friction coefficient: the largest one that the law `limiting` accepts. If the
+ * friction exceeds it and the viscosity rises with pressure, a line warns that the law of shear
+ * stress does not hold. */
 static const double MUCH_FRICTION = 1;
 
 void traction_print(const contact_traction *traction, const ehd_contact *contact,

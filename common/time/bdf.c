@@ -9,15 +9,16 @@
 // Source: 1 + sqrt(2), the bound of zero-stability (README.md, BDF2)
 const double bdf_most_growth = 1 + 1.4142135623730951;
 
-/* Largest sum of the magnitudes of a predictor's weights. A prediction enlarges errors of the
- * states by up to this sum. Steps that each grow by bdf_most_growth reach it. 5 is too little
- * (test_bdf.c, error_is_that_of_the_next_power). */
+/* Largest sum of the magnitudes of a predictor's weights. The error of a prediction is at most
+ * this sum times the errors of the states. Steps that each grow by bdf_most_growth reach this sum.
+ * 5 is too small (test_bdf.c, error_is_that_of_the_next_power). */
 static const double MOST_ENLARGED = 46;
 
-/* Largest ratio of a step of first order to the time that the known states span, up to which their
- * slope predicts the step. Iterations leave errors of 1e-8 to 1e-5 of a film. The slope of states
- * that lie closer together is that of these errors. A longer step is therefore predicted not to
- * change the film (test_bdf.c, a_step_much_longer_than_the_last_is_of_lower_order). */
+/* Largest ratio of a step of first order to the time between the known states, for which the slope
+ * of these states predicts the step. Iterations leave errors of 1e-8 to 1e-5 of a film. If the
+ * states lie closer together, their slope consists of such errors. A longer step is therefore
+ * predicted not to change the film (test_bdf.c,
+ * a_step_much_longer_than_the_last_is_of_lower_order). */
 static const double MOST_EXTRAPOLATED = 100;
 
 /* Sets the weights with which the polynomial through the chosen previous states predicts the new
@@ -127,9 +128,11 @@ static void swap(bdf_ring *ring, size_t i, size_t k) {
     ring->place[k] = place;
 }
 
-/* Checks whether a state is passing. States after steps that grow, as after a start, are not. */
+/* Checks whether a state is passing. A state after steps that grow, as after a start, is not
+ * passing. */
 static bool is_passing(const bdf_ring *ring, double time, double least) {
-    // steps of a march at most double (test_bdf.c, states_that_follow_too_soon_are_passing)
+    // ratio of successive steps from which steps grow; in a march steps at most double
+    // (test_bdf.c, states_that_follow_too_soon_are_passing)
     const double grown = 1.5;
     const double step = time - ring->time[ring->place[1]];
 

@@ -7,11 +7,12 @@
 const double march_exit_margin = 0.1;
 const double march_error_growth = 1.5;
 
-/* Longest path of a step, in half widths, for which the errors of many steps add up in the central
- * film. In such short steps a film takes up the errors of many steps on its way to the centre. A
- * longer step makes the film at the centre in that step, and its own local error counts. Without
- * this distinction a slow ramp of the load by 8 % ended 1.7 % off; with it 0.14 % off, at a
- * tolerance of 0.15 % (test_full_march.c, a_slow_ramp_along_the_path_ends_at_rest). */
+/* Longest path of a step, in half widths, at which errors of many steps add up in the central
+ * film. A film then takes many steps to reach the centre, and takes up the error of each step. In
+ * a longer step the film reaches the centre in this step, so that only its own local error counts.
+ * Without this distinction the error after a slow ramp of the load by 8 % was 1.7 %. With it the
+ * error is 0.14 %, at a tolerance of 0.15 % (test_full_march.c,
+ * a_slow_ramp_along_the_path_ends_at_rest). */
 static const double SHORT_PATH = 0.25;
 
 /* Largest local error of the film anywhere before the centre, relative to the central film. Along
@@ -90,7 +91,7 @@ static double largest_error(const bdf_march *self) {
     return largest;
 }
 
-/* Returns the local error relative to the central film, as step control uses it (march.h). */
+/* Returns the local error for step control (march.h), relative to the central film. */
 static double local_error(bdf_march *self, double central_film) {
     const bool on_the_way =
         bdf_march_along_path(self) && self->step * fabs(self->entrainment) <= SHORT_PATH;
@@ -103,13 +104,14 @@ static double local_error(bdf_march *self, double central_film) {
 
 // ---- steps
 
-/* Undoes the promotion of the last attempt. */
+/* Restores the ring if the last attempt began at the passing state. */
 static void forget_attempt(bdf_march *self) {
     if (self->promoted) self->ring = self->accepted;
     self->promoted = false;
 }
 
-/* Applies this step's share of the filter to the accepted states. */
+/* Filters the accepted states again if they were prepared with another share of the filter than
+ * this step has. */
 static void filter_previous(bdf_march *self) {
     if (!bdf_march_along_path(self)) return;
     const contact_frame *last = self->frame[bdf_march_place(self, 1)];
@@ -125,7 +127,7 @@ static ehd_status attempt_from(march_step *outcome, bdf_march *self, const conta
     const bdf_ring *ring = &self->ring;
     ehd_contact contact;
 
-    // after a passing state the formula's step begins at the state before it
+    // after a passing state the step of the formula begins at the state before the passing one
     self->step = ring->passing ? frame->time - ring->time[bdf_march_place(self, 1)] : from_last;
     self->formula = bdf_ring_formula(ring, self->step);
     *self->frame[bdf_march_place(self, 0)] = *frame;
@@ -151,9 +153,9 @@ static ehd_status attempt_from(march_step *outcome, bdf_march *self, const conta
     return EHD_OK;
 }
 
-/* Attempts a step. If a step from the state before a passing one does not converge, repeats it from
- * the passing one. The errors that films have taken up until then, along at most one step of the
- * grid, are not counted. */
+/* Attempts a step. After a passing state the step begins at the state before it. If this step does
+ * not converge, repeats the step from the passing state. Errors that films took up before the
+ * passing state, along at most one grid step, are then not counted. */
 static ehd_status attempt(march_step *outcome, void *solver, const contact_frame *frame,
                           double step, ehd_error *error) {
     bdf_march *self = solver;
@@ -167,10 +169,10 @@ static ehd_status attempt(march_step *outcome, void *solver, const contact_frame
     return attempt_from(outcome, self, frame, step, error);
 }
 
-/* Returns the least time between the states that steps begin at (README.md, Steps of another
+/* Returns the least time between two states at which steps begin (README.md, Steps of another
  * integrator). */
 static double least_interval(const bdf_march *self, const contact_frame *frame) {
-    // steps of the grid (README.md, BDF2; test_online_transient.c, steps_may_have_any_lengths)
+    // in steps of the grid (README.md, BDF2; test_online_transient.c, steps_may_have_any_lengths)
     const double least = 0.5;
 
     return self->allows_short && bdf_march_along_path(self)
@@ -268,7 +270,8 @@ static ehd_status take_state(bdf_march *self, const bdf_march *from, size_t step
     return EHD_OK;
 }
 
-/* Finds the change of the last accepted film, which this model may represent less exactly. */
+/* Computes the difference between both models for the last accepted film. This model may represent
+ * the film less exactly. */
 static void find_change(bdf_march *self, const bdf_march *from, hand_over *work) {
     const ehd_grid *grid = &self->reference->grid;
     const size_t line = grid_central_line(grid) / grid_width(grid);
@@ -296,7 +299,7 @@ ehd_status bdf_march_take_over(bdf_march *self, const bdf_march *from, bool has_
     return EHD_OK;
 }
 
-// ---- saving: along the path the base, then the numbers in front, the states, those behind
+// ---- saving, in this order: base (along the path), numbers in front, states, numbers behind
 
 enum { NUM_PREVIOUS, IS_PASSING, NUM_HEAD };
 
@@ -318,8 +321,8 @@ static size_t saved_size(const void *solver) {
     return base_size(self) + self->front_size + ring_size(self) + self->behind_size;
 }
 
-/* Returns the number of states: the previous ones and a passing one, which exists only if the ring
- * has all previous ones. */
+/* Returns the number of saved states: the previous states and a passing one, if there is one. A
+ * ring with a passing state has all previous states. */
 static size_t num_saved(const bdf_ring *ring) {
     return ring->num_previous + (ring->passing ? 1 : 0);
 }
@@ -365,7 +368,7 @@ static ehd_status restore_state(bdf_march *self, size_t place, const double *sav
     return status ? status : self->model->restore(self, place, saved + NUM_FRAME, error);
 }
 
-/* Checks how many states were saved. */
+/* Checks the saved numbers of previous and passing states. */
 static ehd_status check_head(const double *head, const bdf_march *self, ehd_error *error) {
     const double count = head[NUM_PREVIOUS], passing = head[IS_PASSING];
     const bool may_pass = self->model->passes && count == BDF_PREVIOUS;
@@ -408,7 +411,7 @@ static ehd_status restore_ring(bdf_march *self, const double *head, ehd_error *e
     return status ? status : check_times(ring, error);
 }
 
-/* Restores a saved march. After a failure it has no states. */
+/* Restores a saved march. After a failure the march has no states. */
 static ehd_status restore(void *solver, const double *saved, ehd_error *error) {
     bdf_march *self = solver;
     const double *front = saved + base_size(self), *head = front + self->front_size;

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A march of BDF2 steps (bdf.h) by any model. It has the accepted states, the base along the path,
- * local errors and saving. A model supplies the functions of bdf_model. */
+/* March of BDF2 steps (bdf.h) with any model. It holds the accepted states and, along the path,
+ * the base. It computes local errors, and saves and restores states. A model supplies the
+ * functions of bdf_model. */
 #ifndef EHD_BDF_MARCH_H
 #define EHD_BDF_MARCH_H
 
@@ -9,20 +10,21 @@
 #include "common/time/film_errors.h"
 #include "common/time/march.h"
 
-/* Source: BDF2 with equal steps. BDF2 enlarges an error that each of many equal steps adds to a film,
- * such as the change by the filter, by this factor. It is the formula's rate times the step. */
+/* Source: BDF2 with equal steps; the rate of the formula times the step. If each of many equal
+ * steps adds an error to a film, BDF2 enlarges this error by this factor. The change by the filter
+ * is such an error. */
 extern const double march_error_growth;
 
-/* Distance before the exit boundary, in half widths, up to which the local error is evaluated.
- * Nearer to the exit its moves by whole nodes make a noise that no shorter step takes away
+/* Distance from the exit boundary, in half widths, within which the local error is not evaluated.
+ * The boundary moves by whole nodes. Near it this causes noise that shorter steps do not reduce
  * (test_full_march.c, local_error_is_that_before_the_exit). */
 extern const double march_exit_margin;
 
-/* Places of a model's states: those of the ring, and that of the base. Along the path, previous
- * states are carried as differences from the base (README.md, Along the path). */
+/* Places of a model's states: the places of the ring, and one for the base. Along the path,
+ * previous states are carried as differences from the base (README.md, Along the path). */
 enum { BDF_BASE = BDF_STATES, NUM_BDF_PLACES };
 
-/* A state on the grid, for another model. */
+/* A state on the grid, in a form that another model can take. */
 typedef struct handed_state {
     double *pressure, *film; // [num_nodes]
     size_t *exits;           // [lines of the grid] columns
@@ -38,48 +40,51 @@ typedef struct hand_over {
 } hand_over;
 
 /* Functions of a model. `self` is the model's own struct, whose first member is its bdf_march. The
- * state being solved is at bdf_march_place(…, 0). */
+ * state that is being solved is at bdf_march_place(…, 0). */
 typedef struct bdf_model {
     bool passes;   // accepted states may be passing (bdf.h)
     bool reverses; // the entrainment may rest or reverse; else the inlet is always at X < 0
-    /* Solves the stationary state to start from, and sets its frame. Previous states do not count
-     * any more. Fills the whole outcome. */
+    /* Solves the stationary state at the start. Sets its frame and the whole outcome. Previous
+     * states no longer count. */
     ehd_status (*start)(march_step *outcome, void *self, const contact_frame *frame,
                         ehd_error *error);
-    /* Solves the attempt. Its frame is set, and the previous states have their share of the filter.
-     * `contact` has the entrainment of the rows. Sets the masses, and status, reason, scalars,
-     * iterations and residual of the outcome. */
+    /* Solves the attempt. The march has set its frame and filtered the previous states. `contact`
+     * has the entrainment of the rows. Sets the masses, and status, reason, scalars, iterations
+     * and residual of the outcome. */
     ehd_status (*solve)(march_step *outcome, void *self, const ehd_contact *contact,
                         ehd_error *error);
     void (*mark)(void *self); // sets `counts` of the masses for the solved attempt
-    /* Returns the largest sum of missed rho H that a film takes up on its way to the centre, over
-     * the path of the step. */
+    /* Returns the largest integral over X of bdf_march_missed that a film takes up on its way to
+     * the centre, divided by the path of the step. */
     double (*error_on_the_way)(void *self);
-    /* Judges the solved attempt, and estimates the errors of its films. */
+    /* Decides whether the solved attempt can be trusted, and estimates the errors of its films. */
     void (*assess)(march_step *outcome, void *self, const ehd_contact *contact);
-    void (*accept)(void *self);      // accepts the solved state, before it is prepared
-    void (*keep_errors)(void *self); // accepts the errors of the attempt; not of a passing state
-    void (*restart)(void *self);     // as in march_solver; NULL: nothing else to do
+    void (*accept)(void *self); // accepts the solved state, before it is prepared
+    // accepts the errors of the attempt; not called for a passing state
+    void (*keep_errors)(void *self);
+    void (*restart)(void *self);                            // as in march_solver; may be NULL
     void (*copy)(void *self, size_t target, size_t source); // copies a state without its frame
-    /* Prepares an accepted state, to be carried along with a share of the filter, 0 … 1. */
+    /* Prepares an accepted state for the next steps, which carry it along. `share`: the share of
+     * the filter that is applied to it, 0 … 1. */
     void (*prepare)(void *self, size_t place, double share);
     ehd_status (*use_base)(void *self, ehd_error *error); // prepares the base
     /* Save and restore a state without its frame. EHD_DATA: the numbers are no state. */
     void (*save)(double *target, const void *self, size_t place);
     ehd_status (*restore)(void *self, size_t place, const double *source, ehd_error *error);
-    /* Save and restore everything else: numbers in front of the states and behind them. They are
-     * restored before the states are prepared. */
+    /* Save and restore all other data of the model, as numbers in front of the states and behind
+     * them. They are restored before the states are prepared. */
     void (*save_rest)(double *front, double *behind, const void *self);
     ehd_status (*restore_rest)(void *self, const double *front, const double *behind,
                                ehd_error *error);
-    // Handing states over. Models that are never handed over leave these NULL.
+    // Functions for handing a march to another model. They are NULL in models that never do this.
     void (*give)(handed_state *given, const void *self, size_t place); // all but the frame
-    /* Takes a state whose frame is set, as nearly as the model can represent it. EHD_MEMORY. */
+    /* Takes a state as accurately as the model can represent it. The frame of the state is already
+     * set. Error: EHD_MEMORY. */
     ehd_status (*take)(void *self, size_t place, const handed_state *given, ehd_error *error);
     /* Returns the errors that the last accepted film has taken up along the path. */
     void (*give_errors)(double errors[NUM_ERROR_PLACES], const void *self);
-    /* Takes these errors. `load_frame`: frame of the last state, scaled by the load of its
-     * solution. */
+    /* Takes the errors of give_errors from another model. `load_frame`: frame of the last state,
+     * scaled by the load of its solution. */
     void (*take_errors)(void *self, const double errors[NUM_ERROR_PLACES],
                         const contact_frame *load_frame);
     /* Returns the frame of a state, scaled by the load of its solution. */
@@ -98,7 +103,7 @@ typedef struct bdf_masses {
     const size_t *node;             // [num_rows]
     double *solved;                 // [num_rows] of the attempt
     double *previous[BDF_PREVIOUS]; // [num_rows] of previous states, in the attempt's frame
-    bool *counts;                   // [num_rows] whether the local error counts there
+    bool *counts;                   // [num_rows] whether the local error counts at the node
 } bdf_masses;
 
 typedef struct bdf_march {
@@ -106,7 +111,7 @@ typedef struct bdf_march {
     const bdf_model *model;
     const ehd_contact *reference;               // the contact at all factors 1
     contact_frame *frame[NUM_BDF_PLACES];       // frames of the model's states
-    size_t state_size, front_size, behind_size; // how many numbers the model saves
+    size_t state_size, front_size, behind_size; // how many numbers the model saves in each part
     bdf_masses masses;
     bool allows_short; // states may be passing if steps are short
     // states:
@@ -120,7 +125,7 @@ typedef struct bdf_march {
     double entrainment;
 } bdf_march;
 
-/* Makes a march without states. Takes memory for the masses of num_rows rows. */
+/* Initialises a march without states. Allocates the masses of num_rows rows from `memory`. */
 void bdf_march_init(bdf_march *self, size_t num_rows, arena *memory);
 
 /* Returns the march as a solver for march_run. Its `self` is the model's struct. */
@@ -131,20 +136,21 @@ bool bdf_march_along_path(const bdf_march *self);
 /* Returns the place of the state `steps` before the one being solved, as the formula uses it. */
 size_t bdf_march_place(const bdf_march *self, size_t steps);
 
-/* Returns the place of the accepted state `steps` before the attempt: 1 is the last one. A passing
- * state is an accepted one. */
+/* Returns the place of the accepted state `steps` before the attempt; 1 is the last state. Passing
+ * states are accepted ones too. */
 size_t bdf_march_accepted(const bdf_march *self, size_t steps);
 
-/* Sets the contact in a frame, with the entrainment of its rows in time. Along the path this is
- * zero, because the time derivative contains the entrainment. *entrainment: that of the fluid. */
+/* Computes the contact in a frame, with the entrainment of its rows in time. Along the path this
+ * entrainment is zero, because the time derivative contains it. *entrainment: entrainment of the
+ * fluid. */
 void bdf_march_contact(ehd_contact *contact, double *entrainment, const contact_frame *frame,
                        const bdf_march *self);
 
-/* Returns the error of rho H in the attempt at the node of row r, without the formula's factor: the
- * solution minus its prediction. */
+/* Returns the solution of rho H minus its prediction, at the node of row r in the attempt. Times
+ * the formula's `error` it is the local error. */
 double bdf_march_missed(const bdf_march *self, size_t r);
 
-// ---- from one model to another of the same reference and grid, which continues the march
+// ---- handing a march to another model of the same reference and grid
 
 /* Allocates memory for one grid. Free with hand_over_free. EHD_MEMORY. */
 ehd_status hand_over_init(hand_over *self, const ehd_grid *grid, ehd_error *error);
@@ -153,8 +159,8 @@ void hand_over_free(hand_over *self);
 /* Computes a state on the grid. */
 void bdf_march_give(handed_state *given, const bdf_march *self, size_t place);
 
-/* Takes the accepted states of another march with their errors and, along the path, its base unless
- * `has_base`. Sets work->change. EHD_MEMORY. */
+/* Takes the accepted states of another march, with their errors. Along the path, also takes its
+ * base unless `has_base`. Sets work->change. Error: EHD_MEMORY. */
 ehd_status bdf_march_take_over(bdf_march *self, const bdf_march *from, bool has_base,
                                hand_over *work, ehd_error *error);
 

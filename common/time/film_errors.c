@@ -17,7 +17,8 @@ static void fit(film_errors *self) {
     spline_curvatures(self->curvature, factor, self->kept, NUM_ERROR_PLACES, 1, 1, false);
 }
 
-/* Places in `kept` of the fluid that is now at place i: first + stretch i. */
+/* Where the fluid was in the frame of `kept`: the fluid that is now at place i was at place first
+ * + stretch i. */
 typedef struct origins {
     double first, stretch;
 } origins;
@@ -75,7 +76,9 @@ void film_errors_enter(film_errors *self, const contact_frame *then, const conta
 
     for (size_t i = 0; i < NUM_ERROR_PLACES; i++) {
         const bool entered = film_errors_place(i) < x || from.first + from.stretch * (double)i < 0;
-        const double carried = self->next[i] > 0 ? self->next[i] : 0; // splines overshoot
+        const double carried = self->next[i] > 0
+                                   ? self->next[i]
+                                   : 0; // splines may be negative between positive values
         self->next[i] = entered ? value : carried;
     }
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Errors of rho H by steps and filter, which films take up on the central line of the dry contact
- * and carry along with them (common/time/README.md, Errors in time). */
+/* Errors of rho H in films that time steps and the filter cause. Films take up these errors on the
+ * central line of the dry contact and carry them along (common/time/README.md, Errors in time). */
 #ifndef EHD_FILM_ERRORS_H
 #define EHD_FILM_ERRORS_H
 
@@ -10,7 +10,7 @@
 
 enum { NUM_ERROR_PLACES = 201 }; // places from X = -1 to 1
 
-/* Errors at the places. All zero: no errors. */
+/* Errors at the places. A zero struct has no errors. */
 typedef struct film_errors {
     double kept[NUM_ERROR_PLACES];      // errors of the last accepted state, in its frame
     double curvature[NUM_ERROR_PLACES]; // curvature of the natural spline through `kept`
@@ -23,34 +23,35 @@ double film_errors_place(size_t i);
 /* Sets the kept errors, [NUM_ERROR_PLACES]; NULL: none. */
 void film_errors_set(film_errors *self, const double *kept);
 
-/* Computes the difference of two films, [num_nodes] each. A place gets the largest difference of
- * the nodes around it, on the central line before column `end`, where fluid still comes to the
- * centre or the exit. */
+/* Computes the magnitude of the difference of two films, [num_nodes] each. Each place gets the
+ * largest difference at the nodes around it. Only nodes of the central line before column `end`,
+ * the exit, count. */
 void film_errors_between(
     // output:
     double errors[NUM_ERROR_PLACES],
     // input:
     const double *film, const double *other, const ehd_grid *grid, size_t end);
 
-/* Carries the kept errors to where the fluid is now. Fluid that was before the dry contact has
- * none. */
+/* Carries the kept errors along with the fluid to `next`. Fluid that was before the dry contact
+ * has no error. */
 void film_errors_carry(film_errors *self, const contact_frame *then, const contact_frame *now);
 
-/* Sets entering errors in a bound, which is not negative, after it has been carried. Everything
- * before X, and everything that has entered the dry contact since the state `then`, gets `value`.
- * `then` NULL: only what lies before X. */
+/* Sets the errors of entering fluid in `next`, after film_errors_carry. The errors are upper
+ * bounds and not negative. Places before X get `value`, and so do places whose fluid has entered
+ * the dry contact since the state `then`. `then` NULL: only places before X. */
 void film_errors_enter(film_errors *self, const contact_frame *then, const contact_frame *now,
                        double x, double value);
 
-/* Adds `factor` times errors at ascending places `x` to those of the attempt, linear in between. */
+/* Adds `factor` times given errors to the errors of the attempt. `x`: [num] ascending X of the
+ * given errors, which are interpolated linearly. */
 void film_errors_add(film_errors *self, double factor, const double *errors, const double *x,
                      size_t num);
 
 /* Returns the error of the attempt at X; 0 outside of the dry contact. */
 double film_errors_at(const film_errors *self, double x);
 
-/* Returns the largest error of the attempt between two places. If both lie outside of the dry
- * contact, it is the error at the edge. */
+/* Returns the largest error of the attempt between two X. If both lie outside of the dry contact,
+ * returns the error at its edge. */
 double film_errors_largest(const film_errors *self, double from, double to);
 
 /* Accepts the errors of the attempt. */

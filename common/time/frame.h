@@ -21,7 +21,7 @@ typedef struct contact_frame {
     double path;           // path of the fluid, int u/u_ref dT, in reference half widths
 } contact_frame;
 
-/* Doubles in a frame, whose members are all doubles. */
+/* Number of doubles in a frame. All of its members are doubles. */
 enum { NUM_FRAME = sizeof(contact_frame) / sizeof(double) };
 _Static_assert(sizeof(contact_frame) == NUM_FRAME * sizeof(double), "a frame is doubles alone");
 
@@ -76,9 +76,9 @@ contact_frame frame_with_load(const contact_kind *kind, const contact_frame *fra
  * solution. */
 contact_frame frame_of_load(const contact_kind *kind, const contact_frame *frame, double ratio);
 
-/* Largest load, relative to the reference load, that a trusted result may neglect: the default
- * accuracy. The inlet of a lighter contact is not checked (README.md, Bodies apart; test_time_grid.c,
- * ends_suit_the_smallest_M). */
+/* Largest load that a trusted result may neglect, relative to the reference load. It equals the
+ * default accuracy. The inlet of a lighter contact is not checked (README.md, Bodies apart;
+ * test_time_grid.c, ends_suit_the_smallest_M). */
 extern const double frame_negligible_load;
 
 /* Rates of change of a contact between two frames. */
@@ -102,10 +102,10 @@ typedef struct closing_gap {
     double beyond;
 } closing_gap;
 
-/* Largest missing load, relative, with which a result is trusted. A line at M = 3, L = 3 lacks
- * 0.84 % on a grid to X = 3, while its radius grows to 3 in T = 40 and its speed falls from 0.05 to
- * 0.005 of the reference. Against a grid to X = 24 its central film is 0.05 % off, its minimum film
- * 0.12 % (test_second_zone.c, the_zone_does_not_depend_on_the_grid). */
+/* Largest missing part of the load at which a result is trusted. Example: a line at M = 3, L = 3
+ * lacks 0.84 % on a grid to X = 3, while its radius grows to 3 in T = 40 and its speed falls from
+ * 0.05 to 0.005 of the reference. Compared with a grid to X = 24, its central film is 0.05 % off
+ * and its minimum film 0.12 % (test_second_zone.c, the_zone_does_not_depend_on_the_grid). */
 extern const double frame_most_cut_load;
 
 /* Estimates the closing gap from two frames at different times, without a jump between them. `end`

@@ -12,11 +12,11 @@
 
 enum { MIN_LINEAR = 2, MIN_SPLINE = 3 }; // least rows of a table
 
-// Magnitude of a factor below which it counts as zero: round-off of sines and splines. From 0 to
-// 1e-3 no answer of test_history.c, a_load_may_be_zero, changes
+// Largest magnitude of a factor that counts as zero, because sines and splines have round-off. No
+// value from 0 to 1e-3 changes a result of test_history.c, a_load_may_be_zero
 static const double FACTOR_ROUNDING = 1e-12;
 
-// Bounds of a table's times, as of times in a scene
+// Bounds of the times in a table, as of times in a scene
 static const double MAX_TIME = 1e12, MIN_DISTANCE = 1e-9;
 
 typedef struct history_law history_law;

@@ -10,70 +10,73 @@
 #include <stdio.h>
 #include <string.h>
 
-/* Divisor of the tolerance, for the local error of one step. Local errors add up over the hundreds
- * of steps that a film takes through the contact. Measured on a film that follows a load of period
- * 1/2: its central value is at most twenty times the tolerance off, and errors go as the tolerance
- * to the power 2/3 (test_march.c, tolerance_controls_the_error). */
+/* Divisor of the tolerance that gives the allowed local error of one step. Local errors add up
+ * over the hundreds of steps that a film takes through the contact. Measured with a load of period
+ * 1/2: the error of the central film is at most twenty tolerances. It is proportional to the power
+ * 2/3 of the tolerance (test_march.c, tolerance_controls_the_error). */
 static const double PASSAGE = 30;
 
-/* Largest error that a film may have taken up at any one time, in tolerances; the tolerance itself
- * is a root mean square over time. Errors that travel with a front do not cancel along the way. If
- * the error exceeds this bound, steps become more accurate by the same factor. A load that swings
- * by 40 % (scenes/studies/transient-load) is then 1.8 tolerances of 5e-3 off, in place of 6.0
- * (test_march.c, what_films_have_taken_up_shortens_steps). */
+/* Largest error that a film may have taken up at any time, in tolerances. The tolerance itself is
+ * a root mean square over time. Errors that travel with a front do not cancel along the way. If
+ * the error exceeds this bound, steps become more accurate by the same factor. With a load that
+ * swings by 40 % (scenes/studies/transient-load) the error is then 1.8 tolerances of 5e-3 instead
+ * of 6.0 (test_march.c, what_films_have_taken_up_shortens_steps). */
 static const double MOST_TAKEN_UP = 8;
 
-/* First step along the path, in fixed steps, because a long step of first order launches a front.
- * With a whole one, steps of 0.1 under a load that swings by a fifth (scenes/examples/line-in-time)
- * are up to 2.1 % off, with an eighth 1.5 % (against steps of 0.0125). */
+/* First of fixed steps along the path, as a part of the other steps. A long step of first order
+ * causes a front in the film. Example: steps of 0.1 under a load that swings by a fifth
+ * (scenes/examples/line-in-time), compared with steps of 0.0125. A whole first step gives errors
+ * up to 2.1 %, an eighth of a step 1.5 %. */
 static const double FIRST_OF_FIXED = 1. / 8;
 
-/* Largest ratio of successive steps. It stays below bdf_most_growth; on an example
- * (scenes/examples/line-in-time, step 0.02) 1.3 takes 61 steps in place of 57 (test_march.c,
+/* Largest ratio of successive steps. It stays below bdf_most_growth. In
+ * scenes/examples/line-in-time at a step of 0.02, 1.3 takes 61 steps instead of 57 (test_march.c,
  * steps_grow_by_two_at_most). */
 static const double MAX_GROWTH = 2;
 
-/* Least ratio of a step to the one before it, by its local error. From 0.05 to 0.5 the steps of
- * scenes/examples/line-in-time stay the same; after a load step by 30 % they take 467, 467 and 466
- * iterations. */
+/* Smallest ratio of a step to the one before it that follows from the local error. From 0.05 to
+ * 0.5 the steps of scenes/examples/line-in-time stay the same. After a load step by 30 %, 0.05,
+ * 0.2 and 0.5 take 467, 467 and 466 iterations. */
 static const double MIN_SHRINK = 0.2;
 
-/* Ratio of the next attempt to a step in which Newton did not converge, which has no local error
- * (test_march.c, failed_step_is_taken_again). */
+/* Ratio of the next attempt to a step in which Newton did not converge. Such a step has no local
+ * error (test_march.c, failed_step_is_taken_again). */
 static const double FAILED_SHRINK = 0.25;
 
-/* Ratio of a step to the one whose local error would be the tolerance. scenes/examples/line-in-time
- * at a step of 0.02 takes 63 attempts, 67 with 0.6 and 71 with 1; upwind 181, 234 and 204
- * (test_march.c, tolerance_controls_the_error). */
+/* Ratio of a step to the step at which the local error would equal the tolerance.
+ * scenes/examples/line-in-time at a step of 0.02 takes 63 attempts; a ratio of 0.6 takes 67, and 1
+ * takes 71. With films carried upwind the numbers are 181, 234 and 204 (test_march.c,
+ * tolerance_controls_the_error). */
 static const double SAFETY = 0.85;
 
-/* Part of the solver's noise that still counts a step later. 0.09 is too little for test_march.c,
- * steps_stand_above_noise. */
+/* Part of the noise level of the solver that is kept for the next step. 0.09 is too small for
+ * test_march.c, steps_stand_above_noise. */
 static const double NOISE_KEPT = 0.9;
 
-/* Attempts after which the progress of a march is looked at. With 30 in place of 3000 a march ends
- * too early, with 3 or 10,000 in place of 100 too early or too late (test_march.c,
- * step_size_underflows, crawling_ends). */
+/* WATCHED_ATTEMPTS: number of attempts after which the progress of a march is checked. With 30 a
+ * march ends too early. STILL_ATTEMPTS: number of attempts after which a march is checked for
+ * standstill. With 3 it ends too early, with 10,000 too late (test_march.c, step_size_underflows,
+ * crawling_ends). */
 enum { WATCHED_ATTEMPTS = 3000, STILL_ATTEMPTS = 100 };
 
-/* Least step relative to the first one, and relative round-off of summed times. 1e-3 is too much for
- * test_march.c, crawling_ends. Without the round-off steps would not change the time any more
- * (test_march.c, step_size_ends_above_rounding); with 1e-10 fixed steps end late in time
- * (test_march.c, fixed_steps_go_on_late_in_time). */
+/* MIN_STEP: least step, relative to the first one. 1e-3 is too large for test_march.c,
+ * crawling_ends. SUM_ROUNDING: relative round-off of a time, which is a sum of steps. With 0,
+ * steps would become too short to change the time (test_march.c, step_size_ends_above_rounding).
+ * With 1e-10, fixed steps fail late in time (test_march.c, fixed_steps_go_on_late_in_time). */
 static const double MIN_STEP = 1e-9, SUM_ROUNDING = 8 * DBL_EPSILON;
 
-/* Longest step while the bodies are apart, as a part of the shortest time of smooth histories: no
- * error limits these steps. The shortest time of a sine is 1/(2 pi) of its period, so that a
- * contact that lasts for a hundredth of the period is not missed (test_apart.c,
+/* Longest step while the bodies are apart, as a part of the shortest time of smooth histories. No
+ * error estimate limits these steps. The shortest time of a sine is 1/(2 pi) of its period. A
+ * contact that lasts for a hundredth of the period is therefore not missed (test_apart.c,
  * no_contact_is_missed). */
 static const double WATCHED_PART = 1. / 16;
 
-/* Part of a step: times closer than that count as one (test_march.c,
+/* Part of a step. Two times that are closer together count as one (test_march.c,
  * times_closer_than_a_thousandth_of_the_step_are_one). */
 static const double SLIVER = 1e-3;
 
-/* Most halvings of a step for a surface: 1e-18 of the step is left (README.md, A surface that is not
- * smooth). */
+/* Largest number of halvings of a step for a surface. They leave 1e-18 of the step (README.md, A
+ * surface that is not smooth). */
 enum { MAX_HALVINGS = 60 };
 
 march_settings march_settings_of(const scene *given, const ehd_histories *histories,
@@ -357,8 +360,8 @@ static double shortest_step(const march *self, const contact_frame *frame) {
     return is_along_path(self) ? frame_shortest_step(frame, &self->reference->grid) : 0;
 }
 
-/* Largest ratio of a repeated step to the rejected one. A step that is hardly shorter has hardly less
- * error (test_march.c, steps_along_the_path_stay_at_the_shortest). */
+/* Largest ratio of a repeated step to the rejected one. A step that is only slightly shorter has
+ * only a slightly smaller error (test_march.c, steps_along_the_path_stay_at_the_shortest). */
 static const double LEAST_SHRINK = 0.9;
 
 static bool is_shortest(const march *self, const march_step *outcome) {
@@ -443,9 +446,9 @@ static double step_after(const march *self, const march_step *outcome) {
 
 /* Returns the first step after a jump. This step is of first order, and along the path the film
  * keeps its error. The time scale of the histories does not limit the step, because a jump has no
- * time scale. With the shortest step along the path, the central film after a jump of the load by
- * 30 % (scenes/studies/transient-load) is 0.16 % off (rms). With a step of 0.007 it was 0.40 %
- * off. */
+ * time scale. With the shortest step along the path, the error of the central film after a jump of
+ * the load by 30 % (scenes/studies/transient-load) is 0.16 % (rms). With a step of 0.007 it was
+ * 0.40 %. */
 static double first_step_after_jump(const march *self, const march_step *outcome) {
     const double first = self->settings.first_step;
 
@@ -508,7 +511,7 @@ typedef struct stillness {
  * with such steps the end is more than a million attempts away. At least one attempt must be
  * rejected: otherwise steps become shorter only at events of the histories. */
 static void watch_standstill(march *self, stillness *mark) {
-    // relative to the first step, and until the end (test_march.c, crawling_ends)
+    // mean step relative to the first one; attempts to the end (test_march.c, crawling_ends)
     const double shrunk = 1e-3, most_attempts = 1e6;
     const march_state *state = &self->state;
     const double step = (state->time - mark->time) / STILL_ATTEMPTS;
@@ -526,7 +529,7 @@ static void watch_standstill(march *self, stillness *mark) {
 /* Ends a march whose step size collapses. If a model's noise exceeds the tolerance, steps become
  * shorter and shorter, and the end is out of reach. */
 static void watch_progress(march *self, double *mark, double usual) {
-    // relative to `usual`, which then takes 300,000 attempts (README.md, BDF2)
+    // relative to `usual`, a time that takes 300,000 attempts at this rate (README.md, BDF2)
     const double min_progress = 0.01;
 
     if (!(self->state.time - *mark > min_progress * usual))

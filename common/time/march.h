@@ -44,7 +44,7 @@ typedef struct march_step {
     bool begins;        // the bodies have just touched again; earlier states are not used
 } march_step;
 
-/* Marks a solved step as EHD_UNTRUSTED. `reason` NULL: leaves it as it is. */
+/* Marks a solved step as EHD_UNTRUSTED. `reason` NULL: leaves the step unchanged. */
 void march_distrust(march_step *self, const char *reason);
 
 /* A solver that can take steps. `self` is the solver's own data. */

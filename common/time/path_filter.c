@@ -8,8 +8,8 @@
 
 enum { ORDER = PATH_FILTER_ORDER, BAND = ORDER + 1 };
 
-// Longest length, in steps of the grid: at 56 steps round-off leaves no factor (test_path_filter.c,
-// a_length_of_too_many_steps_is_refused)
+// Longest filter length, in steps of the grid. With 56 steps the factorisation fails by round-off
+// (test_path_filter.c, a_length_of_too_many_steps_is_refused)
 static const double MOST_STEPS = 50;
 
 /* Returns the weight of the squared difference around a place. For k h << 1 the difference of a
@@ -52,11 +52,11 @@ static bool factorise(double *matrix, size_t width) {
 }
 
 double path_filter_length(const ehd_contact *contact) {
-    // half widths, and the default tolerance (README.md, Along the path; test_path_filter.c,
-    // the_length_goes_with_the_tolerance)
+    // filter length at the default tolerance, half widths, and this tolerance (README.md, Along
+    // the path; test_path_filter.c, the_length_goes_with_the_tolerance)
     const double usual = 0.014, usual_tolerance = 1.5e-3;
-    // the filter's change of a central film at fronts goes as the third power of the length; the
-    // share is 1 where no tolerance is known
+    // at fronts the filter changes a central film by the third power of the length; the share is 1
+    // where no tolerance is known
     const double share = fmin(cbrt(contact->time_tolerance / usual_tolerance), 1);
 
     if (!isnan(contact->smoothing)) return contact->smoothing;

@@ -9,16 +9,16 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Longest move of a surface in a step, in units of `length` of the surface. With a dent 0.05 deep the
- * minimum film is then 1.4 % off at worst, with any steps 6.2 % (README.md, A surface that is not
- * smooth; test_surface.c, steps_see_it_come). */
+/* Longest move of a surface in a step, in units of `length` of the surface. With a dent 0.05 deep
+ * the minimum film is then at worst 1.4 % off; without this limit it is 6.2 % off (README.md, A
+ * surface that is not smooth; test_surface.c, steps_see_it_come). */
 static const double PART_OF_LENGTH = 0.5;
 
-/* Move in steps of the grid that is always allowed, because the grid does not resolve more
- * (README.md, Along the path). */
+/* Move of a surface, in steps of the grid, that is always allowed. The grid does not resolve
+ * shorter moves (README.md, Along the path). */
 static const double PART_OF_STEP = 0.25;
 
-/* Least number of steps of the grid for one wave. With four the smallest film is at most 0.3 % off,
+/* Least number of grid steps in one wave. With four steps the smallest film is at most 0.3 % off,
  * with three 1.7 % (README.md, A surface that is not smooth; test_surface.c,
  * what_the_grid_does_not_see_is_refused). */
 static const double STEPS_PER_WAVE = 4;
@@ -80,8 +80,8 @@ static double sine_height(const ehd_surface *self, double x, double y) {
 
 // ---- dent
 
-/* Source: Mourier et al., as below. End of the dent, in radii: the second zero of the cosine. Beyond it the height would be below
- * 2e-8 of the depth. */
+/* Source: Mourier et al., as below. End of the dent, in radii: the second zero of the cosine.
+ * Beyond this end the height would be below 2e-8 of the depth. */
 static const double DENT_ENDS = 3.6;
 
 static ehd_status prepare_dent(ehd_surface *self, double of_length, double of_height,

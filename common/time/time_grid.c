@@ -6,18 +6,18 @@
 #include <math.h>
 
 /* Largest number of nodes of a grid that is longer because of light loads. Twice the nodes of the
- * reference's own grid are always allowed. With 10,000 nodes a step of a line contact takes 0.13 s.
- * On larger grids of points the full model has no factors of the whole system (full_is_large;
- * test_time_grid.c, grids_stay_within_bounds). */
+ * reference's own grid are always allowed. With 10,000 nodes a step of a line contact takes 0.13
+ * s. On larger grids of point contacts the full model does not factorise the whole system
+ * (full_is_large; test_time_grid.c, grids_stay_within_bounds). */
 static const double MOST_NODES = 10000;
 
-/* Limits of the estimated error of the central film by the length of the inlet. Default grids keep
- * the first one, trusted results the second one, which is the error of a film formula
- * (common/physics/README.md, Default grid; test_time_grid.c, default_grids_suffice). */
+/* Largest estimated errors of the central film because of the length of the inlet: USUAL_EFFECT
+ * for default grids, LARGEST_EFFECT for trusted results. LARGEST_EFFECT is the error of a film
+ * formula (common/physics/README.md, Default grid; test_time_grid.c, default_grids_suffice). */
 static const double USUAL_EFFECT = 0.03, LARGEST_EFFECT = 0.05;
 
-/* Numbers of times at which the histories are sampled: at least, at most, and in a period
- * (test_time_grid.c, no_minimum_is_missed). */
+/* Numbers of times at which histories are sampled. NUM_TIMES is the least number, MOST_TIMES the
+ * largest. TIMES_A_PERIOD is the number in one period (test_time_grid.c, no_minimum_is_missed). */
 enum { NUM_TIMES = 1000, MOST_TIMES = 100000, TIMES_A_PERIOD = 25 };
 
 /* Returns the stationary contact with the M and the Hertz pressure of a frame's contact. */
@@ -28,7 +28,7 @@ static ehd_contact stationary_of(const ehd_contact *contact) {
     return stationary;
 }
 
-/* Replaces `contact` by the contact at a time if that has a smaller M. Loads below
+/* Replaces `contact` by the contact at a time, if M is smaller at this time. Loads below
  * frame_negligible_load count as this load. */
 static void lower_M(ehd_contact *contact, const ehd_histories *histories,
                     const ehd_contact *reference, double time) {

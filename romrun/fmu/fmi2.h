@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* FMI 2.0 (Functional Mock-up Interface for Model Exchange and Co-Simulation, 2.0.4): its types
- * and all its functions. The standard explains them and has their order; functions that are not
- * offered stand at the end. */
+/* FMI 2.0 (Functional Mock-up Interface for Model Exchange and Co-Simulation, 2.0.4): all types
+ * and functions, in the order of the standard, which explains them. Functions that the FMU does
+ * not offer are at the end. */
 #ifndef EHD_FMI2_H
 #define EHD_FMI2_H
 
@@ -117,8 +117,8 @@ FMI2_EXPORT fmi2Status fmi2GetBooleanStatus(fmi2Component c, fmi2StatusKind kind
 
 // ---- not offered: refused by each instance
 
-/* Strings, derivatives in time, steps that continue after the call returns, model exchange: the
- * functions with their arguments. */
+/* List of these functions with their arguments: strings, derivatives in time, steps that continue
+ * after the call returns, model exchange. */
 #define FMI2_NOT_OFFERED(F)                                                                        \
     F(fmi2GetString,                                                                               \
       (fmi2Component c, const fmi2ValueReference refs[], size_t num, fmi2String values[]))         \

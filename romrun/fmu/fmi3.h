@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* FMI 3.0 (Functional Mock-up Interface 3.0): its types and all its functions. The standard
- * explains them and has their order; functions that are not offered stand at the end. */
+/* FMI 3.0 (Functional Mock-up Interface 3.0): all types and functions, in the order of the
+ * standard, which explains them. Functions that the FMU does not offer are at the end. */
 #ifndef EHD_FMI3_H
 #define EHD_FMI3_H
 
@@ -91,10 +91,10 @@ FMI3_EXPORT fmi3Status fmi3ExitInitializationMode(fmi3Instance instance);
 FMI3_EXPORT fmi3Status fmi3Terminate(fmi3Instance instance);
 FMI3_EXPORT fmi3Status fmi3Reset(fmi3Instance instance);
 
-/* First arguments of functions of variables. */
+/* First arguments of all functions that get or set variables. */
 #define FMI3_REFERENCES fmi3Instance instance, const fmi3ValueReference refs[], size_t num_refs
 
-/* The functions that get and set variables of a type. */
+/* Declarations of the functions that get and set variables of a type. */
 #define FMI3_GET(type)                                                                             \
     fmi3Status fmi3Get##type(FMI3_REFERENCES, fmi3##type values[], size_t num_values)
 #define FMI3_SET(type)                                                                             \
@@ -131,11 +131,11 @@ FMI3_EXPORT fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 time, fmi3F
 
 // ---- not offered: refused by each instance
 
-/* Types that no variable has. */
+/* List of the types that no variable of the FMU has. */
 #define FMI3_TYPES_NOT_OFFERED(F)                                                                  \
     F(Float32) F(Int8) F(UInt8) F(Int16) F(UInt16) F(UInt32) F(Int64) F(UInt64) F(String)
 
-/* Other functions, with their arguments: clocks, arrays, events, derivatives in time,
+/* List of the other functions with their arguments: clocks, arrays, events, derivatives in time,
  * configuration, model exchange, scheduled execution. */
 #define FMI3_NOT_OFFERED(F)                                                                        \
     F(fmi3EnterEventMode, (fmi3Instance instance))                                                 \

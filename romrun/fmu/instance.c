@@ -466,20 +466,23 @@ static bool accept(fmu_instance *self) {
     return true;
 }
 
-/* Most halvings of a step that does not converge: down to a millionth of the communication step.
- * Then it is discarded (fmu.bats, "a step that cannot be done changes nothing"). */
+/* Largest number of halvings of a step that does not converge: down to a millionth of the
+ * communication step. Then the communication step is discarded (fmu.bats, "a step that cannot be
+ * done changes nothing"). */
 enum { MOST_HALVINGS = 20 };
 
-/* A communication step is discarded if it stands still. This is checked after every
- * WATCHED_ATTEMPTS: at the rate of the last ones the rest would take more than MOST_ATTEMPTS.
- * Towards a load that no contact has, each millionth of a step may converge; one step of
- * fmu.bats, "a step that cannot be done changes nothing", then took more than 17 minutes. */
+/* A communication step is discarded if it hardly proceeds. This is checked after every
+ * WATCHED_ATTEMPTS attempts. The step is discarded if the rest, at the rate of these attempts,
+ * would take more than MOST_ATTEMPTS. Without this check one step of fmu.bats, "a step that cannot
+ * be done changes nothing", took more than 17 minutes. The load there went to a value that no
+ * contact has, and each millionth of a step may then converge. */
 enum { WATCHED_ATTEMPTS = 100, MOST_ATTEMPTS = 100000 };
 
-/* Most halvings of a step whose local error is too large; then the error is taken for noise. A
- * local error falls with the third power of the step, behind a kink of the inputs with the second
- * or first. On the line of fmu.bats, "a tolerance below the solver's noise", errors stop falling
- * after 6 to 10 halvings, at 2e-8 to 8e-8 of the film. */
+/* Largest number of halvings of a step whose local error is too large. After these the error
+ * counts as noise. A local error is proportional to the third power of the step. After a kink of
+ * the inputs it is proportional to the second or first power. On the line of fmu.bats, "a
+ * tolerance below the solver's noise", errors stop falling after 6 to 10 halvings, at 2e-8 to 8e-8
+ * of the film. */
 enum { MOST_FOR_ERROR = 10 };
 
 // part of the noise level that is kept for the next step, as NOISE_KEPT in march.c (fmu.bats, "a

@@ -6,7 +6,7 @@
 #include <math.h>
 #include <string.h>
 
-/* A march of a model whose states are two numbers, and which refuses negative ones. */
+/* A march of a model whose states are two numbers. The model refuses a negative first number. */
 typedef struct counter {
     bdf_march bdf;
     march_solver solver;
@@ -78,7 +78,7 @@ static void take_step(counter *self, double time) {
     self->solver.accept(self->solver.self);
 }
 
-/* Starts a march after `count` steps; the state of time T is {T, -T}. */
+/* Creates a march that has taken `count` steps of length 1. Its state at time T is {T, -T}. */
 static void after_steps(counter *self, int count) {
     *self = (counter){.bdf = {.model = &passing_model, .reference = &reference, .state_size = 2}};
     bdf_march_init(&self->bdf, 1, &memory);
@@ -137,7 +137,7 @@ static void a_passing_state_comes_back(void **state) {
     after_steps(&before, 5);
     after_steps(&after, 2);
     path.transport = TRANSPORT_PATH;
-    path.grid.step = 1; // half of it is longer than the step of 1/4
+    path.grid.step = 1; // half a grid step is longer than the step of 1/4
     before.bdf.reference = &path;
     before.bdf.allows_short = true;
     take_step(&before, 5.25);
@@ -148,13 +148,13 @@ static void a_passing_state_comes_back(void **state) {
     const double times[] = {5.25, 5, 4};
     for (size_t i = 0; i < 3; i++)
         check_close(after.states[bdf_ring_accepted(&after.bdf.ring, i + 1)][0], times[i], 0, 0);
-    // a ring without room for a passing state refuses it
+    // a model that has no passing states refuses the saved one
     after.bdf.model = &without;
     assert_int_equal(restore(&after, saved, &error), EHD_DATA);
     after.bdf.model = &passing_model;
     for (int i = 0; i < 2; i++) {
         saved[1] = i == 0 ? 0.5 : 1;
-        if (i == 1) saved[0] = 2; // a passing state needs more than two others
+        if (i == 1) saved[0] = 2; // a passing state needs three previous states
         assert_int_equal(restore(&after, saved, &error), EHD_DATA);
         assert_int_equal(after.bdf.ring.num_previous, 0);
     }

@@ -11,7 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-// part of the root of the allowed energy for the distance from the directions, as in podbuild
+// share of the distance from the directions in the root of the allowed energy, as in podbuild
 static const double LOCAL = 0.05;
 
 static double *numbers(size_t count) {
@@ -35,8 +35,8 @@ static double *random_rows(size_t num, size_t length, uint64_t seed) {
     return rows;
 }
 
-/* Snapshots with known singular values: each is seven tenths of the one before, with noise of 1e-9
- * in all directions. */
+/* Snapshots with known singular values. Each value is seven tenths of the one before. Noise of
+ * 1e-9 is added in all directions. */
 typedef struct known {
     size_t num_snapshots, num_nodes;
     double *snapshots; // [num_snapshots, num_nodes]
@@ -67,7 +67,8 @@ static void known_free(known *self) {
     free(self->values);
 }
 
-/* Returns the first num_waves rows of the orthonormal cosine transform (DCT-II) of `length` points. */
+/* Returns the first num_waves rows of the orthonormal cosine transform (DCT-II) of `length`
+ * points. */
 static double *cosines(size_t num_waves, size_t length) {
     double *waves = numbers(num_waves * length);
     for (size_t j = 0; j < num_waves; j++)
@@ -77,8 +78,8 @@ static double *cosines(size_t num_waves, size_t length) {
     return waves;
 }
 
-/* Returns snapshots with singular values decay^j and cosines as singular vectors, so no SVD is
- * needed. Every block of them has all the directions, in other proportions. */
+/* Returns snapshots with singular values decay^j and cosines as singular vectors, so that no SVD
+ * is needed. Every block of these snapshots contains all directions, in different proportions. */
 static double *known_snapshots(size_t num_snapshots, size_t num_nodes, size_t rank, double decay) {
     double *snapshots = numbers(num_snapshots * num_nodes);
     double *amplitudes = cosines(rank, num_snapshots), *shapes = cosines(rank, num_nodes);
@@ -92,8 +93,8 @@ static double *known_snapshots(size_t num_snapshots, size_t num_nodes, size_t ra
     return snapshots;
 }
 
-/* Returns a hump that travels once over the nodes and changes its width. Each block has directions
- * of its own. */
+/* Returns a hump that travels once over the nodes while its width changes. Each block contains new
+ * directions. */
 static double *travelling_snapshots(size_t num_snapshots, size_t num_nodes) {
     double *snapshots = numbers(num_snapshots * num_nodes);
     for (size_t s = 0; s < num_snapshots; s++) {
@@ -110,7 +111,7 @@ static pod_stream_settings settings_for(double energy, size_t block, size_t max_
     return (pod_stream_settings){LOCAL * LOCAL * energy, 0.2 * energy, block, max_rank};
 }
 
-/* Settings and energy of trajectories (snapgen). */
+/* Returns the settings of the streams that snapgen uses for trajectories. */
 static pod_stream_settings little(size_t block) {
     return (pod_stream_settings){.local_energy = 0.25e-22, .block = block};
 }
@@ -158,7 +159,7 @@ static pod_basis stream_in(size_t chunk, const double *snapshots, size_t num_sna
     return finish(self, wanted);
 }
 
-/* Returns |S - S Pᵀ P|, by Gram-Schmidt row by row. */
+/* Returns |S - S Pᵀ P|. Subtracts from each snapshot its components along the modes. */
 static double distance_to(const pod_basis *basis, const double *snapshots, size_t num_snapshots) {
     const int num_nodes = (int)basis->num_nodes;
     double *rest = numbers(basis->num_nodes), sum = 0;
@@ -216,7 +217,7 @@ static double sine_of_angle(const pod_basis *set, const double *modes, size_t nu
     return sqrt(sum);
 }
 
-/* What fits in a block has the POD of the block. */
+/* Tests that snapshots that fit in one block have the POD of pod_build, bit by bit. */
 static void one_block_has_the_bits_of_its_pod(void **state) {
     (void)state;
     enum { NUM_SNAPSHOTS = 90, NUM_NODES = 60 };
@@ -237,8 +238,9 @@ static void one_block_has_the_bits_of_its_pod(void **state) {
     free(snapshots);
 }
 
-/* The error is below its stated bound, and the bound below the allowed error. There are no more
- * modes than a direct SVD needs for the allowed error less twice the distance. */
+/* Tests that the error is below its bound, and the bound below the allowed error. Also tests the
+ * number of modes. A direct SVD with an allowed error that is smaller by twice LOCAL needs at
+ * least as many modes. */
 static void error_is_within_the_bound(void **state) {
     (void)state;
     enum { NUM_SNAPSHOTS = 900, NUM_NODES = 150 };
@@ -277,7 +279,7 @@ static void error_is_within_the_bound(void **state) {
     known_free(&all);
 }
 
-/* If almost nothing is left out, the result is that of a direct SVD. */
+/* Tests that a stream that omits almost nothing has the result of a direct SVD. */
 static void little_left_out_equals_the_direct_svd(void **state) {
     (void)state;
     enum { NUM_SNAPSHOTS = 1000, NUM_NODES = 201, NUM_MODES = 40 };
@@ -302,9 +304,9 @@ static void little_left_out_equals_the_direct_svd(void **state) {
     free(snapshots);
 }
 
-/* The limit of directions is below their number, but above the number that needs to be kept. Weak
- * directions are dropped, within their share of the energy. With too low a limit the stream ends
- * with an error. */
+/* Tests a limit that is below the number of directions but above the number that must be kept. The
+ * stream drops weak directions within their share of the energy. With a lower limit the stream
+ * fails. */
 static void weak_directions_give_way(void **state) {
     (void)state;
     enum { NUM_SNAPSHOTS = 900, NUM_NODES = 150 };
@@ -314,7 +316,7 @@ static void weak_directions_give_way(void **state) {
     pod_basis basis;
     ehd_error error;
 
-    // the first snapshots have less energy than all together and may leave out less; they come in blocks of one
+    // the first snapshots have less energy than all of them, so that the stream may omit less
     pod_stream_settings tight = settings_for(energy, 4, 40);
     tight.local_energy = 1e-14;
     assert_int_equal(stream(&basis, all.snapshots, NUM_SNAPSHOTS, NUM_NODES, tight, wanted, &error),
@@ -332,9 +334,9 @@ static void weak_directions_give_way(void **state) {
     known_free(&all);
 }
 
-/* Streams thousands of snapshots over twelve decades, in blocks of 64. Every
- * singular value is right to 1e-14 of the first one plus the loss by truncation. The leading modes,
- * down to 1e-8 of the first one, are right to the angle that such errors cause. */
+/* Streams thousands of snapshots, in blocks of 64, with singular values over twelve decades. Every
+ * singular value is accurate to 2e-13 of the first one plus the loss by truncation. The leading
+ * modes, down to 1e-8 of the first one, are accurate to the angle that such errors cause. */
 static void twelve_decades_equal_the_known_svd(void **state) {
     (void)state;
     enum { NUM_SNAPSHOTS = 5000, NUM_NODES = 200, RANK = 121 };
@@ -345,7 +347,7 @@ static void twelve_decades_equal_the_known_svd(void **state) {
         stream_in(NUM_SNAPSHOTS, snapshots, NUM_SNAPSHOTS, NUM_NODES, little(64), little_in_all);
     const double lost = pod_discarded(&set) * set.energy;
 
-    // the energy behind rank r is decay^2r, so 1e-22 keeps 110, and a fourth of it 113
+    // the energy behind rank r is decay^(2r): 1e-22 keeps 110 modes, a fourth of it keeps 113
     assert_in_range(set.num_modes, 110, 114);
     assert_int_equal(set.num_snapshots, NUM_SNAPSHOTS);
     for (size_t j = 0; j < set.num_modes; j++)
@@ -379,7 +381,7 @@ static void calls_do_not_matter(void **state) {
     free(snapshots);
 }
 
-/* Streams three trajectories of unequal length, merges them and then adds 500 snapshots. */
+/* Streams three trajectories of unequal length, merges their PODs, and then adds 500 snapshots. */
 static pod_basis merge_three(const double *snapshots, size_t num_nodes, pod_settings wanted,
                              pod_stream_settings settings) {
     const size_t lengths[] = {700, 90, 210};
@@ -417,7 +419,8 @@ static void merging_equals_adding(void **state) {
     free(snapshots);
 }
 
-/* Losses of merged sets are counted, and do not use up the allowance. */
+/* Tests that the energy that merged PODs omitted increases the error bound. It does not reduce the
+ * energy that the stream itself may omit. */
 static void merging_inherits_losses(void **state) {
     (void)state;
     enum { NUM_SNAPSHOTS = 1500, NUM_NODES = 150 };
@@ -434,7 +437,8 @@ static void merging_inherits_losses(void **state) {
 
 static void exact_rank_is_found(void **state) {
     (void)state;
-    // rows (1,2,0,0,2)/3 and (0,0,3,4,0)/5 times 3 and 5; 400 snapshots of each, and zeros between them
+    // 400 pairs of the snapshots (0,0,3,4,0) and (1,2,0,0,2), of norms 5 and 3, with zeros after
+    // each pair
     double *snapshots = numbers(1200 * 5);
     for (size_t s = 0; s < 800; s++)
         memcpy(snapshots + 5 * (s + s / 2),
@@ -459,7 +463,7 @@ static void exact_rank_is_found(void **state) {
 
 /* Returns the bytes in use by the whole process. */
 #ifdef __SANITIZE_ADDRESS__
-// from the sanitizer's own allocator; Debian packs no header
+// declared here, because Debian has no package with the header of this function
 size_t __sanitizer_get_current_allocated_bytes(void);
 static size_t bytes_in_use(void) {
     return __sanitizer_get_current_allocated_bytes();
@@ -471,7 +475,7 @@ static size_t bytes_in_use(void) {
 }
 #endif
 
-/* Returns the most bytes held between two calls while num_blocks blocks are added. */
+/* Returns the largest number of bytes in use after a call, while num_blocks blocks are added. */
 static size_t most_bytes(const double *snapshots, size_t block, size_t num_nodes,
                          size_t num_blocks) {
     pod_stream *self = create(num_nodes, little(block));
@@ -485,12 +489,13 @@ static size_t most_bytes(const double *snapshots, size_t block, size_t num_nodes
     return most;
 }
 
-/* The stream holds a block, and directions and triangle of the rank, however many blocks come. */
+/* Tests that the memory of a stream does not grow with the number of blocks. The stream holds one
+ * block, the directions and the triangle. */
 static void memory_does_not_grow(void **state) {
     (void)state;
     enum { BLOCK = 32, NUM_NODES = 500, RANK = 10 };
     double *snapshots = known_snapshots(BLOCK, NUM_NODES, RANK, 0.5);
-    most_bytes(snapshots, BLOCK, NUM_NODES, 1024); // libraries allocate what they keep
+    most_bytes(snapshots, BLOCK, NUM_NODES, 1024); // libraries allocate buffers once
     const size_t before = bytes_in_use();
     const size_t few = most_bytes(snapshots, BLOCK, NUM_NODES, 4) - before;
     const size_t many = most_bytes(snapshots, BLOCK, NUM_NODES, 1024) - before;
@@ -585,13 +590,13 @@ static void survives_failing_allocations(void **state) {
         pod_basis basis;
         ehd_error error;
         allocation_fail_at(call);
-        // with weak directions that are dropped
+        // these settings drop weak directions
         const ehd_status status =
             stream(&basis, all.snapshots, 40, 12, (pod_stream_settings){1e-4, 0.1, 4, 9},
                    (pod_settings){.discarded_energy = 0.2}, &error);
         failed = allocation_failed();
         if (!status) tail = basis.tail;
-        // without memory to shorten the array, the modes stay as they are
+        // if shortening the array fails, the modes stay in the longer array
         if (!(failed && status == EHD_OK && basis.modes))
             assert_int_equal(status, failed ? EHD_MEMORY : EHD_OK);
         assert_true((status == EHD_OK) == (basis.modes != NULL));
