@@ -79,19 +79,28 @@ __attribute__((destructor)) static void log_count(void) {
     if (atomic_load(&counting)) log_line("calls", atomic_load(&num_calls), "-");
 }
 
-/* Logs the library that made the call; libc and this library are skipped as intermediate callers. */
+/* Logs the library that made the call; libc and this library are skipped as intermediate callers. Programs contain HDF5.
+ * Its public functions have names there (Makefile); up to two others may stand between them and the call. */
 static void log_fault(long call) {
-    enum { DEPTH = 32 };
+    enum { DEPTH = 32, MOST_NAMELESS = 3 };
     void *frames[DEPTH];
     const int depth = backtrace(frames, DEPTH);
     const char *library = "?";
+    int num_nameless = 0;
 
-    for (int i = 0; i < depth; i++) {
+    for (int i = 0; i < depth && num_nameless < MOST_NAMELESS; i++) {
         Dl_info found;
         if (!dladdr(frames[i], &found) || !found.dli_fname) continue;
-        const char *slash = strrchr(found.dli_fname, '/');
-        library = slash ? slash + 1 : found.dli_fname;
-        if (strncmp(library, "libc.", 5) != 0 && strcmp(library, "inject.so") != 0) break;
+        const char *slash = strrchr(found.dli_fname, '/'),
+                   *name = slash ? slash + 1 : found.dli_fname;
+        if (found.dli_sname && strncmp(found.dli_sname, "H5", 2) == 0) {
+            library = "libhdf5";
+            break;
+        }
+        const bool between = strncmp(name, "libc.", 5) == 0 || strcmp(name, "inject.so") == 0;
+        if (num_nameless > 0 || (!between && strncmp(name, "lib", 3) != 0)) num_nameless++;
+        if (num_nameless <= 1) library = name;
+        if (num_nameless == 0 && !between) break;
     }
     log_line("fault", call, library);
 }
