@@ -28,10 +28,10 @@ static const integrand integrands[] = {
     {&shear_limiting, 1e-1}};
 enum {
     NUM_INTEGRANDS = sizeof integrands / sizeof *integrands,
-    MAX_STATES = 120, // states of the basis in the table (romrun/online/README.md, Traction)
+    MAX_STATES = 120, // states of the basis in the table (romrun/solve/README.md, Traction)
     // Largest number of nodes in the table, which then takes 200 MB. All nodes of a point contact,
     // 3600, give errors of 9e-6. Every second node gives errors of 10 % with non-negative weights,
-    // because nodes on ridges of Newtonian stress are missing (romrun/online/README.md, Traction).
+    // because nodes on ridges of Newtonian stress are missing (romrun/solve/README.md, Traction).
     MAX_CANDIDATES = 8000
 };
 
@@ -209,7 +209,7 @@ static void add_states(cubature_fit *self) {
 // ---- weights
 
 /* Largest accepted relative error of a row. If the error is larger, the fields are summed over the
- * whole grid (romrun/online/README.md, Traction). */
+ * whole grid (romrun/solve/README.md, Traction). */
 static const double MOST_OFF = 5e-4;
 
 /* Computes non-negative weights. EHD_NOT_CONVERGED: no weights integrate all rows to MOST_OFF. */

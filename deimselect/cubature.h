@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Chooses the nodes at which a model evaluates shear stresses, and their weights
- * (romrun/online/README.md, Traction). */
+ * (romrun/solve/README.md, Traction). */
 #ifndef EHD_CUBATURE_H
 #define EHD_CUBATURE_H
 

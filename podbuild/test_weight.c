@@ -4,7 +4,7 @@
  * Called by bases.c (mode) and by main.c for --weight. */
 #include "podbuild/test_weight.h"
 
-#include "romrun/online/reduced_solver.h"
+#include "romrun/solve/reduced_solver.h"
 
 #include <cblas.h>
 #include <math.h>

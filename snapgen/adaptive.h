@@ -37,7 +37,7 @@ typedef struct adaptive_task {
 
 /* Trains on points that are chosen among the candidates, the points of the set, round by round.
  * - A round is solved with the full model. A reduced model of all solved points estimates the
- *   errors of the other candidates (romrun/online/indicator.h). The factor of the estimates is
+ *   errors of the other candidates (romrun/trust/indicator.h). The factor of the estimates is
  *   fitted to the points of the last round, for which the model before had estimates.
  * - The candidates with the largest estimates come next, until no estimate
  *   exceeds the accuracy.

@@ -4,7 +4,7 @@
 #define EHD_POINT_CHOICE_H
 
 #include "common/training/tree.h"
-#include "romrun/online/trained_range.h"
+#include "romrun/trust/trained_range.h"
 #include <stdbool.h>
 
 /* Finds the corners of the convex hull of places, except those at most `tolerance` outside the

@@ -6,7 +6,8 @@
 #include "common/time/path_filter.h"
 #include "common/training/pool.h"
 #include "romrun/model/basis_file.h"
-#include "romrun/online/reduced_solver.h"
+#include "romrun/solve/guess.h"
+#include "romrun/solve/reduced_solver.h"
 #include "snapgen/trajectory.h"
 
 #include <math.h>

@@ -7,8 +7,8 @@
 #include "common/program/program.h"
 #include "common/training/training_set.h"
 #include "podbuild/pod.h"
-#include "romrun/online/film_splines.h"
-#include "romrun/online/reduced_solver.h"
+#include "romrun/solve/reduced_solver.h"
+#include "romrun/state/film_splines.h"
 #include "snapgen/kept_states.h"
 #include <stdbool.h>
 #include <stddef.h>

@@ -4,8 +4,9 @@
 #include "common/training/pool.h"
 #include "deimselect/row_choice.h"
 #include "podbuild/bases.h"
-#include "romrun/online/indicator.h"
-#include "romrun/online/reduced_solver.h"
+#include "romrun/solve/guess.h"
+#include "romrun/solve/reduced_solver.h"
+#include "romrun/trust/indicator.h"
 #include "snapgen/residuals.h"
 
 #include <math.h>

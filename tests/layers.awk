@@ -4,7 +4,7 @@
 
 BEGIN {
     count = split("common/program common/algebra common/physics common/settings common/artefact common/time " \
-                  "common/output common/training fullrun romrun/model romrun/online romrun/library romrun/calibrate romrun/fmu romrun " \
+                  "common/output common/training fullrun romrun/model romrun/state romrun/solve romrun/trust romrun/online romrun/library romrun/calibrate romrun/fmu romrun " \
                   "podbuild deimselect snapgen", names, " ")
     for (i = 1; i <= count; i++) height[names[i]] = i
 }

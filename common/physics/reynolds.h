@@ -134,7 +134,7 @@ double reynolds_flow_doubt(const ehd_contact *contact,
                            const double *film); // [num_nodes]
 
 /* Largest error bound with which a result is trusted, as a part of the flow. The bound is the
- * default accuracy (romrun/online/README.md, Thinned flow). The text is the reason that is
+ * default accuracy (romrun/solve/README.md, Thinned flow). The text is the reason that is
  * reported above this bound. */
 extern const double flow_doubt_most;
 extern const char flow_doubt_reason[];

@@ -3,7 +3,7 @@
 
 #include "common/output/grid_file.h"
 #include "common/training/between.h"
-#include "romrun/online/trained_range.h"
+#include "romrun/trust/trained_range.h"
 
 #include <stdlib.h>
 

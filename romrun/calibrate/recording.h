@@ -7,7 +7,7 @@
 #include "common/program/program.h"
 #include "common/time/march.h"
 #include "common/training/training_set.h"
-#include "romrun/online/trained_range.h"
+#include "romrun/trust/trained_range.h"
 #include <stdbool.h>
 #include <stddef.h>
 

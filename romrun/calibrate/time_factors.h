@@ -4,7 +4,7 @@
 #define EHDROM_ROMRUN_TIME_FACTORS_H
 
 #include "romrun/online/reduced_march.h"
-#include "romrun/online/reduced_solver.h"
+#include "romrun/trust/functionals.h"
 
 #include <stdbool.h>
 #include <stddef.h>

@@ -71,7 +71,7 @@ enum { TRADE_NAME = 96 };
 void trade_name(char name[TRADE_NAME], const model_sizes *sizes);
 
 /* Safety factor of error estimates. It allows for scenes that differ from the scenes of the
- * calibration (romrun/online/README.md, Indicated deviation; scenes/studies/silent-failures;
+ * calibration (romrun/trust/README.md, Error estimates; scenes/studies/silent-failures;
  * test_trade.c, the_factor_leaves_a_margin). */
 extern const double trade_margin;
 
@@ -84,7 +84,7 @@ extern const double trade_pressures_allowed;
  * estimate of each scene is at least trade_margin times its deviation. Returns 0 without scenes. */
 double trade_indicator_factor(const double *deviations, const double *bounds, size_t count);
 
-/* Fits the dependence of the factor on the bound (romrun/online/README.md, The factor grows with
+/* Fits the dependence of the factor on the bound (romrun/trust/README.md, The factor grows with
  * the bound). The estimate of each scene is at least trade_margin times its deviation, as with the
  * constant factor. The fit is a line above the ratios of deviation to bound of all scenes, for
  * which the geometric mean of the estimates is least. At a bound of zero the line has at least the

@@ -162,7 +162,7 @@ typedef struct start_shift {
     double *profile; // [num_states, num_points, 2] pressure, and slope times spacing
 } start_shift;
 
-/* Nodes and weights that replace sums of shear stresses over the grid (romrun/online/README.md,
+/* Nodes and weights that replace sums of shear stresses over the grid (romrun/solve/README.md,
  * Traction). They do not depend on the number of rows in use. */
 typedef struct node_cubature {
     row_set nodes;    // no rows; needed nodes: nodes with weights (0: no cubature). For thinned
@@ -176,7 +176,7 @@ typedef struct node_cubature {
 /* Tolerance of a cubature in its training: root of the mean square of the relative error of the
  * sum over its nodes, against the sum over the grid. Measured with seven integrands in training,
  * on the friction of a line on 1201 nodes. With 1e-4, 1e-5 and 1e-6 it takes 98, 120 and 140
- * nodes, and the largest errors are 9e-4, 6e-5 and 3e-5 (romrun/online/README.md, Traction). */
+ * nodes, and the largest errors are 9e-4, 6e-5 and 3e-5 (romrun/solve/README.md, Traction). */
 extern const double node_cubature_tolerance;
 
 /* Data of the online solver. Solvers only read it, so several threads may share it. */

@@ -169,7 +169,7 @@ static bool allocate(start_shift *self, const reduced_model *model, arena *memor
 
 ehd_status start_shift_build(reduced_model *model, ehd_error *error) {
     // Smallest number of nodes behind X = 0 between which pressures are interpolated
-    // (romrun/online/README.md, Starts). With 1 the results of test_start_shift.c are the same.
+    // (romrun/solve/README.md, Starts). With 1 the results of test_start_shift.c are the same.
     const size_t least_nodes = 4;
     const size_t n = model->num_pressure;
     start_shift *self = &model->shift;

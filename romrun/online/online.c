@@ -6,6 +6,7 @@
 #include "romrun/model/model_file.h"
 #include "romrun/online/part.h"
 #include "romrun/online/parts_march.h"
+#include "romrun/solve/guess.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -6,13 +6,13 @@
 
 #include "romrun/model/flat.h"
 #include "romrun/model/trade_file.h"
-#include "romrun/online/fields.h"
-#include "romrun/online/film_splines.h"
-#include "romrun/online/indicator.h"
 #include "romrun/online/online.h"
 #include "romrun/online/reduced_march.h"
 #include "romrun/online/reduced_tangent.h"
-#include "romrun/online/trained_range.h"
+#include "romrun/state/fields.h"
+#include "romrun/state/film_splines.h"
+#include "romrun/trust/indicator.h"
+#include "romrun/trust/trained_range.h"
 
 typedef struct model_part {
     reduced_model reduced;

@@ -7,9 +7,10 @@
 #include "common/time/bdf_march.h"
 #include "common/time/film_errors.h"
 #include "common/time/path_filter.h"
-#include "romrun/online/fields.h"
-#include "romrun/online/time_indicator.h"
-#include "romrun/online/trained_range.h"
+#include "romrun/solve/guess.h"
+#include "romrun/state/fields.h"
+#include "romrun/trust/time_indicator.h"
+#include "romrun/trust/trained_range.h"
 
 #include <math.h>
 #include <stdint.h>
@@ -81,7 +82,8 @@ struct reduced_march {
     time_indicator indicator;
     film_factors of_films; // factors of the indicator; NaN: no estimates
     film_bounds bounds;    // bounds of the attempt
-    double *influence;     // [num_rows] influence of rows on a film
+    functionals *functionals;
+    double *influence; // [num_rows] influence of rows on a film
     // path of the fluid up to which the contact has a film that formed in an untrusted step: for
     // the attempt, and for the last accepted state
     double doubtful, last_doubtful;
@@ -105,6 +107,7 @@ reduced_march *reduced_march_free(reduced_march *self) {
         previous_film_free(&self->states[i]);
     path_films_free(&self->path);
     time_indicator_free(&self->indicator);
+    functionals_free(self->functionals);
     reduced_state_free(&self->factors.state);
     arena_free(&self->memory);
     free(self);
@@ -285,7 +288,8 @@ ehd_status reduced_march_create(reduced_march **created, const reduced_model *mo
     self->range_memory = self->range ? range_memory_create(self->range) : NULL;
     allocate_arrays(self);
     set_bdf_march(self);
-    bool whole = self->range_memory && !self->memory.failed;
+    self->functionals = functionals_create(model);
+    bool whole = self->range_memory && self->functionals && !self->memory.failed;
     if (whole) sort_rows(self);
     status = whole ? reduced_solver_create(&self->solver, model, &in_time, error)
                    : ehd_no_memory(error, "online solver");
@@ -402,7 +406,7 @@ static void move_rate_frame(reduced_march *self) {
  * trained range. */
 static const char *why_not_to_trust(reduced_march *self, const reduced_state *state) {
     // Pressure below which the film ruptures, Hertz pressures. Truncation alone causes a tenth of
-    // it (README.md, Results that are rejected).
+    // it (romrun/trust/README.md, Results that are rejected).
     const double rupture = -1e-3;
     const reduced_model *model = self->model;
     ehd_contact contact;
@@ -604,7 +608,8 @@ static void add_local(reduced_march *self, const contact_scalars *scalars,
     double errors[NUM_REDUCED_FILMS];
 
     for (int q = 0; q < NUM_REDUCED_FILMS; q++) {
-        const double own = reduced_film_error(self->influence, self->solver, (reduced_film)q);
+        const double own = functionals_film_error(self->influence, self->functionals, self->solver,
+                                                  (reduced_film)q);
         errors[q] = hypot(own, time_indicator_at_exit(&self->indicator, self->influence));
     }
     time_indicator_add_local(&self->indicator, errors, scalars, then, now);

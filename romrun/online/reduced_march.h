@@ -5,9 +5,9 @@
 #define EHD_REDUCED_MARCH_H
 
 #include "common/time/bdf_march.h"
-#include "romrun/online/film_splines.h"
 #include "romrun/online/frame_tangent.h"
-#include "romrun/online/reduced_solver.h"
+#include "romrun/solve/reduced_solver.h"
+#include "romrun/state/film_splines.h"
 
 typedef struct reduced_march reduced_march;
 

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "romrun/online/reduced_tangent.h"
 
-#include "common/algebra/product.h"
 #include "common/algebra/vectors.h"
-#include "romrun/online/exit_search.h"
-#include "romrun/online/row_system.h"
+#include "romrun/solve/exit_search.h"
+#include "romrun/solve/row_system.h"
+#include "romrun/trust/functionals.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -190,21 +190,19 @@ static void add_slope(reduced_tangent *self, const ehd_contact *contact, double 
     }
 }
 
-/* Returns how far the residual that least squares leave moves the approach of a change, as
- * reduced_film_error does for a film. The change solves self->system.right. */
+/* Returns the error of the approach of a change by the residual that least squares leave, as
+ * functionals_film_error does for a film. The change solves self->system.right. */
 static double bound_of_approach(reduced_tangent *self, const reduced_change *change) {
-    row_system *system = &self->system;
+    const row_system *system = &self->system;
     const size_t n = self->model->num_unknowns, num_rows = self->num_rows;
     double *left = self->rights, *moves = self->rights + system_max_rows(self->model), sum = 0;
+    double *gradient = self->coordinates;
 
-    memset(system->gradient, 0, self->model->num_unknowns * sizeof(double));
-    system->gradient[n - 1] = 1;
-    least_squares_dual(system->dual, system->factors, system->gradient);
-    memcpy(left, system->right, self->num_rows * sizeof(double));
-    add_product(left, system->matrix, n, num_rows, n, change->coordinates);
-    memset(moves, 0, num_rows * sizeof *moves);
-    add_product(moves, system->matrix, n, num_rows, n, system->dual);
-    for (size_t i = 0; i < self->num_rows; i++)
+    memset(gradient, 0, n * sizeof *gradient);
+    gradient[n - 1] = 1;
+    functionals_moves(moves, gradient, system->factors, system->matrix, num_rows, n);
+    functionals_left(left, system->right, system->matrix, change->coordinates, num_rows, n);
+    for (size_t i = 0; i < num_rows; i++)
         sum += pow(left[i] * moves[i], 2);
     return sqrt(sum);
 }

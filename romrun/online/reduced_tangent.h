@@ -4,7 +4,7 @@
 #ifndef EHD_REDUCED_TANGENT_H
 #define EHD_REDUCED_TANGENT_H
 
-#include "romrun/online/reduced_solver.h"
+#include "romrun/solve/reduced_solver.h"
 
 typedef struct reduced_tangent reduced_tangent;
 

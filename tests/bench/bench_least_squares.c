@@ -4,7 +4,7 @@
  *
  *     bench_least_squares rows columns [repeats] */
 #include "common/program/program.h"
-#include "romrun/online/least_squares.h"
+#include "romrun/solve/least_squares.h"
 #include "tests/bench/measure.h"
 
 #include <cblas.h>

@@ -10,8 +10,9 @@
 #include "common/program/program.h"
 #include "common/settings/scene_contact.h"
 #include "romrun/model/model_file.h"
-#include "romrun/online/indicator.h"
-#include "romrun/online/reduced_solver.h"
+#include "romrun/solve/guess.h"
+#include "romrun/solve/reduced_solver.h"
+#include "romrun/trust/indicator.h"
 #include "tests/bench/measure.h"
 
 #include <cblas.h>

@@ -4,7 +4,7 @@
 #include "common/physics/deflection.h"
 
 #include "romrun/model/model_file.h"
-#include "romrun/online/fields.h"
+#include "romrun/state/fields.h"
 #include "tests/unit/check.h"
 
 #include <math.h>

@@ -3,7 +3,7 @@
 #ifndef EHD_REDUCED_PROBLEM_H
 #define EHD_REDUCED_PROBLEM_H
 
-#include "romrun/online/reduced_solver.h"
+#include "romrun/solve/reduced_solver.h"
 #include "tests/unit/trained.h"
 
 typedef struct reduced_problem {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The minimum of a band: exact for functions whose dips are not too narrow. */
-#include "romrun/online/band_minimum.h"
+#include "romrun/state/band_minimum.h"
 #include "tests/unit/check.h"
 
 #include <math.h>

@@ -226,8 +226,10 @@ static void derivatives_of_lines_are_those_of_differences(void **state) {
 
 static void derivatives_of_points_are_those_of_differences(void **state) {
     (void)state;
-    trained_init_point(&tested.training, true, "zero");
-    check_problem(&tested, DEFORMATION_INDEPENDENT);
+    if (check_all()) {
+        trained_init_point(&tested.training, true, "zero");
+        check_problem(&tested, DEFORMATION_INDEPENDENT);
+    }
     trained_init_point(&tested.training, true, "open");
     check_problem(&tested, DEFORMATION_COUPLED);
 }

@@ -3,7 +3,7 @@
  * of GSL and direct sums. */
 #include "common/physics/deflection.h"
 #include "fullrun/previous.h"
-#include "romrun/online/film_splines.h"
+#include "romrun/state/film_splines.h"
 #include "tests/unit/check.h"
 #include "tests/unit/reduced_problem.h"
 

@@ -48,6 +48,7 @@ static void constant_histories_stay_stationary(void **state) {
     (void)state;
     for (size_t i = 0; i < 4 * sizeof transients / sizeof *transients; i++) {
         bool point = i % 4 / 2 == 1;
+        if (point && i % 4 != i / 4 && !check_all()) continue; // two cases of points
         scene of = point ? marched_point(transients[i / 4])
                          : marched_scene(20, 6, "dowson-higginson", 0.05, transients[i / 4]);
         if (i % 2) of = along_path(of);
@@ -151,7 +152,7 @@ static void fixed_steps_of_a_point_contact(void **state) {
         "load: {law: sine, amplitude: 0.2, period: 2, phase: 1.5707963267948966}, "
         "speed: {law: sine, amplitude: 0.2, period: 3, phase: 1.5707963267948966}";
     check_order(marched_point, law, 0.04, "published");
-    check_order(marched_point, law, 0.01, "accurate");
+    if (check_all()) check_order(marched_point, law, 0.01, "accurate");
 }
 
 /* The differences between runs decrease with the square of the step. */
@@ -163,7 +164,7 @@ static void fixed_steps_are_of_second_order(void **state) {
         "radius: {law: sine, amplitude: 0.1, period: 2, phase: 1.5707963267948966}, "
         "modulus: {law: sine, amplitude: 0.1, period: 4, phase: 1.5707963267948966}"};
     (void)state;
-    for (size_t i = 0; i < sizeof laws / sizeof *laws; i++) {
+    for (size_t i = check_all() ? 0 : 2; i < sizeof laws / sizeof *laws; i++) {
         check_order(usual_scene, laws[i], 0.02, "published");
         check_order(usual_scene, laws[i], 0.005, "accurate");
     }
@@ -181,7 +182,7 @@ static void tolerance_holds(void **state) {
                  {"load: {law: step, from: 1, to: 1.5, at: 100}", 102},
                  {"speed: {law: ramp, from: 1, to: 1.5, start: 1000, duration: 1}", 1003},
                  {"speed: {law: ramp, from: 1, to: 0, start: 0.5, duration: 1}", 3}};
-    const size_t num_cases = check_all() ? sizeof cases / sizeof *cases : 2;
+    const size_t num_cases = check_all() ? sizeof cases / sizeof *cases : 1;
     (void)state;
     for (size_t i = 0; i < 2 * num_cases; i++) {
         const bool accurate = i % 2;
@@ -570,9 +571,10 @@ static void saved_march_goes_on_with_the_same_bits(void **state) {
     const scene point = marched_point("end_time: 0.2, fixed_step: 0.02, "
                                       "load: {law: sine, amplitude: 0.2, period: 0.5}");
     const scene line_along = along_path(line), point_along = along_path(point);
-    save_and_go_on(&line);
-    save_and_go_on(&point);
     save_and_go_on(&line_along);
+    save_and_go_on(&point);
+    if (!check_all()) return;
+    save_and_go_on(&line);
     save_and_go_on(&point_along);
 }
 
@@ -856,7 +858,7 @@ static void effects_are_those_of_shorter_steps(void **state) {
     const scene line = marched_scene(40, 8, "dowson-higginson", 0.02, of_line);
     const scene scenes[] = {line, along_path(line), marched_point(of_point)};
     const double most[] = {0.25, 0.3, 0.6}, most_minimum[] = {0.5, 0.5, INFINITY};
-    for (size_t i = 0; i < sizeof scenes / sizeof *scenes; i++) {
+    for (size_t i = check_all() ? 0 : 1; i < sizeof scenes / sizeof *scenes; i++) {
         scene coarse = scenes[i], fine = scenes[i];
         coarse.transient.smoothing = 0.1;
         fine.transient.smoothing = 0;

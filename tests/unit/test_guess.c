@@ -2,8 +2,9 @@
 /* Starts from trained solutions. Fields that are quadratic in the place are exact inside the
  * training, affine ones wherever the training spans a plane; otherwise the nearest state is used. */
 #include "common/settings/scene.h"
-#include "romrun/online/reduced_solver.h"
-#include "romrun/online/trained_range.h"
+#include "romrun/solve/guess.h"
+#include "romrun/solve/reduced_solver.h"
+#include "romrun/trust/trained_range.h"
 #include "tests/unit/allocation.h"
 #include "tests/unit/check.h"
 #include "tests/unit/reduced_problem.h"

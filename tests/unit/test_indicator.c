@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Control rows and the error estimate: choice of the rows, their residuals, the estimate. */
 #include "deimselect/control.h"
-#include "romrun/online/indicator.h"
+#include "romrun/solve/guess.h"
+#include "romrun/trust/functionals.h"
+#include "romrun/trust/indicator.h"
 #include "tests/unit/allocation.h"
 #include "tests/unit/check.h"
 #include "tests/unit/reduced_problem.h"
@@ -338,7 +340,8 @@ static void other_errors_are_what_each_row_does(void **state) {
         const size_t n = model.num_unknowns, num_nodes = model.grid.num_nodes;
         double *gradients = malloc(2 * num_nodes * n * sizeof *gradients);
         double *added = calloc(model.rows.num_rows, sizeof *added);
-        assert_true(gradients && added);
+        functionals *moves = functionals_create(&model);
+        assert_true(gradients && added && moves);
         for (size_t s = 1; s < TRAINED_STATES; s += 5) {
             const ehd_contact *contact = &training.contacts[s];
             double left[400] = {0}, gradient[40], pressure = 0, film = 0;
@@ -354,7 +357,8 @@ static void other_errors_are_what_each_row_does(void **state) {
 
             reduced_guess(&at, &model, contact_place_of(contact));
             check_ok(reduced_solve(&info, &at, solver, contact, NULL, &error));
-            const reduced_errors found = reduced_other_errors(solver, &at, contact, added);
+            const reduced_errors found =
+                functionals_other_errors(moves, solver, &at, contact, added);
             check_close(found.pressure, pressure, 1e-3, 0);
             size_t centre = 1;
             while (fabs(grid_x(&model.grid, centre)) > 1e-9)
@@ -372,6 +376,7 @@ static void other_errors_are_what_each_row_does(void **state) {
             if (kind) check_close(found.film, film, 1e-3, 0);
             assert_true(found.film > 0 && isfinite(found.exit_position) && found.exit_position > 0);
         }
+        functionals_free(moves);
         free(gradients);
         free(added);
         reduced_state_free(&at);
@@ -404,7 +409,8 @@ static void film_error_is_what_each_row_does(void **state) {
         check_ok(reduced_solver_create(&other, &model, &by_qr, &error));
         check_ok(reduced_state_init(&at, &model, &error));
         indicator *self = indicator_create(&model);
-        assert_non_null(self);
+        functionals *moves = functionals_create(&model);
+        assert_true(self && moves);
         for (size_t s = 0; s < TRAINED_STATES; s += 3) {
             const ehd_contact *contact = &training.contacts[s];
             double gradient[40], cause[400], influence[400], sum = 0;
@@ -420,8 +426,8 @@ static void film_error_is_what_each_row_does(void **state) {
             }
             reduced_guess(&at, &model, contact_place_of(contact));
             check_ok(reduced_solve(&info, &at, solver, contact, NULL, &error));
-            check_close(reduced_film_error(influence, solver, REDUCED_CENTRAL_FILM), sqrt(sum),
-                        1e-4, 0);
+            check_close(functionals_film_error(influence, moves, solver, REDUCED_CENTRAL_FILM),
+                        sqrt(sum), 1e-4, 0);
 
             // each control row is here also a selected one, and has its influence
             const double *residuals = indicator_control_residuals(self, &at, contact);
@@ -437,6 +443,7 @@ static void film_error_is_what_each_row_does(void **state) {
             assert_true(isinf(indicator_bound_minimum(self, solver, &info.scalars)));
             weight[0] = kept;
         }
+        functionals_free(moves);
         indicator_free(self);
         reduced_state_free(&at);
         reduced_solver_free(other);
@@ -459,6 +466,7 @@ static void what_the_iteration_leaves_is_indicated(void **state) {
             const reduced_settings settings = {.tolerance = loose ? 1e-3 : 1e-12,
                                                .max_iterations = 40};
             double *influence = calloc(model.rows.num_rows, sizeof *influence);
+            functionals *moves = functionals_create(&model);
             reduced_solver *solver;
             reduced_state at;
             reduced_info info;
@@ -469,9 +477,10 @@ static void what_the_iteration_leaves_is_indicated(void **state) {
                                               .alpha_p_H = training.contacts[s].alpha_p_H});
             check_ok(reduced_solve(&info, &at, solver, &training.contacts[s], NULL, &error));
             film[loose] = info.scalars.central_film_thickness;
-            indicated = reduced_film_error(influence, solver, REDUCED_CENTRAL_FILM);
+            indicated = functionals_film_error(influence, moves, solver, REDUCED_CENTRAL_FILM);
             reduced_state_free(&at);
             reduced_solver_free(solver);
+            functionals_free(moves);
             free(influence);
         }
         const double off = fabs(film[1] - film[0]);

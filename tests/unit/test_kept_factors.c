@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Time steps with the factors of an earlier Jacobian. */
-#include "romrun/online/kept_factors.h"
+#include "romrun/solve/kept_factors.h"
 #include "tests/unit/check.h"
 #include "tests/unit/reduced_problem.h"
 #include "tests/unit/sample.h"

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "romrun/online/known_lubricants.h"
+#include "romrun/trust/known_lubricants.h"
 
 #include "common/physics/laws.h"
 #include "tests/unit/allocation.h"

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Derivatives of the sum of shear stresses over the model's nodes, against differences of this sum. */
 #include "deimselect/cubature.h"
-#include "romrun/online/node_traction.h"
+#include "romrun/state/node_traction.h"
 #include "tests/unit/check.h"
 #include "tests/unit/reduced_problem.h"
 #include "tests/unit/sample.h"

@@ -2,6 +2,7 @@
 /* The reduced model of a point contact, whose exit is a line. */
 #include "common/physics/deflection.h"
 #include "romrun/model/reduced_cut.h"
+#include "romrun/solve/guess.h"
 #include "tests/unit/check.h"
 #include "tests/unit/reduced_problem.h"
 

@@ -104,7 +104,7 @@ static void check_exits(const marched *self) {
 static void half_a_period_later_is_the_mirror_image(void **state) {
     char transient[256];
     (void)state;
-    for (int point = 0; point < 2; point++) {
+    for (int point = 0; point < (check_all() ? 2 : 1); point++) {
         for (int half = 0; half < 2; half++) {
             snprintf(transient, sizeof transient, "end_time: %d, %s", 12 + 4 * half, to_and_fro);
             scene of = scene_of(point, transient);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "podbuild/test_weight.h"
-#include "romrun/online/reduced_solver.h"
+#include "romrun/solve/reduced_solver.h"
 #include "tests/unit/trained.h"
 
 #include <cblas.h>

@@ -5,7 +5,7 @@
 #include "common/program/program.h"
 #include "fullrun/full_solver.h"
 #include "podbuild/pod.h"
-#include "romrun/online/least_squares.h"
+#include "romrun/solve/least_squares.h"
 #include "tests/unit/check.h"
 #include "tests/unit/random.h"
 #include "tests/unit/sample.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Transient error estimates of the films, from residuals of rows and from a moving exit. */
-#include "romrun/online/time_indicator.h"
+#include "romrun/trust/time_indicator.h"
 #include "tests/unit/marching.h"
 
 #include <math.h>

@@ -605,7 +605,7 @@ static size_t kill_and_resume(size_t first, size_t num_times, long stride) {
 static void kill_at_every_write(void **state) {
     (void)state;
     const size_t sizes[] = {RESTART_SIZE, 400}; // more and less than a page
-    const long stride = check_all() ? 1 : 10;
+    const long stride = check_all() ? 1 : 29;
     for (size_t i = 0; i < 2; i++) {
         restart_size = sizes[i];
         assert_true(kill_and_resume(0, 6, stride) > 100 / (size_t)stride);

@@ -4,7 +4,8 @@
 #define EHD_EXIT_SEARCH_H
 
 #include "common/physics/exit.h"
-#include "romrun/online/node_state.h"
+#include "romrun/solve/reduced_solver.h"
+#include "romrun/state/node_state.h"
 
 /* Keeps the exit of a line from a limit cycle, in which the solution with the exit at one node
  * requires another node. Least squares leave pressure or multiplier with the wrong sign there. */

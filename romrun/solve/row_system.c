@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "romrun/online/row_system.h"
+#include "romrun/solve/row_system.h"
 
 #include "common/algebra/product.h"
 
@@ -44,15 +44,6 @@ void system_init(row_system *self, const reduced_model *model, arena *memory) {
     self->offset = arena_array(memory, model->num_unknowns, sizeof(double));
     self->flux_step = arena_array(memory, model->num_unknowns, sizeof(double));
     self->flux_row = row_at_centre(model);
-    self->gradient = arena_array(memory, model->num_unknowns, sizeof(double));
-    self->dual = arena_array(memory, model->num_unknowns, sizeof(double));
-    self->left = arena_array(memory, max_rows, sizeof(double));
-    for (int q = 0; q < NUM_REDUCED_FILMS; q++) {
-        self->moves[q].gradient = arena_array(memory, model->num_unknowns, sizeof(double));
-        self->moves[q].moves = arena_array(memory, max_rows, sizeof(double));
-    }
-    self->functionals = arena_array(memory, model->num_unknowns, ERROR_BLOCK * sizeof(double));
-    self->all_moves = arena_array(memory, max_rows, ERROR_BLOCK * sizeof(double));
     self->block = arena_array(memory, coupled ? num_rows + 1 : num_cut + num_pressure,
                               CUT_BLOCK * sizeof(double));
     self->block_right = arena_array(memory, num_pressure, CUT_BLOCK * sizeof(double));
@@ -475,71 +466,4 @@ void system_add_cell(row_system *self, const node_state *nodes, const exit_cell 
                   self->flux_step, model->num_unknowns);
     nodes_add_row(self->offset, cell->offset_by_flux, self->flux_step, model->num_unknowns);
     system_add_cell_right(self, nodes, cell);
-}
-
-/* Finds self->left of a problem with `num_rows` rows, once per solution. */
-static void find_left(row_system *self, const double *matrix, size_t num_rows) {
-    if (self->left_is_known) return;
-    memcpy(self->left, self->right, num_rows * sizeof *self->left);
-    add_product(self->left, matrix, self->model->num_unknowns, num_rows, self->model->num_unknowns,
-                self->step);
-    self->left_is_known = true;
-}
-
-/* Returns the changes of the film of self->gradient by an error of 1 in each row. Computes them
- * only if the gradient or the factors have changed. */
-static const double *find_moves(row_system *self, const step_problem *problem, size_t num_rows,
-                                reduced_film film) {
-    const size_t n = self->model->num_unknowns, bytes = n * sizeof *self->gradient;
-    film_moves *of_film = &self->moves[film];
-
-    if (problem->number > 0 && problem->number == of_film->number &&
-        memcmp(self->gradient, of_film->gradient, bytes) == 0)
-        return of_film->moves;
-    of_film->number = problem->number;
-    memcpy(of_film->gradient, self->gradient, bytes);
-    least_squares_dual(self->dual, problem->factors, self->gradient);
-    memset(of_film->moves, 0, num_rows * sizeof *of_film->moves);
-    add_product(of_film->moves, problem->matrix, n, num_rows, n, self->dual);
-    return of_film->moves;
-}
-
-double system_film_error(double *influence, row_system *self, const step_problem *problem,
-                         reduced_film film) {
-    const size_t num_rows = problem->num_rows + self->model->num_deformation + 1 + self->num_cells;
-    const double *moves = find_moves(self, problem, num_rows, film);
-    double sum = 0;
-
-    find_left(self, problem->matrix, num_rows);
-    for (size_t i = 0; i < num_rows; i++) {
-        const double unsolved = self->remaining * (self->left[i] - self->right[i]);
-        sum += (pow(self->left[i], 2) + pow(unsolved, 2)) * pow(moves[i], 2);
-    }
-    if (!influence) return sqrt(sum);
-    memset(influence, 0, self->model->rows.num_rows * sizeof *influence);
-    for (size_t i = 0; i < problem->num_rows; i++)
-        influence[problem->row[i]] = moves[i];
-    return sqrt(sum);
-}
-
-void system_errors(double *errors, row_system *self, size_t num, const double *added) {
-    const size_t num_rows = self->num_active + self->model->num_deformation + 1 + self->num_cells;
-    const size_t n = self->model->num_unknowns;
-
-    find_left(self, self->matrix, num_rows);
-    least_squares_duals(self->functionals, self->factors, num);
-    memset(self->all_moves, 0, num * num_rows * sizeof *self->all_moves);
-    for (size_t k = 0; k < num; k++)
-        add_product(self->all_moves + k * num_rows, self->matrix, n, num_rows, n,
-                    self->functionals + k * n);
-    memset(errors, 0, num * sizeof *errors);
-    for (size_t i = 0; i < num_rows; i++) {
-        const double unsolved = self->remaining * (self->left[i] - self->right[i]);
-        const double others = i < self->num_active ? added[self->active[i]] : 0;
-        const double square = pow(self->left[i], 2) + pow(unsolved, 2) + others;
-        for (size_t k = 0; k < num; k++)
-            errors[k] += square * pow(self->all_moves[k * num_rows + i], 2);
-    }
-    for (size_t k = 0; k < num; k++)
-        errors[k] = sqrt(errors[k]);
 }

@@ -1,76 +1,17 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "romrun/online/reduced_solver.h"
+#include "romrun/solve/reduced_solver.h"
 
 #include "common/algebra/vectors.h"
 #include "common/program/program.h"
-#include "romrun/online/exit_search.h"
-#include "romrun/online/kept_factors.h"
-#include "romrun/online/node_traction.h"
-#include "romrun/online/row_system.h"
+#include "romrun/solve/kept_factors.h"
+#include "romrun/solve/row_system.h"
+#include "romrun/solve/solved_system.h"
+#include "romrun/state/node_traction.h"
 
 #include <math.h>
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
-
-ehd_status reduced_state_init(reduced_state *state, const reduced_model *model, ehd_error *error) {
-    bool lines = model->band.num_lines > 1;
-
-    *state = (reduced_state){.coordinates = calloc(model->num_unknowns, sizeof(double)),
-                             .exit_offset = NAN};
-    if (lines) state->exits = calloc(model->band.num_lines, sizeof *state->exits);
-    if (state->coordinates && (state->exits || !lines)) return EHD_OK;
-    reduced_state_free(state);
-    return ehd_no_memory(error, "reduced state");
-}
-
-void reduced_state_free(reduced_state *state) {
-    free(state->coordinates);
-    free(state->exits);
-    memset(state, 0, sizeof *state);
-}
-
-const size_t *reduced_state_exits(const reduced_state *state) {
-    return state->exits ? state->exits : &state->exit;
-}
-
-static size_t exit_in_band(const band_line *line, size_t exit) {
-    if (exit < line->min_exit) return line->min_exit;
-    return exit > line->max_exit ? line->max_exit : exit;
-}
-
-void reduced_state_set_exits(reduced_state *state, const reduced_model *model,
-                             const size_t *exits) {
-    const size_t central = grid_central_line(&model->grid) / grid_width(&model->grid);
-
-    state->exit_offset = NAN;
-    state->exit = exit_in_band(&model->band.lines[central], exits[central]);
-    for (size_t l = 0; l < model->band.num_lines && state->exits; l++)
-        state->exits[l] = exit_in_band(&model->band.lines[l], exits[l]);
-}
-
-void reduced_state_copy(reduced_state *target, const reduced_state *source,
-                        const reduced_model *model) {
-    memcpy(target->coordinates, source->coordinates, model->num_unknowns * sizeof(double));
-    reduced_state_set_exits(target, model, reduced_state_exits(source));
-    target->exit_offset = source->exit_offset;
-}
-
-ehd_status reduced_values_init(reduced_values *values, const reduced_model *model,
-                               ehd_error *error) {
-    values->pressure = malloc(model->rows.num_needed * sizeof(double));
-    values->cut = malloc(model->cut.num_rows * sizeof(double));
-    values->checkpoint = model->checkpoints.num; // no checkpoint
-    if (values->pressure && values->cut) return EHD_OK;
-    reduced_values_free(values);
-    return ehd_no_memory(error, "online solver");
-}
-
-void reduced_values_free(reduced_values *values) {
-    free(values->pressure);
-    free(values->cut);
-    memset(values, 0, sizeof *values);
-}
 
 // ---- the solver's parts
 
@@ -83,15 +24,15 @@ struct reduced_solver {
     kept_factors kept;        // an earlier Jacobian, in time
     kept_factors near;        // a Jacobian near the present solution
     const kept_factors *used; // factors of the last solution; NULL: its own Jacobian
-    size_t num_factors;       // number of Jacobians that were factorised to be kept
+    double remaining;         // change by another step over the change by the last one, estimated
+    size_t num_solutions;
+    size_t num_factors; // number of Jacobians that were factorised to be kept
     reduced_observer *observer;
     reduced_observer_end *observer_end;
     void *observer_context;
-    double *observed;       // [2, rows of the model]
-    double *joining;        // [nodes of a line's band, num_unknowns] work of join_nodes
-    double *band_influence; // [nodes of the band] work of reduced_friction_error
-    double *exit_risk;      // [num_lines] work of reduced_friction_error
-    arena memory;           // memory of all arrays
+    double *observed; // [2, rows of the model]
+    double *joining;  // [nodes of a line's band, num_unknowns] work of join_nodes
+    arena memory;     // memory of all arrays
 };
 
 reduced_settings reduced_default_settings(void) {
@@ -122,8 +63,6 @@ ehd_status reduced_solver_create(reduced_solver **solver, const reduced_model *m
     self->model = model;
     self->settings = *settings;
     nodes_init(&self->nodes, model, &self->memory);
-    self->band_influence = arena_array(&self->memory, model->band.num_nodes + 1, sizeof(double));
-    self->exit_risk = arena_array(&self->memory, model->band.num_lines, sizeof(double));
     system_init(&self->system, model, &self->memory);
     exits_init(&self->exits, model, settings->exit_spacing, &self->memory);
     kept_factors_init(&self->kept, model, &self->memory);
@@ -343,8 +282,8 @@ static void start_exits(reduced_solver *self, reduced_state *state, const ehd_co
     watch_exits(self, false); // the first move does not count as a turn
 }
 
-static bool end_with_one(reduced_info *info, reduced_state *state, reduced_solver *self,
-                         const ehd_contact *contact, const reduced_squeeze *squeeze);
+static bool end_near(reduced_info *info, reduced_state *state, reduced_solver *self,
+                     const ehd_contact *contact, const reduced_squeeze *squeeze);
 
 static const double *band_modes(const reduced_model *model, size_t node) {
     return model->band.pressure + reduced_model_band_index(model, node) * model->num_pressure;
@@ -404,7 +343,7 @@ static ehd_status gauss_newton(reduced_info *info, reduced_state *state, reduced
         const bool near = before.factor == 1 && before.change < NEAR_CHANGE;
         if (near) at = AT_STATE;
         if (near && !tried) {
-            if (end_with_one(info, state, self, contact, squeeze)) return EHD_OK;
+            if (end_near(info, state, self, contact, squeeze)) return EHD_OK;
             tried = true;
             known = NULL;
             watch_exits(self, true);
@@ -450,7 +389,7 @@ static ehd_status gauss_newton(reduced_info *info, reduced_state *state, reduced
         if (within_node && !with_cell) continue; // converged at best with the exit at a node
         if (moved || at != AT_STATE || !converged(&before, &now, self->settings.tolerance))
             continue;
-        self->system.remaining = next_rate(&now);
+        self->remaining = next_rate(&now);
         bool settled = with_cell ? !held : exits_settled(&self->exits, &self->nodes);
         info->status = settled ? EHD_OK : EHD_UNTRUSTED;
         info->reason = settled ? "" : "an exit boundary that does not settle";
@@ -461,7 +400,7 @@ static ehd_status gauss_newton(reduced_info *info, reduced_state *state, reduced
 // ---- in time, with the factors of an earlier Jacobian
 
 /* MAX_KEPT_ITERATIONS: largest number of iterations with kept factors. MAX_KEPT_RATE: largest
- * ratio of successive changes with kept factors (README.md, In time). With 8 and 0.5 a reduced
+ * ratio of successive changes with kept factors (romrun/online/README.md, In time). With 8 and 0.5 a reduced
  * model of scenes/examples/line-in-time (step 0.02) takes 232 iterations. With at most 3 it takes
  * 264. With a rate of 0.2 it takes 188, of which more have own Jacobians. With 0.9 it takes 237
  * (test_kept_factors.c, kept_factors_serve_steps_alike). */
@@ -584,58 +523,22 @@ static kept_outcome iterate_with(kept_factors *factors, reduced_info *info, redu
     return KEPT_FAILED;
 }
 
-/* Iterates like iterate_with, but restores the initial state on failure. Returns whether it
- * converged. */
-static bool newton_with(kept_factors *factors, reduced_info *info, reduced_state *state,
-                        reduced_solver *self, const ehd_contact *contact,
-                        const reduced_squeeze *squeeze) {
-    reduced_state_copy(&factors->start, state, self->model);
-    if (iterate_with(factors, info, state, self, contact, squeeze) == KEPT_CONVERGED) {
-        self->used = factors;
-        return true;
-    }
-    info->status = EHD_NOT_CONVERGED;
-    reduced_state_copy(state, &factors->start, self->model);
-    return false;
-}
-
-/* Iterates with the Jacobian at the state, which is near the solution. If exits move, it goes on
- * with a Jacobian at the new exits, where other rows are active. Returns false if it does not
- * converge, with a state between start and solution. With one Jacobian instead of three
- * scenes/examples/line-in-time has the same result. */
-static bool end_with_one(reduced_info *info, reduced_state *state, reduced_solver *self,
-                         const ehd_contact *contact, const reduced_squeeze *squeeze) {
-    enum { MOST = 3 };
+/* Iterates with factors of the Jacobian at the state, which is near the solution. Returns false if
+ * that does not converge, with the initial state, or if exits have moved, with a state nearer to the
+ * solution: other rows are active then. */
+static bool end_near(reduced_info *info, reduced_state *state, reduced_solver *self,
+                     const ehd_contact *contact, const reduced_squeeze *squeeze) {
     const size_t bytes = self->model->band.num_lines * sizeof(size_t);
 
-    for (size_t i = 0; i < MOST && !info->near_factors; i++) {
-        if (!newton_with(&self->near, info, state, self, contact, squeeze)) return false;
-        info->near_factors = memcmp(self->near.exit, reduced_state_exits(state), bytes) == 0;
+    reduced_state_copy(&self->near.start, state, self->model);
+    if (iterate_with(&self->near, info, state, self, contact, squeeze) != KEPT_CONVERGED) {
+        reduced_state_copy(state, &self->near.start, self->model);
+        return false;
     }
+    self->used = &self->near;
+    info->near_factors = memcmp(self->near.exit, reduced_state_exits(state), bytes) == 0;
     if (!info->near_factors) info->status = EHD_NOT_CONVERGED;
     return info->near_factors;
-}
-
-/* Iterates with the kept factors. If these converge too slowly, it goes on with factors of the
- * Jacobian at the state that they reached. Returns false if it does not converge; the state is then
- * that of the start. */
-static bool end_with_kept(reduced_info *info, reduced_state *state, reduced_solver *self,
-                          const ehd_contact *contact, const reduced_squeeze *squeeze) {
-    reduced_state *start = &self->kept.start;
-
-    reduced_state_copy(start, state, self->model);
-    const kept_outcome outcome = iterate_with(&self->kept, info, state, self, contact, squeeze);
-    if (outcome == KEPT_CONVERGED) {
-        self->used = &self->kept;
-        return true;
-    }
-    if (outcome == KEPT_SLOW && end_with_one(info, state, self, contact, squeeze)) {
-        info->own_jacobian = true;
-        return true;
-    }
-    info->status = EHD_NOT_CONVERGED;
-    reduced_state_copy(state, start, self->model);
-    return false;
 }
 
 /* Returns whether to try the kept factors. With factors of a much shorter time step each iteration
@@ -643,38 +546,37 @@ static bool end_with_kept(reduced_info *info, reduced_state *state, reduced_solv
  * for convergence. At a ratio of 3 the iterations converge at a rate of 2/3, which is slower than
  * MAX_KEPT_RATE allows. */
 static bool kept_are_of_use(const reduced_solver *self, const reduced_squeeze *squeeze) {
-    // largest ratio of the rate of the factors to the rate of the step (README.md, In time)
+    // largest ratio of the rate of the factors to the rate of the step (romrun/online/README.md, In time)
     const double most_shorter = 3;
 
     return squeeze && self->kept.valid && !self->observer &&
            self->kept.rate <= most_shorter * squeeze->rate;
 }
 
-/* Iterates with the kept factors, if there are any. If that fails, it iterates from the start with
- * own Jacobians. */
+/* Iterates with the kept factors, if they are of use. If that converges too slowly, it goes on with
+ * factors of the Jacobian at the state that was reached. If it fails, it iterates from the start
+ * with own Jacobians. */
 static ehd_status solve(reduced_info *info, reduced_state *state, reduced_solver *self,
                         const ehd_contact *contact, const reduced_squeeze *squeeze,
                         ehd_error *error) {
     self->used = NULL;
-    self->system.remaining = 0;
-    self->system.left_is_known = false;
-    if (kept_are_of_use(self, squeeze) && end_with_kept(info, state, self, contact, squeeze))
+    self->remaining = 0;
+    self->num_solutions++;
+    if (!kept_are_of_use(self, squeeze))
+        return gauss_newton(info, state, self, contact, squeeze, error);
+    reduced_state_copy(&self->kept.start, state, self->model);
+    const kept_outcome outcome = iterate_with(&self->kept, info, state, self, contact, squeeze);
+    if (outcome == KEPT_CONVERGED) {
+        self->used = &self->kept;
         return EHD_OK;
+    }
+    info->own_jacobian = true;
+    if (outcome == KEPT_SLOW && end_near(info, state, self, contact, squeeze)) return EHD_OK;
+    reduced_state_copy(state, &self->kept.start, self->model);
     return gauss_newton(info, state, self, contact, squeeze, error);
 }
 
 // ---- solving
-
-bool reduced_exit_divides(const reduced_state *state, const reduced_model *model) {
-    return exit_is_within_node(&model->grid) && !isnan(state->exit_offset);
-}
-
-double reduced_exit_position(const reduced_state *state, const reduced_model *model) {
-    const ehd_grid *grid = &model->grid;
-
-    if (!reduced_exit_divides(state, model)) return grid_x(grid, state->exit);
-    return grid_x(grid, state->exit - 1) + state->exit_offset * grid->step;
-}
 
 /* Expands a state. `known`: its values, or NULL. */
 static void expand(reduced_solver *self, const reduced_state *state, const reduced_values *known) {
@@ -730,11 +632,6 @@ contact_scalars reduced_scalars(reduced_solver *self, const reduced_state *state
     return scalars_of(self, state, contact);
 }
 
-void reduced_pressures_include(reduced_pressures *range, double pressure) {
-    if (isless(pressure, range->least) || isnan(pressure)) range->least = pressure;
-    if (isgreater(pressure, range->largest) || isnan(pressure)) range->largest = pressure;
-}
-
 bool reduced_doubts_flow(reduced_solver *self, const reduced_state *state,
                          const ehd_contact *contact) {
     const double approach = state->coordinates[self->model->num_unknowns - 1];
@@ -748,143 +645,26 @@ reduced_pressures reduced_pressure_range(reduced_solver *self, const reduced_sta
     return nodes_pressure_range(&self->nodes, state->coordinates);
 }
 
-/* Adds the derivatives of the deflection at X = 0. */
-static void add_central_film(double *gradient, const reduced_solver *self) {
-    const centre_nodes *centre = &self->model->centre;
-
-    for (size_t i = 0; i < 4; i++)
-        if (centre->weight[i] != 0)
-            nodes_add_film_row(gradient, centre->weight[i], &self->nodes, centre->index[i]);
-}
-
-static bool has_pressure(const reduced_solver *self) {
-    for (size_t q = 0; q < self->model->rows.num_needed; q++)
-        if (self->nodes.pressurised[q]) return true;
-    return false;
-}
-
-/* Returns the lowest needed node with pressure. */
-static size_t lowest_node(const reduced_solver *self) {
-    const node_state *nodes = &self->nodes;
-    size_t lowest = 0;
-    double least = INFINITY;
-
-    for (size_t q = 0; q < self->model->rows.num_needed; q++)
-        if (nodes->pressurised[q] && nodes->now.film[q] < least)
-            least = nodes->now.film[lowest = q];
-    return lowest;
-}
-
-double reduced_film_error(double *influence, reduced_solver *self, reduced_film film) {
-    double *gradient = self->system.gradient;
-
-    if (!has_pressure(self)) return NAN;
-    memset(gradient, 0, self->model->num_unknowns * sizeof(double));
-    gradient[self->model->num_unknowns - 1] = 1;
-    if (film == REDUCED_CENTRAL_FILM)
-        add_central_film(gradient, self);
-    else
-        nodes_add_film_row(gradient, 1, &self->nodes, lowest_node(self));
+solved_system reduced_solved_system(reduced_solver *self) {
     row_system *system = &self->system;
     const kept_factors *used = self->used;
-    step_problem problem = {system->matrix, system->factors, system->active, system->num_active, 0};
-    if (used)
-        problem =
-            (step_problem){used->matrix, used->factors, used->row, used->num_rows, used->number};
-    return system_film_error(influence, system, &problem, film);
-}
+    const size_t num_reynolds = used ? used->num_rows : system->num_active;
 
-/* Adds dP/dz at X = 0. */
-static void fill_central_pressure(double *gradient, const reduced_solver *self) {
-    const centre_nodes *centre = &self->model->centre;
-    const size_t num_pressure = self->model->num_pressure;
-
-    for (size_t i = 0; i < 4; i++)
-        if (centre->weight[i] != 0 && self->nodes.pressurised[centre->index[i]])
-            nodes_add_row(gradient, centre->weight[i],
-                          self->model->rows.pressure + centre->index[i] * num_pressure,
-                          num_pressure);
-}
-
-/* Sets the derivatives of the load over the reference. */
-static void fill_load(double *gradient, const reduced_solver *self, const reduced_state *state,
-                      const ehd_contact *contact) {
-    const reduced_model *model = self->model;
-    const double unit = 1 / model->kind->load;
-    const double approach = state->coordinates[model->num_unknowns - 1];
-
-    nodes_add_cut_row(gradient, unit, &self->nodes, model->cut.num_rows - 1); // row of the load
-    gradient[model->num_unknowns - 1] = unit * far_field_load(contact, approach).by_approach;
-}
-
-/* Returns the largest change of P or H at the node of a row before the exit. All needed nodes are
- * near such a node. */
-static double largest_field_error(reduced_solver *self, bool of_film, const double *added) {
-    const reduced_model *model = self->model;
-    const size_t n = model->num_unknowns, num_pressure = model->num_pressure;
-    double errors[ERROR_BLOCK], largest = 0;
-    size_t count = 0;
-
-    for (size_t r = 0; r < model->rows.num_rows; r++) {
-        const size_t q = model->rows.stencils[r].node[NODE_HERE];
-        const bool is_last = r + 1 == model->rows.num_rows;
-        if (self->nodes.pressurised[q]) {
-            double *gradient = self->system.functionals + count++ * n;
-            memset(gradient, 0, n * sizeof(double));
-            if (of_film) {
-                gradient[n - 1] = 1;
-                nodes_add_film_row(gradient, 1, &self->nodes, q);
-            } else {
-                memcpy(gradient, model->rows.pressure + q * num_pressure,
-                       num_pressure * sizeof(double));
-            }
-        }
-        if (count == 0 || (count < ERROR_BLOCK && !is_last)) continue;
-        system_errors(errors, &self->system, count, added);
-        for (size_t k = 0; k < count; k++)
-            if (!(errors[k] <= largest)) largest = errors[k];
-        count = 0;
-    }
-    return largest;
-}
-
-reduced_errors reduced_other_errors(reduced_solver *self, const reduced_state *state,
-                                    const ehd_contact *contact, const double *added) {
-    enum { CENTRAL_PRESSURE, LOAD, EXIT, NUM_SCALARS };
-    row_system *system = &self->system;
-    const size_t n = self->model->num_unknowns;
-    const bool has_cell = system->num_cells > 0;
-    double errors[NUM_SCALARS];
-
-    memset(system->functionals, 0, NUM_SCALARS * n * sizeof(double));
-    fill_central_pressure(system->functionals + CENTRAL_PRESSURE * n, self);
-    fill_load(system->functionals + LOAD * n, self, state, contact);
-    if (has_cell) memcpy(system->functionals + EXIT * n, system->offset, n * sizeof(double));
-    system_errors(errors, system, NUM_SCALARS, added);
-    return (reduced_errors){.central_pressure = errors[CENTRAL_PRESSURE],
-                            .load = errors[LOAD],
-                            .exit_position = has_cell ? self->model->grid.step * errors[EXIT] : NAN,
-                            .pressure = largest_field_error(self, false, added),
-                            .film = largest_field_error(self, true, added)};
-}
-
-double reduced_peak_error(reduced_solver *self, const double *added) {
-    const reduced_model *model = self->model;
-    const double *pressure = self->nodes.now.values.pressure;
-    double *gradient = self->system.functionals, error = NAN;
-    size_t peak = SIZE_MAX;
-
-    for (size_t r = 0; r < model->rows.num_rows; r++) {
-        const size_t q = model->rows.stencils[r].node[NODE_HERE];
-        if (!self->nodes.pressurised[q]) continue;
-        if (peak == SIZE_MAX || pressure[q] > pressure[peak]) peak = q;
-    }
-    if (peak == SIZE_MAX) return NAN;
-    memset(gradient, 0, model->num_unknowns * sizeof(double));
-    memcpy(gradient, model->rows.pressure + peak * model->num_pressure,
-           model->num_pressure * sizeof(double));
-    system_errors(&error, &self->system, 1, added);
-    return error;
+    return (solved_system){.model = self->model,
+                           .nodes = &self->nodes,
+                           .exits = &self->exits,
+                           .num_rows =
+                               num_reynolds + self->model->num_deformation + 1 + system->num_cells,
+                           .num_reynolds = num_reynolds,
+                           .row = used ? used->row : system->active,
+                           .matrix = used ? used->matrix : system->matrix,
+                           .factors = used ? used->factors : system->factors,
+                           .right = system->right,
+                           .step = system->step,
+                           .remaining = self->remaining,
+                           .offset = system->num_cells > 0 ? system->offset : NULL,
+                           .matrix_number = used ? used->number : 0,
+                           .solution_number = self->num_solutions};
 }
 
 void reduced_last_values(reduced_values *values, const reduced_solver *self) {
@@ -900,58 +680,6 @@ contact_traction reduced_traction(reduced_solver *self, const reduced_state *sta
                                   const ehd_contact *contact, const contact_scalars *scalars) {
     expand(self, state, NULL);
     return nodes_traction(&self->nodes, state->coordinates, contact, scalars);
-}
-
-/* Finds self->exit_risk. For a line of a point contact it is the error of the pressure at the last
- * node over the margin of the exit (exits_margins), at most 1. For a line contact, whose exit is
- * found by its flux, it is 1. */
-static void find_exit_risks(reduced_solver *self, const reduced_state *state,
-                            const ehd_contact *contact, const double *added) {
-    const reduced_model *model = self->model;
-    const size_t n = model->num_unknowns, bytes = model->num_pressure * sizeof(double);
-    const size_t num_lines = model->band.num_lines;
-    double *risk = self->exit_risk, errors[ERROR_BLOCK];
-    size_t line[ERROR_BLOCK], count = 0;
-
-    risk[0] = 1;
-    if (num_lines == 1) return;
-    exits_margins(risk, &self->exits, &self->nodes, state->coordinates, contact);
-    for (size_t l = 0; l < num_lines; l++) {
-        if (isfinite(risk[l])) {
-            const size_t last = self->nodes.exit[l] - 1 - model->band.lines[l].begin;
-            double *gradient = self->system.functionals + count * n;
-            memset(gradient, 0, n * sizeof(double));
-            memcpy(gradient,
-                   model->band.pressure +
-                       (model->band.lines[l].offset + last) * model->num_pressure,
-                   bytes);
-            line[count++] = l;
-        }
-        if (count == 0 || (count < ERROR_BLOCK && l + 1 < num_lines)) continue;
-        system_errors(errors, &self->system, count, added);
-        for (size_t k = 0; k < count; k++)
-            // an error is NaN if residuals are NaN, and then the bound is too
-            risk[line[k]] = errors[k] < risk[line[k]] ? errors[k] / risk[line[k]] : 1;
-        count = 0;
-    }
-}
-
-double reduced_friction_error(reduced_solver *self, const reduced_state *state,
-                              const ehd_contact *contact, const double *added) {
-    row_system *system = &self->system;
-    double error;
-
-    expand(self, state, NULL);
-    memset(system->functionals, 0, self->model->num_unknowns * sizeof(double));
-    nodes_add_friction(system->functionals, self->band_influence, &self->nodes, state->coordinates,
-                       contact);
-    system_errors(&error, system, 1, added);
-    if (system->num_cells == 0) {
-        find_exit_risks(self, state, contact, added);
-        error +=
-            nodes_friction_of_exits(&self->nodes, state->coordinates, contact, self->exit_risk);
-    }
-    return error / contact->kind->load;
 }
 
 reduced_needed reduced_needed_fields(const reduced_solver *self) {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "romrun/online/film_splines.h"
+#include "romrun/state/film_splines.h"
 
 #include "common/algebra/natural_spline.h"
 #include "common/algebra/rounding.h"

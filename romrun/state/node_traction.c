@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "romrun/online/node_traction.h"
+#include "romrun/state/node_traction.h"
 
 #include "common/algebra/vectors.h"
 
@@ -133,7 +133,7 @@ static double stress_at(double *largest, const ehd_contact *contact, double pres
 /* Part of the largest pressure from which on needed nodes count in the search for the largest
  * stress. The stress falls with the pressure more than it rises with a thinner film. If the
  * pressure gradient thins the flow, only nodes of the rows count, since the gradient needs the
- * pressures beside them (README.md, Traction). */
+ * pressures beside them (romrun/solve/README.md, Traction). */
 static const double NEAR_LARGEST = 0.7;
 
 static void look_at_needed(double *largest, const node_state *self, const ehd_contact *contact) {

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "romrun/online/node_state.h"
+#include "romrun/state/node_state.h"
 
 #include "common/algebra/product.h"
 #include "common/algebra/vectors.h"
 #include "common/physics/far_field.h"
 #include "common/physics/minimum.h"
-#include "romrun/online/band_minimum.h"
+#include "romrun/state/band_minimum.h"
 
 #include <math.h>
 #include <string.h>
@@ -56,34 +56,13 @@ const double *nodes_checkpoint_table(const node_state *self) {
 
 // ---- the state at the needed nodes
 
-static void product(double *y, const double *matrix, const double *x, size_t rows, size_t columns) {
-    memset(y, 0, rows * sizeof *y);
-    add_product(y, matrix, columns, rows, columns, x);
-}
-
-/* Computes the values of coordinates z at a checkpoint. */
-static void values_at(reduced_values *values, const reduced_model *model, const double *z,
-                      size_t checkpoint) {
-    size_t size = model->cut.num_rows * model->num_pressure;
-
-    values->checkpoint = checkpoint;
-    product(values->pressure, model->rows.pressure, z, model->rows.num_needed, model->num_pressure);
-    product(values->cut, model->checkpoints.cut + checkpoint * size, z, model->cut.num_rows,
-            model->num_pressure);
-}
-
-void reduced_values_of(reduced_values *values, const reduced_model *model, const double *z,
-                       const size_t *exit) {
-    values_at(values, model, z, reduced_model_checkpoint(model, exit));
-}
-
 void nodes_expand(node_fields *fields, node_state *self, const reduced_values *known,
                   const double *z) {
     const reduced_model *model = self->model;
     size_t num_cut = model->cut.num_rows, num_needed = model->rows.num_needed;
 
     if (!known || known->checkpoint != self->checkpoint) {
-        values_at(&fields->values, model, z, self->checkpoint);
+        reduced_values_at(&fields->values, model, z, self->checkpoint);
         known = &fields->values;
     }
     for (size_t q = 0; q < num_needed; q++)
@@ -95,11 +74,13 @@ void nodes_expand(node_fields *fields, node_state *self, const reduced_values *k
         add_transposed_product(fields->cut, run->sign, model->cut.left + run->first * num_cut,
                                run->count, num_cut, self->band_pressure + run->first);
     }
-    if (model->deformation == DEFORMATION_COUPLED)
+    if (model->deformation == DEFORMATION_COUPLED) {
         memcpy(fields->film, fields->cut, num_needed * sizeof(double));
-    else
-        product(fields->film, model->rows.film, z + model->num_pressure, num_needed,
-                model->num_deformation);
+    } else {
+        memset(fields->film, 0, num_needed * sizeof(double));
+        add_product(fields->film, model->rows.film, model->num_deformation, num_needed,
+                    model->num_deformation, z + model->num_pressure);
+    }
     for (size_t q = 0; q < num_needed; q++)
         fields->film[q] += z[model->num_unknowns - 1];
 }
@@ -132,12 +113,6 @@ double nodes_load(const node_state *self) {
 }
 
 // ---- the state in the band
-
-void reduced_band_pressure(double *pressure, const reduced_model *model, const double *coordinates,
-                           size_t first, size_t count) {
-    product(pressure, model->band.pressure + first * model->num_pressure, coordinates, count,
-            model->num_pressure);
-}
 
 void nodes_expand_range(node_state *self, const double *z, size_t first, size_t count) {
     reduced_band_pressure(self->band_pressure + first, self->model, z, first, count);

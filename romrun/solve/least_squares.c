@@ -2,7 +2,7 @@
 /* Normal equations with scaled columns, which cost a fifth of a QR. If their Cholesky factorisation
  * is not safe, QR is used. Newton's limit is given by J^T f = 0, evaluated from J itself, so that
  * the squared condition number affects the convergence only. */
-#include "romrun/online/least_squares.h"
+#include "romrun/solve/least_squares.h"
 
 #include "common/algebra/cholesky.h"
 #include "common/algebra/product.h"

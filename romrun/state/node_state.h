@@ -4,8 +4,9 @@
 #ifndef EHD_NODE_STATE_H
 #define EHD_NODE_STATE_H
 
+#include "common/physics/contact_place.h"
 #include "romrun/model/reduced_cut.h"
-#include "romrun/online/reduced_solver.h"
+#include "romrun/state/reduced_state.h"
 
 /* Fields of coordinates at the present exit line. */
 typedef struct node_fields {

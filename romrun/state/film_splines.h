@@ -3,15 +3,15 @@
  * cubic splines of all modes are made once. A state's spline is a combination of them, since
  * splines are linear in their values. The deflection by the pressures that a state's own exit line
  * cuts is added as splines of the kernel. Values and curvatures at a node are summed once per
- * state, when they are first needed (README.md, In time). */
+ * state, when they are first needed (romrun/online/README.md, In time). */
 #ifndef EHD_FILM_SPLINES_H
 #define EHD_FILM_SPLINES_H
 
 #include "common/program/status.h"
 #include "common/time/frame.h"
 #include "romrun/model/reduced_cut.h"
-#include "romrun/online/fields.h"
-#include "romrun/online/reduced_solver.h"
+#include "romrun/state/fields.h"
+#include "romrun/state/reduced_state.h"
 #include <stdbool.h>
 
 /* Natural cubic splines of `width` functions on a grid; for a point contact, tensor products. Each

@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Starts from the trained solutions, and error estimates of the grid interpolated between them. */
+#include "romrun/solve/guess.h"
 #include "common/algebra/cholesky.h"
 #include "common/algebra/rounding.h"
 #include "romrun/model/start_shift.h"
-#include "romrun/online/reduced_solver.h"
+#include "romrun/solve/reduced_solver.h"
 
 #include <math.h>
 #include <stdbool.h>

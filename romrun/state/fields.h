@@ -6,7 +6,7 @@
 #define EHD_FIELDS_H
 
 #include "romrun/model/flat.h"
-#include "romrun/online/reduced_solver.h"
+#include "romrun/state/reduced_state.h"
 
 /* Modes on the whole grid. Read-only once made; several threads may use them. */
 typedef struct field_modes {

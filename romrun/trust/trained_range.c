@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "romrun/online/trained_range.h"
+#include "romrun/trust/trained_range.h"
 
 #include "common/algebra/hull.h"
 #include "common/algebra/rounding.h"
 #include "common/program/arena.h"
-#include "romrun/online/known_lubricants.h"
+#include "romrun/trust/known_lubricants.h"
 
 #include <float.h>
 #include <math.h>
@@ -306,7 +306,7 @@ range_memory *range_memory_create(const trained_range *of) {
 
 static bool is_faster(double rate, double trained) {
     // `slack`: factor on the trained rate, which is a mean between two states. `least`: rate per
-    // unit of T at which any contact may change (README.md, Indicated deviation in time).
+    // unit of T at which any contact may change (README.md, Error estimates in time).
     const double slack = 1.05, least = 1e-3;
 
     return rate > fmax(slack * trained, least);

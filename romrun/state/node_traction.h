@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Traction of a state from its values at nodes, by the model's cubature (README.md, Traction):
+/* Traction of a state from its values at nodes, by the model's cubature (romrun/solve/README.md, Traction):
  * nothing has the size of the grid. */
 #ifndef EHD_NODE_TRACTION_H
 #define EHD_NODE_TRACTION_H
 
 #include "common/physics/traction.h"
-#include "romrun/online/node_state.h"
+#include "romrun/state/node_state.h"
 
 /* Returns the traction of the present state, which has been expanded. The model has a cubature. */
 contact_traction nodes_traction(node_state *self, const double *z, const ehd_contact *contact,

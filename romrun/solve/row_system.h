@@ -6,19 +6,9 @@
 
 #include "common/physics/exit.h"
 #include "common/physics/far_field.h"
-#include "romrun/online/least_squares.h"
-#include "romrun/online/node_state.h"
-
-enum { ERROR_BLOCK = 32 }; // most functionals in a call of system_errors
-
-/* J (J^T J)^-1 g for the gradient g of a film: the change of the film by an error of 1 in each row.
- * It stays the same as long as the gradient and the least squares do, as over many steps with kept
- * factors. */
-typedef struct film_moves {
-    size_t number;    // number of the least squares (step_problem); 0: none
-    double *gradient; // [num_unknowns]
-    double *moves;    // [system_max_rows]
-} film_moves;
+#include "romrun/solve/least_squares.h"
+#include "romrun/solve/reduced_solver.h"
+#include "romrun/state/node_state.h"
 
 typedef struct row_system {
     const reduced_model *model;
@@ -35,22 +25,14 @@ typedef struct row_system {
     double *matrix;          // [system_max_rows, num_unknowns]
     double *right;           // [system_max_rows]
     double *step;            // [num_unknowns]
-    double *gradient;        // [num_unknowns] gradient of a film
-    double *dual;            // [num_unknowns] (J^T J)^-1 gradient
-    double remaining;        // change by another step over the change by the last one, estimated
-    double *left;            // [system_max_rows] residual that the step leaves
-    bool left_is_known;      // `left` is that of the last solution
-    film_moves moves[NUM_REDUCED_FILMS];
-    double *offset;    // [num_unknowns] gradient of the exit's offset within its node
-    double *flux_step; // [num_unknowns] gradient of the flux
-    reynolds_row flux; // flux and its derivatives, from system_flux
-    size_t flux_row;   // row of the model where it is taken
+    double *offset;          // [num_unknowns] gradient of the exit's offset within its node
+    double *flux_step;       // [num_unknowns] gradient of the flux
+    reynolds_row flux;       // flux and its derivatives, from system_flux
+    size_t flux_row;         // row of the model where it is taken
     least_squares *factors;
     double *block;       // coupled: [rows + 1, CUT_BLOCK] left sides of the active rows;
                          // independent: [CUT_BLOCK, cut rows + num_pressure] work of the cut table
     double *block_right; // [CUT_BLOCK, num_pressure] coupled: right sides
-    double *functionals; // [ERROR_BLOCK, num_unknowns] input of system_errors
-    double *all_moves;   // [ERROR_BLOCK, system_max_rows] work of system_errors
     double *cut;         // independent: [cut rows, num_pressure] the cut table for cut_exit
     size_t *cut_exit;    // [num_lines]; 0: none yet
 } row_system;
@@ -75,7 +57,7 @@ double system_flow_doubt(row_system *self, const node_state *nodes, double rigid
                          const ehd_contact *contact);
 
 /* Returns the pressures about which a step in time is linearised while it is far from its solution
- * (README.md, In time). `last`, the uncut pressures of the last state: at each node the higher one
+ * (romrun/online/README.md, In time). `last`, the uncut pressures of the last state: at each node the higher one
  * of `last` and the state that `nodes` holds. `last` NULL, after system_evaluate: where the
  * pressure has risen, the state's; where it has fallen, the pressure whose mobility is that of the
  * linear rows. */
@@ -107,39 +89,5 @@ void system_fill_matrix(row_system *self, const node_state *nodes, double closur
 
 /* Returns the weight of the closure, 1 + rate, because rows grow as 1 / time step. */
 double system_closure_weight(const reduced_squeeze *squeeze);
-
-/* The least-squares problem of a step: the system's own, or one kept of an earlier step. */
-typedef struct step_problem {
-    const double *matrix; // [num_rows + num_deformation + 1 + self->num_cells, num_unknowns]
-    least_squares *factors;
-    const size_t *row; // [num_rows] indices in the model
-    size_t num_rows;   // Reynolds rows
-    size_t number;     // number of the matrix, a different one for each; 0: none
-} step_problem;
-
-/* Returns how far the remaining residual moves the film of self->gradient. It is D f + D J step
- * of the last step and, for the iterations that were not made, self->remaining times D J step.
- * The rows are taken as independent: the result is the root of the sum of the squares of their
- * effects. */
-double system_film_error(
-    // output:
-    double *influence, // [rows of the model] change of the film by an error of 1 in D f; 0 if not
-                       // active. NULL: not wanted
-    // in and out:
-    row_system *self,
-    // input:
-    const step_problem *problem, reduced_film film);
-
-/* Computes the result of system_film_error for the first `num` of self->functionals, including the
- * residuals of other rows. */
-void system_errors(
-    // output:
-    double *errors, // [num]
-    // in and out:
-    row_system *self, // its functionals are overwritten
-    // input:
-    size_t num, // at most ERROR_BLOCK
-    const double
-        *added); // [rows of the model] sum of the squares of other residuals, counted in this row
 
 #endif

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Error estimates of the films of a reduced model in time (README.md, Indicated deviation in time).
+/* Error estimates of the films of a reduced model in time (README.md, Error estimates in time).
  *
  * An error of a film that forms in the inlet goes through the contact with the fluid. Control nodes
  * on the central line sample the residual; they take no part in the solution. The effect on the
@@ -12,8 +12,9 @@
 
 #include "common/physics/reynolds.h"
 #include "common/time/film_errors.h"
-#include "romrun/online/film_splines.h"
-#include "romrun/online/reduced_solver.h"
+#include "romrun/solve/reduced_solver.h"
+#include "romrun/state/film_splines.h"
+#include "romrun/trust/functionals.h"
 
 /* Octaves of the distance from the lowest film to the exit, up to two half widths. */
 enum { NUM_LENGTHS = 8 };

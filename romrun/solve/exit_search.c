@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "romrun/online/exit_search.h"
+#include "romrun/solve/exit_search.h"
 
 #include "common/physics/far_field.h"
 

@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "romrun/online/indicator.h"
+#include "romrun/trust/indicator.h"
 
 #include "common/algebra/vectors.h"
 #include "common/physics/far_field.h"
 #include "romrun/model/reduced_cut.h"
+#include "romrun/trust/functionals.h"
 
 #include <math.h>
 #include <stdbool.h>
@@ -12,6 +13,7 @@
 
 struct indicator {
     const reduced_model *model;
+    functionals *functionals;
     double *pressure, *film; // [num_needed] at the needed nodes of the control rows
     double *fluid_memory;    // [NUM_FLUID_ARRAYS, num_needed]
     far_field outer;         // boundary nodes among the needed ones
@@ -28,7 +30,9 @@ struct indicator {
 };
 
 indicator *indicator_free(indicator *self) {
-    if (self) arena_free(&self->memory);
+    if (!self) return NULL;
+    functionals_free(self->functionals);
+    arena_free(&self->memory);
     free(self);
     return NULL;
 }
@@ -53,7 +57,8 @@ indicator *indicator_create(const reduced_model *model) {
     self->nearest = arena_array(memory, control->num_rows + 1, sizeof *self->nearest);
     self->nearest_of_all = arena_array(memory, control->num_rows + 1, sizeof *self->nearest_of_all);
     self->added = arena_array(memory, model->rows.num_rows, sizeof(double));
-    if (memory->failed) return indicator_free(self);
+    self->functionals = functionals_create(model);
+    if (memory->failed || !self->functionals) return indicator_free(self);
     for (size_t r = 0; r < control->num_rows; r++)
         self->nearest_of_all[r] = reduced_model_nearest_row(model, control->node[r], NULL);
     return self;
@@ -149,7 +154,8 @@ double indicator_bound(indicator *self, reduced_solver *solver, const reduced_st
     const row_set *control = &self->model->control;
 
     indicator_control_residuals(self, state, contact);
-    const double own_rows = reduced_film_error(self->influence, solver, REDUCED_CENTRAL_FILM);
+    const double own_rows =
+        functionals_film_error(self->influence, self->functionals, solver, REDUCED_CENTRAL_FILM);
     for (size_t r = 0; r < control->num_rows; r++)
         self->nearest[r] =
             self->influence[self->nearest_of_all[r]] != 0
@@ -160,7 +166,8 @@ double indicator_bound(indicator *self, reduced_solver *solver, const reduced_st
 
 double indicator_bound_minimum(indicator *self, reduced_solver *solver,
                                const contact_scalars *scalars) {
-    const double own_rows = reduced_film_error(self->influence, solver, REDUCED_MINIMUM_FILM);
+    const double own_rows =
+        functionals_film_error(self->influence, self->functionals, solver, REDUCED_MINIMUM_FILM);
 
     return bound(self, own_rows, scalars->minimum_film_thickness);
 }
@@ -179,7 +186,8 @@ void indicator_bound_others(double bounds[NUM_INDICATED], indicator *self, reduc
     const reduced_model *model = self->model;
 
     add_control_rows(self);
-    const reduced_errors errors = reduced_other_errors(solver, state, contact, self->added);
+    const reduced_errors errors =
+        functionals_other_errors(self->functionals, solver, state, contact, self->added);
     bounds[INDICATED_CENTRAL_PRESSURE] = errors.central_pressure / scalars->central_pressure;
     bounds[INDICATED_EXIT_POSITION] = errors.exit_position;
     bounds[INDICATED_LOAD] = errors.load;
@@ -194,7 +202,7 @@ void indicator_bound_others(double bounds[NUM_INDICATED], indicator *self, reduc
 
 double indicator_bound_peak(indicator *self, reduced_solver *solver) {
     add_control_rows(self);
-    const double error = reduced_peak_error(solver, self->added);
+    const double error = functionals_peak_error(self->functionals, solver, self->added);
     return isnan(error) ? INFINITY : error; // infinite as in `bound`
 }
 
@@ -202,7 +210,8 @@ double indicator_bound_friction(indicator *self, reduced_solver *solver, const r
                                 const ehd_contact *contact, double friction) {
     add_control_rows(self);
     const double relative =
-        reduced_friction_error(solver, state, contact, self->added) / fabs(friction);
+        functionals_friction_error(self->functionals, solver, state, contact, self->added) /
+        fabs(friction);
     // infinite as in `bound`
     return isnan(relative) ? INFINITY : relative + node_cubature_tolerance;
 }

@@ -3,7 +3,7 @@
 #ifndef EHD_KEPT_FACTORS_H
 #define EHD_KEPT_FACTORS_H
 
-#include "romrun/online/row_system.h"
+#include "romrun/solve/row_system.h"
 
 typedef struct kept_factors {
     bool valid;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Error estimates of a reduced solution's films (README.md, Indicated deviation).
+/* Error estimates of a reduced solution's films (README.md, Error estimates).
  *
  * The residuals of the over-determined selected rows and of the control rows sample the residual of
  * the Reynolds equation everywhere. The factors of the last iteration give the change of a film by
@@ -8,7 +8,7 @@
 #define EHD_INDICATOR_H
 
 #include "common/output/indicated.h"
-#include "romrun/online/reduced_solver.h"
+#include "romrun/solve/reduced_solver.h"
 
 typedef struct indicator indicator;
 

@@ -1,27 +1,27 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "romrun/online/time_indicator.h"
+#include "romrun/trust/time_indicator.h"
 
 #include "romrun/model/reduced_cut.h"
-#include "romrun/online/kept_factors.h"
+#include "romrun/solve/kept_factors.h"
 
 #include <math.h>
 #include <stdlib.h>
 
 /* Numbers of control nodes: in the inlet, inside of the contact, and both together (README.md,
- * Indicated deviation in time). */
+ * Error estimates in time). */
 enum { NUM_INLET = 12, NUM_INSIDE = 12, MOST_NODES = NUM_INLET + NUM_INSIDE };
 
 // Places X of the control nodes, half widths. Films form between FAR_INLET and ENTRY. They are
 // then carried unchanged up to CONSTRICTION, and settle anew behind it. DENSER: exponent that
 // makes nodes denser towards the entry, where a residual enters with a larger share (README.md,
-// Indicated deviation in time).
+// Error estimates in time).
 static const double FAR_INLET = -2.6, ENTRY = -0.85, CONSTRICTION = 0.6, DENSER = 1.7;
 // Distances within which the largest error of films counts, half widths: before and behind the
 // centre, and before the minimum. Short waves behind a front move more slowly than the fluid. The
 // largest error of the central film was compared with its bound. In 20 histories
 // (scenes/studies/silent-in-time, calibration seed 1000007) the error is 5.7 times the bound with
 // 0.1 behind the centre, and 1.4 times from 0.3 on. In 75 other histories it is 1.4 times from
-// 0.4 on (README.md, Indicated deviation in time).
+// 0.4 on (README.md, Error estimates in time).
 static const double CENTRE = 0.1, BEHIND_CENTRE = 0.4, ARRIVING = 0.3;
 
 void time_indicator_free(time_indicator *self) {

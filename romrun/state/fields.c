@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "romrun/online/fields.h"
+#include "romrun/state/fields.h"
 
 #include "common/algebra/product.h"
 #include "common/physics/deflection.h"

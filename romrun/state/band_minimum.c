@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "romrun/online/band_minimum.h"
+#include "romrun/state/band_minimum.h"
 
 #include <math.h>
 

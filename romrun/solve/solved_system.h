@@ -1,0 +1,33 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The least squares with which a solution ended, for estimates of its error (romrun/trust). */
+#ifndef EHD_SOLVED_SYSTEM_H
+#define EHD_SOLVED_SYSTEM_H
+
+#include "romrun/solve/exit_search.h"
+#include "romrun/solve/least_squares.h"
+#include "romrun/solve/reduced_solver.h"
+#include "romrun/state/node_state.h"
+
+/* Rows are first the selected Reynolds rows before the exit, then the linear equations, and then
+ * the row of the cell if the exit lies within a node. */
+typedef struct solved_system {
+    const reduced_model *model;
+    node_state *nodes; // at the solution
+    exit_search *exits;
+    size_t num_rows;            // of the matrix
+    size_t num_reynolds;        // Reynolds rows
+    const size_t *row;          // [num_reynolds] indices in the model
+    const double *matrix;       // [num_rows, num_unknowns] D J, of this or of an earlier step
+    least_squares *factors;     // of the matrix
+    const double *right, *step; // [num_rows] D f before the last step; [num_unknowns] the last step
+    double remaining;           // change by another step over that by the last one, estimated
+    const double *offset;       // [num_unknowns] gradient of the exit's offset within its node;
+                                // NULL: exits are nodes
+    size_t matrix_number;   // a different one for each kept matrix; 0: a matrix of this solution
+    size_t solution_number; // a different one for each solution
+} solved_system;
+
+/* Returns the system of the last solution, valid until the next one. */
+solved_system reduced_solved_system(reduced_solver *solver);
+
+#endif

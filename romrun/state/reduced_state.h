@@ -1,0 +1,70 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The unknowns of a reduced solution, its exit line, and what follows from them at few nodes. */
+#ifndef EHD_REDUCED_STATE_H
+#define EHD_REDUCED_STATE_H
+
+#include "romrun/model/reduced_model.h"
+#include <stdbool.h>
+
+/* A reduced state: z = (a, d, H0) and the exit line (eq. 39). */
+typedef struct reduced_state {
+    double *coordinates; // [num_unknowns]
+    size_t exit;         // column on the line Y = 0; for a line contact a grid node
+    size_t *exits;       // [num_lines] columns on all lines of the grid; NULL on a line contact
+    // distance of the exit from the node before `exit`, in steps, 0 to 1, if it lies within a node;
+    // in time as in exit_place. NaN: it lies at a node, or is not known yet.
+    double exit_offset;
+} reduced_state;
+
+/* Allocates a state of a model, with all coordinates zero. Errors: EHD_MEMORY. */
+ehd_status reduced_state_init(reduced_state *state, const reduced_model *model, ehd_error *error);
+void reduced_state_free(reduced_state *state);
+
+/* Copies a state of the same model. */
+void reduced_state_copy(reduced_state *target, const reduced_state *source,
+                        const reduced_model *model);
+
+/* Return and set the exit line, [num_lines], at nodes. An exit outside of the model's band, as in a
+ * training solution without an exit, is moved to the nearest column of the band. */
+const size_t *reduced_state_exits(const reduced_state *state);
+void reduced_state_set_exits(reduced_state *state, const reduced_model *model, const size_t *exits);
+
+/* Check whether the exit of a state lies within the node before `exit`, and return X at which the
+ * pressure ends, at Y = 0. */
+bool reduced_exit_divides(const reduced_state *state, const reduced_model *model);
+double reduced_exit_position(const reduced_state *state, const reduced_model *model);
+
+/* Values of a state at the needed nodes. At one checkpoint they are linear in the coordinates. */
+typedef struct reduced_values {
+    size_t checkpoint; // checkpoint of the exit (reduced_model_checkpoint)
+    double *pressure;  // [num_needed] P, uncut
+    double *cut;       // [rows of the cut table] the checkpoint's cut table times z
+} reduced_values;
+
+/* Allocates values of a model's state, with no checkpoint yet. Errors: EHD_MEMORY. */
+ehd_status reduced_values_init(reduced_values *values, const reduced_model *model,
+                               ehd_error *error);
+void reduced_values_free(reduced_values *values);
+
+/* Compute the values of coordinates at a checkpoint, and at that of an exit line. */
+void reduced_values_at(reduced_values *values, const reduced_model *model,
+                       const double *coordinates, size_t checkpoint);
+void reduced_values_of(reduced_values *values, const reduced_model *model,
+                       const double *coordinates, const size_t *exit);
+
+/* Computes P, uncut, at `count` nodes of the band from index `first` on. */
+void reduced_band_pressure(double *pressure, const reduced_model *model, const double *coordinates,
+                           size_t first, size_t count);
+
+/* Least and largest P before the exit, at the needed nodes and in the band. */
+typedef struct reduced_pressures {
+    double least, largest;
+} reduced_pressures;
+
+/* Returns H of a state at any node. */
+typedef double film_function(const void *context, size_t node);
+
+/* Extends a range by a pressure; a NaN replaces both limits and stays. */
+void reduced_pressures_include(reduced_pressures *range, double pressure);
+
+#endif

@@ -1,0 +1,76 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Changes of quantities of a solution by residuals (romrun/trust/README.md, Error estimates).
+ *
+ * A quantity is given by its gradient, the derivatives by the unknowns. The factors of the last
+ * step turn the gradient into the change of the quantity by an error of 1 in each row. The rows are
+ * taken as independent: the error is the root of the sum of the squares of residual times change.
+ * Residuals are those that the last least squares leave, D f + D J dz; for the iterations that were
+ * not made, solved_system.remaining times D J dz; and those of other rows, `added`. Called by the
+ * indicators. */
+#ifndef EHD_FUNCTIONALS_H
+#define EHD_FUNCTIONALS_H
+
+#include "romrun/solve/least_squares.h"
+#include "romrun/solve/reduced_solver.h"
+
+typedef enum reduced_film {
+    REDUCED_CENTRAL_FILM,
+    REDUCED_MINIMUM_FILM, // at the lowest needed node with pressure
+    NUM_REDUCED_FILMS
+} reduced_film;
+
+/* Work arrays, and what is kept from one call to the next. All calls are with the same solver. */
+typedef struct functionals functionals;
+functionals *functionals_create(const reduced_model *model); // NULL: no memory
+functionals *functionals_free(functionals *self);            // accepts and returns NULL
+
+/* Returns how far the residuals of the least squares move a film of the last solution. NaN: no node
+ * has pressure. */
+double functionals_film_error(
+    // output:
+    double *influence, // [rows of the model] change of the film by an error of 1 in a weighted row;
+                       // 0 for rows outside of the least squares. NULL: not wanted.
+    // in and out:
+    functionals *self, reduced_solver *solver,
+    // input:
+    reduced_film film);
+
+/* Errors of other quantities of the last stationary solution: P at X = 0, the exit in half widths
+ * (NaN: exits are nodes), the load over the reference, and the largest error of P and H at the node
+ * of any row before the exit. */
+typedef struct reduced_errors {
+    double central_pressure, exit_position, load, pressure, film;
+} reduced_errors;
+reduced_errors functionals_other_errors(
+    // in and out:
+    functionals *self, reduced_solver *solver,
+    // input:
+    const reduced_state *state, const ehd_contact *contact,
+    const double *added); // [rows of the model] squares of other residuals, counted in this row
+
+/* Returns the error of P at the row's node where P is largest. It costs one quantity in place of one
+ * per node. */
+double functionals_peak_error(functionals *self, reduced_solver *solver, const double *added);
+
+/* Returns the error of the friction of the last stationary solution over the reference load. Where
+ * exits are nodes, it adds the effect of an exit that is a node off. The model has a cubature.
+ * `contact`: the contact of the solution, with sliding of any kind. */
+double functionals_friction_error(functionals *self, reduced_solver *solver,
+                                  const reduced_state *state, const ehd_contact *contact,
+                                  const double *added);
+
+/* Computes the changes of a quantity by an error of 1 in each row, J (J^T J)^-1 gradient. */
+void functionals_moves(
+    // output:
+    double *moves, // [num_rows]
+    // in and out:
+    double *gradient, // [num_columns] overwritten
+    least_squares *factors,
+    // input:
+    const double *matrix, size_t num_rows, size_t num_columns); // J
+
+/* Computes the residuals that a step leaves, right + J step. */
+void functionals_left(double *left, const double *right, const double *matrix, const double *step,
+                      size_t num_rows, size_t num_columns);
+
+#endif
