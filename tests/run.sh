@@ -19,7 +19,7 @@ run_one() {
     log=$logs/$name.tap
     command=("$test")
     if [[ $test == *.bats ]]; then
-        command=(bats --tap ${FILTER:+--filter "$FILTER"})
+        command=(bats --tap --timing ${FILTER:+--filter "$FILTER"})
         [[ ${CHECK_ALL-} ]] || command+=(--filter-tags '!slow')
         [[ ${CHECK_ALL-} == slow ]] && command+=(--filter-tags slow)
         command+=("$test")

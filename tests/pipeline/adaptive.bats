@@ -90,6 +90,7 @@ print(len(h5py.File("r.h5")["state"]) == len(h5py.File("s.h5")["state"]))')" = T
     [ "$(/usr/bin/python3 -c 'import h5py; print(len(h5py.File("all.h5")["state"]))')" = 153 ]
 }
 
+# bats test_tags=slow
 @test "--jobs changes no result but the times" {
     snapgen region.yml --adaptive --start 8 -o two.h5 --jobs 2 --quiet
     same_data s.h5 two.h5

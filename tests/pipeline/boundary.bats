@@ -121,6 +121,7 @@ YAML
         snapgen two.yml -o x.h5
 }
 
+# bats test_tags=slow
 @test "in time a contact that does not change stays as it is, in both models" {
     train open
     cat >>scene.yml <<'YAML'

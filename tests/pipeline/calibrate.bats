@@ -52,6 +52,7 @@ PYTHON
         'BEGIN { exit !(all < few / 2) }'
 }
 
+# bats test_tags=slow
 @test "--jobs and a second calibration change nothing but the times" {
     romrun --calibrate check.yml --model m.h5 -o one.h5 --quiet --jobs 1
     romrun --calibrate check.yml --model c.h5 -o again.h5 --quiet --jobs 3
@@ -120,6 +121,7 @@ PYTHON
         romrun scene.yml --model m.h5 --accuracy 0.1 -o x.h5
 }
 
+# bats test_tags=slow
 @test "--accuracy never takes a size that failed on many scenes, or without an indicator on one" {
     for lost in 'indicated_deviation inf' 'indicator_factor 0'; do
         cp c.h5 x.h5
@@ -390,6 +392,7 @@ with h5py.File('x.h5', 'r+') as f:
         romrun scene.yml --model bad.h5
 }
 
+# bats test_tags=slow
 @test "a scene that the chosen size does not do for is solved with the most accurate one" {
     cp c.h5 x.h5
     cat >spoil.py <<'PYTHON'
@@ -411,6 +414,7 @@ PYTHON
         'BEGIN { d = a / b - 1; exit !(d < 1e-3 && d > -1e-3) }'
 }
 
+# bats test_tags=slow
 @test "a spike that the chosen size has wrong is solved with the most accurate one, and no reason to flag" {
     cp c.h5 x.h5
     read -r modes rows <<<"$(/usr/bin/python3 - <<'PYTHON'

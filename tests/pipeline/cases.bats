@@ -99,6 +99,7 @@ assert row["minimum_film_thickness"] == cold["minimum_film_thickness"]
 PYTHON
 }
 
+# bats test_tags=slow
 @test "--cases: friction where scenes slide" {
     sed -i 's/^  density.*/&\n  shear: {law: eyring, tau0: 5e6}/' si.yml
     printf 'slide_roll,physical.load\n0.05,60e3\n0,60e3\n-0.1,62e3\n' >cases.csv

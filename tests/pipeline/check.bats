@@ -57,6 +57,7 @@ PYTHON
         'BEGIN { d = r / f - 1; d = d < 0 ? -d : d; exit !(i > d && i < 0.01) }'
 }
 
+# bats test_tags=slow
 @test "the check does not depend on --jobs, and a second model has the same bits but for the times" {
     deimselect r.h5 --basis b.h5 -o one.h5 --jobs 1 --quiet
     deimselect r.h5 --basis b.h5 -o two.h5 --jobs 3 --quiet

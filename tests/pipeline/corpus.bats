@@ -4,6 +4,7 @@
 
 bats_require_minimum_version 1.5.0
 
+# bats test_tags=slow
 @test "every file of the corpus is refused or accepted as its name says, and does no harm" {
     corpus=$(realpath "$BATS_TEST_DIRNAME/../fuzz/corpus") replay=$(realpath "$BIN/../fuzz/replay")
     export corpus replay

@@ -71,6 +71,7 @@ CSV
     [[ $status == 2 && $output == *"found no case 'none', expected one of: "* ]]
 }
 
+# bats test_tags=slow
 @test "settings of cases are data" {
     # no field is a valid setting: the program refuses each, and names the key
     for field in 'moes.M;touch ran,9' 'moes.M,$(touch ran)' 'moes.M,9;touch ran' "moes.M,'9;touch ran" \
@@ -182,6 +183,7 @@ CSV
     [[ $status == 2 && ${#lines[@]} == 1 && $output == *"found blanks in its path, expected none"* ]]
 }
 
+# bats test_tags=slow
 @test "trajectories: periods are data, and the clone's folder has any name" {
     cp "$BATS_TEST_DIRNAME/../../scenes/studies/transient-load/scene.yml" .
     printf '%s\n' 'MODELS = model' 'include ../lib/trajectories.mk' >Makefile

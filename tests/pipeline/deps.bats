@@ -59,6 +59,7 @@ installs() {
     done
 }
 
+# bats test_tags=slow
 @test "as root, in CI and without a terminal make goes on without a question" {
     export SHELL=/bin/bash
     run -0 answer n USER_ID=0

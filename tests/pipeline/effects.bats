@@ -137,6 +137,7 @@ YAML
     awk -v e="$(value x.h5 step_effect)" 'BEGIN { exit !(e < 0.01 && e >= 0) }'
 }
 
+# bats test_tags=slow
 @test "of adaptive training and of a result of fullrun too" {
     snapgen plan.yml --adaptive --max-points 12 -o adaptive.h5 -q --set discretization=published || [ $? -eq 3 ]
     [ "$(snapgen --print adaptive.h5 step_effect status | grep -c '^[0-9.e-]*,0$')" -ge 10 ]

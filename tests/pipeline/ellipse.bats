@@ -38,6 +38,7 @@ setup() {
     cp "$BATS_FILE_TMPDIR"/{e.yml,e.h5,s.h5,b.h5,r.h5,plan.yml} .
 }
 
+# bats test_tags=slow
 @test "of ellipticity 1 it has the bits of the point contact" {
     for boundary in open zero; do
         fullrun scene.yml --set ellipticity=1 --set boundary=$boundary -o ellipse.h5 --force
@@ -73,6 +74,7 @@ assert abs($open / $expected - 1) < 2e-3 and $zero < 0.995 * $expected"
     done
 }
 
+# bats test_tags=slow
 @test "half and whole domain write the same symmetric fields" {
     half_and_whole_are_symmetric --set boundary=zero # with zero pressure around, the grid carries all of the load
     /usr/bin/python3 - <<'PYTHON'
@@ -219,6 +221,7 @@ except ehdrom.Error as error:
 PYTHON
 }
 
+# bats test_tags=slow
 @test "an FMU has the library's force and films" {
     [ "$(uname -m)" = x86_64 ] || skip "FMUs are made on x86-64"
     make -s -C "$root" DEPS=no VARIANT="$VARIANT" build/fmu/use_fmu
@@ -258,6 +261,7 @@ assert numpy.abs(ellipse["central_film_thickness"][...] / full["central_film_thi
 PYTHON
 }
 
+# bats test_tags=slow
 @test "a slender ellipse has the line contact's physical film in the middle" {
     cat >line.yml <<'YAML'
 contact: line

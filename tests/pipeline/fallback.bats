@@ -108,6 +108,7 @@ PYTHON
     same_contact y.h5 full.h5
 }
 
+# bats test_tags=slow
 @test "an accuracy that no size has, and a model that was never calibrated" {
     fullrun scene.yml -o full.h5 --quiet
     refuse 65 "--accuracy: found 1e-12, expected at least" romrun scene.yml --model c.h5 --accuracy 1e-12 -o x.h5
@@ -188,6 +189,7 @@ PYTHON
     [[ $(h5dump -a settings x.h5) == *"rows (0: all), fallback full"* ]]
 }
 
+# bats test_tags=slow
 @test "in time all steps are the full model's where the reduced one was never checked, or is nowhere as accurate" {
     deimselect tr.h5 --basis tb.h5 -o nm.h5 --no-check
     fullrun moving.yml --grid-of tm.h5 -o full.h5 --quiet

@@ -136,6 +136,7 @@ assert abs(moving['friction_force'][-1] / moving['load'][-1] / moving['friction_
 assert moving['shear_stress_1'].shape == moving['pressure'].shape"
 }
 
+# bats test_tags=slow
 @test "its file opens with h5py, xarray and ncdump" {
     fullrun scene.yml -o result.h5
     run "$BATS_TEST_DIRNAME/open_elsewhere.py" result.h5
@@ -166,6 +167,7 @@ assert moving['shear_stress_1'].shape == moving['pressure'].shape"
     fullrun --check without.h5
 }
 
+# bats test_tags=slow
 @test "--start gives the same answer as a cold start" {
     fullrun scene.yml -o first.h5
     fullrun scene.yml -o cold.h5 --set moes.M=14
@@ -177,6 +179,7 @@ assert moving['shear_stress_1'].shape == moving['pressure'].shape"
     [[ $(h5dump -a input_2_path warm.h5) == *first.h5* ]]
 }
 
+# bats test_tags=slow
 @test "--start tells what it saved: iterations, time, and how far the start was off" {
     fullrun scene.yml -o first.h5
     run fullrun scene.yml -o again.h5 --start first.h5
@@ -202,6 +205,7 @@ PYTHON
     refused 64 "--tolerance: found nan, expected" fullrun scene.yml -o x.h5 --tolerance nan
 }
 
+# bats test_tags=slow
 @test "--repeat changes no number of the solution, whatever the start" {
     fullrun scene.yml -o once.h5
     fullrun scene.yml -o thrice.h5 --repeat 3
@@ -410,6 +414,7 @@ bad_value() {
     (cat scene.yml && echo 'physical: {load: 1e5}') | bad_scene "bad.yml: .*physical"
 }
 
+# bats test_tags=slow
 @test "an Eyring fluid in the film: thinner the lower its stress, and refused where it is not served" {
     cat >sliding.yml <<'YAML'
 contact: line

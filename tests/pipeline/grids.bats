@@ -381,6 +381,7 @@ YAML
         romrun --calibrate plan.yml --model m.h5 "${another[@]}" -o x.h5
 }
 
+# bats test_tags=slow
 @test "--grid-of something else is refused in one line" {
     refuse 66 "none.h5: " fullrun scene.yml --grid-of none.h5 -o x.h5
     refuse 65 "plan.yml: " fullrun scene.yml --grid-of plan.yml -o x.h5

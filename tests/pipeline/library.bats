@@ -145,6 +145,7 @@ refused() {
     done
 }
 
+# bats test_tags=slow
 @test "the static library goes into a plug-in that dlopen loads" {
     outside
     cat >plugin.c <<'C'

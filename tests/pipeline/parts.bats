@@ -97,6 +97,7 @@ for a, b in zip(low[1:-1], high[1:-1]): assert abs(a / b - 1) < 1e-3, (a, b)
 PYTHON
 }
 
+# bats test_tags=slow
 @test "--accuracy, --trade, --check, --export and --jobs of a list" {
     run -0 --separate-stderr romrun base.yml --set moes.M=20 --set moes.L=4 --model parts.yml --accuracy 1e-2
     [ "${#stderr_lines[@]}" -eq 2 ]
@@ -161,6 +162,7 @@ PYTHON
     done
 }
 
+# bats test_tags=slow
 @test "in time a run of a list can be stopped and resumed: the same numbers" {
     set=(--set transient.end_time=60 --quiet)
     romrun moving.yml "${set[@]}" --model in-time.yml -o whole.h5 >/dev/null
@@ -209,6 +211,7 @@ PYTHON
     close_to "$(awk '$1 == "central_film_thickness" { print $2 }' <<<"$output")" "$(solved 9 low.h5)" 1e-6
 }
 
+# bats test_tags=slow
 @test "an FMU holds all models of a list" {
     [ "$(uname -m)" = x86_64 ] || skip "FMUs are made on x86-64"
     sed 's/^moes:.*/physical: {load: 60e3, radius: 0.01, speed: 0.2, modulus: 226e9, viscosity: 0.02}/' moving.yml >si.yml

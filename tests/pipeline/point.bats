@@ -15,6 +15,7 @@ groups:
 YAML
 }
 
+# bats test_tags=slow
 @test "half and whole domain write the same symmetric fields" {
     half_and_whole_are_symmetric
     /usr/bin/python3 - <<'PYTHON'
@@ -104,6 +105,7 @@ PYTHON
     same_data other.h5 cut.h5
 }
 
+# bats test_tags=slow
 @test "a point contact in time: results and snapshots of half and whole domain" {
     sed -i 's/regime: stationary/regime: transient/' scene.yml
     cat >>scene.yml <<'YAML'
@@ -253,6 +255,7 @@ threads_of() {
     done
 }
 
+# bats test_tags=slow
 @test "shows how far it is, and stops soon when interrupted" {
     fullrun scene.yml --set grid.step=0.0078125 --repeat 100 -o x.h5 2>log & # long enough on any machine
     pid=$!

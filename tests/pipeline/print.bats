@@ -99,6 +99,7 @@ PYTHON
     close_to "$(awk -F, 'NR == 2 { print $1 * $3 * 1e6 }' units.csv)" "$(sed -n 's/^central film thickness *[^ ]* *\([^ ]*\) µm/\1/p' answer.txt)" 1e-5
 }
 
+# bats test_tags=slow
 @test "--print --si: units behind the names, in time those of the frame" {
     sed -i -e 's/^moes:.*/physical: {load: 200e3, radius: 0.01, speed: 2, modulus: 226e9, viscosity: 0.04}/' scene.yml
     cat >>scene.yml <<'YAML'

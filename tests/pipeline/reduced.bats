@@ -235,6 +235,7 @@ without_cubature() {
     close_to "$(number red.h5 friction_force)" "$(number old-red.h5 friction_force)" 5e-3
 }
 
+# bats test_tags=slow
 @test "traction in time, from few nodes or from fields" {
     sliding_scene | sed 's/stationary/transient/' >moving.yml
     echo 'transport: upwind' >>moving.yml
@@ -468,6 +469,7 @@ assert len(set(h5py.File('fr.h5')['iteration_state'][...])) == 8 - $lost"
         romrun scene.yml --model m.h5 -o x.h5 --set contact=point --set grid.step=0.001
 }
 
+# bats test_tags=slow
 @test "residuals of another basis, and a model of another contact" {
     podbuild s.h5 -o other.h5 --pressure-modes 8
     refuse 65 "r.h5: basis_sha256: found .*of other.h5: they were made with another basis" \

@@ -24,6 +24,7 @@ setup() {
     cp "$BATS_FILE_TMPDIR"/* .
 }
 
+# bats test_tags=slow
 @test "the model repeats its training and holds between its points" {
     for place in 11-4.5 13-5; do
         set -- --set moes.M=${place%-*} --set moes.L=${place#*-}

@@ -163,6 +163,7 @@ solves() {
     [ "$status" -eq 1 ]
 }
 
+# bats test_tags=slow
 @test "make says what it would do, and cleans, without training" {
     run make -n -f "$lib/pipeline.mk" PLAN=region.yml ACCURACY=1e-2
     [ "$status" -eq 0 ]

@@ -101,6 +101,7 @@ PYTHON
         snapgen "${slow[@]}" -o s.h5 --shard 1/9
 }
 
+# bats test_tags=slow
 @test "--cold: each point depends on itself alone, so shards have the bits of the whole" {
     snapgen plan.yml -o warm.h5
     snapgen plan.yml -o all.h5 --cold --jobs 1

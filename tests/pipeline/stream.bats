@@ -108,6 +108,7 @@ print(sine, s[19:21])
 assert sine < 1e-10 * s[0] / (s[19] - s[20])"
 }
 
+# bats test_tags=slow
 @test "modes of their own of the deflections, and trajectories" {
     podbuild -q s.h5 --deformation independent -o a.h5
     podbuild -q s.h5 --deformation independent --memory 1000K -o b.h5
@@ -285,6 +286,7 @@ print(resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss)" "$@"
     ((direct > libraries + 100000))
 }
 
+# bats test_tags=slow
 @test "Ctrl-C and SIGTERM while snapshots are streamed leave nothing" {
     many
     for signal in INT TERM; do

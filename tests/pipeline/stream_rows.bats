@@ -92,11 +92,13 @@ print('row', *h5py.File('model.h5')['selected_row'][...][::-1], sep='\n')" >rows
     done
 }
 
+# bats test_tags=slow
 @test "a model of streamed residuals is checked as every other" {
     deimselect -q many.h5 --basis b.h5 --memory 5M -o x.h5 || [ $? -eq 4 ]
     romrun --trade --model x.h5 | grep -q "32"
 }
 
+# bats test_tags=slow
 @test "trajectories, of which the iterations are compressed" {
     moving_scene "x_min: -4, x_max: 2, step: 0.02" "end_time: 0.1, fixed_step: 0.01"
     time_plan train 1 "0.1, 0.15, 0.2"
@@ -113,6 +115,7 @@ a, b = (h5py.File(name)['selected_row'][...] for name in ('a.h5', 'x.h5'))
 assert numpy.array_equal(a, b), (a, b)"
 }
 
+# bats test_tags=slow
 @test "a limit that is too small, or no amount, is one line" {
     refuse 71 "--memory: found 0.01 MB, expected at least [0-9.]* MB for 4[0-9]* iterations on 601 nodes and 32 modes" \
         deimselect many.h5 --basis b.h5 --memory 10K -o x.h5
@@ -125,6 +128,7 @@ assert numpy.array_equal(a, b), (a, b)"
     done
 }
 
+# bats test_tags=slow
 @test "more directions than there is memory for, and snapshots that are no numbers, are one line" {
     mix noisy.h5 1e-3
     refuse 71 "noisy.h5: snapshots of the residuals: .*more than [0-9]* directions .*give more of it" \
@@ -190,6 +194,7 @@ assert numpy.array_equal(f['iteration'][...], numpy.arange(len(state)))"
     ((many < few + 12000))
 }
 
+# bats test_tags=slow
 @test "Ctrl-C and SIGTERM while residuals are streamed leave nothing" {
     for signal in INT TERM; do
         stop_when $signal "says /4[0-9]* residuals" x.h5 deimselect many.h5 --basis b.h5 --memory 5M -o x.h5 2>log

@@ -134,6 +134,7 @@ VALUES
 }
 
 # The rows of point contacts neglect the effect of the gradient across on the flow along, and vice versa.
+# bats test_tags=slow
 @test "points are told where the gradients affect each other" {
     sliding_scene point 'load: 60, radius: 0.0127, speed: 0.8' 0.3 \
         'x_min: -3, x_max: 1.5, step: 0.125, y_max: 2, half: true' >point.yml
@@ -220,6 +221,7 @@ assert np.allclose(found * [3, 4, 6], found[0] * 3, rtol=1e-12) and found[0] > 0
 PYTHON
 }
 
+# bats test_tags=slow
 @test "a region of sliding and stress trains to its corners" {
     cat >region.yml <<'YAML'
 groups:

@@ -56,6 +56,7 @@ with h5py.File("result.h5") as file:
 PYTHON
 }
 
+# bats test_tags=slow
 @test "its file opens with h5py, xarray and ncdump" {
     fullrun scene.yml -o result.h5 --quiet --set output.fields_every=3
     run "$BATS_TEST_DIRNAME/open_elsewhere.py" result.h5
@@ -75,6 +76,7 @@ with h5py.File(sys.argv[1]) as left, h5py.File(sys.argv[2]) as right:
 PYTHON
 }
 
+# bats test_tags=slow
 @test "what is written changes nothing of the solution" {
     adaptive=(scene.yml --quiet --set transient.tolerance=1e-3)
     sed -i '/fixed_step/d' scene.yml
@@ -239,6 +241,7 @@ PYTHON
 
 # A trajectory of another lubricant at the same place gives no start. When states had no lubricant, the iteration
 # started between both lubricants: 42 iterations in place of 2 in the training of tests/bench/costs.sh.
+# bats test_tags=slow
 @test "points and trajectories of two lubricants in one training" {
     cat >mixed.yml <<'YAML'
 groups:
@@ -265,6 +268,7 @@ with h5py.File("m.h5") as model:
 PYTHON
 }
 
+# bats test_tags=slow
 @test "a model of trajectories alone, and outside of what it was made for" {
     cat >only.yml <<'YAML'
 groups:
@@ -316,6 +320,7 @@ YAML
     awk -v central="${BASH_REMATCH[1]}" -v minimum="${BASH_REMATCH[2]}" 'BEGIN { exit !(central < 1e-5 && minimum < 1e-3) }'
 }
 
+# bats test_tags=slow
 @test "shards of a mixed plan have all of it, once" {
     for k in 1 2 3; do
         snapgen plan.yml -o "s$k.h5" --shard "$k/3" --quiet
@@ -469,6 +474,7 @@ bad_table() {
 # of_formula NAME FIELD: prints a word from the line of a formula in $output.
 of_formula() { sed -n "s/^formula $1 //p" <<<"$output" | tr -d '+%,-' | awk -v field="$2" '{ print $field }'; }
 
+# bats test_tags=slow
 @test "--formulas in time: of the contact at each time, as if it were stationary" {
     # with the published rows the exit of the stationary contact is at a node too
     (cat base.yml && echo 'moes: {M: 14, L: 4}') >still.yml
@@ -495,6 +501,7 @@ of_formula() { sed -n "s/^formula $1 //p" <<<"$output" | tr -d '+%,-' | awk -v f
 # of_traction FIELD: prints a word from the line of the friction formula in $output.
 of_traction() { sed -n 's/^traction evans-johnson //p' <<<"$output" | tr -d '+%,-' | awk -v field="$1" '{ print $field }'; }
 
+# bats test_tags=slow
 @test "--formulas in time: the friction of the contact at each time, as if it were stationary" {
     cat >rest.yml <<'YAML'
 contact: line
@@ -585,6 +592,7 @@ PYTHON
 }
 
 # The load falls to almost nothing, so that the exit leaves a short grid.
+# bats test_tags=slow
 @test "an exit boundary that leaves the domain is done, flagged, and exit 4" {
     sed -e 's/grid: {/&x_max: 1.2, /' \
         -e 's/load:.*/load: {law: ramp, from: 1, to: 0.02, start: 0, duration: 1}/' scene.yml >out.yml

@@ -86,6 +86,7 @@ slides() {
     trapped fullrun slides.yml --formulas --allow-untrusted
 }
 
+# bats test_tags=slow
 @test "thinned flow, heat and all laws of shear stress raise none" {
     local oil='  viscosity: {law: roelands, eta0: 0.08, alpha: 2.0e-8' shear
     local thins='  shear: {law: eyring, tau0: 5e6, in_film: true}'

@@ -177,6 +177,7 @@ with h5py.File("t.h5") as file:
 PYTHON
 }
 
+# bats test_tags=slow
 @test "--vtk: refusals and failed writes leave no file" {
     fullrun scene.yml -o m.h5 --quiet >/dev/null
     sed -i -e 's/^moes:.*/physical: {load: 200e3, radius: 0.01, speed: 2, modulus: 226e9, viscosity: 0.04}/' scene.yml
