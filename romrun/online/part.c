@@ -258,8 +258,8 @@ static const double MAX_RESIDUAL_OVER_CALIBRATION = 100;
  * Measured on 1700 random scenes with two trainings of lines and 60 scenes of the calibration.
  * Scenes inside, with the trained density, take at most 1.9 times the most iterations.
  * Incompressible scenes of these compressible trainings take up to 8 times as many. One in twenty
- * of these scenes, although good, takes more than 5 times as many (romrun/trust/README.md, Results that are
- * rejected). */
+ * of these scenes, although good, takes more than 5 times as many (romrun/trust/README.md, Results
+ * that are rejected). */
 static const double MAX_ITERATIONS_OVER_CALIBRATION = 5;
 
 /* Largest size of a negative pressure of a solution, Hertz pressures. Of 1000 solutions with

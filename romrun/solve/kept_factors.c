@@ -33,7 +33,8 @@ void kept_factors_set(kept_factors *self, const row_system *system, const node_s
 }
 
 /* Largest distance between the exit and the exit of the factors at which the factors are tried,
- * half widths (romrun/online/README.md, In time; test_kept_factors.c, factors_serve_while_exits_are_near). */
+ * half widths (romrun/online/README.md, In time; test_kept_factors.c,
+ * factors_serve_while_exits_are_near). */
 static const double MAX_EXIT_DISTANCE = 0.025;
 
 /* Returns at least one node on the lines of point contacts, whose steps are longer than

@@ -399,12 +399,11 @@ static ehd_status gauss_newton(reduced_info *info, reduced_state *state, reduced
 
 // ---- in time, with the factors of an earlier Jacobian
 
-/* MAX_KEPT_ITERATIONS: largest number of iterations with kept factors. MAX_KEPT_RATE: largest
- * ratio of successive changes with kept factors (romrun/online/README.md, In time). With 8 and 0.5 a reduced
- * model of scenes/examples/line-in-time (step 0.02) takes 232 iterations. With at most 3 it takes
- * 264. With a rate of 0.2 it takes 188, of which more have own Jacobians. With 0.9 it takes 237
- * (test_kept_factors.c, kept_factors_serve_steps_alike). */
-static const size_t MAX_KEPT_ITERATIONS = 8;
+/* Largest ratio of successive changes with kept factors (romrun/online/README.md, In time), and the
+ * ratio that is assumed before the second step. With 0.5 a reduced model of
+ * scenes/examples/line-in-time (step 0.02) takes 232 iterations. With 0.2 it takes 188, of which
+ * more have own Jacobians. With 0.9 it takes 237 (test_kept_factors.c,
+ * kept_factors_serve_steps_alike). */
 static const double MAX_KEPT_RATE = 0.5;
 
 /* MAX_KEPT_CHANGE: change of P in one iteration above which the iteration would need damping, L2
@@ -465,10 +464,6 @@ typedef enum { KEPT_CONVERGED, KEPT_SLOW, KEPT_FAILED } kept_outcome;
 static bool take_kept_step(kept_iterate *at, reduced_info *info, reduced_state *state,
                            reduced_solver *self, const kept_factors *kept) {
     const reduced_model *model = self->model;
-    // Rate of convergence that is assumed before the second step. With 0.3 a model of
-    // scenes/examples/line-in-time takes 232 iterations. With 0.03 it takes 220, and the film is
-    // the same to 1e-6.
-    const double first_rate = 0.3;
     double before = at->change, *step = self->system.step, *right = self->system.right;
     size_t num_rows = system_fill_right(&self->system, &self->nodes, state->coordinates, kept->row,
                                         kept->num_rows, kept->weight);
@@ -478,9 +473,9 @@ static bool take_kept_step(kept_iterate *at, reduced_info *info, reduced_state *
         least_squares_again(step, kept->factors, kept->matrix, right, num_rows))
         return false;
     at->change = sqrt(grid_cell(&model->grid)) * vector_norm(step, model->num_pressure);
-    double rate = isnan(before) ? first_rate : at->change / before;
-    at->slow = at->change < MAX_KEPT_CHANGE && !(rate < MAX_KEPT_RATE);
-    if (!(at->change < MAX_KEPT_CHANGE && rate < MAX_KEPT_RATE)) return false;
+    double rate = isnan(before) ? MAX_KEPT_RATE : at->change / before;
+    at->slow = at->change < MAX_KEPT_CHANGE && !(rate <= MAX_KEPT_RATE);
+    if (!(at->change < MAX_KEPT_CHANGE && rate <= MAX_KEPT_RATE)) return false;
     double film = nodes_at_centre(model, self->nodes.now.film);
     double change = nodes_central_change(&self->nodes, step);
     at->converged =
@@ -502,7 +497,7 @@ static kept_outcome iterate_with(kept_factors *factors, reduced_info *info, redu
     double start = program_seconds();
 
     exits_watch_in_time(&self->exits, INFINITY);
-    for (size_t iteration = 0; iteration < MAX_KEPT_ITERATIONS; iteration++) {
+    for (size_t iteration = 0; iteration < self->settings.max_iterations; iteration++) {
         evaluate(self, state, iteration == 0 ? known : NULL, contact, squeeze, AT_STATE);
         if (made && iteration == 0) make_factors(factors, self, squeeze);
         start = add_seconds(&info->seconds_rows, start);
@@ -524,8 +519,8 @@ static kept_outcome iterate_with(kept_factors *factors, reduced_info *info, redu
 }
 
 /* Iterates with factors of the Jacobian at the state, which is near the solution. Returns false if
- * that does not converge, with the initial state, or if exits have moved, with a state nearer to the
- * solution: other rows are active then. */
+ * that does not converge, with the initial state, or if exits have moved, with a state nearer to
+ * the solution: other rows are active then. */
 static bool end_near(reduced_info *info, reduced_state *state, reduced_solver *self,
                      const ehd_contact *contact, const reduced_squeeze *squeeze) {
     const size_t bytes = self->model->band.num_lines * sizeof(size_t);
@@ -541,16 +536,12 @@ static bool end_near(reduced_info *info, reduced_state *state, reduced_solver *s
     return info->near_factors;
 }
 
-/* Returns whether to try the kept factors. With factors of a much shorter time step each iteration
- * changes the solution too little, by the ratio of the rates. Such a small change would be taken
- * for convergence. At a ratio of 3 the iterations converge at a rate of 2/3, which is slower than
- * MAX_KEPT_RATE allows. */
+/* Returns whether to try the kept factors. With factors of a time step shorter by a factor q each
+ * iteration changes the solution too little, by q, and converges at a rate of 1 - 1/q. Such a small
+ * change would be taken for convergence if this rate exceeds MAX_KEPT_RATE. */
 static bool kept_are_of_use(const reduced_solver *self, const reduced_squeeze *squeeze) {
-    // largest ratio of the rate of the factors to the rate of the step (romrun/online/README.md, In time)
-    const double most_shorter = 3;
-
     return squeeze && self->kept.valid && !self->observer &&
-           self->kept.rate <= most_shorter * squeeze->rate;
+           self->kept.rate * (1 - MAX_KEPT_RATE) <= squeeze->rate;
 }
 
 /* Iterates with the kept factors, if they are of use. If that converges too slowly, it goes on with

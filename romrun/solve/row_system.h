@@ -57,10 +57,10 @@ double system_flow_doubt(row_system *self, const node_state *nodes, double rigid
                          const ehd_contact *contact);
 
 /* Returns the pressures about which a step in time is linearised while it is far from its solution
- * (romrun/online/README.md, In time). `last`, the uncut pressures of the last state: at each node the higher one
- * of `last` and the state that `nodes` holds. `last` NULL, after system_evaluate: where the
- * pressure has risen, the state's; where it has fallen, the pressure whose mobility is that of the
- * linear rows. */
+ * (romrun/online/README.md, In time). `last`, the uncut pressures of the last state: at each node
+ * the higher one of `last` and the state that `nodes` holds. `last` NULL, after system_evaluate:
+ * where the pressure has risen, the state's; where it has fallen, the pressure whose mobility is
+ * that of the linear rows. */
 const double *system_about(row_system *self, const node_state *nodes, double rigid_approach,
                            const ehd_contact *contact, const double *last);
 

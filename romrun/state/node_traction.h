@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Traction of a state from its values at nodes, by the model's cubature (romrun/solve/README.md, Traction):
- * nothing has the size of the grid. */
+/* Traction of a state from its values at nodes, by the model's cubature (romrun/solve/README.md,
+ * Traction): nothing has the size of the grid. */
 #ifndef EHD_NODE_TRACTION_H
 #define EHD_NODE_TRACTION_H
 

@@ -48,8 +48,8 @@ reduced_errors functionals_other_errors(
     const reduced_state *state, const ehd_contact *contact,
     const double *added); // [rows of the model] squares of other residuals, counted in this row
 
-/* Returns the error of P at the row's node where P is largest. It costs one quantity in place of one
- * per node. */
+/* Returns the error of P at the row's node where P is largest. It costs one quantity in place of
+ * one per node. */
 double functionals_peak_error(functionals *self, reduced_solver *solver, const double *added);
 
 /* Returns the error of the friction of the last stationary solution over the reference load. Where

@@ -76,9 +76,8 @@ static reduced_info take_time_step(time_step *self, double shorter) {
 }
 
 /* Factors of the same step are as good as a Jacobian in every iteration. Factors of a step that is
- * shorter by a sixth take a few iterations more. With a step a third as long they would converge at
- * a rate of 0.6, which the second iteration shows. The solver then uses the Jacobian at the result
- * of the first iteration, so only one iteration is lost. */
+ * shorter by a sixth take a few iterations more. Factors of a step a third as long would converge at
+ * a rate of 2/3. The solver does not use them. */
 static void kept_factors_serve_steps_alike(void **state) {
     (void)state;
     for (size_t s = 0; s < TRAINED_STATES; s += 5)
