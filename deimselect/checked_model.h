@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Checks a new model on scenes between its training points and writes it. */
+/* Checks a new model on scenes between its training points and writes it (README.md, The check).
+ * Called by main.c. */
 #ifndef EHD_CHECKED_MODEL_H
 #define EHD_CHECKED_MODEL_H
 

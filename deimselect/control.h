@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Selects the control rows, which are evaluated after a solution to estimate its error. */
+/* Selects the control rows, which are evaluated after a solution to estimate its error (README.md,
+ * Control rows).
+ * Called by row_choice.c. */
 #ifndef EHD_CONTROL_H
 #define EHD_CONTROL_H
 

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Chooses the nodes at which a model evaluates shear stresses, and their weights
- * (romrun/solve/README.md, Traction). */
+/* Chooses the nodes at which a model evaluates shear stresses, and their weights, by non-negative
+ * least squares (romrun/solve/README.md, Traction).
+ * Called by main.c, and by row_plan.c for the memory. */
 #ifndef EHD_CUBATURE_H
 #define EHD_CUBATURE_H
 

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Reads rows that another program has selected. */
+/* Reads rows that another program has selected (schemas/model.md).
+ * Called by main.c for --rows-from. */
 #ifndef EHD_GIVEN_ROWS_H
 #define EHD_GIVEN_ROWS_H
 

@@ -10,7 +10,8 @@
  *     I, i                            rows, row
  *
  * The system for a is square and grows by one row and one column in each step. Givens rotations
- * update its QR factors in O(size^2). A new factorisation would take O(size^3). */
+ * update its QR factors in O(size^2). A new factorisation would take O(size^3).
+ * Called by row_choice.c for --method joint, and by exits.c. */
 #include "deimselect/selection.h"
 
 #include <cblas.h>

@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* deimselect: selects the rows of the online model and writes it. */
+/* deimselect: selects the rows of the online model and writes it (README.md). It reads options and
+ * files, plans the memory, selects, and checks the model.
+ * Called from the command line, and by the pipelines in scenes. */
 #include "common/artefact/artefact.h"
 #include "common/output/check.h"
 #include "common/output/print.h"

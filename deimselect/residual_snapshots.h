@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Snapshots for row selection: the iterations of the reduced training. They are in memory, or
- * streamed from their file. */
+/* Holds the snapshots for row selection, the iterations of the reduced training, and computes
+ * their POD (README.md, What is selected from). They are in memory, or streamed from their file.
+ * Called by main.c, row_choice.c, row_plan.c and control.c, and by snapgen. */
 #ifndef EHD_RESIDUAL_SNAPSHOTS_H
 #define EHD_RESIDUAL_SNAPSHOTS_H
 

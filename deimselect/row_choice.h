@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Selects rows from residual snapshots and measures their stability. */
+/* Selects rows from residual snapshots and measures their stability (README.md, Methods; Maier et
+ * al. (2015), section 3.2).
+ * Called by main.c, and by snapgen/trial.c in adaptive training. */
 #ifndef EHD_ROW_CHOICE_H
 #define EHD_ROW_CHOICE_H
 

@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Plans the memory of row selection: whether residual snapshots are read at once or streamed. */
+/* Plans the memory of row selection: whether residual snapshots are read at once or streamed
+ * (README.md, More than fits in memory).
+ * Called by main.c. */
 #ifndef EHD_ROW_PLAN_H
 #define EHD_ROW_PLAN_H
 

@@ -8,7 +8,8 @@
  * which is 1 if the sampled columns A_j are orthogonal. Each step selects the row with the largest
  * product of S over both bases. A new row r multiplies the determinant by 1 + r^T (A^T A)^-1 r and
  * adds r_j^2 to |A_j|^2. The gains r^T (A^T A)^-1 r of all nodes are stored. They and the inverse
- * are kept up to date by rank-1 updates (Sherman and Morrison). */
+ * are kept up to date by rank-1 updates (Sherman and Morrison).
+ * Called by row_choice.c for --method sopt. */
 #include "common/algebra/lapack.h"
 #include "deimselect/selection.h"
 

@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Row selection: selects the rows of the Reynolds equation that the online model evaluates. */
+/* Selects the rows of the Reynolds equation that the online model evaluates, by a method of a
+ * table (README.md, Methods).
+ * Called by row_choice.c, and by exits.c and stability.c for the leading modes. */
 #ifndef EHD_SELECTION_H
 #define EHD_SELECTION_H
 

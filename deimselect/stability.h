@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Stability of the selected rows when the exit removes some of them, updated row by row.
+/* Computes the stability of the selected rows when the exit removes some of them, updated row by
+ * row (README.md, Stability). Called by exits.c for each row, and by row_choice.c.
  *
  * Directions that even all rows before an exit determine badly cannot be determined by a
  * selection. At the worst exit of the lower loaded region, all rows have a smallest singular

@@ -1,4 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Computes starts for Newton: coarser grids, the dry contact, and continuation in M and L
+ * (README.md, Starts). Its main functions, full_solve_cold and full_solve_from, are declared in
+ * full_solver.h.
+ * Called by main.c, training.c, full_march.c and resolution.c, and by
+ * romrun/calibrate/fallback.c. */
 #ifndef EHD_CONTINUATION_H
 #define EHD_CONTINUATION_H
 

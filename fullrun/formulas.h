@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Prints published film formulas beside the solution of a contact, a line each. */
+/* Prints published film formulas beside the solution of a contact, a line each
+ * (common/physics/README.md, Film formulas).
+ * Called by main.c for --formulas. */
 #ifndef EHD_FORMULAS_H
 #define EHD_FORMULAS_H
 

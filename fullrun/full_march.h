@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The full model in time: BDF2 steps in the moving frame, for march_run. */
+/* Marches the full model in time: BDF2 steps in the moving frame, for march_run (README.md, In
+ * time).
+ * Called by main.c, by snapgen/trajectory.c, and by recording.c and fallback_march.c of
+ * romrun/calibrate. */
 #ifndef EHD_FULL_MARCH_H
 #define EHD_FULL_MARCH_H
 

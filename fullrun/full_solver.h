@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Full-order solver: Newton on pressure and rigid approach, active set for the exit boundary,
- * GMRES with FFT deflection and a factorised near field (fullrun/README.md). */
+/* Solves a contact at full order: Newton on pressure and rigid approach (eq. 22 of Maier et al.
+ * 2015), active set for the exit boundary (eqs. 18-21), GMRES with FFT deflection and a factorised
+ * near field (fullrun/README.md, Newton).
+ * Called by main.c, training.c, full_march.c and resolution.c, and by romrun/calibrate. */
 #ifndef EHD_FULL_SOLVER_H
 #define EHD_FULL_SOLVER_H
 

@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Memory of the full solver's linear systems. */
+/* Makes the memory of GMRES, which solves the linear systems of Newton (README.md, Linear
+ * systems). The solver itself, full_solve_gmres, is declared in full_solver.h.
+ * Called by full_solver.c, which calls full_solve_gmres in each Newton iteration. */
 #ifndef EHD_GMRES_H
 #define EHD_GMRES_H
 

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Checks whether a solution of the full model may be used. */
+/* Checks whether a solution of the full model may be used (README.md, Newton).
+ * Called by main.c, training.c and full_march.c, and by romrun/calibrate/fallback.c. */
 #ifndef EHD_JUDGE_H
 #define EHD_JUDGE_H
 

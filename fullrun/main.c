@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* fullrun: solves one scene with the full model. */
+/* fullrun: solves one scene with the full model (README.md). It reads options and the scene, calls
+ * the solver or the march, and writes the result.
+ * Called from the command line, and by the pipelines in scenes. */
 #include "common/output/check.h"
 #include "common/output/grid_file.h"
 #include "common/output/inputs.h"

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Approximate inverse of a sparse matrix on the nodes of a large point contact, in place
- * of its factors: a cycle of multigrid with relaxation by lines (fullrun/README.md,
- * Large point contacts). */
+/* Computes an approximate inverse of a sparse matrix on the nodes of a large point contact, in
+ * place of its factors: a cycle of multigrid with relaxation by lines (fullrun/README.md, Large
+ * point contacts).
+ * Called by gmres.c as the preconditioner. */
 #ifndef EHD_MULTIGRID_H
 #define EHD_MULTIGRID_H
 

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Carries previous states of the full model over into the current frame (Maier et al. (2015),
- * eq. 15; common/time/README.md), at fixed places or along the path of the fluid. Cubic splines
- * interpolate along the lines of the grid and, on a point contact, from line to line. */
+/* Carries previous states of the full model over into the current frame (Maier et al. (2015), eq.
+ * 15; common/time/README.md), at fixed places or along the path of the fluid. Cubic splines
+ * interpolate along the lines of the grid and, on a point contact, from line to line.
+ * Called by full_march.c for each step. */
 #ifndef EHD_PREVIOUS_H
 #define EHD_PREVIOUS_H
 

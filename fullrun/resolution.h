@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Resolution of a stationary solution, and error estimates of its films for domain and step. */
+/* Estimates the errors of the films of a stationary solution for domain and step, and counts the
+ * nodes that resolve it (README.md, Estimates of inlet and step; Richardson's extrapolation).
+ * Called by main.c, by training.c for each trained point, and by romrun/main.c. */
 #ifndef EHD_RESOLUTION_H
 #define EHD_RESOLUTION_H
 

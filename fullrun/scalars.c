@@ -1,4 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Computes films, pressure, load (eq. 9 of Maier et al. 2015), exits and traction of a solution.
+ * Between the nodes it interpolates by polynomials (minimum.h).
+ * Called by main.c, training.c, full_march.c and resolution.c, and by romrun/calibrate. */
 #include "fullrun/full_solver.h"
 
 #include "common/physics/far_field.h"

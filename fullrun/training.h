@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Solves the points of a training set with the full model, each from its parent's solution. */
+/* Solves the points of a training set with the full model, each from its parent's solution
+ * (tree.h; README.md, Starts).
+ * Called by main.c and adaptive.c of snapgen, and by romrun/calibrate/validation.c. */
 #ifndef EHD_TRAINING_H
 #define EHD_TRAINING_H
 

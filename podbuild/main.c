@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* podbuild: builds bases from training solutions. */
+/* podbuild: builds bases from training solutions (README.md). It reads options and files, plans
+ * the memory, builds the bases and writes them.
+ * Called from the command line, and by the pipelines in scenes. */
 #include "common/output/check.h"
 #include "common/output/print.h"
 #include "common/output/vtk.h"

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Files that hold a part of a training in compressed form: the POD of its snapshots (pod.h), and its
- * states in the coordinates of these modes. */
+/* Reads and writes files that hold a part of a training in compressed form: the POD of its
+ * snapshots (pod.h), and its states in the coordinates of these modes (README.md, Parts).
+ * Called by main.c to write, and by snapshot_set.c, bases.c and readers.c to read. */
 #ifndef EHD_PART_FILE_H
 #define EHD_PART_FILE_H
 

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Functions that read and check the files of a training, for --check. */
+/* Reads and checks the files of a training, for --check (schemas/README.md, Content digest).
+ * Used by main.c of podbuild, deimselect and snapgen. */
 #ifndef EHD_TRAINING_READERS_H
 #define EHD_TRAINING_READERS_H
 

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Adaptive training: solves as many points of a plan as a wanted accuracy needs,
- * where they are needed. */
+/* Trains adaptively: solves as many points of a plan as a wanted accuracy needs, where they are
+ * needed (README.md, Training where it matters).
+ * Called by main.c for --adaptive. */
 #ifndef EHD_ADAPTIVE_H
 #define EHD_ADAPTIVE_H
 

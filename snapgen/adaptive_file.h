@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* snapshots.h5 of an adaptive training. Its states are points of the plan in the order in which
- * they were chosen. Each round adds states. */
+/* Reads and writes snapshots.h5 of an adaptive training (schemas/snapshots.md). Its states are
+ * points of the plan in the order in which they were chosen. Each round adds states.
+ * Called by adaptive.c in each round. */
 #ifndef EHD_ADAPTIVE_FILE_H
 #define EHD_ADAPTIVE_FILE_H
 

@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The states of a trajectory that are stored uncompressed. Their number does not depend on the
- * number of steps: they are those at regular times, and those where a quantity that limits the
- * trained range is extreme. All other states are only stored in compressed form. */
+/* Chooses the states of a trajectory that are stored uncompressed. Their number does not depend on
+ * the number of steps: they are those at regular times, and those where a quantity that limits the
+ * trained range is extreme. All other states are only stored in compressed form (README.md,
+ * Training).
+ * Called by trajectory.c for each step. */
 #ifndef EHD_KEPT_STATES_H
 #define EHD_KEPT_STATES_H
 

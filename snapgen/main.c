@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* snapgen: runs a training plan. */
+/* snapgen: runs a training plan (README.md). It reads options and the plan, calls the kind of
+ * training, and writes snapshots or residuals.
+ * Called from the command line, and by the pipelines in scenes. */
 #include "common/output/check.h"
 #include "common/output/grid_file.h"
 #include "common/output/print.h"

@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Chooses the candidates that are trained on next. */
+/* Chooses the candidates that are trained on next: corners of the hull, then largest error
+ * estimates (README.md, Training where it matters).
+ * Called by adaptive.c in each round. */
 #ifndef EHD_POINT_CHOICE_H
 #define EHD_POINT_CHOICE_H
 

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Writes plans for the parts of a region that is too wide for one model
- * (schemas/plan.md, part_of). */
+/* Writes plans for the parts of a region that is too wide for one model (README.md, Parts of a
+ * region; schemas/plan.md, part_of).
+ * Called by adaptive.c for --parts, and by main.c for --num-parts. */
 #ifndef EHD_REGION_PARTS_H
 #define EHD_REGION_PARTS_H
 

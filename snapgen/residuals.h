@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Repeats the training with the projected system, the modes and all rows (the paper's level i),
- * to get the snapshots of the row selection. */
+/* Repeats the training with the projected system, the modes and all rows (level i of Maier et al.
+ * (2015), section 3.2), to get the snapshots of the row selection.
+ * Called by main.c for --basis, and by trial.c in adaptive training. */
 #ifndef EHD_RESIDUALS_H
 #define EHD_RESIDUALS_H
 

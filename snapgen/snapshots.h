@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Writes snapshots.h5, in which training_run stores its points one by one. */
+/* Writes snapshots.h5 (schemas/snapshots.md), in which training_run stores its points one by one.
+ * Called by main.c, and by adaptive.c and adaptive_file.c. */
 #ifndef EHD_SNAPSHOTS_H
 #define EHD_SNAPSHOTS_H
 

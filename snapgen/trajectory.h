@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Training on trajectories: every step of a transient scene is a snapshot, compressed as it comes,
- * so that neither memory nor files grow with the number of steps. */
+/* Trains on trajectories: every step of a transient scene is a snapshot, compressed as it comes
+ * (pod_stream.h), so that neither memory nor files grow with the number of steps.
+ * Called by main.c for the full model, and by residuals.c for the projected system. */
 #ifndef EHD_TRAJECTORY_H
 #define EHD_TRAJECTORY_H
 

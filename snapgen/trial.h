@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Makes a reduced model of the points solved so far, and estimates its
- * errors at other contacts. */
+/* Makes a reduced model of the points solved so far, and estimates its errors at other contacts
+ * (README.md, Training where it matters).
+ * Called by adaptive.c in each round. */
 #ifndef EHD_TRIAL_H
 #define EHD_TRIAL_H
 

@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Cholesky factors of symmetric positive definite matrices of a few hundred rows. */
+/* Computes Cholesky factors of symmetric positive definite matrices of a few hundred rows, and
+ * solves systems by them. The method is Cholesky's, in blocks of rows.
+ * Called by least_squares.c and guess.c in romrun/solve, and by romrun/model/start_shift.c. */
 #ifndef EHD_CHOLESKY_H
 #define EHD_CHOLESKY_H
 

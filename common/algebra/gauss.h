@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Gauss' rule (Gauss-Legendre) on 0 ... 1. */
+/* Holds places and weights of Gauss' rule (Gauss-Legendre) on 0 ... 1.
+ * Used by far_field.c and traction.c in common/physics for integrals beyond the grid. */
 #ifndef EHD_GAUSS_H
 #define EHD_GAUSS_H
 

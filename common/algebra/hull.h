@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Convex hulls of points in any dimension, without their facets. */
+/* Computes distances from the convex hull of points in up to four dimensions, without facets. The
+ * method is non-negative least squares (nnls.h).
+ * Called by romrun/trust to check the trained range and lubricants, and by
+ * snapgen/point_choice.c. */
 #ifndef EHD_HULL_H
 #define EHD_HULL_H
 

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Meaning of LAPACKE's return values. */
+/* Converts LAPACKE's return values to a status. Their meaning is that of LAPACK's manual.
+ * Called by podbuild and deimselect after their calls of LAPACKE. */
 #ifndef EHD_LAPACK_H
 #define EHD_LAPACK_H
 

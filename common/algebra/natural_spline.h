@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Natural cubic splines through nodes at equal distances. */
+/* Computes natural cubic splines through nodes at equal distances, by the tridiagonal equations of
+ * their second derivatives.
+ * Called by common/time/film_errors.c and by romrun/state/film_splines.c. */
 #ifndef EHD_NATURAL_SPLINE_H
 #define EHD_NATURAL_SPLINE_H
 

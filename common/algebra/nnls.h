@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Non-negative least squares. */
+/* Solves non-negative least squares by active sets (Lawson and Hanson 1974).
+ * Called by hull.c for distances, and by deimselect/cubature.c for weights of nodes. */
 #ifndef EHD_NNLS_H
 #define EHD_NNLS_H
 

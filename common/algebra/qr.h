@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Triangular form of a matrix by reflections (Householder 1958), and least squares by it. */
+/* Reduces a matrix to triangular form by reflections (Householder 1958), and solves least squares.
+ * Called by nnls.c, by common/physics/far_angle.c and by romrun/solve/least_squares.c. */
 #ifndef EHD_QR_H
 #define EHD_QR_H
 

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The dimensionless contact: grid, geometry, elasticity, lubricant and operating point. In the
- * comments of this folder "Maier et al." means Maier, Hager, Hetzler, Seemann, Tribology
- * International 2015. */
+/* Computes the dimensionless contact: grid, geometry, elasticity, lubricant and operating point
+ * (README.md, Equations and kinds of contact). In the comments of this folder "Maier et al." means
+ * Maier, Hager, Hetzler, Seemann, Tribology International 2015.
+ * Called by common/settings/scene_contact.c, which makes contacts, and by all solvers. */
 #ifndef EHD_CONTACT_H
 #define EHD_CONTACT_H
 

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Place of a contact among others of its kind and shape. A stationary solution depends on these
- * coordinates alone. */
+/* Computes the place of a contact among others of its kind and shape (README.md, Moes numbers). A
+ * stationary solution depends on these coordinates alone.
+ * Called by guess.c and trained_range.c in romrun, by common/training and by snapgen. */
 #ifndef EHD_CONTACT_PLACE_H
 #define EHD_CONTACT_PLACE_H
 

@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Elastic deflection of the half space: the convolution of pressure and kernel, by FFT. */
+/* Computes the elastic deflection of the half space: the convolution of pressure and kernel (eq.
+ * 10 of Maier et al.; README.md, Deflection), by FFT.
+ * Called by fullrun in each iteration of GMRES, and by podbuild, deimselect and romrun to deflect
+ * modes and states. */
 #ifndef EHD_DEFLECTION_H
 #define EHD_DEFLECTION_H
 

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Density laws. */
+/* Computes the density: incompressible, or by Dowson and Higginson (README.md, Lubricants).
+ * Called by lubricant.c through the table density_laws (laws.c). */
 #include "common/physics/laws.h"
 
 const lubricant_law density_incompressible = {.name = "incompressible"};

@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The shape of the dry contact, the ellipse of Hertz (README.md, Elliptical contacts). */
+/* Computes the shape of the dry contact, the ellipse of Hertz, by Carlson's integrals (README.md,
+ * Elliptical contacts).
+ * Called by contact.c, by film_formulas.c, and by the readers of grids. */
 #ifndef EHD_ELLIPSE_H
 #define EHD_ELLIPSE_H
 

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The exit boundary, where the pressure ends behind the contact: P >= 0, Lambda >= 0, Lambda P = 0
- * (eqs. 7 and 39 of Maier et al. 2015). The full and the reduced model share these functions. */
+/* Computes the exit boundary, where the pressure ends behind the contact: P >= 0, Lambda >= 0,
+ * Lambda P = 0 (eqs. 7 and 39 of Maier et al. 2015). The full and the reduced model share these
+ * functions.
+ * Called by fullrun/full_solver.c and romrun/solve/exit_search.c to move the exit. */
 #ifndef EHD_EXIT_H
 #define EHD_EXIT_H
 

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Flow of a Ree-Eyring fluid between sliding surfaces (README.md, thinned flow).
+/* Computes the flow of a Ree-Eyring fluid between sliding surfaces (README.md, Thinned flow).
+ * Called by reynolds.c for the mobility, and by traction.c for the shear stress.
  *
  * Two numbers determine it. The rate N = eta |u1 - u2|/(tau0 h) is the Newtonian stress of the
  * sliding over Eyring's. The gradient Sigma = h |dp/dx|/(2 tau0) is the change of the stress from

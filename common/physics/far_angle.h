@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Dependence of the pressure far from a contact on the direction (README.md, far field). */
+/* Computes how the pressure far from a contact depends on the direction, by collocation with
+ * Chebyshev polynomials (README.md, Far field).
+ * Called by ellipse.c for each shape (far_angle_of), and by far_field.c. */
 #ifndef EHD_FAR_ANGLE_H
 #define EHD_FAR_ANGLE_H
 

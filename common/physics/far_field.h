@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Far field around the grid of a point contact or an ellipse with an open boundary (README.md, far
- * field). */
+/* Computes the far field around the grid of a point contact or an ellipse with an open boundary
+ * (README.md, Far field).
+ * Called by traction.c, by fullrun, and by the rooms state, solve and trust of romrun. */
 #ifndef EHD_FAR_FIELD_H
 #define EHD_FAR_FIELD_H
 

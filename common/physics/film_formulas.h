@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Published film formulas for stationary contacts, as H = h R/a^2. */
+/* Computes published film formulas for stationary contacts, as H = h R/a^2 (README.md, Film
+ * formulas).
+ * Called by contact.c for cold starts, by grid_choice.c, and by fullrun/formulas.c. */
 #ifndef EHD_FILM_FORMULAS_H
 #define EHD_FILM_FORMULAS_H
 

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Default grid of a contact: long enough for its inlet and fine enough for its film (README.md,
- * default grid). */
+/* Chooses the default grid of a contact: long enough for its inlet and fine enough for its film
+ * (README.md, Default grid).
+ * Called by common/settings/scene_contact.c, common/time/time_grid.c and
+ * common/training/training_set.c. */
 #ifndef EHD_GRID_CHOICE_H
 #define EHD_GRID_CHOICE_H
 

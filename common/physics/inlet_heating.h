@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Effect of shear heating in the inlet on the film: a published factor on the isothermal film,
- * which is reported beside it (README.md, Inlet heating). */
+/* Computes the effect of shear heating in the inlet on the film: a published factor on the
+ * isothermal film, which is reported beside it (README.md, Inlet heating).
+ * Called by common/output for results and tables of cases, and by romrun/library/solve.c. */
 #ifndef EHD_INLET_HEATING_H
 #define EHD_INLET_HEATING_H
 

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The lubricant laws by name. A new law is declared here and gets a line in laws.c or
- * shear_laws.c. */
+/* Declares the lubricant laws by name (README.md, Lubricants). A new law is declared here and gets
+ * a line in laws.c or shear_laws.c.
+ * Included by the sources of laws and tables, and by sources that need a certain law. */
 #ifndef EHD_LAWS_H
 #define EHD_LAWS_H
 

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Lubricant laws: viscosity and density as functions of pressure, and shear stress as a function of
- * pressure and rate of shear.
+/* Computes lubricant laws: viscosity and density as functions of pressure, and shear stress as a
+ * function of pressure and rate of shear (README.md, Lubricants).
+ * Called by contact.c (lubricant_init), by reynolds.c for all nodes, and by traction.c.
  *
  * A law is one lubricant_law and one line in a table of laws.c or shear_laws.c. It also gives the
  * names of its parameters in a scene. Settings, --help and the stored text of a scene follow from

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The minimum of a film between the nodes. */
+/* Computes the minimum of a film between the nodes, by quartics through five nodes.
+ * Called by fullrun/scalars.c and romrun/state/node_state.c for the minimum film. */
 #ifndef EHD_MINIMUM_H
 #define EHD_MINIMUM_H
 

@@ -1,10 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The discrete Reynolds operator, for any list of rows.
+/* Computes the discrete Reynolds operator, for any list of rows.
  *
  * A row is the residual of d/dx(eps dP/dx) + d/dy(eps dP/dy) = U d(rho H)/dx + d(rho H)/dT at a
  * node (eq. 7 of Maier et al. 2015 without the multiplier of cavitation) and its derivatives by
  * pressure and film at the nodes of its stencil. Each solver chooses the rows, and relates P and H
- * to its own unknowns. */
+ * to its own unknowns.
+ * Called by fullrun/full_solver.c and romrun/solve/row_system.c in each iteration, by
+ * romrun/solve/exit_search.c, and by romrun/trust. */
 #ifndef EHD_REYNOLDS_H
 #define EHD_REYNOLDS_H
 

@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Laws of shear stress. */
+/* Computes laws of shear stress: Newton, Ree and Eyring, limiting stress, Carreau (README.md,
+ * Traction).
+ * Called by lubricant.c through the table shear_laws (shear_laws.c). */
 #include "common/physics/laws.h"
 
 #include <math.h>

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The table of shear stress laws, in a file of its own like laws.c. A scene that names no law has
- * the first one. */
+/* Holds the table of shear stress laws (README.md, Traction), in a file of its own like laws.c. A
+ * scene that names no law has the first one.
+ * Used by lubricant.c and by common/settings. */
 #include "common/physics/laws.h"
 
 const lubricant_law *const shear_laws[] = {

@@ -1,6 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Traction: the effect of the shear of the film on the two surfaces (README.md, traction). Surface
- * 1, below the film, moves at u1, surface 2 at u2. (u1 - u2)/u_m is the contact's slide_roll. */
+/* Computes traction: the effect of the shear of the film on the two surfaces (README.md,
+ * Traction). Surface 1, below the film, moves at u1, surface 2 at u2. (u1 - u2)/u_m is the
+ * contact's slide_roll.
+ * Called by fullrun/scalars.c, romrun/state/node_traction.c, romrun/library/traction.c and
+ * common/output. */
 #ifndef EHD_TRACTION_H
 #define EHD_TRACTION_H
 

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The published traction curve of a Ree-Eyring fluid, from mean conditions in the contact
- * (README.md, Traction curve). */
+/* Computes the published traction curve of a Ree-Eyring fluid, from mean conditions in the contact
+ * (README.md, Traction curve).
+ * Called by fullrun/formulas.c for --formulas. */
 #ifndef EHD_TRACTION_FORMULA_H
 #define EHD_TRACTION_FORMULA_H
 

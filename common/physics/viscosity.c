@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Viscosity laws. */
+/* Computes viscosity laws: Barus, Roelands, and modified WLF (eq. 40 of Maier et al. 2015;
+ * README.md, Lubricants).
+ * Called by lubricant.c through the table viscosity_laws (laws.c). */
 #include "common/physics/laws.h"
 
 #include <gsl/gsl_integration.h>

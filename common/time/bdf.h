@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Backward differences of order one and two with variable step (BDF2: Hairer, Norsett, Wanner,
- * Solving Ordinary Differential Equations I, section III.5), and the few states that they use.
- * Steps may have any lengths, in any order (README.md, BDF2). */
+/* Computes backward differences of order one and two with variable step (BDF2: Hairer, Norsett,
+ * Wanner, Solving Ordinary Differential Equations I, section III.5), and holds the few states that
+ * they use. Steps may have any lengths, in any order (README.md, BDF2).
+ * Called by bdf_march.c for each step. */
 #ifndef EHD_BDF_H
 #define EHD_BDF_H
 

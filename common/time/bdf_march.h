@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* March of BDF2 steps (bdf.h) with any model. It holds the accepted states and, along the path,
- * the base. It computes local errors, and saves and restores states. A model supplies the
- * functions of bdf_model. */
+/* Marches by BDF2 steps (bdf.h; README.md, BDF2) with any model. It holds the accepted states and,
+ * along the path, the base. It computes local errors, and saves and restores states. A model
+ * supplies the functions of bdf_model.
+ * Called by fullrun/full_march.c and romrun/online/reduced_march.c. */
 #ifndef EHD_BDF_MARCH_H
 #define EHD_BDF_MARCH_H
 

@@ -1,6 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Errors of rho H in films that time steps and the filter cause. Films take up these errors on the
- * central line of the dry contact and carry them along (common/time/README.md, Errors in time). */
+/* Computes errors of rho H in films that time steps and the filter cause. Films take up these
+ * errors on the central line of the dry contact and carry them along (common/time/README.md,
+ * Errors in time).
+ * Called by bdf_march.c, by fullrun/full_march.c, and by reduced_march.c and time_indicator.c in
+ * romrun. */
 #ifndef EHD_FILM_ERRORS_H
 #define EHD_FILM_ERRORS_H
 

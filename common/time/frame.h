@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The moving frame of a contact that varies with time: everything is scaled by the current contact
- * size and Hertz pressure, time by the reference (Maier et al. 2015, eq. 6; README.md). */
+/* Computes the moving frame of a contact that varies with time: everything is scaled by the
+ * current contact size and Hertz pressure, time by the reference (Maier et al. 2015, eq. 6;
+ * README.md, The moving frame).
+ * Called by march.c for each time, and by both models to carry states from frame to frame. */
 #ifndef EHD_FRAME_H
 #define EHD_FRAME_H
 

@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Histories: load, speed, radius, modulus and approach of a scene as functions of time. */
+/* Computes the histories of a scene: load, speed, radius, modulus and approach as functions of
+ * time (README.md, Histories; sine: eq. 41 of Maier et al. 2015).
+ * Called by march.c for each time, by time_grid.c, and by fullrun/formulas.c. */
 #ifndef EHD_HISTORY_H
 #define EHD_HISTORY_H
 

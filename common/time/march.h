@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The march through time, for the full and the reduced model alike. It makes frames from histories,
+/* Marches through time, for the full and the reduced model alike. It makes frames from histories,
  * controls the step size by the local error (or keeps it fixed), stops at events and repeats
- * rejected steps. */
+ * rejected steps (README.md, Step control).
+ * Called by common/output/time_run.c, romrun/calibrate/recording.c and snapgen/trajectory.c. */
 #ifndef EHD_MARCH_H
 #define EHD_MARCH_H
 

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Filter of films that are carried along their paths. Nothing damps a wave in a film that pressure
+/* Filters films that are carried along their paths. Nothing damps a wave in a film that pressure
  * cannot move: neither the equations, nor cubic splines if a step's path is a whole number of
  * nodes. Once a step the filter damps waves that the grid cannot carry, and waves that make a
- * reduced model's rank grow with the grid (README.md, Along the path). */
+ * reduced model's rank grow with the grid (README.md, Along the path).
+ * Called by fullrun/previous.c and romrun/state/film_splines.c. */
 #ifndef EHD_PATH_FILTER_H
 #define EHD_PATH_FILTER_H
 

@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Default grid of a contact that varies with time, and whether a grid suffices at one time. */
+/* Computes the default grid of a contact that varies with time, and checks whether a grid suffices
+ * at one time (common/physics/README.md, Default grid).
+ * Called by fullrun/main.c and common/training/training_set.c, and by fullrun/full_march.c for
+ * each step. */
 #ifndef EHD_TIME_GRID_H
 #define EHD_TIME_GRID_H
 

@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Scenes between those of a training, for the validation of a model made from it. */
+/* Makes scenes between those of a training, for the validation of a model made from it. Neighbours
+ * are those of Gabriel's graph (deimselect/README.md, The check).
+ * Called by romrun/calibrate/check_scenes.c. */
 #ifndef EHD_BETWEEN_H
 #define EHD_BETWEEN_H
 

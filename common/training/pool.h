@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Threads that work through the points of a tree, each point after its parent. */
+/* Runs threads that work through the points of a tree (tree.h), each point after its parent.
+ * Called by fullrun/training.c, by cases.c and recording.c in romrun/calibrate, and by snapgen. */
 #ifndef EHD_POOL_H
 #define EHD_POOL_H
 

@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The points of a plan as contacts on one grid, and the order in which they are solved. */
+/* Makes the points of a plan as contacts on one grid (common/physics/README.md, Default grid), and
+ * the order in which they are solved (tree.h).
+ * Called by snapgen, podbuild and romrun/calibrate, which read plans. */
 #ifndef EHD_TRAINING_SET_H
 #define EHD_TRAINING_SET_H
 

@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Order in which points are solved: each point starts from a neighbour that is solved before. */
+/* Computes the order in which points are solved: each point starts from a neighbour that is solved
+ * before. The trees are minimum spanning trees (Prim's method).
+ * Called by training_set.c and between.c, and by adaptive.c and point_choice.c of snapgen. */
 #ifndef EHD_TREE_H
 #define EHD_TREE_H
 

@@ -1,6 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Options --accuracy and --accuracy-of: choice of the sizes of a calibrated model, tolerance of the
- * solver, and check of a result against the limits. */
+/* Handles options --accuracy and --accuracy-of: chooses the sizes of a calibrated model, sets the
+ * tolerance of the solver, and checks a result against the limits (README.md, Calibration and the
+ * accuracy dial).
+ * Called by romrun/main.c, by cases.c and reduced_result.c, and by podbuild and deimselect for the
+ * limit. */
 #ifndef EHD_ACCURACY_H
 #define EHD_ACCURACY_H
 

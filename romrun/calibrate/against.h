@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* romrun --against: compares a reduced result with another result of the same scene. */
+/* romrun --against: compares a reduced result with another result of the same scene. Cubics
+ * interpolate fields of another grid.
+ * Called by romrun/main.c. */
 #ifndef EHD_AGAINST_H
 #define EHD_AGAINST_H
 

@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Measures the errors of a model at one of its sizes on scenes with known full solutions. */
+/* Measures the errors of a model at one of its sizes on scenes with known full solutions, and fits
+ * its factors (romrun/trust/README.md, Error estimates).
+ * Called by validation.c for each size. */
 #ifndef EHD_CALIBRATION_H
 #define EHD_CALIBRATION_H
 

@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Chooses the scenes on which a new model is checked, between its training points. */
+/* Chooses the scenes on which a new model is checked, between its training points (between.h;
+ * deimselect/README.md, The check).
+ * Called by deimselect/checked_model.c, and by snapgen/adaptive.c for their number. */
 #ifndef EHD_CHECK_SCENES_H
 #define EHD_CHECK_SCENES_H
 

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* romrun --fallback full: solves a contact with the full model if the reduced model does not solve
- * it well. */
+ * it well (README.md, Fallback).
+ * Called by romrun/main.c, and by verify.c to make a full state. */
 #ifndef EHD_FALLBACK_H
 #define EHD_FALLBACK_H
 

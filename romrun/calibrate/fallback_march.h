@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* romrun --fallback full in time. The reduced model takes a step if it is trusted. Otherwise the
  * full model takes the step from the same states, until the reduced model is trusted again
- * (README.md, Fallback). */
+ * (README.md, Fallback).
+ * Called by romrun/main.c. */
 #ifndef EHD_FALLBACK_MARCH_H
 #define EHD_FALLBACK_MARCH_H
 

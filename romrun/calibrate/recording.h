@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Records trajectories of the full model, which a reduced model then repeats with the same
- * steps. */
+/* Records trajectories of the full model, which a reduced model then repeats with the same steps
+ * (README.md, Calibration and the accuracy dial).
+ * Called by validation.c and calibration.c. */
 #ifndef EHD_RECORDING_H
 #define EHD_RECORDING_H
 

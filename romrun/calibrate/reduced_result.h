@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Converts a reduced solution to a result and judges whether it is trusted. */
+/* Converts a reduced solution to a result and judges whether it is trusted
+ * (romrun/trust/README.md, Results that are rejected).
+ * Called by romrun/main.c, and by cases.c for each case. */
 #ifndef EHD_REDUCED_RESULT_H
 #define EHD_REDUCED_RESULT_H
 

@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Fits the factors of the error estimates in time to steps with known errors. */
+/* Fits the factors of the error estimates in time to steps with known errors
+ * (romrun/trust/README.md, Factors).
+ * Called by calibration.c for each size. */
 #ifndef EHDROM_ROMRUN_TIME_FACTORS_H
 #define EHDROM_ROMRUN_TIME_FACTORS_H
 

@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The sizes of a model, with their measured errors and time, and the choice of a size. */
+/* Holds the sizes of a model, with their measured errors and time, and chooses a size (README.md,
+ * Calibration and the accuracy dial).
+ * Called by accuracy.c, calibration.c and validation.c, by romrun/main.c, and by
+ * snapgen/adaptive.c. */
 #ifndef EHD_TRADE_H
 #define EHD_TRADE_H
 

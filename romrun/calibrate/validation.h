@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Solves scenes with the full model and measures the errors of the sizes of a reduced model on
- * them. */
+ * them (README.md, Calibration and the accuracy dial).
+ * Called by calibrate.c, and by deimselect/checked_model.c. */
 #ifndef EHD_VALIDATION_H
 #define EHD_VALIDATION_H
 

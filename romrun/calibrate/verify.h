@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* romrun --verify: evaluates the residual of the full model at a reduced solution, and one of its
- * Newton steps. */
+ * Newton steps (fullrun/README.md, Newton).
+ * Called by romrun/main.c. */
 #ifndef EHD_VERIFY_H
 #define EHD_VERIFY_H
 

@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Reading and writing basis.h5. */
+/* Reads and writes basis.h5 (schemas/basis.md).
+ * Called by podbuild, deimselect/main.c and snapgen/residuals.c, and by model_file.c and
+ * model_read.c for what both kinds of files hold. */
 #ifndef EHD_BASIS_FILE_H
 #define EHD_BASIS_FILE_H
 

@@ -4,7 +4,8 @@
  * file may therefore replace one that is in use under the same name, but nobody may write into the
  * file.
  * Reading and writing share one walk over an object: each call below either writes the value that
- * it is given, or returns the value in the file. */
+ * it is given, or returns the value in the file.
+ * Called by flat_model.c, by romrun/state, and by online.c and part.c in romrun/online. */
 #ifndef EHD_FLAT_H
 #define EHD_FLAT_H
 

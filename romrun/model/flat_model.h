@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A reduced model in a flat file, with the tables that are otherwise computed when a model is
- * read. */
+/* Writes and reads a reduced model in a flat file, with the tables that are otherwise computed
+ * when a model is read (schemas/flat-model.md).
+ * Called by romrun/online/part.c. */
 #ifndef EHD_FLAT_MODEL_H
 #define EHD_FLAT_MODEL_H
 

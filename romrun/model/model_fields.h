@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Names in a model file, for its writer and its reader. */
+/* Holds names in a model file (schemas/model.md), for its writer and its reader.
+ * Used by model_file.c and model_read.c. */
 #ifndef EHD_MODEL_FIELDS_H
 #define EHD_MODEL_FIELDS_H
 

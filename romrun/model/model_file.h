@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Reading and writing model.h5. */
+/* Reads and writes model.h5 (schemas/model.md).
+ * Called by deimselect to write, and by romrun/online/part.c and romrun/calibrate/calibrate.c to
+ * read. */
 #ifndef EHD_MODEL_FILE_H
 #define EHD_MODEL_FILE_H
 

@@ -1,4 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Reads model.h5 (schemas/model.md; model_file.h). A part of a model gets its own row weights
+ * (weighting.h).
+ * Called by romrun/online/part.c, by romrun/calibrate/calibrate.c, and by readers.c for
+ * --check. */
 #include "romrun/model/basis_file.h"
 #include "romrun/model/model_fields.h"
 #include "romrun/model/model_file.h"

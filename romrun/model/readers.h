@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Readers of basis and model files for --check. */
+/* Reads basis and model files for --check (schemas/README.md, Content digest).
+ * Called by romrun/main.c, and by podbuild/readers.c for the other programs. */
 #ifndef EHD_READERS_H
 #define EHD_READERS_H
 

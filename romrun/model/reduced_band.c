@@ -1,4 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Finds the band of a model: the run of nodes that contains the exits and smallest films of the
+ * training (romrun/solve/README.md). It also checks a stored band.
+ * Called by reduced_build.c to find it, and by flat_model.c and model_read.c to check it. */
 #include "romrun/model/reduced_build.h"
 
 #include "common/algebra/product.h"

@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Building a reduced model from bases on the whole grid. */
+/* Builds a reduced model from bases on the whole grid (romrun/solve/README.md, The exit; Maier et
+ * al. (2015), sections 3.2 and 3.3). Its main function, reduced_model_build, is declared in
+ * reduced_model.h.
+ * Called by deimselect/row_choice.c, by snapgen, and by podbuild/test_weight.c. */
 #ifndef EHD_REDUCED_BUILD_H
 #define EHD_REDUCED_BUILD_H
 

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Updates of cut tables from one exit line to another (Maier et al. (2015), eq. 36), and
- * checkpoints: stored tables of some exit lines, which keep these updates small. */
+/* Updates cut tables from one exit line to another (Maier et al. (2015), eq. 36), and makes
+ * checkpoints: stored tables of some exit lines, which keep these updates small.
+ * Called by reduced_model.c for checkpoints, and by the rooms state, solve and trust. */
 #ifndef EHD_REDUCED_CUT_H
 #define EHD_REDUCED_CUT_H
 

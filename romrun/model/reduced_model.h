@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The reduced model (romrun/online/README.md; Maier et al. (2015), section 3): bases at the nodes
- * that the selected Reynolds rows need, and tables that cut the modes at the exit. Level i (all
- * rows) and level n (selected rows) differ only in the list of rows. */
+/* Declares the reduced model (romrun/online/README.md; Maier et al. (2015), section 3): bases at
+ * the nodes that the selected Reynolds rows need, and tables that cut the modes at the exit. Level
+ * i (all rows) and level n (selected rows) differ only in the list of rows.
+ * Called by podbuild, deimselect and snapgen, which make models, and by romrun. */
 #ifndef EHD_REDUCED_MODEL_H
 #define EHD_REDUCED_MODEL_H
 

@@ -1,4 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Holds the training states of a basis and compares contacts with them. The unknowns are those of
+ * Maier et al. (2015), eqs. 24 and 26.
+ * Called by podbuild and deimselect, by romrun/calibrate, and by reduced_build.c and
+ * model_read.c. */
 #include "common/algebra/rounding.h"
 #include "romrun/model/reduced_model.h"
 

@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The lubricants of the scenes on which a model's error estimates were calibrated. */
+/* Holds the lubricants of the scenes on which a model's error estimates were calibrated
+ * (romrun/trust/README.md, Lubricants).
+ * Called by romrun/calibrate/validation.c, and by trade_file.c and model_read.c. */
 #ifndef EHD_SHOWN_H
 #define EHD_SHOWN_H
 

@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Starts with a single spike. A weighted sum of pressures whose spikes lie at different places has
- * many small spikes. Here the pressures are added along a coordinate that puts all spikes at the
- * same place: 0 at X = 0, 1 at the spike, and from there on in half widths. */
+/* Computes starts with a single spike (romrun/solve/README.md, Spikes). A weighted sum of
+ * pressures whose spikes lie at different places has many small spikes. Here the pressures are
+ * added along a coordinate that puts all spikes at the same place: 0 at X = 0, 1 at the spike, and
+ * from there on in half widths.
+ * Called by reduced_model.c when a model is completed, and by guess.c for each start. */
 #ifndef EHD_START_SHIFT_H
 #define EHD_START_SHIFT_H
 

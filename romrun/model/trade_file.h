@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The table of sizes of a calibrated model, with accuracy and time of each, as part of its
- * file. */
+/* Reads and writes the table of sizes of a calibrated model, with accuracy and time of each, as
+ * part of its file (schemas/model.md).
+ * Called by deimselect/checked_model.c, romrun/calibrate and romrun/online/part.c. */
 #ifndef EHD_TRADE_FILE_H
 #define EHD_TRADE_FILE_H
 

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The online solver as programs call it: open a model once, solve many scenes.
+/* Solves scenes online, as programs call it: open a model once, solve many scenes (README.md).
+ * Called by romrun/main.c, and by the rooms library, fmu and calibrate of romrun.
  *
  *     online_model *model = NULL;
  *     online_solver *solver = NULL;

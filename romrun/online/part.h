@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* One reduced model as the online solver uses it, and its solver. An opened model consists of one
- * such part or, for parts of a region, of several (online.h). */
+/* Holds one reduced model as the online solver uses it, and its solver. An opened model consists
+ * of one such part or, for parts of a region, of several (README.md, Models for parts of a
+ * region).
+ * Called by online.c. */
 #ifndef EHD_ONLINE_PART_H
 #define EHD_ONLINE_PART_H
 

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The march of a model of parts. Each step is solved by the part in whose trained range the contact
+/* Marches a model of parts. Each step is solved by the part in whose trained range the contact
  * lies. A contact that leaves this range is handed to another part (README.md, Models for parts of
- * a region). With a single part it is the march of that part. */
+ * a region). With a single part it is the march of that part.
+ * Called by online.c, and by romrun/calibrate/fallback_march.c. */
 #ifndef EHD_PARTS_MARCH_H
 #define EHD_PARTS_MARCH_H
 

@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Finds where a state's exit line should be, and moves it there (Maier et al. (2015), eq. 39). */
+/* Finds where a state's exit line should be, and moves it there (Maier et al. (2015), eq. 39).
+ * Called by reduced_solver.c in each iteration, by reduced_tangent.c, and by
+ * romrun/trust/functionals.c. */
 #ifndef EHD_EXIT_SEARCH_H
 #define EHD_EXIT_SEARCH_H
 

@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Starts of stationary solutions from the trained ones. */
+/* Computes starts of stationary solutions from the trained ones, by moving least squares
+ * (README.md, Starts).
+ * Called by romrun/online, and by residuals.c and trial.c of snapgen. */
 #ifndef EHD_GUESS_H
 #define EHD_GUESS_H
 

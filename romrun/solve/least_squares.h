@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The overdetermined systems of the reduced Newton iteration (Maier et al. (2015), eq. 28). */
+/* Solves the overdetermined systems of the reduced Newton iteration (Maier et al. (2015), eq. 28;
+ * README.md, Normal equations).
+ * Called by reduced_solver.c in each iteration, by kept_factors.c, and by functionals.c and
+ * reduced_tangent.c. */
 #ifndef EHD_LEAST_SQUARES_H
 #define EHD_LEAST_SQUARES_H
 

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The online solver: Gauss-Newton on the weighted least squares of the selected rows, with a local
- * exit boundary (Maier et al. (2015), eqs. 28, 37-39). Its cost does not depend on the grid. */
+/* Solves a contact online: Gauss-Newton on the weighted least squares of the selected rows, with a
+ * local exit boundary (Maier et al. (2015), eqs. 28, 37-39). Its cost does not depend on the grid.
+ * Called by guess.c and romrun/online, by snapgen, and by podbuild/test_weight.c. */
 #ifndef EHD_REDUCED_SOLVER_H
 #define EHD_REDUCED_SOLVER_H
 

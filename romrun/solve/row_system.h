@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The least-squares problem of an iteration: weighted selected Reynolds rows before the exit,
- * projected elasticity of an independent basis, closure. Owns rows, matrix, factors and step. */
+/* Computes the least-squares problem of an iteration (Maier et al. (2015), eqs. 37 and 38):
+ * weighted selected Reynolds rows before the exit, projected elasticity of an independent basis,
+ * closure. Owns rows, matrix, factors and step.
+ * Called by reduced_solver.c in each iteration, and by reduced_tangent.c. */
 #ifndef EHD_ROW_SYSTEM_H
 #define EHD_ROW_SYSTEM_H
 

@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The least squares with which a solution ended, for estimates of its error (romrun/trust). */
+/* Gives the least squares with which a solution ended (Maier et al. (2015), eq. 28), for estimates
+ * of its error.
+ * Called by romrun/trust/functionals.c; reduced_solver.c makes it. */
 #ifndef EHD_SOLVED_SYSTEM_H
 #define EHD_SOLVED_SYSTEM_H
 

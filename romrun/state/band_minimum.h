@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Minimum over the nodes of a band from few evaluations. */
+/* Finds the minimum over the nodes of a band from few evaluations, by a coarse and a fine search
+ * (romrun/online/README.md, The smallest film).
+ * Called by node_state.c for the minimum film. */
 #ifndef EHD_BAND_MINIMUM_H
 #define EHD_BAND_MINIMUM_H
 

@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Fields of a reduced state on the whole grid: the only work whose cost grows with the grid. They
- * are sums of modes and of the deflections of these modes, which are made once. The kernel adds the
- * change of the deflection by a state's own exits. */
+/* Computes fields of a reduced state on the whole grid: the only work whose cost grows with the
+ * grid. They are sums of modes and of the deflections of these modes (eqs. 24 and 26 of Maier et
+ * al. (2015)), which are made once. The kernel adds the change of the deflection by a state's own
+ * exits.
+ * Called by film_splines.c, and by romrun/online for results with fields. */
 #ifndef EHD_FIELDS_H
 #define EHD_FIELDS_H
 

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Film and pressure of previous reduced states at any point, at a cost independent of the grid. The
- * cubic splines of all modes are made once. A state's spline is a combination of them, since
- * splines are linear in their values. The deflection by the pressures that a state's own exit line
- * cuts is added as splines of the kernel. Values and curvatures at a node are summed once per
- * state, when they are first needed (romrun/online/README.md, In time). */
+/* Computes film and pressure of previous reduced states at any point, at a cost independent of the
+ * grid (romrun/online/README.md, In time). Cubic splines of all modes are made once. A state's
+ * spline is a combination of them. Splines of the kernel add what its own exit line cuts. Values
+ * and curvatures at a node are summed once per state, when they are first needed.
+ * Called by romrun/online for each step, and by snapgen/residuals.c. */
 #ifndef EHD_FILM_SPLINES_H
 #define EHD_FILM_SPLINES_H
 

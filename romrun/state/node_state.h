@@ -1,6 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The state at nodes: pressure and film of coordinates z, cut at an exit line, at the rows' needed
- * nodes and in the band. The object owns the present exit line. */
+/* Computes the state at nodes: pressure and film of coordinates z, cut at an exit line (Maier et
+ * al. (2015), eq. 36), at the rows' needed nodes and in the band. The object owns the present exit
+ * line.
+ * Called by reduced_solver.c in each iteration, by reduced_tangent.c, and by
+ * romrun/trust/functionals.c. */
 #ifndef EHD_NODE_STATE_H
 #define EHD_NODE_STATE_H
 

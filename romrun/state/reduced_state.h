@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The unknowns of a reduced solution, its exit line, and what follows from them at few nodes. */
+/* Holds the unknowns of a reduced solution and its exit line (Maier et al. (2015), eqs. 24 and
+ * 39), and computes what follows from them at few nodes.
+ * Called by all later rooms of romrun, by podbuild/test_weight.c and by snapgen. */
 #ifndef EHD_REDUCED_STATE_H
 #define EHD_REDUCED_STATE_H
 

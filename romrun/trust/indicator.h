@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Error estimates of a reduced solution's films (README.md, Error estimates).
+/* Estimates errors of a reduced solution's films (README.md, Error estimates).
+ * Called by romrun/online/part.c after each solution, and by snapgen/trial.c.
  *
  * The residuals of the over-determined selected rows and of the control rows sample the residual of
  * the Reynolds equation everywhere. The factors of the last iteration give the change of a film by

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Lubricants for which a model's error estimates are known: those of its training and its
- * calibration. */
+/* Checks whether a model's error estimates are known for a lubricant: whether the training or the
+ * calibration had one like it (README.md, Lubricants).
+ * Called by trained_range.c for each contact. */
 #ifndef EHD_KNOWN_LUBRICANTS_H
 #define EHD_KNOWN_LUBRICANTS_H
 

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Error estimates of the films of a reduced model in time (README.md, Error estimates in time).
+/* Estimates errors of the films of a reduced model in time (README.md, Error estimates in time).
+ * Called by romrun/online/reduced_march.c for each step.
  *
  * An error of a film that forms in the inlet goes through the contact with the fluid. Control nodes
  * on the central line sample the residual; they take no part in the solution. The effect on the

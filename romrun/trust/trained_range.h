@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The range of contacts that a model was trained for. */
+/* Checks whether a contact lies in the range that a model was trained for, the convex hull of the
+ * training (README.md, Results that are rejected).
+ * Called by romrun/online for each result, by romrun/calibrate, by deimselect and by
+ * snapgen/adaptive.c. */
 #ifndef EHD_TRAINED_RANGE_H
 #define EHD_TRAINED_RANGE_H
 
