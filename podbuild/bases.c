@@ -15,7 +15,7 @@
 
 // ---- readings
 
-/* Data for reading all sources several times: their rows for the modes, and their states for the
+/* Data for reading all sources several times: the rows for the modes, and the states for the
  * coordinates. */
 typedef struct reading {
     snapshot_set *from;
@@ -29,7 +29,7 @@ typedef struct reading {
     ehd_deflection *deflection; // NULL if coupled
 } reading;
 
-/* Returns the number of fields that are read in all, for the progress. */
+/* Returns the total number of fields that are read, for the progress display. */
 static size_t count_readings(const snapshot_set *from, bool independent) {
     size_t count = from->num_rows * (independent ? 2 : 1);
 
@@ -101,9 +101,9 @@ static ehd_status stream_rows(pod_stream *stream, reading *self, size_t index, b
     return status;
 }
 
-/* Computes the POD of all rows, or of their deflections if `deflected`. Deflection is linear in
- * the pressure. Deflections of compressed snapshots therefore replace the deflections of the
- * original ones. Boundary nodes are included, because they have a film too. */
+/* Computes the POD of all rows, or of their deflections if `deflected`. Deflection is linear in the
+ * pressure. Deflections of compressed snapshots can therefore replace those of the original
+ * snapshots. Boundary nodes are included, because they have a film. */
 static ehd_status find_modes(pod_basis *pod, reading *self, const pod_settings *wanted,
                              bool deflected, ehd_error *error) {
     pod_stream *stream = NULL;
@@ -121,8 +121,8 @@ static ehd_status find_modes(pod_basis *pod, reading *self, const pod_settings *
     return status;
 }
 
-/* Returns the settings for the POD of the rows, with the energy that its modes may omit. The share
- * of this energy is smaller if some rows are parts, because parts have omitted energy before. */
+/* Returns the settings for the POD of the rows, with the energy that its modes may omit. This
+ * energy is smaller if some rows come from parts, because parts have already omitted energy. */
 static pod_settings share_of(const pod_settings *wanted, const snapshot_set *from,
                              const bases_settings *settings) {
     const double share = settings->as_part ? PART_SHARE : from->num_parts > 0 ? ROOT_SHARE : 1;
@@ -133,8 +133,8 @@ static pod_settings share_of(const pod_settings *wanted, const snapshot_set *fro
 }
 
 /* Checks that parts have not omitted too much energy. The limit is a share of the allowed energy.
- * If the number of modes is given and the modes omit more, it is a share of the energy that the
- * modes omit. */
+ * If the number of modes is given and they omit more than that, the limit is a share of the energy
+ * that they omit. */
 static ehd_status check_distance(const pod_basis *pod, const snapshot_set *from,
                                  const bases_settings *settings, const bases_plan *plan,
                                  ehd_error *error) {

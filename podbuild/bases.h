@@ -10,12 +10,12 @@
 #include "podbuild/snapshot_set.h"
 #include "romrun/model/reduced_model.h"
 
-/* Computes the PODs of the pressures and, if independent, of the deflections, the weight D of the
- * first pressure mode, and the training solutions in reduced coordinates. Reads all sources once
- * for the modes, once more for the modes of independent deflections, and once for the coordinates.
- * Afterwards only `basis` holds the modes. Errors: EHD_DATA (more modes than the rank of the
- * snapshots, or parts that omit too much energy), EHD_INTERRUPTED, EHD_MEMORY, EHD_INTERNAL
- * (LAPACK); else as snapshot_set_open. */
+/* Computes the POD of the pressures, the POD of the deflections (if these are independent), the
+ * weight D of the first pressure mode, and the training solutions in reduced coordinates. Reads all
+ * sources once for the modes, once more for the modes of independent deflections, and once for the
+ * coordinates. Afterwards only `basis` holds the modes. Errors: EHD_DATA (more modes are wanted
+ * than the rank of the snapshots, or parts that omit too much energy), EHD_INTERRUPTED, EHD_MEMORY,
+ * EHD_INTERNAL (LAPACK); else as snapshot_set_open. */
 ehd_status bases_build(
     // output:
     reduced_basis *basis,       // free with reduced_basis_free

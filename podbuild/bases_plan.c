@@ -10,21 +10,21 @@
  * bound"). */
 const double LOCAL_SHARE = 0.05, PART_SHARE = 0.05, ROOT_SHARE = 0.9;
 
-/* Share of dropped directions in the energy that remains after the share of the distance
+/* Share of the dropped directions in the energy that is left after the share for the distance
  * (stream.bats, "a small limit: the error within the bound"). */
 static const double DROPPED_SHARE = 0.2;
 
-/* Allowed energy if only the number of modes is given. LOCAL_SHARE then allows a squared distance
- * of 1e-22, which keeps singular values above 1e-11 of the first (README.md, More than fits in
- * memory). */
+/* Allowed energy if only the number of modes is given. With this energy LOCAL_SHARE allows a
+ * squared distance of 1e-22, which keeps singular values above 1e-11 of the first (README.md, More
+ * than fits in memory). */
 static const double EXACT_ENERGY = 4e-20;
 
 /* Lower limit of the local energy. A smaller energy is only round-off (README.md, More than fits
  * in memory). */
 static const double LEAST_LOCAL = 1e-28;
 
-/* Sets the energies that a stream may omit. For a part, half of the root of the energy is for the
- * distance and half for the modes. */
+/* Sets the energies that a stream may omit. For a part file, half of the root of its energy is for
+ * the distance and half for the modes. */
 static void share_energy(bases_plan *plan, const bases_settings *settings) {
     const double part = settings->as_part ? PART_SHARE * PART_SHARE : 1;
     const double local = settings->as_part ? 0.5 : LOCAL_SHARE;

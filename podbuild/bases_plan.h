@@ -12,10 +12,11 @@ typedef struct bases_settings {
     pod_settings pressure;
     pod_settings deformation; // unused if kind is DEFORMATION_COUPLED
     deformation_kind kind;
-    // The number of modes is given and no energy. A stream then omits only round-off before the
+    // The number of modes is given, and no energy. The stream then omits only round-off until the
     // modes are chosen.
     bool exact;
-    // The modes are written as a part. They may omit PART_SHARE of the root of the energy.
+    // The modes are written as a part file. They may omit PART_SHARE of the root of the allowed
+    // energy.
     bool as_part;
 } bases_settings;
 
@@ -28,7 +29,7 @@ typedef struct bases_plan {
     bool at_once;  // all rows are one block
     double limit;  // memory limit, bytes
     double bytes;  // upper bound of the memory of this plan, bytes
-    double energy; // energy that may be omitted in all, relative to the energy of the rows
+    double energy; // total energy that may be omitted, relative to the energy of the rows
     pod_stream_settings stream;
     size_t batch; // number of states that are projected together
 } bases_plan;

@@ -107,9 +107,9 @@ static void report(const reduced_basis *basis, const basis_origin *origin,
         printf("deformation: coupled\n");
 }
 
-/* Prints the distance of each state from the span of the others, if there are as many modes as
- * states. More states would then improve the basis by about this distance. Warns if the median
- * distance exceeds the default accuracy of results. */
+/* If there are as many modes as states, prints the median and the largest distance of a state from
+ * the span of the others. One more state would improve the basis by about this distance. Warns if
+ * the median exceeds the default accuracy of results. */
 static void report_thinness(const program *self, const pod_basis *pressure,
                             const reduced_states *states, const snapshot_set *files) {
     const double promised = accuracy_limit(0);
@@ -217,7 +217,7 @@ static ehd_status write_part(const reduced_basis *basis, const pod_basis *modes,
     return part_write(basis, &origin, self, text, inputs, error);
 }
 
-/* Refuses parts as input of --compress and of --deformation independent. */
+/* Refuses part files as input of --compress and of --deformation independent. */
 static ehd_status check_parts(const snapshot_set *files, const build_options *options,
                               ehd_error *error) {
     const snapshot_source *source = files->sources;
@@ -237,7 +237,7 @@ static ehd_status check_parts(const snapshot_set *files, const build_options *op
 }
 
 /* Plans the memory before the snapshots are read, and prints the plan. If the snapshots are
- * streamed, checks that so much memory is free. */
+ * streamed, checks that this much memory is free. */
 static ehd_status plan_memory(bases_plan *way, const snapshot_set *files, const program *self,
                               const build_options *options, ehd_error *error) {
     ehd_status status = check_parts(files, options, error);

@@ -9,7 +9,7 @@
 #include "common/program/program.h"
 #include "romrun/model/reduced_model.h"
 
-/* Source and omitted energy of a part. */
+/* Source and omitted energy of a part file. */
 typedef struct part_origin {
     size_t num_snapshots; // number of snapshots that the modes were computed from
     size_t num_left_out;  // number of states that had not converged or were not trusted

@@ -109,11 +109,11 @@ void pod_fix_sign(double *mode, size_t num_nodes) {
 
 /* Work arrays of the following functions. All matrices are column-major. */
 typedef struct pod_work {
-    size_t num_nodes, num_states, num_values; // num_values: the smaller of both others
+    size_t num_nodes, num_states, num_values; // num_values: the smaller of the other two
     double *matrix;   // [num_nodes, num_states] the snapshots, later their QR or LQ factors
-    double *scales;   // [num_values] of the factors' reflectors
+    double *scales;   // [num_values] of the reflectors of Q (LAPACK's tau)
     double *triangle; // [num_values, num_values] R or L
-    double *left;     // [num_values, num_values] left singular vectors of the triangle
+    double *left;     // [num_values, num_values] left singular vectors of `triangle`
     double *right;    // [num_values, num_values]
     arena memory;     // memory of all arrays except the matrix
 } pod_work;
@@ -128,8 +128,8 @@ static void work_init(pod_work *work, double *matrix, size_t num_nodes, size_t n
     work->right = arena_table(&work->memory, num, num, sizeof(double));
 }
 
-/* Factorises the snapshots: Q R if there are more nodes than states, otherwise L Q. The triangle, R
- * or L, has the singular values of the snapshots. */
+/* Factorises the snapshots: Q R if there are more nodes than states, otherwise L Q. The triangular
+ * factor, R or L, has the singular values of the snapshots. */
 static ehd_status reduce_to_triangle(pod_work *work, ehd_error *error) {
     const int nodes = (int)work->num_nodes, states = (int)work->num_states;
     const int values = (int)work->num_values;
@@ -239,7 +239,8 @@ void pod_row(double *row, const pod_basis *basis, size_t i) {
 
 double pod_discarded(const pod_basis *basis) {
     const double length = sqrt(basis->tail) + basis->distance;
-    // without a distance the bound is the tail itself; the square of its root would add round-off
+    // if the distance is zero, the bound is the tail itself; the square of its root would add
+    // round-off
     const double omitted = basis->distance > 0 ? length * length : basis->tail;
 
     return basis->energy > 0 ? omitted / basis->energy : 0;

@@ -17,32 +17,33 @@ typedef struct pod_basis {
     size_t num_singular_values;
     double *modes;           // [num_modes, num_nodes] row-major, orthonormal, strongest first; the
                              // largest entry of each mode is positive
-    double *singular_values; // [num_singular_values] descending, also of omitted modes
+    double *singular_values; // [num_singular_values] descending, including the omitted modes
     size_t num_snapshots;
     double energy; // sum of the squares of all snapshots
     double tail;   // energy of the omitted modes and of directions that a stream dropped
-    // Upper bound of the distance, root of the sum of squares, between the given snapshots and
+    // Upper bound of the distance (root of the sum of squares) between the given snapshots and
     // those that were decomposed (pod_stream.h). 0 for one block of snapshots.
     double distance;
 } pod_basis;
 
 typedef struct pod_settings {
     size_t num_modes;        // number of modes; 0: by discarded_energy
-    double discarded_energy; // used if num_modes is 0: the number of modes is the smallest for
-                             // which the omitted squared singular values sum up to at most this
-                             // part of all; at most the numerical rank, at least one
+    double discarded_energy; // used if num_modes is 0: share of the sum of all squared singular
+                             // values that may be omitted. The fewest modes that meet it are taken,
+                             // at least one, at most the numerical rank
     bool at_most;            // num_modes is an upper limit: take fewer modes if the numerical rank
                              // is less
 } pod_settings;
 
 /* Computes a truncated POD by a thin SVD of the snapshots. Their Gram matrix would lose all
- * singular values below 1e-8 of the first. A QR or LQ factorisation comes first, so that the SVD
- * works on a small triangle and only the wanted modes are formed. This is as accurate as LAPACK's
- * dgesdd alone and up to twice as fast.
+ * singular values below 1e-8 of the first. A QR or LQ factorisation comes first. The SVD then works
+ * on a small triangular matrix, and only the wanted modes are formed. This is as accurate as
+ * LAPACK's dgesdd alone and up to twice as fast.
  *
  * Errors: EHD_DATA (as pod_check_snapshots, no snapshots, only zeros, or more modes wanted than the
- * numerical rank, the number of singular values above their number * epsilon * the first);
- * EHD_MEMORY; EHD_INTERNAL (LAPACK). On failure the basis is empty. */
+ * numerical rank); EHD_MEMORY; EHD_INTERNAL (LAPACK). The numerical rank is the number of singular
+ * values above n * epsilon * the first, where n is the number of all. On failure the basis is
+ * empty. */
 ehd_status pod_build(
     // output:
     pod_basis *basis, // free with pod_free
@@ -67,7 +68,7 @@ double pod_discarded(const pod_basis *basis);
  * U S Vᵀ be the SVD of the matrix with a snapshot in each row. The distance is then 1/|S^-1 Uᵀ
  * e_i|, because the diagonal of the inverse Gram matrix holds the inverse squares of the distances,
  * and the norm is |S Uᵀ e_i|. Valid only for a basis with as many modes as snapshots. With fewer
- * modes the others represent each snapshot up to the truncation error. */
+ * modes, the other snapshots represent each snapshot up to the truncation error. */
 void pod_left_out(
     // output:
     double *distance, // [num_states]

@@ -120,9 +120,9 @@ static ehd_status drop_weakest(pod_stream *self, ehd_error *error) {
     return EHD_OK;
 }
 
-/* Makes the new directions, from `first` on, orthogonal to the earlier ones, and orthonormal
- * again. The new directions come from rows of small norm. Round-off divided by this norm is their
- * deviation from orthogonality. */
+/* Makes the new directions, from `first` on, orthogonal to the earlier directions, and orthonormal.
+ * The new directions come from rows of small norm. Their deviation from orthogonality is round-off
+ * divided by this norm. */
 static ehd_status orthogonalise(pod_stream *self, size_t first, ehd_error *error) {
     const size_t num_nodes = self->num_nodes, num = self->rank - first;
     const size_t longest = first > num ? first : num;
@@ -200,7 +200,7 @@ static size_t copy_long_rows(double *rows, double *left_out, const pod_stream *s
 
 /* Computes the POD of the remainders of the waiting rows, whose energy is `left`. The POD omits at
  * most the energy `allowed`. Short rows are omitted first, and the modes may omit the rest of
- * `allowed`. *found has no modes if all rows are short because of round-off. */
+ * `allowed`. If round-off makes all rows short, *found has no modes. */
 static ehd_status decompose_remainder(pod_basis *found, const pod_stream *self, double left,
                                       double allowed, ehd_error *error) {
     double *rows = array_new(self->num_waiting, self->num_nodes, sizeof *rows), left_out;
@@ -244,8 +244,8 @@ static ehd_status take_up(bool *full, double *left, pod_stream *self, components
     subtract(self, to, 0);
     *left = squared(self->waiting, self->num_waiting, self->num_nodes);
     for (int round = 0; !status && !*full && *left > allowed && round < MAX_EXTENSIONS; round++) {
-        // subtract again, because the round-off of the first subtraction may be as large as the
-        // remainder
+        // subtracts once more, because the round-off of the first subtraction may be as large as
+        // the remainder
         subtract(self, to, 0);
         *left = squared(self->waiting, self->num_waiting, self->num_nodes);
         if (!(*left > allowed)) break;
@@ -255,8 +255,8 @@ static ehd_status take_up(bool *full, double *left, pod_stream *self, components
     return status;
 }
 
-/* Adds the components A of the waiting rows to the triangle: R := triangle of [R; A]. `before`:
- * number of directions before this block. */
+/* Adds the components A of the waiting rows to R, which becomes the triangular factor of [R; A].
+ * `before`: number of directions before this block. */
 static ehd_status update_triangle(pod_stream *self, const components *from, size_t before,
                                   ehd_error *error) {
     const size_t rank = self->rank, present = before + self->num_waiting;
@@ -382,8 +382,8 @@ ehd_status pod_stream_add(pod_stream *self, const double *snapshots, size_t coun
         pod_check_snapshots(snapshots, count, num_nodes, self->num_snapshots, error);
 
     for (size_t i = 0; i < count && !status; i++) {
-        // a full block waits for the next snapshot: if none follows, a single block has the exact
-        // POD
+        // a full block is absorbed only if another snapshot follows, because a single block has the
+        // exact POD
         if (self->num_waiting == self->settings.block) status = absorb(self, error);
         if (status) break;
         double *row = self->waiting + self->num_waiting++ * num_nodes;
@@ -417,7 +417,7 @@ double pod_stream_energy(const pod_stream *self) {
     return self->energy;
 }
 
-/* Returns the energy that the modes may still omit, relative to the energy of the triangle. */
+/* Returns the energy that the modes may still omit, relative to the energy of R. */
 static double root_share(const pod_stream *self, double discarded) {
     const double present = squared(self->triangle, self->rank, self->rank);
     const double length = fmax(0, sqrt(discarded * self->energy) - sqrt(self->distance));
@@ -437,7 +437,7 @@ static ehd_status finish_chain(pod_basis *basis, pod_stream *self, const pod_set
     status = turn_to_modes(basis, self, &root, error);
     if (status) return status;
     double *shorter = array_resize(self->directions, self->rank, self->num_nodes, sizeof *shorter);
-    free(basis->modes); // modes of the triangle
+    free(basis->modes); // modes of R
     basis->modes = shorter ? shorter : self->directions;
     self->directions = NULL;
     basis->num_nodes = self->num_nodes;

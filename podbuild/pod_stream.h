@@ -14,7 +14,7 @@
 typedef struct pod_stream_settings {
     // Energies that may be omitted, relative to the energy of all snapshots so far, 0 <= … < 1.
     // local_energy: squared distance of the snapshots from the directions. dropped_energy: energy
-    // of directions that are dropped for lack of room.
+    // of directions that are dropped because max_rank is reached.
     double local_energy, dropped_energy;
     size_t block;    // number of snapshots that are processed together
     size_t max_rank; // largest number of directions; 0: no limit
@@ -22,27 +22,26 @@ typedef struct pod_stream_settings {
 
 typedef struct pod_stream pod_stream;
 
-/* Creates a stream. Snapshots that fit in one block have the POD of pod_build, bit by bit.
- * Otherwise all snapshots so far are represented by orthonormal directions Q, in rows, and a
- * triangle R: the Gram matrix of the snapshots is Qᵀ Rᵀ R Q. Each block B of snapshots changes Q
- * and R:
+/* Creates a stream. If all snapshots fit in one block, the result is bit-identical to that of
+ * pod_build. Otherwise the rows of Q are orthonormal directions, and R is upper triangular. The
+ * Gram matrix of all snapshots so far is Qᵀ Rᵀ R Q. Each block B of snapshots changes Q and R:
  *
  *     A = B Qᵀ,   B' = B - A Q,   Q := [Q; V],   R := triangle of [R 0; A B' Vᵀ]
  *
- * V is the POD of B', up to the allowed distance. Two matrix products, B Qᵀ and A Q, take nearly
- * all of the time.
+ * "triangle" is the triangular factor of a QR factorisation. V is the POD of B', up to the allowed
+ * distance. Two matrix products, B Qᵀ and A Q, take nearly all of the time.
  *
- * Error bound. |.| is the root of the sum of the squares of all entries, S are the snapshots, and
- * X their projections on the directions. d = |S - X|² <= local_energy |S|² is the squared
- * distance. t <= dropped_energy |S|² is the energy of directions that were dropped. P are the
- * modes kept at the end, and sigma' the singular values of the modes that are not kept.
+ * Error bound. |.| is the root of the sum of the squares of all entries, S are the snapshots, and X
+ * their projections on the directions. d = |S - X|² is the squared distance, with d <= local_energy
+ * |S|². t is the energy of dropped directions, with t <= dropped_energy |S|². P are the modes kept
+ * at the end, and sigma' the singular values of the modes that are not kept.
  *
  *     |S - S Pᵀ P| <= sqrt(sum sigma'² + t) + sqrt(d),   |sigma(X) - sigma(S)| <= sqrt(d)
  *
  * Proof: when directions are dropped, the SVD omits a positive semidefinite part of XᵀX, and the
  * traces of these parts add up. The triangle inequality adds S - X. If compressed snapshots are
- * streamed in place of the original ones, p is the squared distance between both, and the bound
- * increases by sqrt(p) (pod_stream_inherit).
+ * streamed in place of the original ones, p is the squared distance between the two sets. The bound
+ * then increases by sqrt(p) (pod_stream_inherit).
  *
  * The result depends only on the snapshots, their order and the settings. */
 ehd_status pod_stream_create(
@@ -56,7 +55,8 @@ pod_stream *pod_stream_free(pod_stream *self); // accepts and returns NULL
 
 /* Adds snapshots. The result does not depend on how many snapshots each call adds. Errors:
  * EHD_DATA: a value is not finite or is above 1e140; the stream is unchanged. EHD_MEMORY (also if
- * there are more directions than room) or EHD_INTERNAL (LAPACK): the stream can only be freed. */
+ * the snapshots need more than max_rank directions) or EHD_INTERNAL (LAPACK): the stream can only
+ * be freed. */
 ehd_status pod_stream_add(
     // in and out:
     pod_stream *self,
@@ -67,7 +67,7 @@ ehd_status pod_stream_add(
 /* Adds the rows of a POD in place of the snapshots of this POD. Errors as pod_stream_add. */
 ehd_status pod_stream_merge(pod_stream *self, const pod_basis *part, ehd_error *error);
 
-/* Adds to p: the squared distance between original snapshots and the compressed ones that were
+/* Increases p by the squared distance between original snapshots and the compressed ones that were
  * added in their place. Parts hold different snapshots, so their squared distances add up. */
 void pod_stream_inherit(pod_stream *self, double squared_distance);
 

@@ -46,8 +46,8 @@ static ehd_status pick(double *to, size_t stride, const char *name, bool attribu
     return status;
 }
 
-/* Reads optional columns. A central film that the file does not have is NaN; other missing values
- * do not change. */
+/* Reads optional columns. If the file has no central film, it is set to NaN. Other numbers without
+ * a column keep their values. */
 static ehd_status pick_optional(reduced_states *states, const column_reader *from,
                                 ehd_error *error) {
     ehd_status status = pick(&states->thinning->sliding, 2, "thinning", true, from, error);
@@ -66,9 +66,9 @@ static ehd_status pick_optional(reduced_states *states, const column_reader *fro
                          error);
 }
 
-/* Reads the rates of change on trajectories. They are set to zero for stationary points, where the
- * columns have no valid values. Only the first state of a trajectory is stationary. `trajectory`:
- * [count], -1 for stationary points. */
+/* Reads the rates of change on trajectories. Stationary points have no valid values in these
+ * columns, so their rates are set to zero. Of a trajectory only the first state is stationary.
+ * `trajectory`: [count], -1 for stationary points. */
 static ehd_status pick_rates(reduced_states *states, const column_reader *from,
                              const int64_t *trajectory, ehd_error *error) {
     double *time = array_new(states->num_states, 1, sizeof *time);
@@ -89,8 +89,9 @@ static ehd_status pick_rates(reduced_states *states, const column_reader *from,
     return status;
 }
 
-/* Lists the converged states, and those of them that are rows. States of a trajectory are no rows,
- * because the compressed steps contain them. Untrusted states (EHD_UNTRUSTED) are left out too. */
+/* Lists the converged states and, of these, the ones that are rows. States of a trajectory are no
+ * rows, because its compressed steps contain them. Untrusted states (EHD_UNTRUSTED) are left
+ * out. */
 static ehd_status choose_states(snapshot_source *source, size_t count, const int64_t *outcome,
                                 const int64_t *trajectory, ehd_error *error) {
     source->entry = array_new(count, 1, sizeof *source->entry);
@@ -159,7 +160,7 @@ static ehd_status learn_states(snapshot_set *self, snapshot_source *source, ehd_
 
 // ---- files
 
-/* Checks that films are carried in the same way in all files with trajectories. */
+/* Checks that all files with trajectories transport films in the same way. */
 static ehd_status check_carriage(snapshot_set *self, artefact *file, const char *path,
                                  ehd_error *error) {
     ehd_carriage carriage;

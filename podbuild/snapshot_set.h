@@ -77,8 +77,8 @@ void snapshot_set_close(snapshot_set *self); // also accepts a zero struct
 ehd_status snapshot_set_use(snapshot_set *self, size_t source, ehd_error *error);
 void snapshot_set_leave(snapshot_set *self, size_t source);
 
-/* Read a pressure field of an open source, [num_nodes] with boundary nodes. The field is that of a
- * state, that of a row, or a mode of a part. */
+/* Read a pressure field of an open source, [num_nodes] with boundary nodes: the field of a state,
+ * the field of a row, or a mode of a part file. */
 ehd_status snapshot_set_state(double *pressure, const snapshot_set *self, size_t source,
                               size_t state, ehd_error *error);
 ehd_status snapshot_set_row(double *pressure, const snapshot_set *self, size_t source, size_t row,

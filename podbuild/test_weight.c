@@ -29,9 +29,9 @@ const test_weight *test_weight_find(const char *name) {
 }
 
 /* Floor of the weight "mode". The first pressure mode vanishes at the inlet and beyond the trained
- * exits, and rows there would not count. Least squares need weights of about one over the residual
- * that truncated modes leave in a row. A floor of 1e-3 exceeds that from X = -1.3 on (README.md,
- * The floor; test_test_weight.c, mode_is_that_of_the_basis). */
+ * exits, so rows there would have no weight. Least squares need weights of about one over the
+ * residual that truncated modes leave in a row. From X = -1.3 on, a floor of 1e-3 would exceed
+ * these weights (README.md, The floor; test_test_weight.c, mode_is_that_of_the_basis). */
 static const double WEIGHT_FLOOR = 1e-4; // of the largest entry
 
 ehd_status test_weight_mode(double *weight, const reduced_basis *basis, const ehd_contact *contacts,
@@ -125,9 +125,9 @@ static ehd_status visit_states(row_squares *squares, const ehd_contact *contacts
     return status;
 }
 
-/* Turns norms into weights, one over the root mean square. Behind the first exit no row gets more
- * than the weight of the last row that is before all exits. Rows there have small norms, and with
- * weights that grow towards the last exit the exit of many solutions does not settle. */
+/* Turns norms into weights: one over the root mean square. A row behind the first exit gets at most
+ * the weight of the last row before all exits. Rows behind the first exit have small norms. If
+ * their weights grew towards the last exit, the exit of many solutions would not settle. */
 static void turn_over(double *weight, const row_squares *squares, size_t num_nodes) {
     double last = 1;
 

@@ -32,9 +32,10 @@ test_weight_function test_weight_mode;
 /* Weight "identity": 1 for every row. */
 test_weight_function test_weight_identity;
 
-/* Weight "row-norm": one over the norm of the row of the reduced Jacobian, root mean square over
- * the stationary training solutions whose contact is given. Rows behind the first exit get at most
- * the weight of the last row before it. EHD_DATA: no contact belongs to a training solution. */
+/* Weight "row-norm": one over the norm of the row of the reduced Jacobian. The norm is the root
+ * mean square over the stationary training solutions whose contact is given. Rows behind the first
+ * exit get at most the weight of the last row before it. EHD_DATA: no contact belongs to a training
+ * solution. */
 test_weight_function test_weight_row_norm;
 
 #endif
