@@ -65,7 +65,8 @@ static ehd_status write_draft(check_run *self, const reduced_model *model,
 
 // ---- report
 
-/* Warns if the whole model exceeds the default accuracy in time, or lost a trajectory. */
+/* Warns if the error of the whole model on trajectories exceeds the default accuracy, or if a
+ * trajectory has no solution. */
 static void warn_in_time(const check_run *self, const trade_position *whole) {
     const double *worst = whole->worst_in_time;
 
@@ -78,8 +79,8 @@ static void warn_in_time(const check_run *self, const trade_position *whole) {
                  self->caller->output, 100 * accuracy_limit(0));
 }
 
-/* Warns if the whole model exceeds the default accuracy on stationary scenes, or failed on one. The
- * warning names the worst place, where more training points help. */
+/* Warns if the error of the whole model on stationary scenes exceeds the default accuracy, or if a
+ * scene has no solution. The warning names the worst place, where more training points help. */
 static void warn_of(const check_run *self, const trade_position *whole) {
     const double central = whole->deviation[TRADE_CENTRAL_FILM][TRADE_WORST];
     const double minimum = whole->deviation[TRADE_MINIMUM_FILM][TRADE_WORST];
@@ -88,7 +89,7 @@ static void warn_of(const check_run *self, const trade_position *whole) {
     ehd_error ignored;
     if (whole->num_failures == 0 && fmax(central, minimum) <= accuracy_limit(0)) return;
 
-    // the model is finished, so that no failure counts
+    // the model is finished, so a failure here only leaves out the place
     if (!validation_worst(&worst, &self->scenes, self->draft, &ignored) && worst)
         training_point_name(place, worst);
     program_warn(self->caller,
@@ -146,8 +147,8 @@ static void report(char text[CHECK_REPORT], const check_run *self) {
     if (stream) fclose(stream);
 }
 
-/* Warns if the check shows errors or failures. Fails if the model solved none of the scenes, or
- * none of the trajectories. */
+/* Warns if the check shows too large errors or failed solutions. Fails if the model solved none of
+ * the scenes, or none of the trajectories. */
 static ehd_status judge(const check_run *self, ehd_error *error) {
     const trade_position *whole = &self->table.positions[self->table.num_positions - 1];
     const size_t num_scenes = self->scenes.num_scenes, num_moving = self->scenes.num_recordings;

@@ -14,16 +14,16 @@ typedef struct check_task {
     size_t num_workers;        // number of threads for the full solutions
 } check_task;
 
-/* Solves the check scenes (check_scenes.h) with the full model and measures the sizes of the model
- * like romrun --calibrate. Writes caller->output with the table of sizes. Warns if an error
- * of the whole model exceeds the default accuracy, or if the model does not solve a scene.
+/* Solves the check scenes (check_scenes.h) with the full model and measures the error of each model
+ * size like romrun --calibrate. Writes caller->output with the table of model sizes. Warns if an
+ * error of the whole model exceeds the default accuracy, or if the model does not solve a scene.
  *
  * EHD_UNTRUSTED: the model is written, but is not to be trusted, for one of two reasons:
  * - It has no table, because no scene lies between the training points, or because the full model
  *   solves none of these scenes.
  * - It solves none of the scenes, or none of the trajectories.
  *
- * Other errors: EHD_INTERRUPTED, and those of model_write. After them no file is written. */
+ * Other errors: EHD_INTERRUPTED, and those of model_write. In these cases no file is written. */
 enum { CHECK_REPORT = 512 };
 ehd_status checked_model_write(
     // output:

@@ -15,8 +15,8 @@ static void sample(double *sampled, const double *vectors, size_t num_vectors, s
             sampled[k * num_rows + r] = vectors[k * num_inner + rows[r]];
 }
 
-/* Subtracts the prediction: remainder -= modes a with a = argmin |modes a - remainder| at the
- * selected rows. At these rows the remainder is set to zero. */
+/* Subtracts the prediction: remainder -= modes a, where a = argmin |modes a - remainder| at the
+ * selected rows. Sets the remainder to zero at these rows. */
 static ehd_status subtract_predicted(double *remainder, size_t num_residuals, size_t num_inner,
                                      const double *modes, size_t num_modes, const size_t *rows,
                                      size_t num_rows, ehd_error *error) {
@@ -39,7 +39,7 @@ static ehd_status subtract_predicted(double *remainder, size_t num_residuals, si
                     (int)num_inner);
         for (size_t k = 0; k < num_residuals; k++)
             for (size_t r = 0; r < num_rows; r++)
-                remainder[k * num_inner + rows[r]] = 0; // so that pivots are other rows
+                remainder[k * num_inner + rows[r]] = 0; // so that the pivots are other rows
     }
     free(fit);
     free(matrix);

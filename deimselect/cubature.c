@@ -12,9 +12,9 @@
 
 // ---- integrands
 
-/* Shear stress as an integrand, up to a factor that is equal at all nodes. It depends on the
- * lubricant only by the rise of viscosity of the state. `ratio` is the ratio c of the Newtonian
- * stress at P = 0 and H = 1 to the Eyring or limiting stress of the law. */
+/* Shear stress as an integrand, up to a factor that is equal at all nodes. Of the lubricant it
+ * needs only the rise of viscosity of the state. `ratio` is the ratio c of the Newtonian stress at
+ * P = 0 and H = 1 to the Eyring or limiting stress of the law. */
 typedef struct integrand {
     const lubricant_law *law; // its Eyring stress or limit is set to 1
     double ratio;             // c
@@ -29,9 +29,10 @@ static const integrand integrands[] = {
 enum {
     NUM_INTEGRANDS = sizeof integrands / sizeof *integrands,
     MAX_STATES = 120, // states of the basis in the table (romrun/solve/README.md, Traction)
-    // Largest number of nodes in the table, which then takes 200 MB. All nodes of a point contact,
-    // 3600, give errors of 9e-6. Every second node gives errors of 10 % with non-negative weights,
-    // because nodes on ridges of Newtonian stress are missing (romrun/solve/README.md, Traction).
+    // Largest number of nodes in the table, which then takes 200 MB. All 3600 nodes of a point
+    // contact give errors of 9e-6. Every second node gives errors of 10 % with non-negative
+    // weights, because nodes on ridges of Newtonian stress are missing (romrun/solve/README.md,
+    // Traction).
     MAX_CANDIDATES = 8000
 };
 
@@ -42,8 +43,9 @@ static double stress_of(integrand self, double rise, double pressure, double fil
     return self.law->shear ? self.law->shear(&of_ones, viscous, pressure) : viscous;
 }
 
-/* Least-squares problem of the weights. Row: state and integrand. Column: node. Entry: stress at
- * the node over its integral. Right side: 1. */
+/* Least-squares problem for the weights. A row belongs to a state and an integrand, a column to a
+ * node. An entry is the stress at the node divided by the integral of the stress. The right side is
+ * 1. */
 typedef struct cubature_fit {
     const reduced_basis *basis;
     ehd_deflection *deflection;
@@ -94,7 +96,7 @@ double cubature_bytes(const reduced_basis *basis) {
     const double rows = (double)(num_used_states(basis) * NUM_INTEGRANDS);
     const double inner = (double)basis->grid.num_inner;
 
-    // both tables, and a table of nnls.c
+    // two tables here, and one table in nnls.c
     return 8 * (3 * rows * fmin(inner, MAX_CANDIDATES) + 16 * inner);
 }
 
@@ -156,8 +158,8 @@ static void fit_free(cubature_fit *self) {
     arena_free(&self->memory);
 }
 
-/* Sums up an integrand over the nodes before the exit, and over those of them in the dry
- * contact. The stresses that contact_traction_of adds behind the last node with pressure are not
+/* Sums an integrand over the nodes before the exit (*whole), and over their part in the dry contact
+ * (*dry). The stresses that contact_traction_of adds behind the last node with pressure are not
  * included. */
 static void integrate(double *whole, double *dry, const cubature_fit *self, integrand of,
                       double rise) {
@@ -208,8 +210,8 @@ static void add_states(cubature_fit *self) {
 
 // ---- weights
 
-/* Largest accepted relative error of a row. If the error is larger, the fields are summed over the
- * whole grid (romrun/solve/README.md, Traction). */
+/* Largest accepted relative error of a row of the fit. If the error is larger, the fields are
+ * summed over the whole grid (romrun/solve/README.md, Traction). */
 static const double MOST_OFF = 5e-4;
 
 /* Computes non-negative weights. EHD_NOT_CONVERGED: no weights integrate all rows to MOST_OFF. */
@@ -236,8 +238,8 @@ static bool any_thinned(const reduced_states *states) {
     return false;
 }
 
-/* Adds the nodes with a weight to the model. If stresses depend on the pressure gradient, adds
- * their neighbours along X too, with weights of zero. */
+/* Adds the nodes with a weight to the model. If stresses depend on the pressure gradient, also adds
+ * their neighbours along X, with weights of zero. */
 static ehd_status add_chosen(reduced_model *model, cubature_fit *self, ehd_error *error) {
     const ehd_grid *grid = &self->basis->grid;
     const bool with_beside = any_thinned(&self->basis->states);

@@ -10,7 +10,7 @@
 /* Returns the largest memory of cubature_train, bytes. */
 double cubature_bytes(const reduced_basis *basis);
 
-/* Chooses nodes and weights by at most 120 states of the basis, and adds them to a model of this
+/* Chooses nodes and weights from at most 120 states of the basis, and adds them to a model of this
  * basis. Adds none if no weights are accurate enough. Errors: EHD_MEMORY, EHD_INTERNAL. */
 ehd_status cubature_train(
     // in and out:

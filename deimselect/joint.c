@@ -24,14 +24,14 @@
 /* Interpolation of the next mode of a basis by the modes before it at the selected rows. */
 typedef struct interpolation {
     size_t num_nodes;
-    size_t capacity;      // the largest size
+    size_t capacity;      // largest value of `size`
     size_t size;          // number of modes and rows so far
     const double *modes;  // [num_modes, num_nodes]
     double *q_transposed; // [capacity, capacity] row-major; modes[:size] at the rows = Q R
     double *r;            // [capacity, capacity] row-major
     double *next_column;  // [capacity] Q^T times modes[size] at the rows
-    double *coefficients; // [capacity] a of the figure
-    double *residual;     // [num_nodes] phi of the figure
+    double *coefficients; // [capacity] a of Fig. A1
+    double *residual;     // [num_nodes] phi of Fig. A1
 } interpolation;
 
 static void interpolation_free(interpolation *self) {
@@ -57,7 +57,8 @@ static bool interpolation_init(interpolation *self, const double *modes, size_t 
 }
 
 /* Solves R a = Q^T b by back substitution. If a diagonal entry is zero to working precision, a is
- * not unique; its coefficient is then set to zero, which is one of the minimisers. */
+ * not unique. Its coefficient for this entry is then set to zero, which gives one of the
+ * minimisers. */
 static void solve_at_selected_rows(interpolation *self, const size_t *rows) {
     const size_t size = self->size, capacity = self->capacity;
     const double *mode = self->modes + size * self->num_nodes;
@@ -88,7 +89,7 @@ static void update_residual(interpolation *self) {
                 self->modes, (int)self->num_nodes, self->coefficients, 1, 1.0, self->residual, 1);
 }
 
-/* Appends the mode just interpolated as a column, and `row` as a row, to the factors Q R. */
+/* Extends the factors Q R by the mode just interpolated, as a column, and by `row`, as a row. */
 static void append_row(interpolation *self, size_t row) {
     const size_t size = self->size, capacity = self->capacity;
     double *last_r = self->r + size * capacity, *last_q = self->q_transposed + size * capacity;
@@ -110,7 +111,8 @@ static void append_row(interpolation *self, size_t row) {
     self->size++;
 }
 
-/* Returns the row not yet selected with the largest phi_f^2 + phi_J^2; the first of equal ones. */
+/* Returns the row not yet selected with the largest phi_f^2 + phi_J^2, the first one of equal
+ * rows. */
 static size_t worst_row(const interpolation both[2], const bool *selected) {
     size_t row = 0;
     double largest = -1.0;

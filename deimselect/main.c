@@ -117,7 +117,7 @@ static void residual_input_close(residual_input *input) {
     residual_snapshots_free(&input->snapshots);
 }
 
-/* Opens the file and reads all but the snapshots. */
+/* Opens the file and reads everything except the snapshots. */
 static ehd_status open_residuals(residual_input *input, const char *path,
                                  const reduced_basis *basis, const char *basis_path,
                                  const char *identity, ehd_error *error) {
@@ -140,7 +140,7 @@ static ehd_status open_residuals(residual_input *input, const char *path,
     return status;
 }
 
-/* Plans the memory before the snapshots are read, prints the plan, and checks that so much memory
+/* Plans the memory before the snapshots are read, prints the plan, and checks that this much memory
  * is free. */
 static ehd_status plan_memory(row_plan *way, const residual_input *input, const program *self,
                               const reduced_basis *basis, const select_options *options,

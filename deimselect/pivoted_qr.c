@@ -37,7 +37,7 @@ ehd_status selection_pivoted_qr(size_t *rows, const selection_bases *bases, size
 
     both = malloc(num_modes * num_nodes * sizeof *both);
     scales = malloc(max_rows * sizeof *scales);
-    pivots = calloc(num_nodes, sizeof *pivots); // zero: free to be moved
+    pivots = calloc(num_nodes, sizeof *pivots); // zero: the column may be moved
     if (!both || !scales || !pivots) {
         status = ehd_no_memory(error, "row selection");
         goto done;

@@ -12,13 +12,13 @@ const char *const residual_names[] = {"residuals", "Jacobian products"};
 
 static const char *const field_names[] = {"weighted_residual", "weighted_jacobian_step"};
 
-/* Parts of the energy that streams may omit. local_energy is that of trajectories. dropped_energy
- * is for directions that are dropped for lack of room. Weaker modes would select rows by
- * round-off. */
+/* Parts of the energy that streams may omit. local_energy is the energy that compressed
+ * trajectories omit. dropped_energy is for directions that are dropped when the memory is full.
+ * Modes below these limits would select rows by round-off. */
 static const pod_stream_settings of_sets = {.local_energy = 1e-22, .dropped_energy = 1e-16};
 
-/* Parts of the energy that streams of residuals of unit norm may omit. Only their largest entries
- * matter for the control rows. */
+/* Parts of the energy that streams of residuals of unit norm may omit. Only the largest entries of
+ * the residuals matter for the control rows. */
 static const pod_stream_settings of_units = {.local_energy = 1e-12, .dropped_energy = 1e-8};
 
 ehd_status residual_snapshots_init(residual_snapshots *snapshots, size_t count,
@@ -74,8 +74,8 @@ void residual_snapshots_free(residual_snapshots *snapshots) {
     *snapshots = (residual_snapshots){0};
 }
 
-/* Checks whether an iteration is the last one of a stationary state. Its residual is then that of
- * the converged reduced solution. */
+/* Checks whether an iteration is the last one of a stationary state. The residual of such an
+ * iteration is that of the converged reduced solution. */
 static bool is_last(const residual_snapshots *snapshots, size_t i) {
     return snapshots->state[i] >= 0 &&
            (i + 1 == snapshots->count || snapshots->state[i + 1] != snapshots->state[i]);
@@ -153,8 +153,8 @@ ehd_status residual_snapshots_pod(pod_basis *pod, const residual_snapshots *snap
 
 // ---- converged residuals
 
-/* Returns the rows of S V', where X = U S V' are the converged residuals of unit norm. They have
- * the Gram matrix of X. */
+/* Returns the rows of S V', where X = U S V' are the converged residuals of unit norm. These rows
+ * have the same Gram matrix as X. */
 static ehd_status stream_units(double **rows, size_t *num_rows, const residual_snapshots *snapshots,
                                size_t num_inner, ehd_error *error) {
     pod_basis pod = {0};

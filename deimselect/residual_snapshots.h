@@ -48,8 +48,8 @@ ehd_status residual_snapshots_append(
     const double *residuals, const double *steps, // [count, num_inner]
     size_t count, int64_t state, size_t num_inner, ehd_error *error);
 
-/* Allocates memory for the snapshots, which are from now on held instead of streamed; the caller
- * fills it. Errors: EHD_MEMORY. */
+/* Allocates memory for the snapshots, and the caller fills it. From now on the snapshots are held
+ * in memory instead of streamed. Errors: EHD_MEMORY. */
 ehd_status residual_snapshots_hold(residual_snapshots *snapshots, size_t num_inner,
                                    ehd_error *error);
 void residual_snapshots_free(residual_snapshots *snapshots);
@@ -58,8 +58,8 @@ void residual_snapshots_free(residual_snapshots *snapshots);
 size_t residual_snapshots_converged(const residual_snapshots *snapshots);
 
 /* Computes the POD of a set with at most num_modes modes. If the set is streamed, the POD keeps
- * singular values above 1e-11 of the first. If there is no room for their directions, the stream
- * drops directions below 1e-8 of the first. Errors as pod_build and pod_stream_add;
+ * singular values above 1e-11 of the first. If memory does not suffice for their directions, the
+ * stream drops directions below 1e-8 of the first. Errors as pod_build and pod_stream_add;
  * EHD_INTERRUPTED. */
 ehd_status residual_snapshots_pod(
     // output:
@@ -69,8 +69,8 @@ ehd_status residual_snapshots_pod(
     ehd_error *error);
 
 /* Returns the converged residuals, each scaled to unit norm. If they are streamed, returns fewer
- * rows with the same Gram matrix of their columns, to 1e-12 of its trace, or 1e-8 if there is no
- * room for more. The pivots of control_choose depend only on this matrix. Errors as
+ * rows whose columns have the same Gram matrix, up to 1e-12 of its trace, or up to 1e-8 if memory
+ * is short. The pivots of control_choose depend only on this matrix. Errors as
  * residual_snapshots_pod. */
 ehd_status residual_snapshots_unit(
     // output:

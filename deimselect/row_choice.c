@@ -66,7 +66,7 @@ static bool is_before_exit(const ehd_grid *grid, size_t row, const size_t *exit)
     return row % grid->inner_x + 1 < exit[grid_first_line(grid) + row / grid->inner_x];
 }
 
-/* Returns the smaller sigma_min of both bases, with the rows before an exit. */
+/* Computes sigma_min of both bases at the rows before an exit. *sigma_min is the smaller value. */
 static ehd_status sigma_at_exit(double *sigma_min, const pod_basis pods[2],
                                 const row_choice *choice, const ehd_grid *grid, const size_t *exit,
                                 const size_t num_columns[2], size_t *kept, ehd_error *error) {
@@ -114,8 +114,8 @@ static ehd_status measure_exits(row_choice *choice, const pod_basis pods[2],
     return status;
 }
 
-/* Measures the singular values and the stability. The number of leading modes is the number of
- * pressure modes, so that methods and numbers of rows can be compared. */
+/* Measures the singular values and the stability. Uses as many leading modes as there are pressure
+ * modes, so that methods and numbers of rows can be compared. */
 static ehd_status measure(row_choice *choice, const pod_basis pods[2], const reduced_basis *basis,
                           const selection_bases *bases, ehd_error *error) {
     const selection_bases leading = selection_leading(bases);
@@ -220,9 +220,9 @@ static ehd_status allocate_rows(row_choice *choice, size_t num_rows, ehd_error *
     return ehd_no_memory(error, "selection");
 }
 
-/* Computes the PODs and takes the given rows. The weights need as many modes as unknowns. The
- * number of modes is that of pivoted QR for so many rows. Rows that pivoted QR has selected
- * therefore make a model of equal bits if they are given by --rows-from. */
+/* Computes the PODs and takes the given rows. The weights need as many modes as unknowns. There are
+ * as many modes as pivoted QR uses for this number of rows. Therefore rows from pivoted QR that are
+ * given again by --rows-from make a bit-identical model. */
 static ehd_status use_given_rows(row_choice *choice, pod_basis pods[2], selection_bases *bases,
                                  const residual_snapshots *snapshots, const reduced_basis *basis,
                                  const given_rows *given, ehd_error *error) {

@@ -18,14 +18,15 @@ typedef struct row_choice {
     size_t *rows; // [num_rows] grid nodes in order of selection
     size_t num_control;
     size_t *control;           // [num_control] grid nodes in order of choice
-    double *factors;           // [num_rows] factors of the row weights, besides D
-    size_t num_jacobian_modes; // as many as unknowns, or as the POD has; 0 with given factors
+    double *factors;           // [num_rows] factors of the row weights, in addition to D
+    size_t num_jacobian_modes; // number of unknowns, or of POD modes if smaller; 0 with given
+                               // factors
     double *jacobian_modes;    // [num_rows, num_jacobian_modes] modes of the Jacobian products at
                                // the rows
     double sigma_min_residual, sigma_min_jacobian; // smallest singular values of the bases sampled
                                                    // at the rows
     double sigma_min_over_exits;
-    double stability;          // 1/sigma_min relative to all rows, worst exit (stability.h)
+    double stability;          // 1/sigma_min relative to all rows, at the worst exit (stability.h)
     double *sigma_min_by_exit; // [num_states]
 } row_choice;
 
@@ -51,13 +52,13 @@ size_t row_choice_num_modes(const reduced_basis *basis, const row_settings *sett
  * grid] numbers of rows before the exit on each line. Returns NULL without memory. */
 size_t *row_choice_exits(size_t *num_exits, const reduced_basis *basis); // free()
 
-/* Selects rows: computes the PODs of both snapshot sets, the rows by the method or the given
- * ones, their weights, and the control rows. Measures the smallest singular values of the bases
- * sampled at the rows: with all rows, and for each training state with the rows before its exit,
- * because rows behind the exit do not count. As many leading modes as the basis has pressure
- * modes are used for this. EHD_DATA: fewer rows than pressure modes, more rows or control rows
- * than the snapshots support, or a stability that the method does not reach. Other errors:
- * EHD_MEMORY, EHD_INTERNAL. */
+/* Selects rows: computes the PODs of both snapshot sets, the rows by the method or the given ones,
+ * their weights, and the control rows. Measures the smallest singular values of the bases sampled
+ * at the rows: with all rows, and for each training state with the rows before its exit, because
+ * rows behind the exit have no effect. This uses as many leading modes as the basis has pressure
+ * modes. EHD_DATA: fewer rows than pressure modes, more rows or control rows than the snapshots
+ * support, or a stability that the method does not reach. Other errors: EHD_MEMORY,
+ * EHD_INTERNAL. */
 ehd_status row_choice_make(
     // output:
     row_choice *choice, // free with row_choice_free

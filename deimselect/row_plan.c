@@ -7,7 +7,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* Sizes from which the memory follows. */
+/* Numbers and bytes from which the memory follows. */
 typedef struct row_sizes {
     double nodes, rows_in_all; // nodes and inner nodes of the grid
     double snapshots, converged;

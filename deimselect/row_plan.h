@@ -16,8 +16,8 @@ typedef struct row_plan {
     size_t block, max_rank; // sizes of the streams (pod_stream.h) if not direct
 } row_plan;
 
-/* Makes the plan before the snapshots are read. Their number and states must be known. EHD_MEMORY:
- * the limit is too small, or there is no memory. */
+/* Makes the plan before the snapshots are read. The number of snapshots and their states must be
+ * known. EHD_MEMORY: the limit is too small, or there is no memory. */
 ehd_status row_plan_make(
     // output:
     row_plan *plan,

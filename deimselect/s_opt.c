@@ -21,9 +21,9 @@
 #include <string.h>
 
 /* Ridge that is added to A^T A (modes of unit norm), which is singular with fewer rows than modes.
- * From 1e-14 to 1e-6 the selected rows do not change (examples: 56 modes of a line, 24 of a
- * point). With a smaller ridge, round-off selects rows or the factorisation fails. A larger ridge
- * affects the selection (bench_selection.c; test_selection.c, s_opt_starts_with_pivots). */
+ * Ridges from 1e-14 to 1e-6 select the same rows (examples: 56 modes of a line contact, 24 of a
+ * point contact). With a smaller ridge, round-off selects rows or the factorisation fails. A larger
+ * ridge affects the selection (bench_selection.c; test_selection.c, s_opt_starts_with_pivots). */
 static const double RIDGE = 1e-10;
 
 enum { BLOCK = 512 }; // nodes in a block of scan_modes
@@ -161,7 +161,7 @@ static void add_objective(double *objective, const sampled_basis *self) {
             log((1 + fmax(self->gain[i], 0)) / self->growth[i]) / (double)(2 * self->num_modes);
 }
 
-/* Returns the node not yet selected with the largest objective; the first of equal ones. */
+/* Returns the node not yet selected with the largest objective, the first one of equal nodes. */
 static size_t best_row(const double *objective, const bool *selected, size_t num_nodes) {
     size_t row = num_nodes;
 
@@ -170,9 +170,9 @@ static size_t best_row(const double *objective, const bool *selected, size_t num
     return row;
 }
 
-/* Returns the bases for the start: of either basis half as many modes as the smaller basis has.
- * Pivoted QR selects as many rows from them. With fewer rows the columns are nearly dependent, and
- * S means little. */
+/* Returns the bases for the start. Each has half as many modes as the smaller one of the full
+ * bases. Pivoted QR selects as many rows as each start basis has modes. With fewer rows the columns
+ * are nearly dependent, and S means little. */
 static selection_bases start_bases(const selection_bases *bases) {
     const int poorer = bases->num_modes[1] < bases->num_modes[0];
     selection_bases start = *bases;
@@ -181,7 +181,7 @@ static selection_bases start_bases(const selection_bases *bases) {
     return start;
 }
 
-/* Selects the rows behind the first num_start ones. */
+/* Selects the rows after the first num_start rows. */
 static ehd_status oversample(size_t *rows, sampled_basis both[2], size_t num_start, size_t num_rows,
                              ehd_error *error) {
     const size_t num_nodes = both[0].num_nodes;

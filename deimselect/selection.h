@@ -18,14 +18,15 @@ typedef struct selection_bases {
     const double *singular_values[2]; // [num_modes]
     // modes that the rows have to determine at every exit:
     size_t num_leading;  // number of leading modes of each basis; 0: all
-    size_t num_lines;    // lines of equal length, in the order of the nodes; 0: one
+    size_t num_lines;    // grid lines of equal length, in the order of the nodes; 0: one
     size_t num_exits;    // exits of training, each once; neighbours in the list are similar
-    const size_t *exits; // [num_exits, num_lines] number of nodes of each line before the exit; the
-                         // others do not count
+    const size_t *exits; // [num_exits, num_lines] number of nodes of each line before the exit;
+                         // nodes behind it have no effect
 } selection_bases;
 
-/* Selects num_rows distinct rows, in an order such that every prefix is a selection too. Errors:
- * EHD_DATA (the method cannot select so many rows), EHD_MEMORY, EHD_INTERNAL (LAPACK). */
+/* Selects num_rows distinct rows. Their order is such that the first rows, for any smaller number,
+ * are a selection as well. Errors: EHD_DATA (the method cannot select so many rows), EHD_MEMORY,
+ * EHD_INTERNAL (LAPACK). */
 typedef ehd_status selection_function(
     // output:
     size_t *rows, // [num_rows]
@@ -56,7 +57,7 @@ selection_function selection_s_opt;
 /* Method "exits": the joint greedy method, then rows for the worst exit of training (exits.c). */
 selection_function selection_exits;
 
-/* Returns the bases without the modes behind the leading ones. */
+/* Returns the bases with the leading modes only. */
 selection_bases selection_leading(const selection_bases *bases);
 
 /* Returns the entry of this name, or NULL. */

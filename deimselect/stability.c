@@ -17,13 +17,14 @@ typedef struct exit_block {
     const double *modes; // [num_modes, num_nodes]
     size_t num_modes;
     const size_t *num_before; // [num_lines] nodes of each line before the exit
-    size_t num_resolved;      // directions of the modes that do not vanish over these nodes
+    size_t num_resolved;      // number of directions of the modes that do not vanish over these
+                              // nodes
     double *resolved;  // [num_modes, num_resolved] column-major: modes^T resolved is orthonormal
                        // over these nodes
     double *gram;      // [num_resolved, num_resolved] Gram matrix of the selected rows in these
                        // directions
     double smallest;   // smallest eigenvalue of gram; a lower bound if rows were added since
-    double *direction; // [num_resolved] its eigenvector
+    double *direction; // [num_resolved] eigenvector of `smallest`
     bool is_known;     // smallest and direction belong to the present gram
 } exit_block;
 
@@ -52,8 +53,8 @@ static bool is_before(const exit_block *block, const row_stability *self, size_t
     return node % self->width < block->num_before[node / self->width];
 }
 
-/* Updates the Gram matrix of the modes from the nodes before exit `from` to the nodes before exit
- * `to`. */
+/* Updates the Gram matrix of the modes over the nodes before exit `from` to the one over the nodes
+ * before exit `to`. */
 static void move_gram(double *gram, const row_stability *self, const double *modes,
                       size_t num_modes, const size_t *from, const size_t *to) {
     for (size_t l = 0; l < self->num_lines; l++) {
@@ -74,7 +75,7 @@ static ehd_status block_fill(exit_block *block, row_stability *self, double *run
                              ehd_error *error) {
     const size_t num_modes = block->num_modes;
     const int n = (int)num_modes;
-    // round-off of sums over all nodes, of modes of unit norm
+    // round-off of sums over all nodes, for modes of unit norm
     const double rounding = DBL_EPSILON * (double)self->num_nodes;
     block->modes = modes;
     block->num_before = num_before;
@@ -98,8 +99,8 @@ static ehd_status block_fill(exit_block *block, row_stability *self, double *run
     return EHD_OK;
 }
 
-/* Returns the numbers of nodes before an exit. The exit behind the last one of training is behind
- * all nodes. */
+/* Returns the numbers of nodes before an exit. One more exit, after the last one of training, lies
+ * behind all nodes. */
 static const size_t *nodes_before(const row_stability *self, const selection_bases *bases,
                                   size_t exit) {
     return exit < bases->num_exits ? bases->exits + exit * self->num_lines : self->all;
@@ -144,7 +145,7 @@ static row_stability *allocate(const selection_bases *leading, size_t num_exits)
     return memory->failed ? row_stability_free(self) : self;
 }
 
-/* Fills both blocks of an exit. The exit before must have been filled last. */
+/* Fills both blocks of an exit. The blocks of the previous exit must have been filled last. */
 static ehd_status fill_exit(exit_block blocks[2], row_stability *self, const selection_bases *bases,
                             size_t exit, ehd_error *error) {
     ehd_status status = EHD_OK;
@@ -208,14 +209,14 @@ static ehd_status examine(exit_block *block, row_stability *self, ehd_error *err
         LAPACKE_dsyevr(LAPACK_COL_MAJOR, 'V', 'I', 'L', size, self->matrix, size, 0, 0, 1, 1, 0,
                        &found, self->values, block->direction, size, support),
         error);
-    // eigenvalues of the size of round-off count as zero
+    // eigenvalues as small as round-off are set to zero
     if (!status)
         block->smallest = self->values[0] > DBL_EPSILON * (double)size ? self->values[0] : 0;
     return status;
 }
 
-/* Returns the row not yet selected with the largest square of the worst direction. Rows behind the
- * exit have the value 0. */
+/* Returns the row not yet selected at which the worst direction is largest in magnitude. Behind the
+ * exit the direction is taken as 0. */
 static size_t strongest_row(const exit_block *block, row_stability *self) {
     size_t row = self->num_nodes;
     double largest = -1;
@@ -236,7 +237,7 @@ static size_t strongest_row(const exit_block *block, row_stability *self) {
 }
 
 /* Finds the block with the smallest eigenvalue. Additional rows only increase eigenvalues, so old
- * values are lower bounds, and few have to be computed again. */
+ * eigenvalues are lower bounds, and few have to be computed again. */
 static ehd_status worst_block(exit_block **worst, row_stability *self, ehd_error *error) {
     ehd_status status = EHD_OK;
 

@@ -28,12 +28,12 @@ row_stability *row_stability_free(row_stability *self); // accepts and returns N
 /* Returns the memory of a row_stability, bytes. */
 double row_stability_bytes(size_t num_leading, size_t num_exits);
 
-/* Adds a row to the selection. The smallest singular value decreases at no exit. */
+/* Adds a row to the selection. This decreases the smallest singular value at no exit. */
 void row_stability_add(row_stability *self, size_t row);
 
 /* Computes the smallest singular value over all exits and both bases. It is zero if too few rows
  * lie before an exit. *best_row is the row not yet selected with the largest entry in the direction
- * that is determined worst there. Errors: EHD_MEMORY, EHD_INTERNAL. */
+ * that is determined worst at the worst exit. Errors: EHD_MEMORY, EHD_INTERNAL. */
 ehd_status row_stability_worst(
     // output:
     double *sigma_min,
