@@ -20,13 +20,13 @@
 
 enum { MIN_BATCH = 4 };
 
-/* A region may be cut in two once its model has this many times the points of the first round
+/* A region may be cut in two once its model has this many times as many points as the first round
  * (README.md, Parts of a region). */
 static const double WIDE = 5;
 
 /* A region whose highest M is at most this many times the lowest is never cut. Otherwise an
- * accuracy that no model reaches would lead to ever more parts. The parts of
- * scenes/studies/parts, trained for 1e-4, span 1.4 to 2 and end with about 100 points. */
+ * accuracy that no model reaches would lead to ever more parts. The parts of scenes/studies/parts,
+ * trained to 1e-4, have ratios of 1.4 to 2 and end with about 100 points. */
 static const double NARROW = 2;
 
 typedef struct adaptive {
@@ -45,9 +45,9 @@ typedef struct adaptive {
     tree_point *places;         // [num_points]
     double (*films)[NUM_FILMS]; // [num_points] of the full model, if solved
     bool *trained;              // [num_points]
-    size_t *state_of_point;     // [num_points] number in the file, of trained points
-    trial_verdict *verdicts;    // [num_points] of the present model, for the other points
-    double *indicated; // [num_points] error estimate of these; infinite before the first model
+    size_t *state_of_point;     // [num_points] of trained points: number in the file
+    trial_verdict *verdicts;    // [num_points] by the present model, for points not trained
+    double *indicated; // [num_points] their error estimates; infinite before the first model
 
     size_t num_states;
     adaptive_state *states; // [num_states]
@@ -74,8 +74,8 @@ static void adaptive_free(adaptive *self) {
     free(self->rounds);
 }
 
-/* Sets the places of the candidates, by which neighbours are found. Candidates of one group and
- * of the same laws are one family, also where the laws' constants vary. */
+/* Sets the places of the candidates, by which neighbours are found. Candidates of one group with
+ * the same laws form one family, even if the constants of the laws vary. */
 static void find_places(tree_point *places, const training_set *set) {
     training_set_places(places, set);
     for (size_t i = 0; i < set->num_points; i++) {
@@ -130,8 +130,8 @@ static double true_deviation(const adaptive *self, const adaptive_state *state, 
     return fabs(state->verdict.film[film] / self->films[state->point][film] - 1);
 }
 
-/* Fits the factor of a film's error estimate to the points that came in a round. Returns 0 if
- * there are none. `work` is [2, num_states]. */
+/* Fits the factor of a film's error estimate to the points that a round added. Returns 0 if there
+ * are none. `work` is [2, num_states]. */
 static double factor_of(const adaptive *self, size_t round, int film, double *work) {
     double *deviations = work, *bounds = work + self->num_states;
     size_t count = 0;
@@ -150,8 +150,8 @@ typedef struct film_factors {
     bool known;
 } film_factors;
 
-/* Fits the factors of both films to the points of a round, or to those of an earlier one if the
- * model before the round solved none of them. */
+/* Fits the factors of both films to the points of a round. If the model before the round solved
+ * none of them, takes an earlier round. */
 static film_factors factors_of(const adaptive *self, size_t round, double *work) {
     film_factors factors = {.known = false};
 
@@ -165,8 +165,7 @@ static film_factors factors_of(const adaptive *self, size_t round, double *work)
     return factors;
 }
 
-/* Returns the larger error estimate of both films. Without known factors it
- * is the larger bound. */
+/* Returns the larger error estimate of the two films, or without known factors the larger bound. */
 static double indicated_by(const trial_verdict *verdict, const film_factors *factors) {
     double indicated = 0;
 
@@ -175,8 +174,8 @@ static double indicated_by(const trial_verdict *verdict, const film_factors *fac
     return indicated;
 }
 
-/* Returns the largest error of a film at the points of a round, by the model before it. NaN if
- * that model solved none of them. */
+/* Returns the largest error of a film at the points of a round, computed with the model before the
+ * round. NaN: this model solved none of the points. */
 static double worst_of_film(const adaptive *self, size_t round, int film) {
     double worst = NAN;
 
@@ -191,8 +190,8 @@ static double worst_deviation(const adaptive *self, size_t round) {
     return fmax(worst_of_film(self, round, FILM_CENTRAL), worst_of_film(self, round, FILM_MINIMUM));
 }
 
-/* Checks whether the model before a round had a solution at each of its points that the full
- * model has solved. */
+/* Checks whether the model before a round solved all points of the round that the full model
+ * solved. */
 static bool is_round_compared(const adaptive *self, size_t round) {
     bool all = true;
 
@@ -211,8 +210,8 @@ static size_t count_solved(const adaptive *self, size_t round) {
     return count;
 }
 
-/* Restores the outcomes of rounds that an earlier run has finished. The largest estimate of a
- * round is that of the first point of the next one. */
+/* Restores the outcomes of rounds that an earlier run has finished. The largest estimate of a round
+ * is that of the first point of the next round. */
 static ehd_status recall_rounds(adaptive *self, ehd_error *error) {
     double *work = malloc((2 * self->num_states + 1) * sizeof *work);
     if (!work) return ehd_no_memory(error, self->plan_path);
@@ -240,7 +239,7 @@ static void add_point(adaptive *self, size_t point, const trial_verdict *verdict
     self->trained[point] = true;
 }
 
-/* Adds the candidates with the largest error estimates, `indicated`, of those above the accuracy.
+/* Adds the candidates with the largest error estimates (`indicated`), if these exceed the accuracy.
  * `judged`: the present model has estimated their errors. */
 static ehd_status add_worst(adaptive *self, const double *indicated, size_t max_count,
                             double accuracy, bool judged, ehd_error *error) {
@@ -257,7 +256,7 @@ static ehd_status add_worst(adaptive *self, const double *indicated, size_t max_
     return status;
 }
 
-/* Sets the places of the points in the trained range, in units of their extent. */
+/* Sets the coordinates of the points in the trained range, divided by the extent of all points. */
 static void normalise(double (*places)[RANGE_AXES], const training_set *set) {
     double low[RANGE_AXES], high[RANGE_AXES];
 
@@ -308,7 +307,7 @@ static ehd_status add_corners(adaptive *self, ehd_error *error) {
 
     if (!status) {
         normalise(places, self->set);
-        // the family's number is that of its first point
+        // the number of a family is that of its first point
         for (size_t i = 0; i < num_points && !status; i++)
             if (self->places[i].family == i)
                 status = add_corners_of(self, i, (const double(*)[RANGE_AXES])places, here, numbers,
@@ -321,7 +320,7 @@ static ehd_status add_corners(adaptive *self, ehd_error *error) {
     return status;
 }
 
-/* Adds the first round: corners, and candidates as far as possible from these and from each
+/* Adds the first round: corners, and candidates as far as possible from the corners and from each
  * other. */
 static ehd_status add_first_round(adaptive *self, ehd_error *error) {
     size_t wanted = smaller(self->settings->start, self->settings->max_points);
@@ -341,7 +340,7 @@ static bool is_good(const adaptive *self, size_t round) {
 }
 
 /* Adds the points of a check of the error estimates. Half of them have the largest estimates, the
- * largest first. The others are as far as possible from all points that are trained on. */
+ * largest first. The other half is as far as possible from all trained points. */
 static ehd_status add_check(adaptive *self, size_t count, ehd_error *error) {
     double *equal = calloc(self->set->num_points, sizeof *equal);
     ehd_status status = equal ? add_worst(self, self->indicated, (count + 1) / 2, -1, true, error)
@@ -385,11 +384,11 @@ static size_t nearest_before(const adaptive *self, const tree_point *from,
     return found;
 }
 
-/* Sets the starts and the order of the new points. Each starts from the nearest point of the
- * rounds before, those of the first round cold. So the points of a round do not need each other,
- * whichever process solves them. Starts from points of the same round, which are far apart, would
- * save nothing. In the plan of examples/line Newton takes 10.4 iterations a point and would take
- * 13.7, in that of examples/point 6.0 and 5.8. */
+/* Sets the starts and the order of the new points. In the first round all points start cold. Later,
+ * each starts from the nearest point of earlier rounds. So no point needs another one of its round,
+ * and any process may solve it. Starts from points of the same round, which are far apart, would
+ * save nothing. Newton takes 10.4 iterations a point with the plan of examples/line (with such
+ * starts 13.7), and 6.0 with that of examples/point (with such starts 5.8). */
 static ehd_status order_points(adaptive *self, ehd_error *error) {
     double scale[TREE_AXES];
 
@@ -403,7 +402,7 @@ static ehd_status order_points(adaptive *self, ehd_error *error) {
     return tree_order(self->set->order, self->set->parent, self->set->num_points, error);
 }
 
-/* Stores a solved point as the member `store` of the training. */
+/* Stores a solved point. It is the member `store` of the training. */
 static ehd_status store(void *sink, const training_set *set, size_t point, const snapshot *solution,
                         ehd_error *error) {
     adaptive *self = sink;
@@ -436,7 +435,7 @@ static ehd_status solve_round(adaptive *self, ehd_error *error) {
 
 // ---- judging
 
-/* Makes a model of all points that are solved. */
+/* Makes a model from all points that are solved. */
 static ehd_status build_model(reduced_model *model, trial_costs *costs, const adaptive *self,
                               ehd_error *error) {
     size_t count = 0;
@@ -481,9 +480,9 @@ static ehd_status build_model(reduced_model *model, trial_costs *costs, const ad
     return status;
 }
 
-/* Reports the least expected durations of the stages after the training: their durations with the
+/* Reports lower limits of the durations of the stages after the training: their durations with the
  * present points. solve_round reports the duration of the check, which needs full solutions. The
- * number of further rounds is not known. Extrapolation of the error estimates does not predict it
+ * number of further rounds is not known. Extrapolated error estimates do not predict it
  * (docs/history.md, adaptive-training). */
 static void tell_costs(const adaptive *self, const trial_costs *costs) {
     const stage *here = &self->caller->stage;
@@ -495,7 +494,7 @@ static void tell_costs(const adaptive *self, const trial_costs *costs) {
     stage_expect(here, "training", program_seconds() - self->started);
 }
 
-/* Makes the present model, and estimates its errors at all other candidates. */
+/* Makes the present model, and estimates its errors at all candidates that are not trained. */
 static ehd_status judge_candidates(adaptive *self, ehd_error *error) {
     size_t num_points = self->set->num_points;
     bool *left = malloc(num_points * sizeof *left);
@@ -576,7 +575,7 @@ static ehd_status take_pieces(adaptive *self, const adaptive_task *task, ehd_err
 
 // ---- parts of the region
 
-/* Counts the states that came in a round. */
+/* Counts the states that a round added. */
 static size_t count_round(const adaptive *self, size_t round) {
     size_t count = 0;
 
@@ -585,10 +584,10 @@ static size_t count_round(const adaptive *self, size_t round) {
     return count;
 }
 
-/* Estimates how many points one model needs for the wanted accuracy. A straight line is fitted to
- * the logarithm of the largest error estimate over the number of points in the last four rounds,
- * and continued to the accuracy. Returns infinity if the line does not fall, or if candidates
- * have no solution. */
+/* Estimates how many points one model needs for the wanted accuracy. Fits a straight line to the
+ * last four rounds: the logarithm of the largest error estimate against the number of points.
+ * Extends the line to the accuracy. Returns infinity if it does not fall, or if candidates have no
+ * solution. */
 static double expected_points(const adaptive *self) {
     const size_t count = smaller(self->num_rounds, 4), first = self->num_rounds - count;
     double mean_points = 0, mean_worst = 0, slope = 0, spread = 0;
@@ -617,7 +616,7 @@ static bool is_too_wide(const adaptive *self) {
            !is_good(self, self->num_rounds - 1) && !(expected_points(self) <= 2 * of_part);
 }
 
-/* Writes plans for two parts with half of the points each, since there are most points where the
+/* Writes plans for two parts with half of the points each, since the points are densest where the
  * training is hard. */
 static ehd_status divide(adaptive *self, const adaptive_task *task, ehd_error *error) {
     size_t *points = malloc((self->num_states + 1) * sizeof *points);
@@ -639,8 +638,8 @@ static ehd_status divide(adaptive *self, const adaptive_task *task, ehd_error *e
 
 // ---- rounds
 
-/* Checks whether the last round was a successful check: the model before it was within the
- * accuracy at its points, and the estimates of all others are. */
+/* Checks whether the last round was a successful check: the model before it met the accuracy at its
+ * points, and the estimates of all other points meet it now. */
 static bool is_checked(const adaptive *self) {
     const size_t last = self->num_rounds - 1;
 
@@ -674,7 +673,7 @@ static ehd_status run_rounds(adaptive *self, const adaptive_task *task, ehd_erro
         if (status || self->ended) break;
         if (task->parts && is_too_wide(self)) {
             status = divide(self, task, error);
-            if (status != EHD_DATA) return status; // else the points have too few different M
+            if (status != EHD_DATA) return status; // EHD_DATA: too few points of different M
         }
         status = add_next_round(self, error);
     }
@@ -711,8 +710,8 @@ static ehd_status open_file(adaptive *self, bool resume, ehd_error *error) {
     return adaptive_file_create(&self->file, self->caller, self->set, self->plan_path, error);
 }
 
-/* Warns that the points are used up without a successful check, where the largest
- * estimate is, and what helps. */
+/* Warns that all points are used without a successful check. Names the place of the largest
+ * estimate, and what helps. */
 static void warn_of_end(const adaptive *self) {
     const bool limited = self->num_states < self->set->num_points;
     char name[POINT_NAME] = "";
@@ -730,7 +729,7 @@ static void warn_of_end(const adaptive *self) {
                  limited ? "more of them (--max-points) may" : "a plan with more candidates may");
 }
 
-/* Prints the result in short. EHD_NOT_CONVERGED: more points failed than allowed. */
+/* Prints a summary of the result. EHD_NOT_CONVERGED: more points failed than allowed. */
 static ehd_status report(const adaptive *self, size_t allowed_failures, ehd_error *error) {
     const adaptive_round *last = &self->rounds[self->num_rounds - 1];
     size_t num_failed = self->points.num_failed;
@@ -834,7 +833,7 @@ static ehd_status choose_piece(adaptive_state *chosen, size_t *count, adaptive *
     return EHD_OK;
 }
 
-/* Continues the file of a piece. EHD_DATA: its points are others. */
+/* Continues the file of a piece. EHD_DATA: it has other points. */
 static ehd_status resume_piece(adaptive *self, const adaptive_state *chosen, size_t count,
                                ehd_error *error) {
     adaptive_state *found = malloc(self->set->num_points * sizeof *found);

@@ -10,8 +10,8 @@
 
 typedef struct adaptive_settings {
     double accuracy;         // wanted relative error of central and minimum film
-    size_t start;            // points of the first round; the region's corners at least
-    size_t batch;            // points of each further round; 0: a fifth of those before
+    size_t start;            // points of the first round, at least the corners of the region
+    size_t batch;            // points of each further round; 0: a fifth of the points so far
     size_t max_points;       // largest number of points in all
     double discarded_energy; // of the bases (podbuild --energy)
     bool cold;               // every point starts cold
@@ -27,7 +27,7 @@ typedef struct adaptive_task {
     bool resume;
     size_t allowed_failures;
     size_t num_workers;
-    // for a training in pieces, with a call for each
+    // for a training in pieces, with one call for each piece
     bool only_choose;          // ends as soon as points are to be solved
     const char *const *pieces; // [num_pieces] outputs of adaptive_solve to take over
     size_t num_pieces;
@@ -39,27 +39,27 @@ typedef struct adaptive_task {
 /* Trains on points that are chosen among the candidates, the points of the set, round by round.
  * - A round is solved with the full model. A reduced model of all solved points estimates the
  *   errors of the other candidates (romrun/trust/indicator.h). The factor of the estimates is
- *   fitted to the points of the last round, for which the model before had estimates.
+ *   fitted to the points of the last round, for which the previous model had estimates.
  * - The candidates with the largest estimates come next, until no estimate
  *   exceeds the accuracy.
- * - The next round is a check: some points with the largest estimates, and some as far as
- *   possible from all others. If the model before was as accurate as wanted there, training ends
- *   with these points. Otherwise it goes on.
+ * - The next round is a check: some points with the largest estimates, and some as far as possible
+ *   from all others. If the previous model was as accurate as wanted there, training ends with
+ *   these points. Otherwise it goes on.
  *
  * The output, caller->output, grows and can be resumed. The chosen points and their solutions
- * depend neither on num_workers, nor on interruptions, nor on which process solved them:
- * solutions of the last round in `pieces` are taken over. With `parts` a training ends early if
- * one model is not expected to suffice soon. The list of its parts is then written in place of
- * the output (README.md, Parts of a region).
- * Errors: EHD_NOT_CONVERGED: more points than allowed failed in the full model, or all; EHD_DATA:
- * trajectories in the plan, a piece of another training or round; EHD_INTERRUPTED; those of
- * snapshots_create and snapshots_resume. */
+ * depend neither on num_workers, nor on interruptions, nor on which process solved them. Solutions
+ * of the last round in `pieces` are taken over. With `parts` a training ends early if one model is
+ * not expected to suffice soon. The list of its parts is then written in place of the output
+ * (README.md, Parts of a region).
+ * Errors: EHD_NOT_CONVERGED: more points than allowed, or all points, failed in the full model;
+ * EHD_DATA: trajectories in the plan, a piece of another training or round; EHD_INTERRUPTED; those
+ * of snapshots_create and snapshots_resume. */
 ehd_status adaptive_train(const program *caller, const adaptive_task *task, ehd_error *error);
 
 /* Solves a piece of a round: every N-th of the points in `chosen_in` that are not done. The
  * output, caller->output, can be resumed. Points that do not converge are stored as such.
- * Errors: EHD_USAGE: fewer points than pieces; EHD_DATA: `chosen_in` is of another training,
- * nothing is to be solved; EHD_INTERRUPTED; those of adaptive_train. */
+ * Errors: EHD_USAGE: fewer points than pieces; EHD_DATA: `chosen_in` is of another training or has
+ * no point to solve; EHD_INTERRUPTED; those of adaptive_train. */
 ehd_status adaptive_solve(const program *caller, const adaptive_task *task, ehd_error *error);
 
 #endif

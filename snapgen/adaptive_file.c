@@ -46,7 +46,7 @@ static ehd_status put_choice(artefact *file, size_t place, const adaptive_state 
     return status;
 }
 
-/* Writes the numbers of the states from `first` on. Then the axis has its new length. */
+/* Writes the numbers of the states from `first` on, which gives the axis its new length. */
 static ehd_status put_numbers(artefact *file, size_t first, size_t count, ehd_error *error) {
     double *numbers = malloc((count + 1) * sizeof *numbers);
     if (!numbers) return ehd_no_memory(error, artefact_path(file));
@@ -69,7 +69,7 @@ ehd_status adaptive_file_add(artefact *file, const training_set *set, const adap
         status = snapshots_put_contact(file, first + i, &set->contacts[state->point], error);
         if (!status) status = put_choice(file, first + i, state, error);
     }
-    // the axis comes last and at once, so that a round in the file is always whole
+    // the axis is written last and in one call, so that each round in the file is complete
     return status ? status : put_numbers(file, first, count, error);
 }
 
@@ -102,8 +102,8 @@ static ehd_status read_choice(adaptive_state *state, artefact *file, size_t plac
     return EHD_OK;
 }
 
-/* Restores a state that is done. A state of the last round that is not whole is left to be solved
- * again. In earlier rounds it is EHD_DATA, since later rounds build on it. */
+/* Restores a state that is done. An incomplete state of the last round is solved again. In an
+ * earlier round it is an error (EHD_DATA), since later rounds build on it. */
 static ehd_status restore_state(training *points, double (*films)[NUM_FILMS], artefact *file,
                                 const adaptive_state *state, size_t place, bool of_last_round,
                                 ehd_error *error) {
@@ -120,7 +120,7 @@ static ehd_status restore_state(training *points, double (*films)[NUM_FILMS], ar
     return !status && !whole && !of_last_round ? EHD_DATA : status;
 }
 
-/* Checks that each point is chosen once. */
+/* Checks that no point is chosen more than once. */
 static ehd_status check_distinct(const adaptive_state *states, size_t count, const char *path,
                                  ehd_error *error) {
     for (size_t i = 1; i < count; i++)
@@ -166,10 +166,10 @@ ehd_status adaptive_file_resume(artefact **file, adaptive_state *states, size_t 
     size_t count = artefact_length(*file, "state");
     status = check_count(count, set, artefact_path(*file), error);
     if (!status) status = artefact_cut_axis(*file, "state", count, error);
-    // a failing disk may have left the length without the numbers
+    // after a disk failure the axis may have its length, but not its numbers
     if (!status && count > 0) status = put_numbers(*file, 0, count, error);
     if (!status) status = read_states(states, films, points, *file, count, error);
-    // the contact of a point that is solved again may have been incomplete
+    // the file may have an incomplete contact for a point that is solved again
     for (size_t i = 0; i < count && !status; i++)
         if (!points->points[states[i].point].done)
             status = snapshots_put_contact(*file, i, &set->contacts[states[i].point], error);
@@ -209,7 +209,7 @@ ehd_status adaptive_file_read(adaptive_state *states, size_t *num_states,
     return status;
 }
 
-/* Returns how many numbers an entry of a field has along its other axes. */
+/* Returns the number of values in one entry of a field, along its other axes. */
 static size_t entry_length(const artefact *file, const artefact_field *field) {
     const char *axes[ARTEFACT_MAX_RANK];
     const size_t rank = artefact_axes(axes, file, field);

@@ -13,22 +13,22 @@
 typedef struct adaptive_state {
     size_t point;          // number in the set
     size_t round;          // from 0
-    trial_verdict verdict; // of the model of the rounds before; NaN in the first round
+    trial_verdict verdict; // by the model of the rounds before; NaN in the first round
 } adaptive_state;
 
 /* The outcome of a round. */
 typedef struct adaptive_round {
-    size_t num_points; // converged points of its model
-    double indicated;  // largest error estimate of other points; NaN: none, or no factor yet
+    size_t num_points; // converged points from which its model is made
+    double indicated;  // largest error estimate of points not trained; NaN: none, or no factor yet
     double deviation;  // largest error at the points of the next round; NaN: there are none
-    double seconds;    // since the start; NaN: in an earlier run
+    double seconds;    // s, since the start; NaN: the round is of an earlier run
 } adaptive_round;
 
 /* Creates a file without states, in streaming mode. Errors: those of artefact_create. */
 ehd_status adaptive_file_create(artefact **file, const program *caller, const training_set *set,
                                 const char *plan_path, ehd_error *error);
 
-/* Adds states first … first + count - 1 of `states`, which are to be solved. */
+/* Adds states first … first + count - 1 of `states`, which are still to be solved. */
 ehd_status adaptive_file_add(artefact *file, const training_set *set, const adaptive_state *states,
                              size_t first, size_t count, ehd_error *error);
 

@@ -32,12 +32,12 @@ typedef struct kept_state {
 } kept_state;
 
 typedef struct kept_states {
-    size_t num_nodes; // of the fields; 0: none are kept
-    size_t num_lines; // of the exits; 0: none are kept
+    size_t num_nodes; // nodes of the fields; 0: no fields are kept
+    size_t num_lines; // lines of the exits; 0: no exits are kept
     double end_time;
     size_t num_times; // regular times so far
     double extremes[KEPT_EXTREMES];
-    double load_rate;            // largest rate so far
+    double load_rate;            // largest rate of the load so far
     contact_frame last;          // of the last step
     kept_state states[NUM_KEPT]; // the first one is the start
 } kept_states;

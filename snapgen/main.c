@@ -162,7 +162,7 @@ static const ehd_contact *set_contact(const training_set *set) {
     return set->num_points > 0 ? set->contacts : &set->trajectories->contact;
 }
 
-/* Prints the result in short. EHD_NOT_CONVERGED: more points failed than allowed. */
+/* Prints a summary of the result. EHD_NOT_CONVERGED: more points failed than allowed. */
 static ehd_status report(const program *self, const training *points, const trajectories *trained,
                          size_t allowed, double seconds, ehd_error *error) {
     size_t num_points = points->set->num_points + trained->num_trajectories;
@@ -297,7 +297,7 @@ static ehd_status write_parts(const program *self, const training_set *set, size
     return status;
 }
 
-/* Runs the first mode: solves the plan with the full model, all points or those that an
+/* Runs the first mode: solves the plan with the full model, either all points or those that an
  * adaptive training needs. */
 static ehd_status train(const program *self, const snapgen_options *options, ehd_error *error) {
     const char *plan_path = self->arguments[0];

@@ -17,8 +17,8 @@ typedef struct hull {
     size_t count;
 } hull;
 
-/* Returns how far a point lies to the left of the line from one corner to another. If these have
- * the same place, returns the distance from it. */
+/* Returns how far a point lies to the left of the line from one corner to another. If both corners
+ * have the same place, returns the distance from it. */
 static double distance_outside(const hull *self, size_t from, size_t to, size_t point) {
     const double *a = self->places[from], *b = self->places[to], *p = self->places[point];
     double along[2] = {b[0] - a[0], b[1] - a[1]}, there[2] = {p[0] - a[0], p[1] - a[1]};
@@ -28,7 +28,7 @@ static double distance_outside(const hull *self, size_t from, size_t to, size_t 
     return (along[0] * there[1] - along[1] * there[0]) / length;
 }
 
-/* Adds the corners between two known ones. */
+/* Adds the corners between two known corners. */
 static void add_between(hull *self, size_t from, size_t to) {
     size_t furthest = NO_PARENT;
     double farthest = self->tolerance;
@@ -70,7 +70,8 @@ static bool is_plane(const hull *self) {
     return true;
 }
 
-/* Adds the first points with the least and the largest value of each coordinate. */
+/* For each coordinate, adds the first point with the smallest value and the first one with the
+ * largest. */
 static void add_extremes(hull *self) {
     for (int axis = 0; axis < RANGE_AXES; axis++) {
         size_t least = 0, most = 0;
@@ -112,7 +113,7 @@ static void add_furthest(hull *self, double *outside, double *columns) {
         furthest = NO_PARENT;
         for (size_t i = 0; i < self->num_points; i++) {
             double here[RANGE_AXES];
-            if (!(outside[i] > self->tolerance)) continue; // inside, and stays inside
+            if (!(outside[i] > self->tolerance)) continue; // inside the hull, and stays inside
             for (int axis = 0; axis < RANGE_AXES; axis++)
                 here[axis] = self->places[i][axis] - origin[axis];
             outside[i] = hull_distance(columns, self->count, RANGE_AXES, here);
@@ -133,7 +134,7 @@ size_t point_choice_corners(size_t *corners, const double (*places)[RANGE_AXES],
     double *memory = malloc((1 + RANGE_AXES) * num_points * sizeof *memory);
     size_t *extremes = malloc(2 * RANGE_AXES * sizeof *extremes);
     if (memory && extremes) {
-        self.corners = extremes; // there may be fewer points than these
+        self.corners = extremes; // a separate array: `corners` may have fewer places
         add_extremes(&self);
         drop_repeated(&self);
         for (size_t i = 0; i < self.count; i++)
@@ -150,7 +151,7 @@ size_t point_choice_corners(size_t *corners, const double (*places)[RANGE_AXES],
 
 typedef struct nearness {
     double *trained; // [num_points] distance to the nearest point taken before
-    double *chosen;  // [num_points] distance to the nearest one chosen now
+    double *chosen;  // [num_points] distance to the nearest point chosen now
     double scale[TREE_AXES];
 } nearness;
 
@@ -167,7 +168,7 @@ static bool is_worse(const candidates *from, const nearness *near, size_t i, siz
 }
 
 /* Returns the worst candidate, or NO_PARENT if none is far enough from those chosen now. `known`:
- * only candidates with a finite error estimate count. */
+ * considers only candidates with a finite error estimate. */
 static size_t worst(const candidates *from, const nearness *near, double part, bool known) {
     size_t best = NO_PARENT;
 
@@ -181,8 +182,8 @@ static size_t worst(const candidates *from, const nearness *near, double part, b
     return best;
 }
 
-/* Returns the worst candidate among those that are far enough from the ones chosen now, and
- * lowers this distance until there is one. Places that differ by round-off are the same place. */
+/* Returns the worst candidate among those that are far enough from the ones chosen now. Lowers the
+ * required distance until there is one. Places that differ by round-off are the same place. */
 static size_t furthest_worst(const candidates *from, const nearness *near, bool known) {
     size_t found = NO_PARENT;
 

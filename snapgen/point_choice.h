@@ -9,12 +9,12 @@
 #include "romrun/trust/trained_range.h"
 #include <stdbool.h>
 
-/* Finds the corners of the convex hull of places, except those at most `tolerance` outside the
- * hull of the others. Returns their number, 0 if there is no memory. Of equal places the first
- * counts, so that the result depends on the places alone.
+/* Finds the corners of the convex hull of places, except those at most `tolerance` outside the hull
+ * of the others. Returns their number, 0 if there is no memory. Of equal places the first is taken,
+ * so that the result depends on the places alone.
  * - In a plane, where only the first two coordinates differ, quickhull (Barber, Dobkin and
  *   Huhdanpaa 1996) stops at this tolerance.
- * - Otherwise the place furthest outside is added, one after the other. */
+ * - Otherwise the places furthest outside are added, one after the other. */
 size_t point_choice_corners(
     // output:
     size_t *corners, // [return value], room for num_points
@@ -25,12 +25,12 @@ typedef struct candidates {
     const tree_point *points; // [num_points]
     size_t num_points;
     const bool *trained;     // [num_points] whether it was trained on before
-    const double *indicated; // [num_points] error estimate; infinite if it is not known
+    const double *indicated; // [num_points] error estimate; infinite: not known
     double accuracy;         // candidates with no larger estimate are left out
 } candidates;
 
-/* Chooses the candidates with the largest error estimates, the largest first. Of equal ones it
- * takes the one furthest from all points that are trained on.
+/* Chooses the candidates with the largest error estimates, the largest first. Of equal estimates it
+ * takes the candidate furthest from all trained points.
  * - Every second choice is the largest finite estimate, if there is one. Otherwise a few
  *   candidates with infinite estimates would take all places.
  * - A candidate lies no nearer to the others chosen now than to the points taken before, because

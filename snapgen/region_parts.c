@@ -56,8 +56,7 @@ static ehd_status too_narrow(const parts_request *of, ehd_error *error) {
                     of->plan_path, of->num_parts);
 }
 
-/* Cuts the region so that each part has equally many of the points, and then lets the parts
- * overlap. */
+/* Cuts the region into parts with equally many of the points, and then lets the parts overlap. */
 static ehd_status cut(part *parts, const parts_request *of, ehd_error *error) {
     const part all = extent_of(of->set);
     const size_t last = of->num_parts - 1;
@@ -83,7 +82,7 @@ static ehd_status cut(part *parts, const parts_request *of, ehd_error *error) {
     return status;
 }
 
-/* Returns the factor on the number of candidates by which the part has as many as the whole
+/* Returns the factor for the number of candidates with which the part has as many as the whole
  * region. */
 static double density_of(const part *range, const training_set *set) {
     size_t count = 0;
@@ -131,7 +130,7 @@ static ehd_status write_plan(const parts_request *of, const part *range, bool fi
     }
     fputs("part_of: ", file.stream);
     write_quoted(file.stream, whole);
-    // at its own ends the region has no bounds
+    // no bound at an end of the region itself
     fprintf(file.stream, "\nwhere: {moes_M: [%.4g, %.4g]}\ncandidates_times: %.3g\n",
             first ? 0 : exp(range->low), last ? 1e99 : exp(range->high),
             density_of(range, of->set));

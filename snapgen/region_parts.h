@@ -11,7 +11,7 @@
 typedef struct parts_request {
     const char *plan_path;
     const training_set *set; // of the plan
-    const size_t *points;    // [num_points] numbers in the set; equally many in each part
+    const size_t *points;    // [num_points] numbers in the set; each part gets equally many
     size_t num_points;
     size_t num_parts;
     bool force; // replaces existing files, never the plan

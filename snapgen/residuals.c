@@ -35,7 +35,7 @@ typedef struct repeated_training {
     point_trace *traces; // [num_points]
     take_iterations *take;
     void *sink;
-    size_t num_taken; // points whose iterations are taken, the first of the plan
+    size_t num_taken; // number of points whose iterations are taken; they come first in the plan
     trajectories repeated;
     size_t num_done, num_failed;
     progress progress;
@@ -111,11 +111,11 @@ static ehd_status begin_tracer(void **worker, void *shared, ehd_error *error) {
     return EHD_OK;
 }
 
-/* Solves a point and keeps its iterations. It starts from the nearest trained solution that is
- * not its own, since most iterations of the online solver are like these. If this does not
- * converge, it starts from a guess of all trained solutions around the point, its own among them.
- * Iterations that diverge are left out: they are larger than all others together, and would
- * determine the rows. */
+/* Solves a point and keeps its iterations. It starts from the nearest trained solution that is not
+ * its own, since most iterations of the online solver are like those from such a start. If this
+ * does not converge, it starts from a guess that uses all trained solutions around the point,
+ * including its own. Iterations that diverge are left out: they are larger than all others
+ * together, and would determine the rows. */
 static ehd_status trace_point(void *shared, void *worker, size_t point, size_t parent,
                               ehd_error *error) {
     repeated_training *training = shared;
@@ -357,7 +357,7 @@ static ehd_status put_states(artefact *file, const repeated_training *training, 
     return status;
 }
 
-/* Writes the grid and what identifies the basis, and declares all fields. */
+/* Writes the grid and the identity of the basis, and declares all fields. */
 static ehd_status begin_file(artefact *file, const repeated_training *training,
                              const char *identity, ehd_error *error) {
     const reduced_model *model = training->model;
@@ -418,7 +418,7 @@ static ehd_status run_trajectories(repeated_training *training, const reduced_ba
     return status;
 }
 
-/* Leaves only the points that the basis was trained on. */
+/* Removes all points that the basis was not trained on. */
 static ehd_status keep_trained(training_set *set, const reduced_basis *basis, const char *plan_path,
                                const char *basis_path, ehd_error *error) {
     bool *keep = calloc(set->num_points + 1, sizeof *keep);
@@ -451,7 +451,7 @@ ehd_status residuals_run(size_t *num_failed, const program *caller, training_set
 
     if (!status) training_set_take_grid(set, &basis.grid);
     if (!status) status = grid_check(&basis.grid, basis_path, &set->grid, plan_path, error);
-    if (!status && set->num_trajectories > 0) { // repeated with the transport of their training
+    if (!status && set->num_trajectories > 0) { // solved with the transport of their training
         const ehd_carriage carriage = path_carriage(&set->trajectories[0].contact);
         status = carriage_check(&carriage, plan_path, &basis.carriage, basis_path, error);
     }

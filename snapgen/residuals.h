@@ -14,7 +14,7 @@
  * et al. 2015, section 3.2). Each point starts from the nearest trained solution that is not its
  * own. If this does not converge, it starts from a guess of all trained solutions around it. A
  * point that does not converge is counted, with a note.
- * Errors: EHD_DATA: a basis of another grid or contact; EHD_NOT_CONVERGED: all failed, and
+ * Errors: EHD_DATA: a basis of another grid or contact; EHD_NOT_CONVERGED: all points failed, and
  * nothing is written; EHD_INTERRUPTED, EHD_MEMORY, I/O. */
 ehd_status residuals_run(
     // output:

@@ -13,7 +13,7 @@
 
 // ---- creating
 
-/* Writes the thinning of a state, if the file has thinned flows. */
+/* Writes the thinning of a state, if the file has columns for thinned flows. */
 static ehd_status put_thinning(artefact *file, size_t state, flow_thinning thinning,
                                ehd_error *error) {
     if (!artefact_has(file, "thinning")) return EHD_OK;
@@ -193,7 +193,7 @@ ehd_status snapshots_store(void *sink, const training_set *set, size_t point,
             artefact_put_integers_part(file, "newton_iterations", point, 1, &iterations, error);
     if (!status)
         status = artefact_put_part(file, "residual_norm", point, 1, &solution->residual, error);
-    // last, because it marks the rest as being on the disk
+    // the status is written last: it marks that the other data are on the disk
     if (!status) status = artefact_sync(file, error);
     if (!status) status = artefact_put_integers_part(file, "status", point, 1, &outcome, error);
     if (!status) status = artefact_flush(file, error);
@@ -249,7 +249,7 @@ static ehd_status put_compressed(artefact *file, const ehd_grid *grid, const pod
 
     if (!status && !row) status = ehd_no_memory(error, "compressed snapshots");
     if (!status) status = artefact_declare(file, "compressed_pressure", error);
-    // a row at a time, because boundary nodes are not in the file
+    // one row at a time, because the file has no boundary nodes
     for (size_t i = 0; i < set->num_modes && !status; i++) {
         pod_row(row, set, i);
         status = grid_put_field(file, "compressed_pressure", i, row, grid, false, error);
@@ -320,7 +320,7 @@ static ehd_status restore(training *points, size_t point, artefact *file, size_t
     return status;
 }
 
-/* Checks whether a state has the contact that the plan has there. EHD_DATA. */
+/* Checks whether a state has the contact of the plan. EHD_DATA. */
 static ehd_status check_contact(artefact *file, size_t state, const ehd_contact *contact,
                                 ehd_error *error) {
     const flow_thinning thinning = traction_thinning(contact);
@@ -333,7 +333,7 @@ static ehd_status check_contact(artefact *file, size_t state, const ehd_contact 
                    {"gradient_thinning", thinning.gradient}};
 
     for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++) {
-        double found = 0; // missing where no flow is thinned
+        double found = 0; // the column is missing if no flow is thinned
         ehd_status status =
             artefact_has(file, numbers[i].name)
                 ? artefact_get_part(file, numbers[i].name, state, 1, &found, 1, error)
@@ -360,7 +360,7 @@ ehd_status snapshots_restore(bool *whole, training *points, size_t point, artefa
 static ehd_status restore_points(training *points, artefact *file, ehd_error *error) {
     const training_set *set = points->set;
     int64_t *outcomes = malloc(num_states(set) * sizeof *outcomes);
-    bool whole = true; // a point that is not whole is solved again
+    bool whole = true; // an incomplete point is solved again
     ehd_status status = EHD_OK;
 
     if (!outcomes) status = ehd_no_memory(error, artefact_path(file));
@@ -396,7 +396,7 @@ ehd_status snapshots_resume(artefact **file, training *points, const program *ca
 
     for (size_t t = 0; t < set->num_trajectories && !status; t++)
         status = inputs_check_tables(*file, &set->trajectories[t].scene, error);
-    // equal settings give as many states, unless the file is of another origin
+    // equal settings give equal numbers of states, unless another program wrote the file
     if (!status && artefact_length(*file, "state") != num_states(set))
         status =
             ehd_fail(error, EHD_DATA,

@@ -17,8 +17,8 @@ ehd_status snapshots_create(
     const program *caller, const training_set *set, const char *plan_path, ehd_error *error);
 
 /* Opens NAME.partial of an earlier run on the same grid. Errors: those of artefact_resume;
- * EHD_DATA also for another grid. Equal plans may have different grids if they leave the
- * grid to their contacts. */
+ * EHD_DATA: another grid. Equal plans may have different grids if the grid follows from their
+ * contacts. */
 ehd_status snapshots_open_partial(artefact **file, const training_set *set, const program *caller,
                                   ehd_error *error);
 
@@ -31,12 +31,12 @@ ehd_status snapshots_resume(artefact **file, training *points, const program *ca
 ehd_status snapshots_put_trajectories(artefact *file, const training_set *set,
                                       const trajectories *trained, ehd_error *error);
 
-/* Stores a solved point as the member `store` of a training. `sink` is the artefact, `state` the
- * point's number in it. */
+/* Stores a solved point. It is the member `store` of a training. `sink` is the artefact, `state`
+ * the number of the point in it. */
 ehd_status snapshots_store(void *sink, const training_set *set, size_t state,
                            const snapshot *solution, ehd_error *error);
 
-// ---- steps of these, for adaptive training too
+// ---- steps of the functions above, also for adaptive training
 
 /* Declares the fields along the states. Fields of trajectories, of adaptive training, of thinned
  * flows and of error estimates of the grid are declared only if there are any. */
@@ -47,8 +47,8 @@ ehd_status snapshots_declare(artefact *file, const training_set *set, bool adapt
 ehd_status snapshots_put_contact(artefact *file, size_t state, const ehd_contact *contact,
                                  ehd_error *error);
 
-/* Marks a point as done if `file` has the whole of it as `state`, with the outcome `outcome`. A
- * power cut may leave an outcome without the other data; then *whole is false. */
+/* Marks a point as done if `file` has all data of its state, with the outcome `outcome`. A power
+ * cut may leave an outcome without the other data; then *whole is false. */
 ehd_status snapshots_restore(
     // output:
     bool *whole, training *points,

@@ -13,12 +13,12 @@
 #include <string.h>
 
 /* Singular values below 1e-11 of the first are omitted. Half of this error may be the distance of
- * the snapshots from the directions of the stream. A stream is fastest if its block, here 512, is
- * about as long as its rank. */
+ * the snapshots from the directions of the stream. A stream is fastest if its block, here 512, has
+ * about as many snapshots as the stream has directions. */
 static const pod_settings compression = {.discarded_energy = 1e-22};
 static const pod_stream_settings compression_stream = {.local_energy = 0.25e-22, .block = 512};
 
-/* A training on all trajectories. `model` NULL: with the full model. */
+/* A training on all trajectories. If `model` is NULL, it uses the full model. */
 typedef struct task {
     const program *caller;
     const training_set *set;
@@ -31,12 +31,12 @@ typedef struct task {
     bool *done;                // [num_trajectories]
     size_t num_merged;
     pod_stream *all_first, *all_second;
-    pthread_mutex_t showing; // guards what follows
-    double *progress_part;   // [num_trajectories] part of the end time that is reached
+    pthread_mutex_t showing; // guards the members below
+    double *progress_part;   // [num_trajectories] reached time over the end time
     progress progress;
 } task;
 
-enum { PARTS_SHOWN = 1000 }; // of the work, in the progress line
+enum { PARTS_SHOWN = 1000 }; // parts of the work in the progress line
 
 /* One trajectory under way. */
 typedef struct trajectory_run {
@@ -117,8 +117,8 @@ static ehd_status observe(void *context, const double *residual, const double *s
     return EHD_OK;
 }
 
-/* Adds the iterations of a solution to the compressed sets. Iterations of a step that is not
- * solved, and repeated with a shorter one, are left out. */
+/* Adds the iterations of a solution to the compressed sets. Iterations of a failed step, which is
+ * repeated with a shorter one, are left out. */
 static ehd_status end_solution(void *context, const reduced_info *info, ehd_error *error) {
     trajectory_run *self = context;
     const size_t count = info->status == EHD_NOT_CONVERGED ? 0 : self->num_iterations;
@@ -173,8 +173,8 @@ static void end_run(trajectory_run *self) {
     free(self->iterations[1]);
 }
 
-/* Marches to the end. `reason` is why it did not get there, or why the full model's march is not
- * to be trusted, else "". */
+/* Marches to the end. `reason`: why the march did not reach the end, or why a march of the full
+ * model is not to be trusted; else "". */
 static ehd_status march_to_end(char reason[MARCH_REASON], trajectory_run *self, const scene *given,
                                ehd_error *error) {
     march run = {.reference = reference_of(self),
@@ -195,8 +195,8 @@ static ehd_status march_to_end(char reason[MARCH_REASON], trajectory_run *self, 
     if (!status && !reason[0]) status = run.store(self, &first, 0, error);
     if (!status && !reason[0]) status = march_run(&outcome, &run, error);
     if (!status && outcome) memcpy(reason, run.reason, MARCH_REASON);
-    // an untrusted march of the full model is no solution. One of the reduced model is kept,
-    // since the online solver will meet such states too
+    // an untrusted march of the full model is no solution. An untrusted march of the reduced model
+    // is kept, since the online solver may meet such states
     if (!status && !reason[0] && self->full) memcpy(reason, run.untrusted, MARCH_REASON);
     return status;
 }
@@ -266,7 +266,7 @@ static ehd_status finish_trajectory(void *shared, void *worker, size_t number, s
     (void)worker, (void)parent;
 
     owner->done[number] = true;
-    if (result->failed[number]) // it did not get to its end
+    if (result->failed[number]) // the progress shows a failed trajectory as finished
         show_progress(owner, number, owner->set->trajectories[number].scene.transient.end_time);
     result->num_failed += result->failed[number];
     result->num_steps += owner->first[number].num_snapshots;

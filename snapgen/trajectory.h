@@ -18,7 +18,7 @@
 typedef struct trajectories {
     size_t num_trajectories, num_failed;
     kept_states *kept; // [num_trajectories]
-    bool *failed;      // [num_trajectories]; nothing of a failed one is kept
+    bool *failed;      // [num_trajectories]; no state of a failed trajectory is kept
     size_t num_steps;
     // PODs of all trajectories. Full model: `first` of the pressures, `second` empty. Reduced
     // model: `first` of D f, `second` of D J dz. The trajectories are merged in the order of the

@@ -38,12 +38,12 @@ typedef struct trial_verdict {
     double film[NUM_FILMS];  // H; NaN if not converged
 } trial_verdict;
 
-/* Solves the contacts for which `wanted` is set, and estimates their errors. Each starts from its
- * own guess, so that the verdicts depend on model and contact alone. EHD_INTERRUPTED with an
- * empty text; EHD_MEMORY. */
+/* Solves the contacts for which `wanted` is set, and estimates their errors. Each solution starts
+ * from a guess for its contact, so that a verdict depends on model and contact alone.
+ * EHD_INTERRUPTED with an empty text; EHD_MEMORY. */
 ehd_status trial_judge(
     // output:
-    trial_verdict *verdicts, // [num_contacts], unchanged where not wanted
+    trial_verdict *verdicts, // [num_contacts], unchanged for contacts that are not wanted
     // input:
     const reduced_model *model, const ehd_contact *contacts, const bool *wanted,
     size_t num_contacts, size_t num_workers, ehd_error *error);
