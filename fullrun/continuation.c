@@ -8,17 +8,17 @@
 #include <math.h>
 #include <string.h>
 
-/* Central film of the start over the central film of the formula. Newton's iteration corrects too
- * thick a film in a few steps. It drives a film that is too thin to zero at the edges of the
- * contact. With 1.5, 2, 4 and 10 all of 24 cold starts at the corners of M and L converge, in
- * 760, 731, 765 and 820 steps. With 1 eight of them fail (test_continuation.c,
+/* Ratio of the central film of the start to that of the film formula. Newton's iteration corrects
+ * too thick a film in a few steps. It drives too thin a film to zero at the edges of the contact.
+ * With ratios of 1.5, 2, 4 and 10 all of 24 cold starts at the corners of M and L converge, in 760,
+ * 731, 765 and 820 steps. With a ratio of 1 eight of them fail (test_continuation.c,
  * extremes_converge). */
 static const double START_FILM = 2;
 
-/* Smallest stride of a continuation, as a part of the way. Of 89 cold starts by continuation (M
- * 0.5 to 1000, L 0 to 50, lines and points of three laws) 43 converge, all with strides down to
- * 1/8. The other starts drive the film to zero on their grid. The number of solutions until they
- * are given up grows with the logarithm of this stride (test_continuation.c,
+/* Smallest stride of a continuation, as a part of the whole way. Of 89 cold starts by continuation
+ * (M 0.5 to 1000, L 0 to 50, line and point contacts of three laws) 43 converge, with strides of
+ * 1/8 or more. In the other starts the film falls to zero on their grid. The number of solutions
+ * before such a start is given up grows with the logarithm of this stride (test_continuation.c,
  * far_start_is_given_up_early). */
 static const double MIN_STRIDE = 1. / 256;
 
@@ -133,7 +133,7 @@ static ehd_contact easy_contact(const ehd_contact *goal) {
 }
 
 /* Solves a contact by Newton from the dry contact, with the exit at a node. If this fails,
- * continuation goes in M at small L, then in L. */
+ * continues in M at small L, then in L. */
 static ehd_status solve_from_dry(full_info *info, full_state *state, full_solver *solver,
                                  const ehd_contact *contact, ehd_error *error) {
     full_info part;
@@ -156,9 +156,9 @@ static ehd_status solve_from_dry(full_info *info, full_state *state, full_solver
     return status;
 }
 
-/* Solves a contact by continuation from a fluid that is hardly thinned. A dry contact
- * has so large gradients that the thinned flow, which grows exponentially with them,
- * leads Newton nowhere. */
+/* Solves a contact by continuation from a fluid that is hardly thinned. The thinned flow grows
+ * exponentially with the pressure gradient, which is so large in a dry contact that Newton does not
+ * converge from there. */
 static ehd_status solve_by_thinning(full_info *info, full_state *state, full_solver *solver,
                                     const ehd_contact *contact, ehd_error *error) {
     ehd_contact hardly = *contact;
@@ -171,7 +171,7 @@ static ehd_status solve_by_thinning(full_info *info, full_state *state, full_sol
 }
 
 ehd_grid full_coarser_grid(const ehd_grid *grid) {
-    size_t sides = grid->inner_lines / 2; // of a whole grid: lines on either side of y = 0
+    size_t sides = grid->inner_lines / 2; // of a whole grid: lines on each side of y = 0
 
     return grid_like(grid, grid->x_min, 2 * grid->step, (grid->inner_x + 1) / 2,
                      grid->half ? grid->inner_lines / 2 + 1 : 2 * ((sides + 1) / 2) + 1);
@@ -191,26 +191,26 @@ static double interpolated(const double *values, const ehd_grid *coarse, const e
            4;
 }
 
-/* Interpolates pressure and its zone from a coarser grid, whose column k is column 2k - 1 of this
- * one. */
+/* Interpolates pressure and its zone from a coarser grid. Column k of that grid is column 2k - 1
+ * here. */
 static void refine(full_state *state, const ehd_grid *grid, const full_state *from,
                    const ehd_grid *coarse) {
     size_t exit = 2 * from->exit - 1, last = grid->num_nodes - 1;
-    double offset = 2 * from->exit_offset; // from the node that both grids have
+    double offset = 2 * from->exit_offset; // counted from the node that both grids have
 
     memset(state->pressure, 0, grid->num_nodes * sizeof(double));
     for (size_t r = 0; r < grid->num_inner; r++) {
         size_t k = grid_node_of_row(grid, r);
         state->pressure[k] = interpolated(from->pressure, coarse, grid, k);
     }
-    if (isless(offset, 1)) exit--; // it is NaN on a point contact
+    if (isless(offset, 1)) exit--; // the offset is NaN on a point contact
     full_state_set_zone(state, grid, exit < last ? exit : last);
     if (exit < last) state->exit_offset = isgreaterequal(offset, 1) ? offset - 1 : offset;
     state->rigid_approach = from->rigid_approach;
 }
 
-/* Solves on a grid of twice the step and interpolates pressure and exit. Then the number
- * of Newton iterations on the finest grid does not grow with its nodes. *started: the
+/* Solves on a grid of twice the step and interpolates pressure and exit. The number of Newton
+ * iterations on the finest grid then does not grow with the number of nodes. *started: whether the
  * coarse grid has converged. */
 static ehd_status start_coarse(bool *started, full_state *state, full_solver *solver,
                                const ehd_contact *contact, ehd_error *error) {
@@ -222,7 +222,8 @@ static ehd_status start_coarse(bool *started, full_state *state, full_solver *so
 
     *started = false;
     coarse.grid = full_coarser_grid(&contact->grid);
-    // the discretisation error is larger, and a tighter tolerance would not reduce it
+    // the discretisation error of the coarse grid is larger, and a tighter tolerance would not
+    // reduce it
     settings.tolerance = contact->kind->dimensions > 1 ? 1e-3 : 1e-6;
     settings.as_large |= full_is_large(&contact->grid);
     ehd_status status =
@@ -240,9 +241,9 @@ static ehd_status start_coarse(bool *started, full_state *state, full_solver *so
 
 ehd_status full_solve_cold(full_info *info, full_state *state, full_solver *solver,
                            const ehd_contact *contact, ehd_error *error) {
-    // inner nodes along, up to which no coarser grid is solved, since it would not resolve the
-    // film. Starts from still coarser grids save no iterations on 1201 nodes of a line or 128
-    // cells of a point contact
+    // largest number of inner nodes along X for which no coarser grid is solved, since it would not
+    // resolve the film. Still coarser grids save no iterations on 1201 nodes of a line contact or
+    // 128 cells of a point contact
     const size_t coarsest = contact->kind->dimensions > 1 ? 60 : 500;
     double before = program_seconds();
     ehd_status status = EHD_OK;
@@ -276,7 +277,7 @@ ehd_status full_solve_from(full_info *info, full_state *state, full_solver *solv
     full_info part;
 
     // continuation from the start would take more iterations than a cold start: 2424 instead of
-    // 1389 for a plan of 40 lines far apart
+    // 1389 for a plan of 40 line contacts far apart
     ehd_status status = full_solve(info, state, solver, contact, NULL, error);
     if (!status && info->status != EHD_OK) {
         status = full_solve_cold(&part, state, solver, contact, error);

@@ -9,15 +9,16 @@
 
 #include "fullrun/full_solver.h"
 
-/* Sets the state to the dry contact: Hertz pressure, and its film shifted such that it is
- * `central_film` at X = 0. */
+/* Sets the state to the dry contact: Hertz pressure, and its film, shifted to `central_film` at X =
+ * 0. */
 void full_start_dry(
     // output:
     full_state *state,
     // input:
     full_solver *solver, const ehd_contact *contact, double central_film);
 
-/* Returns the grid of twice the step. Its inner column c is column 2c - 1 of the given grid. */
+/* Returns the grid of twice the step. Inner column c of the result is column 2c - 1 of the given
+ * grid. */
 ehd_grid full_coarser_grid(const ehd_grid *grid);
 
 #endif

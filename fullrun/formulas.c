@@ -28,8 +28,8 @@ static void print_head(const film_formula *formula) {
     printf("formula %-20s %-8s", formula->name, formula->of_minimum ? "minimum" : "central");
 }
 
-/* Prints the range of b/a that a formula was made for, where that is known, and whether this
- * contact is outside. */
+/* Prints the range of b/a for which a formula was made, if it is known, and whether this contact is
+ * outside of it. */
 static void print_range(const film_formula *formula, double ellipticity) {
     const double min = formula->min_ellipticity, max = formula->max_ellipticity;
 
@@ -82,7 +82,7 @@ void formulas_print_traction(const contact_traction *solution, const ehd_contact
     if (isnan(own.coefficient)) return;
     print_traction_head();
     printf("  %-11.6g", own.coefficient);
-    // in pure rolling both are 0
+    // in pure rolling both coefficients are 0
     if (solution->coefficient != 0)
         printf(" %+8.3f %%", 100 * (own.coefficient / solution->coefficient - 1));
     printf("  %s; viscous stress from %g Eyring stresses on, %s: %.3g\n", traction_formula_source,
@@ -104,7 +104,7 @@ static int compare_deviations(const void *left, const void *right) {
     return (a > b) - (a < b);
 }
 
-/* Returns the deviation that is not exceeded for the part `quantile` of the time. `values`
+/* Returns the deviation that is not exceeded during the fraction `quantile` of the time. `values`
  * ascend. */
 static double quantile_in_time(const weighted *values, size_t count, double quantile) {
     double total = 0, sum = 0;
@@ -117,8 +117,8 @@ static double quantile_in_time(const weighted *values, size_t count, double quan
     return values[i].deviation;
 }
 
-/* Returns the duration that a stored time stands for: half of the intervals
- * before and after it. */
+/* Returns the duration that a stored time stands for: half of the interval before it and half of
+ * the interval after it. */
 static double duration_of(const time_series *series, size_t i) {
     const size_t last = series->num_times - 1;
 
@@ -133,7 +133,7 @@ static void print_deviations(weighted *deviations, size_t count) {
 }
 
 /* Returns the contact at a stored time, taken as stationary, and the film scale of its frame. The
- * load is that of the result, since it is an outcome where the approach is given. */
+ * load is that of the result, because it is computed if the approach is given. */
 static ehd_contact contact_at(double *film_scale, const time_series *series, size_t i,
                               const ehd_histories *histories, const ehd_contact *reference) {
     double values[NUM_VARY];
@@ -147,7 +147,7 @@ static ehd_contact contact_at(double *film_scale, const time_series *series, siz
     return contact;
 }
 
-/* Returns the number of the first time at which the bodies are not apart; num_times: there is
+/* Returns the number of the first time at which the bodies are in contact; num_times: there is
  * none. */
 static size_t first_contact(const time_series *series) {
     size_t first = 0;
@@ -202,7 +202,7 @@ static void print_traction_in_time(weighted *deviations, const time_series *seri
         most = fmax(most, own.excess);
         total += duration;
         if (!(own.excess >= TRACTION_MIN_EXCESS)) outside += duration;
-        // in pure rolling, and at zero entrainment, both are 0
+        // in pure rolling, and at zero entrainment, both coefficients are 0
         if (series->friction_coefficient[i] != 0)
             deviations[count++] =
                 (weighted){fabs(own.coefficient / series->friction_coefficient[i] - 1), duration};

@@ -10,8 +10,8 @@
 #include "common/program/status.h"
 #include "common/settings/scene.h"
 
-/* Prints a line for each formula: its film, the deviation from the film of the solution, the time
- * of one evaluation and the source. */
+/* Prints a line of text for each formula: its film, the deviation from the film of the solution,
+ * the time of one evaluation and the source. */
 void formulas_print(const contact_scalars *solution, const ehd_contact *contact);
 
 /* Prints the traction curve of a contact with Eyring's law of shear at the film of the
@@ -19,9 +19,10 @@ void formulas_print(const contact_scalars *solution, const ehd_contact *contact)
  * nothing for other laws. */
 void formulas_print_traction(const contact_traction *solution, const ehd_contact *contact);
 
-/* Prints how far the film formulas are off a finished transient result: the worst deviation, 95 %
- * and median over time. The contact of each time is taken as stationary. With Eyring's law the
- * friction coefficient is compared too, and the traction curve of the first time is printed.
+/* Prints how far the film formulas are off a finished transient result: the largest deviation, the
+ * 95 % quantile and the median over time. The contact of each time is taken as stationary. With
+ * Eyring's law it compares the friction coefficient as well, and prints the traction curve of the
+ * first time.
  * Errors: EHD_MEMORY, those of reading the result and the histories. */
 ehd_status formulas_print_in_time(const char *path, const scene *given,
                                   const ehd_contact *reference, ehd_error *error);

@@ -14,10 +14,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Largest pressure gradient at the end of the grid in a trusted result, in Hertz pressures per
- * half width. With a gradient of 0.3 the error of the central film is 0.15 %. It was measured
- * under loads that vary by half, on grids to X = 1.15 … 2 against a grid to 4 (README.md, In
- * time). After a load step by half the gradient is up to 0.15 for a short time. */
+/* Largest pressure gradient at the end of the grid in a trusted result, in Hertz pressures per half
+ * width. With a gradient of 0.3 the error of the central film is 0.15 %. This was measured under
+ * loads that vary by half of the load, on grids that end at X = 1.15 … 2, against a grid that ends
+ * at 4 (README.md, In time). After a step by half of the load the gradient is up to 0.15 for a
+ * short time. */
 static const double MAX_END_GRADIENT = 0.3;
 
 struct full_march {
@@ -25,20 +26,21 @@ struct full_march {
     ehd_contact reference;
     double start_film;
     full_solver *solver;
-    previous_state states[NUM_BDF_PLACES]; // at the places of `bdf`, without PASSING
+    previous_state states[NUM_BDF_PLACES]; // in the order of `bdf`, without PASSING
     previous_carrier carrier;
     double *entrained; // [num_inner] d/dX of the base's rho H, discretised as in the rows
     bool *noisy;       // [num_nodes] nodes left out of the local error
-    double *previous;  // [num_inner] sum of the previous masses with the formula's weights
+    double *previous;  // [num_inner] sum of rho H of the previous states, with the formula's
+                       // weights
     double *taken_up;  // [num_nodes] errors of rho H that the last attempt's film has accumulated
     double *kept;      // [num_nodes] errors of rho H that the last accepted film has accumulated
     double *film;      // [num_nodes] scratch: carried errors, a film without its errors
-    double *surface;   // [num_nodes] heights in the last attempt's frame; NULL: smooth
+    double *surface;   // [num_nodes] surface heights in the last attempt's frame; NULL: smooth
     bool mirrored;     // X of the surface is mirrored (find_mirrored_start)
     double *exits;     // [lines of the whole grid, GRID_EXITS] X of the last attempt's exits
     full_march_effort effort;
     char reason[JUDGE_REASON];
-    arena memory; // of the arrays of nodes
+    arena memory; // memory of the arrays above
 };
 
 full_march *full_march_free(full_march *self) {
@@ -82,8 +84,8 @@ static size_t state_size(const full_march *self) {
 static const bdf_model model;
 
 /* Connects the states to the march of BDF2 steps. In saved data, the errors `kept` stand in front
- * of the states. Along the path, the time up to which the base is used stands in front of these
- * errors. */
+ * of the states. With transport along the path, the time up to which the base is used stands in
+ * front of these errors. */
 static void set_bdf_march(full_march *self) {
     const ehd_grid *grid = &self->reference.grid;
     bdf_march *bdf = &self->bdf;
@@ -110,7 +112,7 @@ ehd_status full_march_create(full_march **created, const ehd_contact *reference,
     ehd_status status = discretization_check_in_time(reference->grid.discretization, error);
     if (status) return status;
     full_march *self = calloc(1, sizeof *self);
-    in_time.exit_at_node = true; // at the start too: an exit elsewhere would set off a wave
+    in_time.exit_at_node = true; // even at the start: an exit elsewhere would set off a wave
     if (!self) return ehd_no_memory(error, "full model");
     arena *memory = &self->memory;
     self->reference = *reference;
@@ -152,7 +154,7 @@ static void add_effort(full_march *self, const full_info *info) {
 
 // ---- the start
 
-/* Finds the stationary solution for a given load, or the dry contact at zero speed. */
+/* Finds the stationary solution for a given load; at zero speed, the dry contact. */
 static ehd_status start_with_load(full_info *info, full_march *self, const contact_frame *frame,
                                   ehd_error *error) {
     full_state *state = &state_before(self, 0)->state;
@@ -178,14 +180,15 @@ static double reference_approach(const full_march *self, const full_state *state
     return frame_to_reference(&scalars, frame, &self->reference).rigid_approach;
 }
 
-/* Continues from the solution of a given load to that of a given approach. The frame follows the
- * load. */
+/* Continues from the solution of a given load to that of a given approach. The frame is adapted to
+ * the resulting load. */
 static ehd_status continue_to_approach(full_info *info, full_march *self, contact_frame *frame,
                                        ehd_error *error) {
-    // Smallest stride, as a part of the way, and relative tolerance of the load, which is
-    // Newton's. Of 120 approaches (lines and points, M 5 to 100, L 0 to 10, H0 from -6 to 2) 73
-    // are reached, all with strides down to 1/128. The others mostly lift off. An approach is
-    // given up after about 30 solutions (test_full_march.c, start_from_an_approach_far_away).
+    // Smallest stride, as a part of the whole way, and relative tolerance of the load, which is
+    // that of Newton. Of 120 approaches (line and point contacts, M 5 to 100, L 0 to 10, H0 from -6
+    // to 2) 73 are reached, with strides of 1/128 or more. At most of the others the bodies
+    // separate. An approach is given up after about 30 solutions (test_full_march.c,
+    // start_from_an_approach_far_away).
     const double min_stride = 1. / 1024, settled = 1e-8;
     const double wanted = frame->approach;
     full_state *state = &state_before(self, 0)->state, *last = &state_before(self, 1)->state;
@@ -221,8 +224,8 @@ static ehd_status continue_to_approach(full_info *info, full_march *self, contac
     return status;
 }
 
-/* Estimates the error of the central film by the length of the inlet, unless the contact is nearly
- * lost. With too short an inlet the outcome is not to be trusted. */
+/* Estimates the error of the central film from the length of the inlet, unless the load is
+ * negligible. If the inlet is too short, the outcome is not to be trusted. */
 static void judge_inlet(march_step *outcome, const ehd_contact *contact, bool backwards) {
     if (outcome->status == EHD_NOT_CONVERGED || outcome->frame.load <= frame_negligible_load)
         return;
@@ -233,8 +236,8 @@ static void judge_inlet(march_step *outcome, const ehd_contact *contact, bool ba
                                  : "an inlet too short for the contact at this time (grid.x_min)");
 }
 
-/* Judges a stationary start by the criteria of a stationary result (judge.h). An untrusted start
- * is reported whatever the steps after it are. */
+/* Judges a stationary start by the criteria of a stationary result (judge.h). An untrusted start is
+ * reported even if all later steps are trusted. */
 static void judge_start(full_info *info, full_march *self, const previous_state *first) {
     ehd_contact contact;
 
@@ -244,9 +247,9 @@ static void judge_start(full_info *info, full_march *self, const previous_state 
     if (info->status) info->reason = self->reason;
 }
 
-/* Computes d/dX of rho H at the inner nodes, discretised as in the rows: their residual at unit
- * entrainment without pressure flow. For a state that is entrained towards smaller X, the
- * stencils are reversed. EHD_MEMORY. */
+/* Computes d/dX of rho H at the inner nodes, discretised as in the Reynolds rows: it is the
+ * residual of the rows at unit entrainment without pressure flow. If the entrainment is towards
+ * smaller X, the stencils are reversed. EHD_MEMORY. */
 static ehd_status entrain(double *entrained, const previous_state *state,
                           const ehd_contact *reference, ehd_error *error) {
     const ehd_grid *grid = &reference->grid;
@@ -273,8 +276,8 @@ static ehd_status entrain(double *entrained, const previous_state *state,
     return EHD_OK;
 }
 
-/* Makes the base, which must be set, the state from which previous states carry their difference,
- * as long as no entrainment reverses. EHD_MEMORY. */
+/* Uses the base, which must be set: of previous states only the difference from the base is carried
+ * along the path, as long as no entrainment reverses. EHD_MEMORY. */
 static ehd_status use_base(void *solver, ehd_error *error) {
     full_march *self = solver;
     previous_state *base = &self->states[BDF_BASE];
@@ -284,8 +287,8 @@ static ehd_status use_base(void *solver, ehd_error *error) {
     return entrain(self->entrained, base, &self->reference, error);
 }
 
-/* Adds a part of the heights of a surface at rest to the gap of the start. A moving surface has
- * not come in yet (surface_check_start). */
+/* Adds a part of the heights of a surface at rest to the gap of the start. A moving surface has not
+ * entered the contact yet (surface_check_start). */
 static void place_start_surface(full_march *self, const contact_frame *frame, double part) {
     const ehd_surface *surface = self->reference.surface;
     const ehd_grid *grid = &self->reference.grid;
@@ -300,7 +303,7 @@ static void place_start_surface(full_march *self, const contact_frame *frame, do
 }
 
 /* Continues from the start with smooth surfaces to the start with a surface at rest, by parts of
- * its heights. If the approach is given, the frame follows the load. */
+ * its heights. If the approach is given, the frame is adapted to the load. */
 static ehd_status add_surface(full_info *info, full_march *self, contact_frame *frame,
                               ehd_error *error) {
     // Smallest stride, as a part of the heights, and relative tolerance of the load, as in
@@ -374,7 +377,7 @@ static void mirror_state(full_state *target, const full_state *source, const ehd
 }
 
 /* Finds the start at a negative speed: the mirror image of the start at the opposite speed on the
- * mirrored grid. *exit is X where its pressure ends. */
+ * mirrored grid. *exit: X at which the pressure ends. */
 static ehd_status find_mirrored_start(full_info *info, double *exit, full_march *self,
                                       const contact_frame *frame, ehd_error *error) {
     const ehd_grid *grid = &self->reference.grid;
@@ -458,8 +461,8 @@ static void predict(full_march *self) {
             formula->predictor[i] * state_before(self, i + 1)->state.rigid_approach;
 }
 
-/* Carries rho H of the previous states over into the attempt's frame, and sums it up for the
- * rows. Along the path the rows have only the entrainment of the base. */
+/* Carries rho H of the previous states over into the attempt's frame, and sums it up for the rows.
+ * With transport along the path, the rows contain only the entrainment of the base. */
 static void carry_over(full_march *self, const contact_frame *frame) {
     const size_t num_inner = self->reference.grid.num_inner;
     const bdf_march *bdf = &self->bdf;
@@ -476,7 +479,7 @@ static void carry_over(full_march *self, const contact_frame *frame) {
 }
 
 /* Extends the marks on a line of nodes that are `stride` apart: to `margin` nodes before a marked
- * one and margin - 1 nodes behind it. */
+ * node, and margin - 1 nodes behind it. */
 static void dilate(bool *noisy, size_t count, size_t stride, size_t margin) {
     size_t since = margin, left = 0;
 
@@ -495,8 +498,8 @@ static void dilate(bool *noisy, size_t count, size_t stride, size_t margin) {
     }
 }
 
-/* Marks the nodes at or near which one of the step's states has no pressure. There the film is
- * not smooth in time on the scale of the grid. */
+/* Marks the nodes at or near which a state of this step has no pressure. There the film is not
+ * smooth in time on the scale of the grid. */
 static void mark_noisy(void *solver) {
     full_march *self = solver;
     const full_state *state = &state_before(self, 0)->state;
@@ -525,20 +528,20 @@ static double mass_at(const full_state *state, const ehd_contact *contact, size_
            lubricant_density(&contact->lubricant, state->pressure[k] * contact->hertz_pressure);
 }
 
-/* Returns the local error at the node of row r, without the factor of the formula. The error is 0
- * near ruptured film. */
+/* Returns the local error at the node of row r, without the factor of the BDF formula. The error is
+ * 0 near ruptured film. */
 static double missed_mass(const full_march *self, size_t r) {
     return self->bdf.masses.counts[r] ? bdf_march_missed(&self->bdf, r) : 0;
 }
 
-/* Returns the largest sum of local errors that a film accumulates in the dry contact, from
- * anywhere to the centre, but for the formula's factor. It is the error of rho H that steps like
- * this one leave in the film at the centre.
- * - Errors are added along the lines of the grid, from the side of the inlet. Errors of both
- *   signs cancel, and so does what passes a node without staying in the film.
- * - Before the dry contact the pressure determines the film. There errors fifty times
- *   as large do no harm.
- * - The film is on its way for the time that its path takes, at most a unit of T for a half
+/* Returns the largest sum of local errors that a film accumulates in the dry contact, from any
+ * place on to the centre, without the factor of the BDF formula. It is the error of rho H at the
+ * centre if all steps are like this one.
+ * - Errors are added along the grid lines, from the side of the inlet. Errors of opposite sign
+ *   cancel, and so do errors that pass a node without staying in the film.
+ * - Upstream of the dry contact the pressure determines the film. Errors fifty times as large do no
+ *   harm there.
+ * - The film accumulates errors for as long as its path takes, at most a unit of T for a half
  *   width.
  * - In steps shorter than frame_shortest_step the sum is divided by the length of that step,
  *   since noise does not shrink further. */
@@ -571,8 +574,8 @@ static double error_on_the_way(void *solver) {
 
 // ---- effects of the steps on the films
 
-/* Sets `errors` to those of the last accepted film, plus the change of this film by the step's
- * share of the filter. */
+/* Sets `errors` to the errors of the last accepted film, plus the change of this film by this
+ * step's share of the filter. */
 static void add_filter_errors(double *errors, full_march *self) {
     const previous_state *last = state_before(self, 1);
     const size_t num_nodes = self->reference.grid.num_nodes;
@@ -586,12 +589,12 @@ static void add_filter_errors(double *errors, full_march *self) {
                          mass_at(&last->state, &contact, k);
 }
 
-/* Accumulates the errors of the last attempt's film: those of the last film, carried along with
- * the fluid, and the local errors of this step. A film keeps the errors that arise in the dry
- * contact before the centre. Before the dry contact, and around spike and constriction, pressure
- * determines the film anew. With errors from there the effect on the minimum film of M = 20,
- * L = 5 would be estimated at 18 % instead of 1.9 %. Errors that each step adds are enlarged by
- * BDF2 to 3/2 times their size, by its rate. */
+/* Accumulates the errors of the last attempt's film: those of the last film, carried along with the
+ * fluid, and the local errors of this step. A film keeps the errors that arise in the dry contact
+ * before the centre. Upstream of the dry contact, and around spike and constriction, the pressure
+ * determines the film anew. With errors from there the effect on the minimum film of M = 20, L = 5
+ * would be estimated at 18 % instead of 1.9 %. Through its rate, BDF2 enlarges errors that each
+ * step adds to 3/2 times their size. */
 static void take_up_errors(full_march *self, const contact_frame *frame) {
     const ehd_grid *grid = &self->reference.grid;
     const bdf_formula *formula = &self->bdf.formula;
@@ -610,7 +613,7 @@ static void take_up_errors(full_march *self, const contact_frame *frame) {
     }
 }
 
-/* Returns the largest accumulated error before the centre, relative to rho H there. */
+/* Returns the largest accumulated error upstream of the centre, relative to rho H at its node. */
 static double largest_taken_up(const full_march *self, const full_state *state,
                                const ehd_contact *contact, double entrainment) {
     double largest = 0;
@@ -621,8 +624,8 @@ static double largest_taken_up(const full_march *self, const full_state *state,
     return largest;
 }
 
-/* Sets the relative changes of the films in the limit of small steps: those of the film without
- * its accumulated errors. */
+/* Sets the estimated relative changes of the films in the limit of small steps: the changes if the
+ * accumulated errors are removed. */
 static void set_effects(march_step *outcome, const full_march *self, const full_state *state,
                         const ehd_contact *contact) {
     const size_t num_nodes = contact->grid.num_nodes;
@@ -637,8 +640,8 @@ static void set_effects(march_step *outcome, const full_march *self, const full_
         scalars.minimum_film_thickness / outcome->scalars.minimum_film_thickness - 1;
 }
 
-/* Checks whether the downstream end of the grid cuts off a pressure of consequence. The pressure
- * of a squeezed film may reach the end, but is small there. */
+/* Checks whether the downstream end of the grid cuts off a pressure that matters. The pressure of a
+ * squeezed film may reach the end, but is small there. */
 static bool is_cut(const full_state *state, const ehd_grid *grid, bool backwards) {
     for (size_t r = backwards ? 0 : grid->inner_x - 1; r < grid->num_inner; r += grid->inner_x)
         if (state->pressure[grid_node_of_row(grid, r)] > MAX_END_GRADIENT * grid->step) return true;
@@ -650,14 +653,14 @@ static double cut_load(full_march *self, bool backwards) {
     const ehd_grid *grid = &self->reference.grid;
     const double end = backwards ? -grid->x_min : grid_x(grid, grid->inner_x);
 
-    if (self->bdf.ring.num_previous < 2) return 0; // after a jump, which is over in one step
+    if (self->bdf.ring.num_previous < 2) return 0; // after a jump, which is completed in one step
     return frame_closing_gap(&state_before(self, 0)->frame, &state_before(self, 1)->frame,
                              &self->reference, end)
         .beyond;
 }
 
-/* Lists the exits of the state just solved. Along the path the exit farthest downstream at Y = 0
- * becomes the exit position of the scalars. */
+/* Lists the exits of the state just solved. With transport along the path, the exit farthest
+ * downstream at Y = 0 becomes the exit position of the scalars. */
 static void list_exits(march_step *outcome, full_march *self, const ehd_contact *contact,
                        bool backwards) {
     const reynolds_squeeze squeeze = {self->bdf.formula.rate, self->previous};
@@ -767,8 +770,8 @@ static void prepare(void *solver, size_t place, double share) {
         previous_filter(&self->states[place], share, &self->carrier);
 }
 
-/* Halves the load as long as the stationary solution is trusted. Takes the last such load or, if
- * the first one is not trusted, the first load if it has a solution at all. */
+/* Halves the load as long as the stationary solution is trusted, and takes the last trusted load.
+ * If the first solution is not trusted, takes the first load, if there is a solution. */
 static ehd_status touching(double *approach, double *load, void *solver, const contact_frame *frame,
                            ehd_error *error) {
     full_march *self = solver;
@@ -834,7 +837,7 @@ static ehd_status take(void *solver, size_t place, const handed_state *given, eh
     return EHD_OK;
 }
 
-/* Interpolates the accumulated errors at the nodes to places of the central line. */
+/* Interpolates the accumulated errors from the nodes to places on the central line. */
 static void give_errors(double errors[NUM_ERROR_PLACES], const void *solver) {
     const full_march *self = solver;
     const ehd_grid *grid = &self->reference.grid;
@@ -849,7 +852,7 @@ static void give_errors(double errors[NUM_ERROR_PLACES], const void *solver) {
     }
 }
 
-/* Interpolates errors at places of the central line to the nodes of the dry contact. */
+/* Interpolates errors from places on the central line to the nodes of the dry contact. */
 static void take_errors(void *solver, const double errors[NUM_ERROR_PLACES],
                         const contact_frame *load_frame) {
     full_march *self = solver;
@@ -920,8 +923,8 @@ static ehd_status restore(void *solver, size_t place, const double *source, ehd_
     return EHD_OK;
 }
 
-/* Saves the accumulated errors. Along the path, the time up to which the base is used stands in
- * front of them. */
+/* Saves the accumulated errors. With transport along the path, the time up to which the base is
+ * used stands in front of them. */
 static void save_rest(double *front, double *behind, const void *solver) {
     const full_march *self = solver;
     const double until = self->carrier.base_until;

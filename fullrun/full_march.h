@@ -14,8 +14,8 @@ typedef struct full_march full_march;
 /* Returns the approximate memory of a march in bytes. */
 double full_march_bytes(const ehd_contact *reference);
 
-/* Creates a march with the full model. `reference` is the contact at all factors 1, and must
- * outlive the march.
+/* Creates a march with the full model. `reference` is the contact with all factors equal to 1, and
+ * must outlive the march.
  * Errors: EHD_MEMORY; EHD_DATA: a discretisation that cannot be used in time. */
 ehd_status full_march_create(
     // output:
@@ -34,7 +34,7 @@ march_solver full_march_solver(full_march *self);
 /* Returns the last accepted state, and its frame unless `frame` is NULL. */
 const full_state *full_march_state(const full_march *self, const contact_frame **frame);
 
-/* Returns the march of BDF2 steps inside this march, which hands states over. */
+/* Returns the march of BDF2 steps inside this march, which exchanges states with other models. */
 bdf_march *full_march_steps(full_march *self);
 
 /* Effort of the march so far, times in seconds. */

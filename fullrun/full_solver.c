@@ -38,11 +38,11 @@ struct full_solver {
     double *step_film;  // [num_nodes] change of the deflection, if the exit is within a node
     double step_offset; // move of this exit, in steps of the grid
     step_base base;
-    contact_closure closure; // at the state, with the load beyond the grid
+    contact_closure closure; // for the current state, includes the load beyond the grid
     far_field outer;         // far field at the boundary nodes
     double *pressure;        // [num_nodes] P of state, far field and inlet tail together
-    bool keeps_factors;      // of the linear system before may be used
-    double largest_merit;    // largest merit before a step of this solution
+    bool keeps_factors;      // the factors of the previous linear system may be used
+    double largest_merit;    // largest merit before any step of this solution
     double largest_row;      // largest scaled residual, without the closure
     double *fluid_memory;    // [NUM_FLUID_ARRAYS, num_nodes]
     double seconds_rows;     // time for the evaluation of rows
@@ -53,10 +53,10 @@ struct full_solver {
     arena memory;            // of all arrays
 };
 
-/* Returns the default settings. Measured on six lines of 1201 nodes:
- * - With a near field of 8 nodes GMRES takes 18 iterations a Newton iteration, at most 0.19 s in
+/* Returns the default settings. Measured on six line contacts of 1201 nodes:
+ * - With a near field of 8 nodes GMRES takes 18 iterations per Newton iteration, at most 0.19 s in
  *   all. With 64 nodes it takes 8 iterations, but 0.66 s.
- * - With a linear tolerance of 1e-8 it takes 18 iterations. With 1e-2 it takes 7, but Newton
+ * - With a linear tolerance of 1e-8 GMRES takes 18 iterations. With 1e-2 it takes 7, but Newton
  *   takes 34 iterations instead of 28. */
 full_settings full_default_settings(void) {
     full_settings settings = {.tolerance = 1e-10,
@@ -76,7 +76,7 @@ full_solver *full_solver_free(full_solver *self) {
     return NULL;
 }
 
-/* Number of inner nodes above which a grid is large. From 33 nodes a side on the cycle takes half
+/* Number of inner nodes above which a grid is large. From 33 nodes a side on, multigrid takes half
  * of the time of the factors (README.md, Large point contacts). A lower limit would change the
  * round-off of solutions on the grids of trainings and studies, up to 129 by 65 nodes. */
 static const size_t LARGE = 10000;
@@ -97,14 +97,14 @@ size_t full_part(const ehd_grid *grid, bool large) {
 
 double full_solver_bytes(const ehd_grid *grid) {
     const double of_solver = sizeof(reynolds_row) + sizeof(reynolds_stencil) + 27 * sizeof(double);
-    // numbers a node: kernel 1, its transform 2; signal of a half grid 2, signal and spectrum of
+    // numbers per node: kernel 1, its transform 2; signal of a half grid 2, signal and spectrum of
     // a whole grid 4 each
     const double of_deflection = (grid->half ? 5 : 11) * sizeof(double);
     // bytes of the factors per node and per log2 of the number of nodes, measured with UMFPACK
     enum { OF_FACTORS = 100 };
     double nodes = (double)grid->num_inner;
 
-    if (full_is_large(grid)) // the coarser grids are freed before it is solved
+    if (full_is_large(grid)) // coarser grids are freed before this one is solved
         return nodes * (gmres_workspace_bytes(grid) + of_solver + of_deflection);
     // 4/3: the grid and all coarser grids of a cold start, 1 + 1/4 + 1/16 …
     return 4. / 3 * nodes * (gmres_workspace_bytes(grid) + of_solver + of_deflection) +
@@ -273,8 +273,8 @@ static double compensated_sum(const full_state *state, const ehd_grid *grid) {
     return sum;
 }
 
-/* Returns the residual of the closure, scaled such that the load row has ones (twos off a mirror
- * line). */
+/* Returns the residual of the closure, scaled such that the entries of the load row are 1 (2 off a
+ * mirror line). */
 static double closure_residual(const full_solver *self, const full_state *state) {
     const contact_closure *closure = &self->closure;
     const ehd_grid *grid = &self->grid;
@@ -322,8 +322,8 @@ static void evaluate_some_rows(void *context, const team_part *part) {
                   &self->fluid, self->pressure, task->state->film);
 }
 
-/* Evaluates film, fluid and all Reynolds rows at the state. If the exit is within a node, its
- * cell is evaluated too and replaces the row of its node. */
+/* Evaluates film, fluid and all Reynolds rows at the state. If the exit is within a node, evaluates
+ * its cell as well, which replaces the row of the node. */
 static void evaluate_rows(full_solver *self, const ehd_contact *contact,
                           const reynolds_squeeze *squeeze, full_state *state) {
     const size_t num_nodes = self->grid.num_nodes, part = self->part;
@@ -344,14 +344,14 @@ static void evaluate_rows(full_solver *self, const ehd_contact *contact,
         evaluate_cell(self, contact->entrainment, state);
         if (self->cell.curvature > 0)
             self->rows[row_of_exit(state, &self->grid)] = self->cell.row;
-        else // far from the solution: the film does not rise to carry the flux
+        else // far from the solution: the film behind the exit does not rise to carry the flux
             state->exit_offset = NAN;
     }
     self->seconds_rows += program_seconds() - before;
 }
 
-/* Returns the largest entry of a row of the Jacobian, with the film's derivative times the
- * kernel. */
+/* Returns the largest entry of a row of the Jacobian. The derivative by the film is multiplied by
+ * the kernel. */
 static double row_magnitude(const full_solver *self, size_t r) {
     const reynolds_row *row = &self->rows[r];
     const int size = reynolds_stencil_size(&self->grid);
@@ -495,8 +495,8 @@ static void move_exit(full_state *state, const ehd_grid *grid, double change) {
 
 // ---- exit at a node
 
-/* Returns the next exit node of a stationary line contact from its flux. Negative pressures count
- * behind the contact's centre only. */
+/* Returns the next exit node of a stationary line contact, found from its flux. Negative pressures
+ * are considered only behind the centre of the contact. */
 static size_t adapt_exit(const full_solver *self, const full_state *state, double entrainment) {
     const ehd_grid *grid = &self->grid;
     const double noise = 0.1 * self->settings.tolerance;
@@ -537,14 +537,14 @@ static bool exit_cycles(exit_watch *watch, size_t next) {
 
 // ---- Newton
 
-/* Largest relative tolerance of a linear system. With 0.01 two point contacts of 128 cells take
- * 86 GMRES iterations in 10 Newton iterations. With 1e-4 they take 109 in 10, with 0.1 they take
- * 84 in 11 (test_full_point.c, inexact_newton_ends_where_dense_does). */
+/* Largest relative tolerance of a linear system. Two point contacts of 128 cells take 86 GMRES
+ * iterations in 10 Newton iterations with 0.01, 109 in 10 with 1e-4, and 84 in 11 with 0.1
+ * (test_full_point.c, inexact_newton_ends_where_dense_does). */
 static const double MAX_FORCING = 0.01;
 
 /* Returns the relative tolerance of the linear system in an inexact Newton step (Eisenstat and
  * Walker, SIAM J. Sci. Comput. 17, 1996). It is loose far from the solution, and at the end as
- * tight as Newton's tolerance needs. On a line, where a system costs little, it is always
+ * tight as Newton's tolerance needs. On a line contact, where a system costs little, it is always
  * linear_tolerance. */
 static double linear_tolerance(const full_solver *self, double residual) {
     const full_settings *settings = &self->settings;
@@ -554,7 +554,7 @@ static double linear_tolerance(const full_solver *self, double residual) {
     return fmin(fmax(forcing, settings->linear_tolerance), MAX_FORCING);
 }
 
-/* Finds the Newton step. EHD_NOT_CONVERGED, with info->reason: there is none. */
+/* Finds the Newton step. EHD_NOT_CONVERGED, with info->reason: there is no step. */
 static ehd_status find_step(full_info *info, const full_state *state, full_solver *self,
                             ehd_error *error) {
     size_t iterations = 0;
@@ -605,7 +605,8 @@ static void move(full_solver *self, const ehd_contact *contact, const reynolds_s
     evaluate_rows(self, contact, squeeze, state);
 }
 
-/* Sums the squares of the scaled residuals of a part. The first part includes the closure. */
+/* Sums the squares of the scaled residuals in one part of the work. The first part includes the
+ * closure. */
 static void square_some_rows(void *context, const team_part *part) {
     const evaluation *task = context;
     const full_solver *self = task->solver;
@@ -644,22 +645,22 @@ static bool film_is_positive(const full_solver *self, const full_state *state) {
     return true;
 }
 
-/* Largest number of halvings of a Newton step. With halvings 196 cold starts of lines (M 1 to
- * 2000, L 0 to 25, Barus and Roelands, accurate rows) take 5.6 iterations in the mean. Without
+/* Largest number of halvings of a Newton step. With halvings 196 cold starts of line contacts (M 1
+ * to 2000, L 0 to 25, Barus and Roelands, accurate rows) take 5.6 iterations on average. Without
  * halvings they take 88 (test_full_solver.c, steps_are_searched). */
 static const int MAX_HALVINGS = 10;
 
-/* Square sum of the scaled residuals below which a step need not reduce them. The first steps
- * from a neighbour's solution may increase the residuals. With 1e-2 the lower loaded region
- * (scenes/studies/stationary-line) at a step of 0.01 takes 837 iterations from neighbours. If
- * each step must reduce the residuals, it takes 1884 (README.md, Newton). */
+/* Square sum of the scaled residuals below which a step need not reduce them. The first steps from
+ * a neighbour's solution may increase the residuals. With 1e-2 the region of lower load
+ * (scenes/studies/stationary-line), on a grid of step 0.01, takes 837 iterations from neighbours.
+ * If each Newton step must reduce the residuals, it takes 1884 (README.md, Newton). */
 static const double SMALL_RESIDUALS = 1e-2;
 
 /* Takes a Newton step, halved until the film is positive and the residuals are smaller than the
  * largest so far. A search that is not monotone is needed, since the first steps from too thick a
  * film increase the residuals (L. Grippo, F. Lampariello, S. Lucidi, SIAM J. Numer. Anal. 23,
- * 1986). The last half is taken whatever its residuals if its film is positive.
- * EHD_NOT_CONVERGED, with info->reason: there is no step. */
+ * 1986). The shortest step is taken with any residuals if its film is positive. EHD_NOT_CONVERGED,
+ * with info->reason: there is no step. */
 static ehd_status take_step(full_info *info, full_state *state, full_solver *self,
                             const ehd_contact *contact, const reynolds_squeeze *squeeze,
                             ehd_error *error) {
@@ -695,21 +696,22 @@ static double complementarity(const full_solver *self, const full_state *state) 
     return worst;
 }
 
-// Size of pressures, in Hertz pressures, and of scaled multipliers in time below which their sign
-// does not count. Within a ruptured zone the sign is round-off. With 1e-7 the paper's transient
-// case with a load of 30 % and period 1/4, to T = 1, takes 6439 iterations. With 0 it takes 8664.
-// With 1e-10 and 1e-9 the steps become too short (test_full_march.c,
-// sine_leads_to_a_periodic_state). Stationary points need no such limit.
+// Limit below which the sign of pressures (in Hertz pressures) and of scaled multipliers is ignored
+// in time and on line contacts. Within a ruptured zone the sign is round-off. With 1e-7 the paper's
+// transient case with a load of 30 % and period 1/4, to T = 1, takes 6439 iterations. With 0 it
+// takes 8664. With 1e-10 and 1e-9 the steps become too short (test_full_march.c,
+// sine_leads_to_a_periodic_state). Stationary point contacts need no such limit.
 static const double IN_TIME_NOISE = 1e-7;
 
 // values of index[]: a node gets pressure by its own sign, or by the sign of nodes beside it
 enum { WANTED = 1, JOINED };
 
-/* Marks the runs of nodes of a line that have negative multipliers, even small ones. A gap that
- * closes far behind the exit has such a run. A run of n nodes with a mean multiplier m builds up
- * a pressure of about m n^2 / 4. Returns whether there is one. If single nodes were marked
- * instead, the second zone of pressure would begin at a time that depends on the grid: T = 0, 10
- * and 20 with a step of 0.02, 0.01 and 0.005 (line, M = 3, L = 3, growing radius). */
+/* Marks runs of neighbouring nodes that have negative multipliers, even small ones, on a line
+ * contact. A gap that closes far behind the exit has such a run. A run of n nodes with a mean
+ * multiplier m builds up a pressure of about m n^2 / 4. Returns whether there is a run. If single
+ * nodes were marked instead, the second zone of pressure would begin at a time that depends on the
+ * grid: T = 0, 10 and 20 with a step of 0.02, 0.01 and 0.005 (line contact, M = 3, L = 3, growing
+ * radius). */
 static bool mark_runs(full_solver *self, const full_state *state) {
     // Smallest n^2 m of a run that is marked, in scaled multipliers. With 1e-4 less than one step
     // in a hundred changes (test_second_zone.c, the_zone_does_not_depend_on_the_grid).
@@ -730,9 +732,9 @@ static bool mark_runs(full_solver *self, const full_state *state) {
     return found;
 }
 
-/* Extends the intervals of pressure of a line from the marked nodes, in both directions, until
- * the multipliers add up to zero. There the film without pressure carries on the flow through the
- * end. If intervals grew by one node an iteration, the roller to and fro in
+/* Extends the pressure intervals of a line contact from the marked nodes, in both directions, until
+ * the multipliers add up to zero. There the film without pressure carries the same flow as the end
+ * of the interval. If intervals grew by one node per iteration, the roller that moves to and fro in
  * scenes/examples/line-in-time would take 4313 iterations instead of 2850. A second zone of
  * pressure grows by hundreds of nodes and would exceed the limit of iterations. On point contacts
  * this extension would take 4 % more iterations. */
@@ -751,11 +753,11 @@ static void grow_intervals(full_solver *self, const full_state *state) {
         }
 }
 
-/* Sets the pressurised zone by a primal-dual active set: each node follows the sign of its
- * pressure or multiplier. Returns whether the zone has changed. Films that vary in time or flow
- * around the contact need this, because their flux is not one number and their zone may have any
- * shape. No limit on the changes of a node is needed. A limit of four would change no march that
- * was measured, and one of 150 cold starts of points. */
+/* Sets the pressurised zone by a primal-dual active set: each node follows the sign of its pressure
+ * or multiplier. Returns whether the zone has changed. Films that vary in time or flow around the
+ * contact need this, because their flux is not one number and their zone may have any shape. No
+ * limit on the changes of a node is needed. A limit of four changes would alter no march that was
+ * measured, and one of 150 cold starts of point contacts. */
 static bool adapt_nodes(full_solver *self, full_state *state, double noise) {
     const ehd_grid *grid = &self->grid;
     size_t last = 0;
@@ -768,7 +770,7 @@ static bool adapt_nodes(full_solver *self, full_state *state, double noise) {
         const bool wanted =
             open ? state->pressure[k] >= -noise : scaled_multiplier(self, k) < -noise;
         changed |= wanted != open;
-        self->index[k] = wanted ? WANTED : 0; // apart: the next nodes need the old zone
+        self->index[k] = wanted ? WANTED : 0; // stored apart, as the next nodes need the old zone
     }
     if (line) changed |= mark_runs(self, state);
     if (!changed) return false;
@@ -808,14 +810,14 @@ static void list_unknowns(full_solver *self, const full_state *state) {
     }
 }
 
-// Largest scaled residual that round-off may leave. Round-off leaves more than 1e-12 on 513 by
-// 513 nodes of a point contact. It leaves up to 9e-12 on a line of step 0.000625 at M = 2000
+// Largest scaled residual that round-off may leave. Round-off leaves more than 1e-12 on 513 by 513
+// nodes of a point contact. It leaves up to 9e-12 on a line contact with step 0.000625 at M = 2000
 // (test_full_solver.c, rounding_ends_the_iteration).
 static const double MAX_ROUNDING = 1e-10;
 
-/* Returns the scaled residual that round-off may leave in the closure, whose row has ones. From
- * 1400 nodes a side on it is more than MAX_ROUNDING: some units in the last place of the sum of
- * pressures, which grows with the number of nodes. */
+/* Returns the scaled residual that round-off may leave in the closure, whose entries are 1: some
+ * units in the last place of the sum of pressures. It grows with the number of nodes, and exceeds
+ * MAX_ROUNDING from 1400 nodes a side on. */
 static double rounding_left(const full_solver *self) {
     const double sum = fabs(self->closure.value) / grid_cell(&self->grid);
 
@@ -830,8 +832,8 @@ static bool is_solved(const full_solver *self, double residual, double last_resi
            residual > 0.5 * last_residual;
 }
 
-/* Returns how many steps of the grid an interval ends downstream of its node `last`, the last one
- * with pressure, in a solution with exits at nodes. NaN: at the next node. */
+/* For a solution with exits at nodes, returns how far downstream of `last`, the last node of an
+ * interval with pressure, the interval ends, in steps of the grid. NaN: at the next node. */
 static double place_of_exit(const full_solver *self, double entrainment,
                             const reynolds_squeeze *squeeze, const full_state *state, size_t last,
                             bool backwards) {

@@ -21,14 +21,14 @@ typedef struct full_state {
     double *pressure; // [num_nodes], zero at the boundary nodes, where ruptured and from `exit` on
     double *film;     // [num_nodes]
     double rigid_approach;
-    size_t exit; // node where the film ruptures, at most num_nodes - 1; no pressure from it on
+    size_t exit; // node where the film ruptures, at most num_nodes - 1; no pressure from there on
     // place of an exit within a node (common/physics/README.md, The exit within a node): its
-    // distance from the last node with pressure, exit - 1, in steps, 0 to 1; in time the value of
-    // exit_place. NaN: the exit is at a node, or its place is not known yet
+    // distance from the last node with pressure, exit - 1, in grid steps, 0 to 1; in time the value
+    // of exit_place. NaN: the exit is at a node, or its place is not known yet
     double exit_offset;
-    // [num_nodes] whether a node before `exit` has no pressure. On a line contact such nodes
-    // exist only in time, where it shrinks faster than it entrains. On a point contact they are
-    // all nodes without pressure, boundary nodes included
+    // [num_nodes] whether a node before `exit` has no pressure. On a line contact such nodes exist
+    // only in time, if the contact shrinks faster than it entrains fluid. On a point contact they
+    // are all nodes without pressure, boundary nodes included
     bool *ruptured;
 } full_state;
 
@@ -38,12 +38,12 @@ bool full_has_pressure(const full_state *state, size_t node);
 /* Returns X at which the pressure of a line contact ends. */
 double full_exit_position(const full_state *state, const ehd_grid *grid);
 
-/* Checks whether the film, interpolated between the nodes around the lowest one, falls to zero.
- * Then the grid does not resolve it, and the minimum film of its scalars is that of a node. */
+/* Checks whether the film, interpolated between the nodes around the lowest one, falls to zero. The
+ * grid then does not resolve the film, and the minimum film of the scalars is that of a node. */
 bool full_film_closes(const full_state *state, const ehd_grid *grid);
 
 /* Checks whether pressure reaches the downstream end of the grid. This is the end at larger X, or
- * at smaller X with an entrainment `backwards`. */
+ * at smaller X if the entrainment is `backwards`. */
 bool full_is_cut(const full_state *state, const ehd_grid *grid, bool backwards);
 
 typedef struct full_info {
@@ -53,7 +53,7 @@ typedef struct full_info {
     double residual;        // largest scaled residual of passive rows and closure
     double complementarity; // violation of the exit conditions: max(-P), scaled max(-Lambda)
     double seconds;
-    double seconds_rows, seconds_linear; // of these: rows and deflection; linear systems
+    double seconds_rows, seconds_linear; // parts of `seconds`: rows and deflection; linear systems
     const char *reason;                  // why it did not converge, or ""
 } full_info;
 
@@ -64,7 +64,7 @@ typedef struct full_system full_system;
 typedef ehd_status full_linear_solver(full_system *system, double tolerance, size_t *iterations,
                                       ehd_error *error);
 
-/* Function that is called before each Newton iteration, on coarser grids too. */
+/* Function that is called before each Newton iteration, including those on coarser grids. */
 typedef void full_watcher(void *context, const ehd_grid *grid, size_t iteration, double residual);
 
 typedef struct full_settings {
@@ -74,8 +74,8 @@ typedef struct full_settings {
                                       // default 8, on a point contact at most 1
     double linear_tolerance;          // of GMRES, relative; default 1e-8
     full_linear_solver *solve_linear; // default full_solve_gmres
-    bool exit_at_node;                // in all solutions, as in time; default false: only if
-                                      // exit_is_within_node is false
+    bool exit_at_node;                // exits at nodes in all solutions, as in time; default false:
+                                      // only if exit_is_within_node is false
     bool as_large;                    // solves point contacts of any size like large ones, such as
                                       // the coarser grids of a large one; default false
     team *threads;                    // share the work on large grids, for one solution at a time;
@@ -122,9 +122,9 @@ bool full_as_large(const ehd_grid *grid, const full_settings *settings);
  * that is not solved like a large one is a single part, so that its sums are not split. */
 size_t full_part(const ehd_grid *grid, bool large);
 
-/* Returns the approximate peak memory of a point contact's solution in bytes.
- * Everything is counted except for the factors of a grid that is not large. Their fill
- * was measured to grow as N log N. */
+/* Returns the approximate peak memory of a point contact's solution in bytes. All arrays are
+ * counted. The factors of a grid that is not large are estimated: their measured fill grows as N
+ * log N. */
 double full_solver_bytes(const ehd_grid *grid);
 
 /* Creates a solver with grid-sized memory and FFT plans. Each thread needs an object of its own.
@@ -146,7 +146,7 @@ void full_solver_set_surface(full_solver *solver, const double *heights);
  * EHD_MEMORY. */
 ehd_status full_state_init(full_state *state, const ehd_grid *grid, ehd_error *error);
 void full_state_free(full_state *state);
-/* Puts all inner nodes into the pressurised zone, from which Newton starts if nothing is known. */
+/* Puts all inner nodes into the pressurised zone, a start for Newton if nothing is known. */
 void full_state_fill(full_state *state, const ehd_grid *grid);
 /* Sets the pressurised zone from the pressure: the nodes before `exit` of a line, the nodes with
  * a pressure other than zero of a point contact. full_solve finds the place of a line's exit
@@ -170,14 +170,13 @@ ehd_status full_solve(
 /* Checks whether full_solve places the exit of a stationary contact within a node. */
 bool full_exit_is_within_node(const full_solver *solver);
 
-/* Solves a stationary contact like full_solve, but with the exit at a node. The solution is a
- * start where Newton fails with the exit within a node. */
+/* Solves a stationary contact like full_solve, but with the exit at a node. The solution is a start
+ * if Newton fails with the exit within a node. */
 ehd_status full_solve_nodal(full_info *info, full_state *state, full_solver *solver,
                             const ehd_contact *contact, ehd_error *error);
 
-/* Solves a contact by a cold start. Coarser grids are solved first, the coarsest from
- * the dry (Hertz) contact with an estimated film. If this fails, continuation goes in M
- * at small L, then in L. */
+/* Solves a contact by a cold start. Coarser grids are solved first, the coarsest from the dry
+ * (Hertz) contact with an estimated film. If this fails, continues in M at small L, then in L. */
 ehd_status full_solve_cold(full_info *info, full_state *state, full_solver *solver,
                            const ehd_contact *contact, ehd_error *error);
 
@@ -186,9 +185,9 @@ ehd_status full_solve_cold(full_info *info, full_state *state, full_solver *solv
 ehd_status full_solve_from(full_info *info, full_state *state, full_solver *solver,
                            const ehd_contact *contact, ehd_error *error);
 
-/* Lists X of the exits on each line, at nodes. Each interval with a positive pressure has
- * one, at its downstream end. The exit farthest downstream comes first; exits beyond
- * GRID_EXITS are left out. */
+/* Lists X of the exits on each line, at nodes. Each interval with a positive pressure has one, at
+ * its downstream end. The exit farthest downstream comes first; more than GRID_EXITS are not
+ * listed. */
 void full_list_exits(
     // output:
     double *positions, // [inner lines of grid_whole, GRID_EXITS], NaN where there is none
@@ -196,7 +195,7 @@ void full_list_exits(
     const full_state *state, const ehd_grid *grid,
     bool backwards); // entrainment towards smaller x
 
-/* Lists the exits of a line contact like full_list_exits, but within nodes where exit_place finds
+/* Lists the exits of a line contact like full_list_exits, but between nodes if exit_place finds
  * them there. full_solve must have just found the state, with the exit at a node. */
 void full_place_exits(double *positions, const full_state *state, const full_solver *solver,
                       const ehd_contact *contact, const reynolds_squeeze *squeeze, bool backwards);

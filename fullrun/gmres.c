@@ -24,30 +24,31 @@
 #include <string.h>
 #include <umfpack.h>
 
-/* Largest number of iterations. Their vectors take most of the solver's memory. The solution of a
- * system that needs more is less accurate. 21 stationary lines and points (M 1 to 1000, L 0 to
- * 25) and three contacts in time need at most 20 iterations. A line of 76801 nodes needs 77
+/* Largest number of iterations. Their vectors take most of the solver's memory. If a system needs
+ * more, its solution is less accurate. 21 stationary line and point contacts (M 1 to 1000, L 0 to
+ * 25) and three contacts in time need at most 20 iterations. A line contact of 76801 nodes needs 77
  * (test_gmres.c, vectors_suffice_for_a_fine_grid). */
 enum { MAX_ITERATIONS = 80 };
 
-/* Number of columns by which the rows of a cycle are wider at either end at first. Their entries
- * are then added to the last entries of the row. Without these columns, differences along the
- * line lack some of their nodes, and solutions of the line grow or fade downstream. With 2
- * columns GMRES takes 109 iterations for M = 200, L = 20 and 256 cells a side, without them 197
- * (test_full_point.c, fine_grids_take_few_iterations). */
+/* Number of columns by which the rows of a multigrid cycle are first wider at each end. The entries
+ * of these columns are then added to the end entries of the row. Without the columns, differences
+ * along the line lack some of their nodes, and solutions of the line grow or fade downstream. GMRES
+ * takes 109 iterations with 2 columns and 197 without them, for M = 200, L = 20 and 256 cells a
+ * side (test_full_point.c, fine_grids_take_few_iterations). */
 enum { CYCLE_WIDER = 2 };
 
-/* Factors of the band of one system. They also precondition the next systems of a Newton
- * iteration. */
+/* Factors of the band of one system. They may precondition the next systems of a Newton iteration
+ * as well. */
 typedef struct near_factors {
-    void *numeric; // NULL: none, as with a cycle
+    void *numeric; // NULL: none, as with a multigrid cycle
     double control[UMFPACK_CONTROL];
     size_t num_unknowns;
     size_t *unknown; // [num_unknowns] nodes
     size_t *index;   // [num_nodes] place of a node in `unknown`, or NO_NODE
     double *border;  // [num_unknowns] w = B^-1 c
     double border_pivot;
-    size_t own_iterations, last_iterations; // of the factors' own system, and the last
+    size_t own_iterations, last_iterations; // of the system that was factorised, and of the last
+                                            // system
 } near_factors;
 
 struct gmres_workspace {
@@ -67,7 +68,7 @@ struct gmres_workspace {
     int *row_start; // [size + 1]
     int *column;    // [capacity]
     double *value;  // [capacity]
-    double *window; // [entries of a row] a row by the nodes around its own
+    double *window; // [entries of a row] entries at the nodes around that of the row
     size_t capacity;
     double *solve_work; // [5 size]
     int *solve_index;   // [size]
@@ -84,7 +85,7 @@ gmres_workspace *gmres_workspace_free(gmres_workspace *self) {
     return NULL;
 }
 
-/* Returns the largest number of entries of a row, by the limits of reach_of. */
+/* Returns the largest number of entries of a row, from the limits in reach_of. */
 static size_t entries_of_row(const ehd_grid *grid, size_t near_field) {
     return grid->inner_lines > 1 ? 4 * 3 : 2 * near_field + 4;
 }
@@ -176,7 +177,7 @@ static void spread_nodes(void *context, const team_part *part) {
         task->to[k] = index[k] == NO_NODE ? 0 : task->from[index[k]];
 }
 
-/* Computes y = J x at the unknowns, and the sum of the load balance of each part. */
+/* Computes y = J x at the unknowns, and for each part its sum in the load balance. */
 static void apply_rows(void *context, const team_part *part) {
     const vectors *task = context;
     const full_system *system = task->system;
@@ -202,14 +203,14 @@ static void apply_rows(void *context, const team_part *part) {
     work->of_part[part->number] = sum;
 }
 
-/* Computes the exact y = J x on the passive unknowns, by rows and one FFT convolution. */
+/* Computes the exact y = J x at the unknowns with pressure, by rows and one FFT convolution. */
 static void apply_jacobian(double *y, const double *x, full_system *system) {
     gmres_workspace *work = system->workspace;
     size_t num_passive = system->num_unknowns;
 
     share_nodes(system, spread_nodes, &(vectors){.to = work->spread, .from = x});
     deflection_apply(work->response, system->deflection, work->spread);
-    for (size_t i = 0; system->outer && i < system->outer->num; i++) { // no deflection by it
+    for (size_t i = 0; system->outer && i < system->outer->num; i++) { // far field: no deflection
         const size_t node = system->outer->index[i];
         work->spread[node] = system->outer->by_approach[node] * x[num_passive];
     }
@@ -218,9 +219,10 @@ static void apply_jacobian(double *y, const double *x, full_system *system) {
         system->closure_approach * x[num_passive] + system->closure_load * sum_of_parts(system);
 }
 
-/* Columns and lines around a row's node that have entries in the band: those of its stencil, on a
- * line contact widened by the near field. On a point contact wider rows cost more in the factors
- * than they save in iterations. For a cycle they are first `wider` by some columns. */
+/* Columns and lines around a row's node that have entries in the band. These are the ones of its
+ * stencil; on a line contact, the near field is added. On a point contact wider rows cost more in
+ * the factors than they save in iterations. For a multigrid cycle the rows are first `wider` by
+ * some columns. */
 typedef struct reach {
     ptrdiff_t first_column, last_column, first_line, last_line;
 } reach;
@@ -241,8 +243,8 @@ static reach reach_of(const ehd_grid *grid, size_t node, ptrdiff_t near_field, p
 }
 
 /* Adds by_film times the shifted near field of a line's cells at a node `apart` lines away. On a
- * wide ellipse the next line is farther away than the end of the near field along the line, and
- * is left out: its entries would be negative. With them a cold start of b/a = 9.4 (81 by 49
+ * wide ellipse the next line is farther away than the end of the near field along the line. It is
+ * left out, because its entries would be negative. With them a cold start of b/a = 9.4 (81 by 49
  * nodes, M = 1429, L = 16) takes 960 iterations, without them 95. */
 static void add_near_line(double *window, const reach *at, double by_film, ptrdiff_t column,
                           ptrdiff_t apart, const full_system *system) {
@@ -258,8 +260,8 @@ static void add_near_line(double *window, const reach *at, double by_film, ptrdi
         window[c - at->first_column] += by_film * (of_line[labs(c - column)] - far);
 }
 
-/* Computes the band's row of a node, by line and column in `window`, and its entry
- * in the column of H0. */
+/* Computes the band's row of a node, in `window` by line and column, and its entry in the column of
+ * H0. */
 static reach near_row(double *window, double *approach, const full_system *system, size_t row_node,
                       ptrdiff_t wider) {
     const ehd_grid *grid = system->grid;
@@ -359,8 +361,8 @@ static void fill_cycle_rows(void *context, const team_part *part) {
     }
 }
 
-/* Prepares a cycle with the band as its matrix. Its rows are not scaled, since coarser grids add
- * up their residuals. Returns false if the matrix is singular. */
+/* Prepares a cycle with the band as its matrix. The rows are not scaled, since coarser grids add up
+ * their residuals. Returns false if the matrix is singular. */
 static bool prepare_cycle(full_system *system) {
     gmres_workspace *work = system->workspace;
 
@@ -378,8 +380,8 @@ static bool factorise(const full_system *system) {
 
     umfpack_di_free_numeric(&factors->numeric);
     umfpack_di_defaults(control);
-    // a line's band has the least fill in its natural order. Weak pivoting keeps this order, and
-    // is enough for a preconditioner
+    // the band of a line contact has the least fill in its natural order. Weak pivoting keeps this
+    // order, and is enough for a preconditioner
     control[UMFPACK_STRATEGY] = UMFPACK_STRATEGY_SYMMETRIC;
     if (system->grid->inner_lines == 1) control[UMFPACK_ORDERING] = UMFPACK_ORDERING_NONE;
     control[UMFPACK_PIVOT_TOLERANCE] = 1e-3;
@@ -415,7 +417,7 @@ static void take_cycle_solution(void *context, const team_part *part) {
         task->to[i] = solution[grid_row_of_node(task->system->grid, work->factors.unknown[i])];
 }
 
-/* Computes y = B^-1 x approximately by a cycle. */
+/* Computes y = B^-1 x approximately by a multigrid cycle. */
 static void apply_cycle(double *y, const double *x, full_system *system) {
     const gmres_workspace *work = system->workspace;
     vectors task = {.system = system, .to = y, .from = x};
@@ -473,8 +475,8 @@ static bool solve_border(full_system *system) {
     return isfinite(factors->border_pivot) && factors->border_pivot != 0;
 }
 
-/* Factorises the system's own band, or prepares a cycle for it. Returns
- * false if it is singular. */
+/* Factorises the band of the present system, or prepares a multigrid cycle for it. Returns false if
+ * the band is singular. */
 static bool renew_factors(full_system *system) {
     gmres_workspace *work = system->workspace;
     near_factors *factors = &work->factors;
@@ -492,19 +494,20 @@ static bool renew_factors(full_system *system) {
     return solve_border(system);
 }
 
-/* Number of iterations that take as long as new factors. On 65 by 65 nodes in time new factors
- * take 3.8 ms and an iteration 0.35 ms. On a line of 1201 nodes they take 1.1 ms and 0.1 ms
- * (test_gmres.c, factors_serve_the_whole_step). */
+/* Number of iterations that take as long as new factors. On 65 by 65 nodes in time new factors take
+ * 3.8 ms and an iteration 0.35 ms. On a line contact of 1201 nodes factors take 1.1 ms and an
+ * iteration 0.1 ms (test_gmres.c, factors_serve_the_whole_step). */
 static const size_t COST_OF_FACTORS = 10;
 
-/* Checks whether the factors of an earlier system save more time than their
- * additional iterations take. */
+/* Checks whether keeping the factors of an earlier system saves more time than its additional
+ * iterations take. */
 static bool factors_serve(const near_factors *factors) {
     return factors->numeric &&
            factors->last_iterations <= factors->own_iterations + COST_OF_FACTORS;
 }
 
-/* Returns the largest part of a row's entry at its own node. */
+/* Returns the entry of a row at its own node, without the deflection at the other nodes of its
+ * stencil. */
 static double own_entry(const full_system *system, size_t node) {
     const size_t r = grid_row_of_node(system->grid, node);
     const reynolds_row *row = &system->rows[r];
@@ -513,7 +516,7 @@ static double own_entry(const full_system *system, size_t node) {
     return (row->by_pressure[NODE_HERE] + row->by_film[NODE_HERE] * kernel) * system->row_scale[r];
 }
 
-/* Copies x at the unknowns of the factors, with zero at nodes that are no unknowns of this
+/* Copies x at the unknowns of the factors. It is zero at nodes that are no unknowns of this
  * system. */
 static void take_known(void *context, const team_part *part) {
     const vectors *task = context;
@@ -526,8 +529,8 @@ static void take_known(void *context, const team_part *part) {
     }
 }
 
-/* Adds the part of the approach, `factor`, to the factors' solution. Unknowns that the factors
- * lack are divided by own_entry. */
+/* Subtracts the effect of the approach, `factor`, from the solution of the factors. At unknowns
+ * that the factors lack, divides x by own_entry instead. */
 static void add_border(void *context, const team_part *part) {
     const vectors *task = context;
     const full_system *system = task->system;
@@ -543,9 +546,9 @@ static void add_border(void *context, const team_part *part) {
 }
 
 /* Computes y = [B c; closure]^-1 x with the factors, which may be those of an earlier system.
- * Unknowns that only the earlier system had are zero, and new ones have their own entry only. The
- * earlier system may have scaled its rows otherwise. Undoing this would save no iterations, with
- * loads of +-10 and +-50 %. */
+ * Unknowns that only the earlier system had are zero. A row of a new unknown has only its own
+ * entry. The earlier system may have scaled its rows otherwise. To undo this would save no
+ * iterations, with loads of +-10 and +-50 %. */
 static void precondition(double *y, const double *x, full_system *system) {
     gmres_workspace *work = system->workspace;
     const near_factors *factors = &work->factors;
@@ -587,9 +590,9 @@ static void hessenberg_rotate(hessenberg *h, size_t k) {
 typedef struct projection {
     gmres_workspace *work;
     double *fresh;
-    const double *before; // `factor` times it is subtracted first; NULL: nothing
+    const double *before; // `factor` times this vector is subtracted first; NULL: nothing
     double factor;
-    const double *with; // its product with `fresh` is computed then; NULL: the norm
+    const double *with; // its product with `fresh` is computed next; NULL: the norm of `fresh`
 } projection;
 
 static void project_part(void *context, const team_part *part) {
@@ -603,7 +606,7 @@ static void project_part(void *context, const team_part *part) {
                    : cblas_dnrm2(count, fresh, 1);
 }
 
-/* Does project_part for all parts. Returns the product, or the norm. */
+/* Runs project_part for all parts. Returns the product, or the norm. */
 static double project(const projection *task, size_t size, team *threads) {
     const gmres_workspace *work = task->work;
     const size_t num_parts = team_num_parts(size, work->part);

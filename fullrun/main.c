@@ -177,7 +177,7 @@ typedef struct long_work {
     progress shown;
     const ehd_grid *grid;      // of the contact
     size_t num_inner;          // of the grid that is solved now
-    size_t before, iterations; // on it: before the last new start of Newton, and all
+    size_t before, iterations; // on this grid: before the last start of Newton, and in all
 } long_work;
 
 /* Returns the part of the whole work that is done when a grid and all coarser ones are solved. */
@@ -187,9 +187,9 @@ static double work_up_to(const ehd_grid *grid, const ehd_grid *finest) {
     return pow((double)grid->num_inner / (double)finest->num_inner, 1.4);
 }
 
-/* Returns the Newton iterations that a grid may still take. Below a scaled residual of 0.01,
- * where Newton converges quadratically, these are three. Above it they are as many as so far, and
- * at least as many as are missing to eight. */
+/* Returns the Newton iterations that a grid may still take. Below a scaled residual of 0.01, where
+ * Newton converges quadratically, it returns three. Above it returns the number so far, or the
+ * number still missing to eight if that is larger. */
 static double iterations_left(double iterations, double residual) {
     return residual < 0.01 ? 3 : fmax(8 - iterations, iterations);
 }
@@ -263,7 +263,7 @@ static void note_resolution(const program *self, const full_resolution *resoluti
     const char *path = self->arguments[0];
     const double *effects = resolution->effects.of;
 
-    if (film_effects_are_infinite(&resolution->effects)) return; // reported as an outcome
+    if (film_effects_are_infinite(&resolution->effects)) return; // the outcome reports this
     if (effects[EFFECT_INLET] > resolution_limit)
         program_note(self,
                      "%s: grid.x_min: found %g, expected a longer inlet: the error estimate of the "
@@ -287,7 +287,7 @@ static void note_resolution(const program *self, const full_resolution *resoluti
             path, 100 * film_effects_of_rolling(&resolution->effects));
 }
 
-/* Writes the resolution to the file, unless NULL, and prints a note if an error estimate is
+/* Writes the resolution to the file, unless this is NULL, and prints a note if an error estimate is
  * large. */
 static ehd_status report_resolution(artefact *file, const program *self,
                                     const full_resolution *resolution, const ehd_contact *contact,
@@ -304,7 +304,7 @@ static void print_start(const char *path, double film, const run_result *result)
            film / result->central_film_thickness - 1);
 }
 
-/* Lists X of the exit on each line, to be freed. NULL for a line contact. EHD_MEMORY. */
+/* Allocates and lists X of the exit on each grid line. NULL for a line contact. EHD_MEMORY. */
 static ehd_status make_exits(double **exits, const full_state *state, const ehd_contact *contact,
                              ehd_error *error) {
     const ehd_grid *grid = &contact->grid;
@@ -368,14 +368,14 @@ static ehd_status solve_stationary(stationary_run *self, ehd_error *error) {
     return status;
 }
 
-/* Largest number of times that the program halves its default step. Contacts with b/a from 0.05
- * to 20 and lines were solved, with M from 0.1 to 2000 and L from 0 to 25. If the default step
- * was too coarse, one halving was enough (README.md, Default grid). A halving takes four times as
- * many nodes of a point contact. */
+/* Largest number of times that the program halves its default step. Line contacts and contacts with
+ * b/a from 0.05 to 20 were solved, with M from 0.1 to 2000 and L from 0 to 25. If the default step
+ * was too coarse, one halving was enough (README.md, Default grid). On a point contact a halving
+ * takes four times as many nodes. */
 enum { MAX_HALVINGS = 2 };
 
-/* Halves the default step if it does not resolve the contact. Returns whether it did: it needs
- * enough memory, and at most as many nodes as a grid may have. */
+/* Halves the default step if it does not resolve the contact. Returns whether it did. The finer
+ * grid must fit in memory, and have at most as many nodes as a grid may have. */
 static bool halve_step(ehd_contact *finer, const stationary_run *self) {
     const fullrun_options *options = self->options;
     const film_effects *effects = &self->resolution.effects;
@@ -400,7 +400,7 @@ static bool halve_step(ehd_contact *finer, const stationary_run *self) {
     return true;
 }
 
-/* Writes the result to the file, unless NULL, and prints it. */
+/* Writes the result to the file, unless this is NULL, and prints it. */
 static ehd_status report_stationary(artefact **file, const stationary_run *self, ehd_error *error) {
     const char *path = self->caller->arguments[0];
     const ehd_contact *contact = self->contact;
@@ -627,7 +627,7 @@ static ehd_status run(const program *self, fullrun_options *options, ehd_error *
     if (transient) status = set_grid_in_time(&contact, &given, error);
     if (!status) status = take_grid(&contact, &given, options->grid_of, error);
     if (!status) status = check_usage(self, options, transient, error);
-    // a step that is not given may be halved
+    // a grid step that is not given may be halved
     const bool may_be_large =
         contact.kind && contact.kind->dimensions > 1 && isnan(contact.grid_given.step);
     if (!status && (may_be_large || full_is_large(&contact.grid)))

@@ -24,9 +24,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* COARSEST: largest number of lines or of columns of the coarsest grid, which a band matrix
- * solves. One of both numbers is at most COARSEST. With 4 the cycles converge too slowly
- * (test_multigrid.c, cycles_converge_on_any_grid). MAX_LEVELS: largest number of grids. */
+/* COARSEST: largest number of lines or of columns of the coarsest grid, which a band matrix solves.
+ * The smaller number is at most COARSEST. With 4 the cycles converge too slowly (test_multigrid.c,
+ * cycles_converge_on_any_grid). MAX_LEVELS: largest number of grids. */
 enum { COARSEST = 40, MAX_LEVELS = 20 };
 
 /* Factors L U of a line's matrix at a node: entries of L for two nodes and one node back, the
@@ -39,7 +39,7 @@ enum { PART = 2048 };
 typedef struct level {
     size_t columns, lines, num;
     size_t stride;      // columns of the finer level per column of this one, 1 or 2
-    double flow_across; // flow between two nodes across the lines, over that along
+    double flow_across; // flow between two nodes across the lines, divided by that along them
     size_t lines_of_part;
     bool mirrored;    // the first line is a mirror line
     bool *unknown;    // [num]
@@ -57,7 +57,7 @@ typedef struct band_shape {
 struct multigrid {
     level levels[MAX_LEVELS]; // the finest first
     size_t num;
-    double *rest;         // [num of the finest] residual of the lines
+    double *rest;         // [num of the finest] residual of the odd lines
     team *threads;        // NULL: none
     atomic_bool singular; // whether a line's matrix is singular
     // LU factors by LAPACK of the coarsest level's band, with nodes in the order of band_place
@@ -235,15 +235,15 @@ static void add_interpolated(double *row, double entry, size_t fine_line, size_t
         }
 }
 
-/* Returns the weight of a fine line's residual in that of coarse line l. At a mirror line the
- * line above counts for the line below too. */
+/* Returns the weight of a fine line's residual in that of coarse line l. At a mirror line the line
+ * above also stands for the line below. */
 static double weight_of_line(const level *fine, size_t l, size_t fine_line) {
     if (fine_line == 2 * l) return 1;
     return fine->mirrored && l == 0 ? 1 : 0.5;
 }
 
 /* Returns the first fine line or column around a coarse one, with `stride` fine ones per coarse
- * one. end_around returns the end of these. */
+ * one. end_around returns the end of these lines or columns. */
 static size_t first_around(size_t coarse, size_t stride) {
     return coarse > 0 ? stride * coarse - (stride - 1) : 0;
 }
@@ -439,8 +439,7 @@ static void find_rest(void *context, const team_part *part) {
     }
 }
 
-/* Carries the residual to the coarser grid. Only that of the odd lines counts, since it
- * is zero on the others. */
+/* Carries the residual to the coarser grid. It is zero on all but the odd lines. */
 static void restrict_rest(void *context, const team_part *part) {
     const lines_task *task = context;
     const level *fine = task->here, *coarse = task->coarse;

@@ -26,8 +26,8 @@ multigrid *multigrid_free(multigrid *self); // accepts and returns NULL
 /* Returns the bytes of a cycle per inner node of a grid. */
 double multigrid_bytes(const ehd_grid *grid);
 
-/* Prepares the cycle for a matrix, whose rows and unknowns the caller has set before. Returns
- * false if a line's or the coarsest matrix is singular. */
+/* Prepares the cycle for a matrix, whose rows and unknowns the caller has set before. Returns false
+ * if the matrix of a line or of the coarsest grid is singular. */
 bool multigrid_prepare(multigrid *self);
 
 /* Return the arrays for the caller to fill: the rows, [num_inner, CYCLE_ENTRIES], and which nodes

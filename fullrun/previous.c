@@ -31,12 +31,12 @@ static spline **make_splines(size_t count, size_t num_nodes) {
 
 enum { POINTS = 6 }; // nodes of the interpolation beyond the grid
 
-/* Returns the grid with a margin around it: as much as a contact grows under 2.25 times its load,
- * or as fluid moves within a few steps. */
+/* Returns the grid with a margin around it: as wide as a contact grows under 2.25 times its load,
+ * or as fluid moves within a few time steps. */
 static ehd_grid wide_grid(const ehd_grid *grid, size_t *margin, size_t *side) {
     // Width of the margin over the largest |X| of the grid. Under 2.25 times the load the half
     // width of a line grows by sqrt(2.25) - 1 = 0.5, the half width of a point by 0.31. With 0.05
-    // and more the films of scenes/examples/line-in-time are the same under a load that rises to
+    // and more the films of scenes/examples/line-in-time do not change under a load that rises to
     // 2.25 within T = 0.3.
     const double growth = 0.5;
     const double x = fmax(fabs(grid_x(grid, 0)), fabs(grid_x(grid, grid->inner_x + 1)));
@@ -163,8 +163,8 @@ void previous_set_base(previous_carrier *self, const previous_state *base, doubl
             surface_height(self->reference.surface, &base->frame, grid_x(grid, k), grid_y(grid, k));
 }
 
-/* Checks whether a frame has the opposite direction of the start. A start at rest counts as
- * forwards. */
+/* Checks whether the entrainment of a frame is opposite to that of the start. At rest, the start is
+ * taken as forwards. */
 static bool is_reversed(const previous_carrier *self, const contact_frame *frame) {
     return self->base && (self->base->frame.speed < 0 ? frame->speed > 0 : frame->speed < 0);
 }
@@ -177,8 +177,8 @@ void previous_watch_base(previous_carrier *self, const contact_frame *frame) {
     if (is_reversed(self, frame)) self->base_until = fmin(self->base_until, frame->time);
 }
 
-/* Copies a field to carrier->values. Along the path a share of the filter is applied to its
- * difference from the base, or to all of it if `base` is NULL. */
+/* Copies a field to carrier->values. With transport along the path, applies a share of the filter
+ * to the difference from the base, or to the whole field if `base` is NULL. */
 static void set_values(previous_carrier *self, const double *field, const double *base,
                        double share) {
     const size_t width = grid_width(&self->reference.grid);
@@ -230,13 +230,13 @@ static bool is_on_grid(const previous_carrier *self, double x, double y) {
     return !self->across || (y >= lines[0] && y <= lines[self->num_across - 1]);
 }
 
-/* Place in a state's frame at which the fluid was that is now at X: stretch X - shift. */
+/* Fluid that is now at X was at the place stretch X - shift in the frame of a state. */
 typedef struct origin {
     double stretch, shift;
 } origin;
 
-/* Returns the value of a spline at x. `near` is the interval of the last place, and becomes that
- * of x. */
+/* Returns the value of a spline at x. `near` is the interval of the last place, and becomes the
+ * interval of x. */
 static double value_near(const spline *self, double x, size_t *near) {
     *near = spline_interval(self, x, *near);
     return spline_value(self, x, *near);
@@ -301,7 +301,7 @@ static double deflection_at(const previous_state *self, const ehd_contact *refer
         if (pressure == 0) continue;
         double kernel =
             deflection_influence(reference->kind, grid, along, fabs(y - grid_y(grid, k)));
-        if (grid_weight(grid, k) > 1) // the mirrored node
+        if (grid_weight(grid, k) > 1) // adds the mirrored node
             kernel += deflection_influence(reference->kind, grid, along, fabs(y + grid_y(grid, k)));
         sum += pressure * kernel;
     }
@@ -336,8 +336,8 @@ static ptrdiff_t lagrange(double weight[POINTS], double place) {
 }
 
 /* Returns H0 and deflection at a point beyond the grid. Pressures are so far away that six points
- * of the wide grid give the film there to 1e-8 on steps of 0.19 (test_previous.c). Beyond the
- * wide grid the sum over the nodes is taken, which takes a hundred times as long. */
+ * of the wide grid give the film there to 1e-8 on steps of 0.19 (test_previous.c). Beyond the wide
+ * grid it sums over the nodes, which takes a hundred times as long. */
 static double deflection_beyond(const previous_state *self, const previous_carrier *carrier,
                                 double x, double y) {
     const ehd_grid *wide = &carrier->wide;
@@ -401,7 +401,7 @@ void previous_mass(double *mass, const previous_state *self, const contact_frame
     const previous_state *base = previous_base(carrier, now);
     add_mass(mass, ratio, self, surface, before, carrier);
     if (!base) return;
-    // under a moving surface the start is smooth
+    // if the surface moves, the start was solved with smooth surfaces
     const ehd_surface *of_base = surface_rests(surface) ? surface : NULL;
     add_mass(mass, -ratio, base, of_base, before, carrier);
     add_mass(mass, ratio, base, of_base, here, carrier);

@@ -17,7 +17,7 @@ typedef struct previous_state {
     full_state state;
     size_t num_lines;
     spline **deflection; // [num_lines] film without gap, along each line
-    spline **pressure;   // NULL when incompressible: rho H is then the film
+    spline **pressure;   // NULL if incompressible: rho H is then the film
     double *filtered;    // [num_nodes] change of the film by the filter
     double *beyond; // [num_nodes of the carrier's wide grid] deflection without H0; the first one
                     // is NaN until all are computed
@@ -38,7 +38,7 @@ typedef struct previous_carrier {
     size_t margin, side; // (half grid: lines at one end only)
     ehd_deflection *deflection; // on the wide grid
     arena memory;               // of all arrays
-    // along the path:
+    // for transport along the path:
     path_filter filter;         // of the difference from the start
     const previous_state *base; // the start, which is carried at fixed places; NULL: none yet
     double *base_film;          // [num_nodes] film of the base without a surface at rest
@@ -73,16 +73,17 @@ const previous_state *previous_base(const previous_carrier *self, const contact_
  * opposite entrainment. */
 void previous_watch_base(previous_carrier *self, const contact_frame *frame);
 
-/* Computes the splines of a state. Along the path its film and pressure are filtered before. */
+/* Computes the splines of a state. With transport along the path, filters its film and pressure
+ * first. */
 void previous_prepare(previous_state *self, previous_carrier *carrier);
 
 /* Computes the splines of a prepared state again, with another share of the filter (0 … 1). */
 void previous_filter(previous_state *self, double share, previous_carrier *carrier);
 
-/* Interpolates rho H of a previous state at the inner nodes of frame `now` or, along the path,
- * at the places where the fluid of these nodes was. A contact that has grown, and fluid that
- * comes from outside, need places beyond the state's grid. There P is zero, and gap and
- * deflection are evaluated. */
+/* Interpolates rho H of a previous state at the inner nodes of frame `now`. With transport along
+ * the path, it interpolates at the places where the fluid of these nodes was. If the contact has
+ * grown or fluid comes from outside, some places lie beyond the state's grid. There P is zero, and
+ * gap and deflection are evaluated. */
 void previous_mass(
     // output:
     double *mass, // [num_inner]
@@ -90,7 +91,7 @@ void previous_mass(
     const previous_state *self, const contact_frame *now, previous_carrier *carrier);
 
 /* Carries errors of rho H along with the fluid, from the nodes of frame `then` to the inner nodes
- * of frame `now`. They are zero where the fluid comes from beyond the grid. */
+ * of frame `now`. The errors are zero where the fluid comes from beyond the grid. */
 void previous_errors(
     // output:
     double *carried, // [num_inner]

@@ -38,9 +38,8 @@ const double resolution_limit = 0.01, resolution_limit_minimum = 0.03;
 
 /* Longest step of the grid on which the effect of a point contact's domain is computed, half
  * widths. The estimates were compared with the effects in 67 random scenes
- * (scenes/studies/discretization). With steps of 1 two estimates were 0.3 and 0.7 times the
- * effect, with 0.5 they were 0.9 and 1.2 times (boundary.bats, "the effect of the domain is
- * found"). */
+ * (scenes/studies/discretization). Two estimates were 0.3 and 0.7 times the effect with steps of 1,
+ * and 0.9 and 1.2 times with 0.5 (boundary.bats, "the effect of the domain is found"). */
 static const double COARSEST_FOR_DOMAIN = 0.5;
 
 /* Films, and the rolling moment, to which the rolling resistance is proportional. */
@@ -50,8 +49,8 @@ typedef struct film_pair {
 
 static const film_pair no_films = {NAN, NAN, NAN};
 
-/* Sets a size if none is given. It determines how far off the film around a point contact ends,
- * which counts by its logarithm only. */
+/* Sets half width and radius if none are given. They determine how far away the film around a point
+ * contact ends, and only the logarithm of this distance matters. */
 static void give_size(ehd_contact *contact) {
     if (!isnan(contact->half_width)) return;
     contact->half_width = 0.01;
@@ -80,12 +79,13 @@ static void viscous_pressure(double *viscous, const double *log_viscosity, const
     }
 }
 
-/* Returns the pressure at `start` of an inlet from minus infinity, and the load before it, which
- * a grid that begins there lacks. They follow from dP/dX = viscosity lambda (H - H_exit)/H^3,
- * where H is the gap of the dry contact plus a constant. X = start / s, midpoint rule in s. */
+/* Returns the pressure at `start` of an inlet from minus infinity, and the load upstream of
+ * `start`. A grid that begins there lacks both. They follow from dP/dX = viscosity lambda (H -
+ * H_exit)/H^3, where H is the gap of the dry contact plus a constant. They are integrated over s,
+ * with X = start / s, by the midpoint rule. */
 static inlet_tail tail_before(const central_line *line, const ehd_contact *contact, double start) {
-    // Number of intervals. From 20 on the estimates of the inlet are the same in two digits, for
-    // M = 1, 5 and 20 (README.md, Estimates of inlet and step).
+    // Number of intervals. From 20 intervals on, two digits of the inlet estimates do not change,
+    // for M = 1, 5 and 20 (README.md, Estimates of inlet and step).
     const int num_intervals = 200;
     const double stride = 1. / num_intervals, flux = line->film[line->exit];
     const contact_kind *kind = contact->kind;
@@ -141,7 +141,7 @@ static size_t count_spike(const central_line *line) {
     size_t valley = peak;
     while (valley > 0 && pressure[valley - 1] <= pressure[valley])
         valley--;
-    if (valley == 0) return 0; // the only maximum: no spike
+    if (valley == 0) return 0; // only one maximum: no spike
     double half = (pressure[peak] + pressure[valley]) / 2;
     for (size_t k = valley; k < line->exit; k++)
         count += pressure[k] > half;
@@ -158,8 +158,8 @@ static size_t count_outlet(const central_line *line) {
 
 // ---- the step
 
-/* Returns the node of a grid at the place of an inner node of a coarse grid with `stride` times
- * the step, or NO_NODE if the coarse grid reaches farther to the side there. */
+/* Returns the node of a grid at the place of an inner node of a coarse grid with `stride` times the
+ * step, or NO_NODE if this place lies beside the grid. */
 static size_t node_of_coarse(const ehd_grid *grid, const ehd_grid *coarse, size_t node,
                              size_t stride) {
     size_t column = node % grid_width(coarse), line = 0;
@@ -199,8 +199,8 @@ static ehd_status solve_on(film_pair *films, coarse_grid *self, ehd_error *error
     return status;
 }
 
-/* Returns the mean size of the relative changes of the film at the lowest node and those beside
- * it, with the sign of their mean. */
+/* Returns the mean magnitude of the relative changes of the film at the lowest node and the nodes
+ * beside it, with the sign of their mean. */
 static double change_of_minimum(const double *film, const double *before, const ehd_grid *grid) {
     const size_t width = grid_width(grid);
     size_t lowest = grid_node_of_row(grid, 0);
@@ -225,7 +225,7 @@ static ehd_status create_coarse(coarse_grid *self, ehd_error *error) {
     settings.threads = self->threads;
     settings.as_large = self->as_large;
     settings.tolerance = 1e-8;
-    settings.max_iterations = 20; // only too coarse a grid needs more
+    settings.max_iterations = 20; // only a grid that is too coarse needs more
     ehd_status status = full_solver_create(&self->solver, self->contact.kind, &self->contact.grid,
                                            &settings, error);
     return status ? status : full_state_init(&self->state, &self->contact.grid, error);
@@ -236,11 +236,11 @@ static void free_coarse(coarse_grid *self) {
     full_solver_free(self->solver);
 }
 
-/* Relative changes of the films in an endless domain, against one with its boundary node at
- * `start`. NaN: not known, infinite: no solution. */
+/* Relative changes of the films if a domain with its boundary node at `start` becomes endless. NaN:
+ * not known, infinite: no solution. */
 typedef struct inlet_change {
     double central, minimum, start;
-    double rolling; // if only the surroundings of the grid differ
+    double rolling; // valid if only the surroundings of the grid differ
 } inlet_change;
 
 /* Sets a change from the films on the same nodes before and after. */
@@ -344,10 +344,10 @@ static void enlarge_state(full_state *target, const twice_as_large *larger,
     target->rigid_approach = source->rigid_approach;
 }
 
-/* Finds the change of a solved point contact's films by an endless domain, with the far
- * field around: 4/3 of the change by a domain of twice the size. The effect falls with the
- * second to fourth power of the size. With the second power, the worst case, a third of
- * this change is left. */
+/* Finds the change of a solved point contact's films by an endless domain, with the far field
+ * around. It is taken as 4/3 of the change by a domain of twice the size. The effect falls with the
+ * second to fourth power of the size. In the worst case, the second power, a third of this change
+ * is left. */
 static ehd_status solve_larger(inlet_change *change, coarse_grid *smaller, const film_pair *films,
                                ehd_error *error) {
     const ehd_grid *of = &smaller->contact.grid;
@@ -420,9 +420,9 @@ double full_step_effect(const double films[3], double order, double limit) {
 }
 
 /* Returns a measure of the effect of a domain that begins at `start`, for ratios between starts.
- * For a line it is the load that the tail carries, with its pressure at `start` up to the
- * centre. For a point contact it falls with the third power of the length, with zero pressure
- * around with the first. */
+ * For a line contact it is the load of the tail, with its pressure at `start` acting up to the
+ * centre. For a point contact it falls with the third power of the length, or with the first power
+ * if the pressure around the grid is zero. */
 static double lacking_before(const central_line *line, const ehd_contact *contact, double start) {
     if (contact->kind->dimensions > 1)
         return pow(-start, far_field_is_there(&contact->grid) ? -3 : -1);
@@ -431,13 +431,13 @@ static double lacking_before(const central_line *line, const ehd_contact *contac
     return tail.load - tail.pressure * start;
 }
 
-/* Returns the error estimate of one film for the step. It has two parts, which are not trusted to
- * cancel: the effect of the place where the domain begins, which is known, and that of the
- * discretisation. beginnings: effects of domains that begin at x_min, and one, two and four steps
- * before it, as the three grids do. */
+/* Returns the error estimate of one film for the step. It is the sum of two magnitudes: the known
+ * effect of the place where the domain begins, and the effect of the discretisation. beginnings:
+ * effects of domains that begin at x_min and, like the three grids, one, two and four steps before
+ * it. */
 static double step_effect(const double films[3], const double beginnings[4], double order,
                           double limit) {
-    double same[3] = {films[0], films[1], films[2]}; // with the beginning of the first grid
+    double same[3] = {films[0], films[1], films[2]}; // films if all grids began like the first one
 
     if (!isfinite(beginnings[0])) return full_step_effect(films, order, limit);
     for (int g = 1; g < 3; g++)
@@ -475,9 +475,9 @@ static void set_effects(full_resolution *self, const film_pair films[3], const i
              SAFETY * step_effect(minimum, of_minimum, 2, resolution_limit_minimum));
 }
 
-/* Sets the error estimates of the rolling resistance. Of a line contact the resistance includes
- * the part in front of the grid, and the error estimate of the film is an upper bound. Of a point
- * contact it includes the far field, whose own error is added. */
+/* Sets the error estimates of the rolling resistance. For a line contact the resistance includes
+ * the part in front of the grid, and the error estimate of the film is an upper bound. For a point
+ * contact the resistance includes the far field, whose own error is added. */
 static void set_rolling_effects(full_resolution *self, const film_pair films[3],
                                 const inlet_change *change, const full_state *state,
                                 const ehd_contact *contact) {

@@ -14,7 +14,7 @@ typedef struct full_resolution {
     double order;         // of convergence of H_c over steps h, 2h, 4h; NaN: none observed
     // numbers of nodes at Y = 0:
     size_t inlet_nodes;  // with 10 to 90 % of the viscous pressure at the centre
-    size_t spike_nodes;  // above half the height of the pressure spike; 0: no spike
+    size_t spike_nodes;  // above half of the height of the pressure spike; 0: no spike
     size_t outlet_nodes; // from the minimum film behind X = 0 to the exit
 } full_resolution;
 
@@ -46,9 +46,9 @@ ehd_status full_resolution_estimate(
 double full_observed_order(const double films[3]);
 
 /* Estimates the relative change from the first film to the limit of small steps by Richardson's
- * extrapolation. Returns its size. `order` is the order of convergence at best.
+ * extrapolation. Returns its magnitude. `order` is the highest order of convergence.
  *
- * - Two films may agree by chance. So the change from 2h to h counts as at least 2^-order times
+ * - Two films may agree by chance. So the change from 2h to h is taken as at least 2^-order times
  *   that from 4h to 2h.
  * - The order of the extrapolation is the observed one, at least 1 and at most `order`.
  * - If the two changes have opposite signs, the limit is taken to lie half way.

@@ -9,8 +9,8 @@
 
 #include <math.h>
 
-/* Returns the value of a line at X = 0: that of the node there or, if there is none, that of the
- * cubic through the four nodes around. */
+/* Returns the value on a grid line at X = 0. If no node lies there, uses the cubic through the four
+ * nodes around. */
 static double central_value(const double *values, const ehd_grid *grid) {
     double column = -grid->x_min / grid->step + 1;
     double nearest = round(column);
@@ -28,8 +28,8 @@ static double film_at(const void *film, size_t node) {
 }
 
 /* Returns the smallest film, interpolated around the lowest node, and sets that node. On a line
- * it interpolates around all nodes that are lower than those beside them, since the lowest one
- * need not be in the deepest valley. */
+ * contact it interpolates around all nodes that are lower than those beside them, since the lowest
+ * node need not be in the deepest valley. */
 static double smallest_film(size_t *node, const double *film, const ehd_grid *grid) {
     size_t lowest = grid_node_of_row(grid, 0);
 
@@ -47,8 +47,8 @@ static double smallest_film(size_t *node, const double *film, const ehd_grid *gr
     return smallest;
 }
 
-/* Checks the interpolated film. Between the nodes of a film that nearly closes it is not
- * resolved, and may be below zero. */
+/* Checks the interpolated film. A film that nearly closes is not resolved between its nodes, and
+ * may be below zero there. */
 bool full_film_closes(const full_state *state, const ehd_grid *grid) {
     size_t node;
 

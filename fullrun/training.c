@@ -31,7 +31,7 @@ static ehd_status keep_point(training *self, size_t point, const double *pressur
     size_t num_nodes = self->set->grid.num_nodes;
     trained_point *kept = &self->points[point];
 
-    if (kept->done) { // a file of another origin may contain it twice
+    if (kept->done) { // a file from another program may contain the point twice
         self->num_done--;
         self->num_failed -= kept->pressure == NULL;
         free(kept->pressure);

@@ -39,7 +39,7 @@ typedef struct training {
     const training_set *set;
     trained_point *points; // [num_points of the set]
     const bool *wanted;    // [num_points] whether to solve a point; NULL: all
-    bool with_effects;     // estimates errors of the grid too, at the points marked in the set
+    bool with_effects;     // also estimates errors of the grid, at the points marked in the set
     size_t num_failed;     // done, but not EHD_OK
     size_t num_done;
     /* Stores a finished point. Called by one thread at a time. */
@@ -48,7 +48,7 @@ typedef struct training {
     void *sink;
     progress progress;
     size_t num_before; // points done by an earlier run
-    double rest;       // s, for the progress: work that follows in this stage
+    double rest;       // s, for the progress: duration of the work that follows in this stage
     bool more;         // for the progress: further work may follow after that
 } training;
 
