@@ -13,8 +13,8 @@
 #include <cmocka.h>
 #include <stdbool.h>
 
-/* Returns whether all cases of a test are to run, as in `make check-all`, or few of them, as in
- * `make check`. */
+/* Returns true if a test shall run all cases (`make check-all`), false if only a few
+ * (`make check`). */
 bool check_all(void);
 
 /* Returns true if |actual - expected| <= absolute + relative * |expected|. Any NaN is false, and an

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Influence of the film on a row, scaled, with columns and lines of the nodes that contribute. */
+/* Scaled influence of the film on a row, with columns and lines of the nodes that contribute. */
 typedef struct film_row {
     double weight[NUM_STENCIL];
     ptrdiff_t column[NUM_STENCIL], line[NUM_STENCIL];

@@ -10,7 +10,7 @@ extern char folder[];
 int make_folder(void **state);
 int remove_folder(void **state); // with all its contents
 
-/* Like make_folder and remove_folder, and the folder is the working folder. */
+/* Like make_folder and remove_folder, but the folder is the working directory in between. */
 int enter_folder(void **state);
 int leave_folder(void **state);
 

@@ -13,7 +13,7 @@ enum { NUM_LIBRARIES = sizeof libraries / sizeof *libraries };
 
 typedef struct protection {
     int rights;
-    size_t count[NUM_LIBRARIES]; // number of segments of code
+    size_t count[NUM_LIBRARIES]; // number of code segments
 } protection;
 
 static int protect(struct dl_phdr_info *object, size_t size, void *data) {

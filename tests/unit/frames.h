@@ -10,13 +10,13 @@
 enum { NUM_FACTORS = 9 };
 extern const double factors[NUM_FACTORS][4];
 
-/* Returns the frame at time 0.5. Approach NaN: the load is given. */
+/* Returns the frame at time 0.5. If the approach is NaN, the load is given. */
 contact_frame frame_of(const contact_kind *kind, double load, double speed, double radius,
                        double modulus, double approach);
 contact_frame frame_of_case(const contact_kind *kind, size_t i);
 
-/* Fills [BDF_PREVIOUS + 1] times: `now` and those of the states before. lengths[0] is the length of
- * the current step. */
+/* Fills [BDF_PREVIOUS + 1] times: `now` and the times of the previous states. lengths[0] is the
+ * length of the current step. */
 void fill_times(double *time, double now, const double *lengths);
 
 #endif

@@ -8,7 +8,8 @@
 
 enum { NUM_GRIDS = 4 };
 
-/* Converged digits of Venner and Lubrecht's multigrid program, in Moes units (bench_point.c). */
+/* Films of Venner and Lubrecht's multigrid program in Moes units, with converged digits
+ * (bench_point.c). */
 static const struct {
     size_t cells;
     double central, minimum;

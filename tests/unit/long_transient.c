@@ -15,8 +15,8 @@ static void run_paper(marched *self, double step, const char *transient) {
     marched_all(self, &of);
 }
 
-/* The default tolerance and a tenth of it differ by less than 0.2 % in the central film at all
- * times. */
+/* With the default tolerance and with a tenth of it, the central films differ by less than 0.2 % at
+ * all times. */
 static void default_tolerance_is_enough(void **state) {
     static const double periods[] = {0.5, 1, 2};
     (void)state;

@@ -8,7 +8,7 @@
 #include "fullrun/full_march.h"
 #include "tests/unit/check.h"
 
-enum { MARCHED_STEPS = 20000 }; // at most
+enum { MARCHED_STEPS = 20000 }; // largest number of steps
 
 /* A march and its results, in the reference frame. It is too large for the stack. */
 typedef struct marched {
@@ -18,7 +18,7 @@ typedef struct marched {
     ehd_surface *surface;
     full_march *full;
     march march;
-    march_step first; // the start
+    march_step first; // result of the start
     ehd_status outcome;
     size_t count; // number of entries
     double time[MARCHED_STEPS], film[MARCHED_STEPS], least_film[MARCHED_STEPS],
@@ -27,8 +27,8 @@ typedef struct marched {
     size_t stop_at; // number of the entry whose store fails; 0: none
 } marched;
 
-/* Returns a transient scene with a Barus lubricant on -4 … 2. `transient` is the content of that
- * key; if it has an approach, the closure is by approach. */
+/* Returns a transient scene with a Barus lubricant on -4 … 2. `transient` is the content of the key
+ * `transient`. If it has an approach, the approach is given instead of the load. */
 scene marched_scene(double moes_M, double moes_L, const char *density, double step,
                     const char *transient);
 
@@ -37,15 +37,16 @@ scene marched_point(const char *transient);
 
 /* Begins a march with the start as its first entry. The test fails on errors, here and below. */
 void marched_begin(marched *self, const scene *of); // end with marched_end
-/* Continues to the end; the status is self->outcome. Stopping at `stop_at` is no failure. */
+/* Continues the march to its end; the status is self->outcome. Stopping at `stop_at` is no
+ * failure. */
 void marched_on(marched *self);
 void marched_end(marched *self);
 
 /* Runs a march from start to end. */
 void marched_all(marched *self, const scene *of);
 
-/* Checks that another object continues from the saved data of `stopped` and is equal to `whole`, a
- * run without a stop, to the last bit. */
+/* Restores the saved data of `stopped` into another object and continues. Checks that the result
+ * equals `whole`, a run without a stop, to the last bit. */
 void marched_check_restored(marched *other, // work
                             const marched *stopped, const double *saved, const marched *whole);
 

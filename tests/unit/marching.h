@@ -38,12 +38,12 @@ void marching_start_with(marching *self, const ehd_contact *contact, const reduc
                          const size_t *rows, size_t num_rows, const contact_frame *frame);
 void marching_free(marching *self);
 
-/* Returns a contact of the kind and grid of a training, with L = 4, with transport along the path
- * or upwind. */
+/* Returns a contact with the kind and grid of a training, L = 4, and transport along the path or
+ * upwind. */
 ehd_contact marching_contact(const trained *of, double moes_M, bool along_path);
 
-/* Returns a basis with one mode for each node, whose training covers changing contacts up to its M.
- * Free it with reduced_basis_free. */
+/* Returns a basis with one mode for each node. Its trained range covers changing contacts up to the
+ * M of the training. Free it with reduced_basis_free. */
 reduced_basis marching_nodes(const trained *of, deformation_kind kind, const double *weight);
 
 #endif

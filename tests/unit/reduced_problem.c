@@ -49,7 +49,7 @@ void fields_of(double *pressure, double *film, const reduced_state *state,
     field_modes_free(&modes);
 }
 
-/* Returns modes that are 1 at one node each, node_of(grid, j) for mode j. */
+/* Returns modes that are 1 at one node and 0 elsewhere. The node of mode j is node_of(grid, j). */
 static double *unit_modes(size_t num_nodes, size_t num_modes,
                           size_t node_of(const ehd_grid *, size_t), const ehd_grid *grid) {
     double *modes = calloc(num_nodes * num_modes, sizeof *modes);

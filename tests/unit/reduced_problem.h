@@ -13,7 +13,7 @@ typedef struct reduced_problem {
     reduced_info info;
 } reduced_problem;
 
-/* Settings that converge as far as round-off allows. */
+/* Settings with which a solver converges as far as round-off allows. */
 extern const reduced_settings strict_settings;
 
 /* Builds model and solver, with `rows` as in reduced_model_build; the test fails on errors. */
@@ -41,11 +41,11 @@ reduced_basis identity_basis(
     const snapshot_set *set, deformation_kind kind,
     const double *weight); // [num_nodes]
 
-/* Returns the basis of a half grid on the whole one. A pair of mirrored rows counts as much as the
- * one row of the half. */
+/* Returns the basis of a half grid on the whole grid. Two mirrored rows together have the weight of
+ * the one row on the half grid. */
 reduced_basis mirrored_basis(const reduced_basis *half);
 
-/* Builds a model of some rows, or of all, and writes it, as deimselect would. */
+/* Builds a model with some or all rows and writes its file, as deimselect would. */
 void rows_model_write(const reduced_basis *basis, const size_t *rows, size_t num_rows,
                       const char *path);
 void whole_model_write(const reduced_basis *basis, const char *path);

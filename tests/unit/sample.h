@@ -7,7 +7,7 @@
 #include "common/settings/scene_contact.h"
 
 enum { NUM_SAMPLE_LUBRICANTS = 5 };
-// one or more of every viscosity law
+// one or more lubricants of each viscosity law
 extern const char *const sample_lubricants[NUM_SAMPLE_LUBRICANTS];
 
 /* Returns a default scene with a lubricant: "barus" (20 1/GPa), "roelands" (0.04 Pa s, 20 1/GPa),
@@ -18,16 +18,17 @@ scene sample_scene(const char *lubricant, const char *density, double moes_M, do
 ehd_contact sample_contact(const char *lubricant, const char *density, double moes_M, double moes_L,
                            double step);
 
-/* Returns the point contact of that scene on the domain of Venner and Lubrecht, X in -4.5 … 1.5, Y
- * in -3 … 3, whose ends are boundary nodes. `cells` is their number along and across, and is even. */
+/* Returns the point contact of that scene on the domain of Venner and Lubrecht, X in -4.5 … 1.5,
+ * Y in -3 … 3, whose ends are boundary nodes. `cells` is the even number of cells in each
+ * direction. */
 ehd_contact sample_point(const char *lubricant, const char *density, double moes_M, double moes_L,
                          size_t cells, bool half);
 
-/* Returns the contact with the published discretisation, and zero pressure around the grid of a
- * point contact. */
+/* Returns the contact in the published discretisation. A point contact gets zero pressure around
+ * its grid. */
 ehd_contact sample_published(ehd_contact contact);
 
-/* Line contacts of all laws, light and heavy, on grids as coarse as each allows. */
+/* Lightly and heavily loaded line contacts with all laws, on grids as coarse as each allows. */
 enum { NUM_SAMPLE_CASES = 10 };
 ehd_contact sample_case(int i);
 

@@ -9,13 +9,13 @@
 #include <string.h>
 #include <unistd.h>
 
-/* Returns a polynomial of degree 3 in X and Y, which interpolation by four nodes an axis
- * reproduces; even in Y. */
+/* Returns a polynomial that has degree 3 and is even in Y. Interpolation by four nodes per axis
+ * reproduces it. */
 static double cubic(double x, double y) {
     return 1 + x - 0.5 * x * x + 0.25 * x * x * x + (2 - x * x * x) * y * y;
 }
 
-/* Returns the polynomial at all nodes, or [num_inner] at the inner ones. */
+/* Returns the polynomial at all nodes, or at the inner nodes [num_inner]. */
 static double *field_of(const ehd_grid *grid, bool inner) {
     double *values = malloc(grid->num_nodes * sizeof *values);
 
@@ -35,7 +35,7 @@ static ehd_grid point(double x_min, double step, size_t nodes, size_t lines, boo
     return grid_of(x_min, step, nodes, lines, half, DISCRETIZATION_ACCURATE);
 }
 
-/* Compares equal fields, except for `error` at one node of the first grid. */
+/* Compares fields that are equal except for `error` at one node of the first grid. */
 static void check_pair(const ehd_grid *grid, const ehd_grid *other, size_t row, double error) {
     double *nodes = field_of(grid, false), *inner = field_of(other, true);
 
@@ -59,7 +59,7 @@ static void interpolates_lines(void **state) {
         check_pair(&own, &others[i], 60, 0);
         check_pair(&own, &others[i], 60, 0.5);
     }
-    // nodes outside of the other grid are not compared, all within and at its ends are
+    // only nodes within the other grid and at its ends are compared
     const ehd_grid shorter = line(-2, 0.05, 61);
     double *nodes = field_of(&own, false), *inner = field_of(&shorter, true);
     nodes[grid_node_of_row(&own, 39)] += 1;
@@ -73,7 +73,7 @@ static void interpolates_lines(void **state) {
     free(inner);
 }
 
-/* The stored grids are whole, the grid of the result is whole or half. */
+/* Stored grids are whole grids; the grid of the result is whole or half. */
 static void interpolates_points(void **state) {
     (void)state;
     for (int half = 0; half < 2; half++) {
@@ -88,7 +88,7 @@ static void interpolates_points(void **state) {
     }
 }
 
-/* Stores what is printed of a comparison over time. */
+/* Stores the text that is printed for a comparison over time. */
 static void print_to(char text[1024], const time_trace *trace, const time_series *full) {
     FILE *file = tmpfile();
     const int out = dup(STDOUT_FILENO);
@@ -108,8 +108,8 @@ static void print_to(char text[1024], const time_trace *trace, const time_series
     assert_int_equal(status, EHD_OK);
 }
 
-/* A film that is 10 % off after the bodies have been apart: both periods of contact count, and the
- * mean is over their time. */
+/* The film is 10 % off after the bodies have been apart. Both periods of contact are compared, and
+ * the mean is over their duration. */
 static void compares_all_contacts(void **state) {
     (void)state;
     enum { COUNT = 31 };

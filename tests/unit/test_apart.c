@@ -153,7 +153,7 @@ static ehd_status count(void *sink, const march_step *step, size_t index, ehd_er
     return EHD_OK;
 }
 
-/* The approach is a cosine, without kinks. The bodies touch during a fifth of each of its eight
+/* The approach is a cosine, without kinks. The bodies touch during a fifth of each of the eight
  * periods. */
 static void no_contact_is_missed(void **state) {
     (void)state;
@@ -211,7 +211,7 @@ static void overlapping_bodies_touch_while_they_recede(void **state) {
     const march_step found = step_to(0.2, 1, -0.19);
     assert_true(found.begins && !found.apart);
     check_close(found.scalars.load * found.frame.load, load_at(-0.19), 1e-12, 0);
-    // with separated surfaces they stay apart while they recede
+    // surfaces that start separated stay apart while they recede
     set_up_contact("approach", "", &given);
     inner.speed_of_loss = 1;
     begin(1, -0.5);
@@ -251,13 +251,13 @@ static void bodies_touch_at_rest(void **state) {
     }
 }
 
-/* The bodies part even if they do not recede. */
+/* A load that is not positive separates the bodies even if they do not recede. */
 static void a_load_that_is_not_positive_parts_bodies(void **state) {
     (void)state;
     scene given;
     set_up_contact("approach", "", &given);
     begin(1, -0.5);
-    inner.speed_of_loss = 1e-300; // any receding loses the load
+    inner.speed_of_loss = 1e-300; // the load is lost as soon as bodies recede
     assert_false(step_to(0.1, 1, -0.5).apart);
     inner.state = -1;
     assert_true(step_to(0.2, 1, -0.5).apart);
@@ -300,7 +300,7 @@ static void steps_in_which_bodies_part_or_touch_are_short(void **state) {
     contact.longest_step = INFINITY;
     assert_true(step_to(0.2, 1, 0).begins);
 
-    // also to a load of 0
+    // steps to a load of 0 must also be short
     set_up_contact("load", "", &given);
     begin(1, NAN);
     contact.longest_step = 0.09;
@@ -309,7 +309,8 @@ static void steps_in_which_bodies_part_or_touch_are_short(void **state) {
     assert_true(step_to(0.1, 0, NAN).apart);
 }
 
-/* The state of the solver is saved too, and bodies stay apart if a start fails. */
+/* The state of the solver is saved with that of the bodies. If a start fails, the bodies stay
+ * apart. */
 static void a_state_apart_is_saved(void **state) {
     (void)state;
     scene given;
@@ -325,7 +326,7 @@ static void a_state_apart_is_saved(void **state) {
     assert_int_equal(step_to(0.2, 1, 0).status, EHD_NOT_CONVERGED);
     assert_true(step_to(0.2, 1, 0.9).apart);
     inner.fails = false;
-    check_close(inner.state, 0, 0, 0); // from the start that failed
+    check_close(inner.state, 0, 0, 0); // left by the start that failed
     assert_int_equal(solver.restore(solver.self, saved, &error), EHD_OK);
     check_close(inner.state, -0.5, 0, 0);
     solver.save(again, solver.self);

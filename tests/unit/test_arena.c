@@ -57,7 +57,7 @@ static void a_failure_is_remembered(void **state) {
     arena_free(&memory);
 }
 
-/* The product of such sizes, as a damaged file may have along its axes, overflows. */
+/* A damaged file may have axes so long that the product of their lengths overflows. */
 static void arrays_that_overflow_are_refused(void **state) {
     (void)state;
     const size_t huge = (size_t)1 << 61;

@@ -327,7 +327,7 @@ static void provenance(void **state) {
     assert_non_null(strstr(creator, program_build()));
     free(creator);
 
-    // the line of two equal inputs appears once, before our own
+    // two equal inputs add one line of history, before our own line
     char *text = NULL;
     check_ok(artefact_get_text(file, "history", &text, &error));
     char *end = strchr(text, '\n');
@@ -364,7 +364,7 @@ static void provenance(void **state) {
     artefact_close(&file);
 }
 
-/* Texts longer than an attribute are split between characters. */
+/* Texts that are too long for one attribute are split between characters. */
 static void long_texts(void **state) {
     (void)state;
     const size_t length = 3000000;
@@ -558,7 +558,7 @@ static void refused_memory_ends_no_file(void **state) {
     }
 }
 
-static int refused_looks; // number of next calls that fail
+static int refused_looks; // how many of the next calls fail
 
 /* Replaces H5Lexists of HDF5. */
 htri_t H5Lexists(hid_t where, const char *name, hid_t access) {
@@ -667,8 +667,8 @@ static void replace_dataset(hid_t file, const char *name, hid_t type, int rank, 
     H5Sclose(space);
 }
 
-/* Changes of a file, with a text or the length of the last axis, and what the reader finds; NULL:
- * it accepts the change. */
+/* Changes of a file, by a text or a new length of the last axis, and the error that the reader
+ * finds; NULL: it accepts the change. */
 static const struct {
     enum { UNFINISHED, TEXT, NO_ATTRIBUTE, NO_DATASET, REALS, GROUP } change;
     const char *name, *text;
@@ -815,8 +815,8 @@ static void fuzz_file(size_t step) {
     free(whole_content);
 }
 
-/* Returns the step between flipped bytes. All bytes take a minute, so the default is a part of
- * them. */
+/* Returns the step between flipped bytes. Flipping all bytes takes a minute, so by default only
+ * some are flipped. */
 static size_t fuzz_stride(void) {
     const char *stride = getenv("EHD_FUZZ_STRIDE");
     if (stride) return strtoul(stride, NULL, 10);
@@ -865,8 +865,8 @@ static ehd_status attempt(bool streaming, ehd_error *text) {
 
 static bool limited_streaming;
 
-/* Writes files limited to `size` bytes. The result is EHD_IO and no file, or a whole file, and exit
- * prints nothing. */
+/* Writes files under a limit of `size` bytes. Either the status is EHD_IO and there is no file, or
+ * the file is whole. exit prints nothing. */
 static int write_with_limit(size_t size) {
     fflush(NULL);
     pid_t child = fork();
@@ -904,7 +904,7 @@ static int write_with_limit(size_t size) {
 static void failing_writes(void **state) {
     const char *variant = getenv("VARIANT");
     (void)state;
-    if (variant && strcmp(variant, "cov") == 0) skip(); // its coverage files would be limited too
+    if (variant && strcmp(variant, "cov") == 0) skip(); // the limit would cut coverage files
     for (int streaming = 0; streaming < 2; streaming++) {
         limited_streaming = streaming;
         check_ok(attempt(limited_streaming, &error));
@@ -1013,7 +1013,7 @@ static void resume_after_kill(void **state) {
                       EHD_DATA, "other settings");
         check_ok(artefact_resume(&file, path, &schema_snapshots, &caller, "same", &error));
         check_streamed(file, false);
-        artefact_close(&file); // interrupted again, by closing
+        artefact_close(&file); // closing interrupts the run again
         assert_true(exists(partial));
         check_refused(artefact_open(&file, partial, snapshots_only, &error), EHD_DATA,
                       "unfinished");
@@ -1038,8 +1038,8 @@ static void resume_after_kill(void **state) {
     }
 }
 
-/* An interrupted run with finished states is only replaced on request, one without is always
- * replaced. */
+/* An interrupted run with finished states is replaced only on request. A run without finished
+ * states is always replaced. */
 static void unfinished_runs(void **state) {
     (void)state;
     artefact *file = NULL;
@@ -1052,7 +1052,7 @@ static void unfinished_runs(void **state) {
     artefact_close(&file);
     check_ok(artefact_create(&file, path, &schema_snapshots, &caller, "", NULL, &error));
     artefact_close(&file);
-    // checking more entries than can be read must end too; none of them is stored
+    // a check of more entries than can be read, none of which is stored, must end
     const hid_t made_up = open_for_change();
     replace_dataset(made_up, "status", H5T_NATIVE_INT64, 1, (hsize_t)1 << 40, 1);
     H5Fclose(made_up);
@@ -1072,7 +1072,8 @@ static void damage_partial(double number) {
     free(bytes);
 }
 
-/* Unfinished entries of a killed run may be torn; finished ones are checked one by one. */
+/* Unfinished entries of a killed run may be partly written; finished ones are checked one by
+ * one. */
 static void resume_refuses_damage(void **state) {
     (void)state;
     artefact *file = NULL;
@@ -1108,7 +1109,7 @@ static void resume_checks_inputs(void **state) {
     check_ok(artefact_resume(&file, path, &schema_snapshots, &caller, "same", &error));
     check_ok(artefact_check_input(file, "table", one, &error));
     check_ok(artefact_check_input(file, "table", other, &error));
-    // exchanged contents are refused, a new name with the same content is accepted
+    // inputs with exchanged contents are refused; another name with the same content is accepted
     spill(one, "abcd", 4);
     spill(other, "abc", 3);
     spill(third, "abcd", 4);
@@ -1200,7 +1201,7 @@ static void grows_evenly(void **state) {
     const double second = 1.0;
     artefact *file = start_growing();
     put_states(file, 0, NUM_STATES);
-    check_ok(artefact_put_axis_part(file, "state", 1, 1, &second, &error)); // again
+    check_ok(artefact_put_axis_part(file, "state", 1, 1, &second, &error)); // the same value again
     assert_int_equal(artefact_length(file, "state"), NUM_STATES);
     check_ok(artefact_finish(&file, &error));
     check_ok(artefact_check(path, &error));
@@ -1270,7 +1271,7 @@ static void misuse_of_growth_is_internal(void **state) {
 
 // ---- files and tools of other programs
 
-/* The least content of a file of another program, in other types and layouts. */
+/* The least content of a file that another program has written, in other types and layouts. */
 static const char foreign[] =
     "import h5py, numpy, sys\n"
     "with h5py.File(sys.argv[1], 'w') as f:\n"
@@ -1318,7 +1319,7 @@ static void foreign_file(void **state) {
     check_refused(artefact_get_text(file, "history", &text, &error), EHD_DATA, "history");
     artefact_close(&file);
 
-    // its history is empty, but it is identified by its content
+    // the file has no history, but is identified by its content
     const char *inputs[] = {path, NULL};
     char next[128];
     snprintf(next, sizeof next, "%s/next.h5", folder);

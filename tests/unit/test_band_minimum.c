@@ -9,7 +9,7 @@
 typedef struct dips {
     size_t num;
     struct {
-        double place, depth, width; // nodes, 1, nodes
+        double place, depth, width; // place and width in nodes, depth dimensionless
     } dip[3];
     size_t most_node;
 } dips;
@@ -59,7 +59,7 @@ static void one_dip_anywhere(void **state) {
         }
 }
 
-/* The coarse search may see the shallower of two dips better. */
+/* The coarse search may hit the shallower of two dips more closely. */
 static void the_deeper_of_two_dips(void **state) {
     (void)state;
     for (double place = 240; place < 300; place += 0.5)
@@ -69,8 +69,8 @@ static void the_deeper_of_two_dips(void **state) {
         }
 }
 
-/* Returns values between the nodes, lower than at the nodes beyond node 200, so the second dip is
- * the deeper one. */
+/* Returns the value between two nodes. Beyond node 200 it is lower than at the nodes, so the second
+ * dip is the deeper one. */
 static double value_between(const void *context, size_t node) {
     return value_at(context, node) - (node > 200 ? 0.1 : 0);
 }

@@ -19,7 +19,7 @@ static double power(double time, size_t exponent) {
 
 // ---- formula
 
-/* The formula is exact for polynomials up to its order, and no further. */
+/* The formula is exact for polynomials up to its order, and not for higher ones. */
 static void formula_is_exact_to_its_order(void **state) {
     (void)state;
     for (size_t s = 0; s < NUM_STEPS; s++)
@@ -86,8 +86,8 @@ static void error_is_that_of_the_next_power(void **state) {
     check_close(bdf_step(0.1, NULL, 1).error, 0, 0, 0);
 }
 
-/* After much shorter steps the formula uses the latest state that is far enough away, with second
- * order, or has first order. */
+/* After much shorter steps the formula has second order if an earlier state is far enough away; it
+ * uses the latest such state. Otherwise it has first order. */
 static void a_step_much_longer_than_the_last_is_of_lower_order(void **state) {
     (void)state;
     const struct {
@@ -120,8 +120,8 @@ static void a_step_much_longer_than_the_last_is_of_lower_order(void **state) {
     }
 }
 
-/* States with errors of 1e-9 lie 1e-7 apart. The error after a step of 0.1 must be of the same
- * size. */
+/* States with errors of 1e-9 lie 1e-7 apart. The error after a step of 0.1 must also be about
+ * 1e-9. */
 static void a_short_step_does_not_enlarge_what_states_are_off(void **state) {
     (void)state;
     const double off = 1e-9, values[BDF_PREVIOUS] = {1 + off, 1 - off, 1};
@@ -172,8 +172,8 @@ static double accepted_time(const bdf_ring *ring, size_t before) {
     return ring->time[bdf_ring_accepted(ring, before)];
 }
 
-/* If steps are shorter than the least interval, only some states stay in the ring; of growing steps
- * all stay. */
+/* If steps are shorter than the least interval, the ring keeps only some states. If steps grow, it
+ * keeps all states. */
 static void states_that_follow_too_soon_are_passing(void **state) {
     (void)state;
     const double times[] = {0, 1, 2, 2.25, 2.5, 3.25, 4.25, 4.5, 5.25};
@@ -194,7 +194,7 @@ static void states_that_follow_too_soon_are_passing(void **state) {
         assert_int_equal(promoted.num_previous, BDF_PREVIOUS);
         for (size_t i = 1; i <= BDF_PREVIOUS; i++)
             assert_int_equal(promoted.place[i], bdf_ring_accepted(&ring, i));
-        bdf_ring_restart(&ring); // makes the passing state count
+        bdf_ring_restart(&ring); // turns the passing state into the previous one
         assert_int_equal(ring.num_previous, 1);
         check_close(ring.time[ring.place[1]], times[count - 1], 0, 0);
     }

@@ -60,7 +60,7 @@ static const bdf_model passing_model = {.passes = true,
                                         .save_rest = save_rest,
                                         .restore_rest = restore_rest};
 
-static ehd_contact reference; // upwind
+static ehd_contact reference; // transport is upwind
 static arena memory;
 
 static void take_step(counter *self, double time) {
@@ -137,7 +137,7 @@ static void a_passing_state_comes_back(void **state) {
     after_steps(&before, 5);
     after_steps(&after, 2);
     path.transport = TRANSPORT_PATH;
-    path.grid.step = 1; // half a grid step is longer than the step of 1/4
+    path.grid.step = 1; // half a grid step is longer than the time step of 1/4
     before.bdf.reference = &path;
     before.bdf.allows_short = true;
     take_step(&before, 5.25);
@@ -148,7 +148,7 @@ static void a_passing_state_comes_back(void **state) {
     const double times[] = {5.25, 5, 4};
     for (size_t i = 0; i < 3; i++)
         check_close(after.states[bdf_ring_accepted(&after.bdf.ring, i + 1)][0], times[i], 0, 0);
-    // a model that has no passing states refuses the saved one
+    // a model without passing states refuses a saved passing state
     after.bdf.model = &without;
     assert_int_equal(restore(&after, saved, &error), EHD_DATA);
     after.bdf.model = &passing_model;

@@ -107,7 +107,7 @@ static size_t count_chosen(const bool *chosen, size_t length) {
     return count;
 }
 
-/* Three by two points give the middles of seven lines and of two cells. */
+/* A grid of three by two points has the middles of seven lines and of two cells. */
 static void test_grid(void **state) {
     sample grid = {0};
     (void)state;
@@ -161,8 +161,8 @@ static void test_families(void **state) {
     free_sample(&points);
 }
 
-/* Trajectories that differ only in numbers have middles; one without such a partner is taken at
- * half strength. */
+/* Trajectories that differ only in numbers have middles. A trajectory without such a partner is
+ * taken with half of its change. */
 static void test_trajectories(void **state) {
     sample moved = {0};
     size_t count = 0;
@@ -203,7 +203,8 @@ static void test_trajectories(void **state) {
     free_sample(&moved);
 }
 
-/* On a line 0 … 8 in ln M the order is: first, last, middle, quarters. */
+/* The points 0 … 8 are equidistant in ln M. They are chosen in the order first, last, middle,
+ * quarters. */
 static void test_spread(void **state) {
     sample line = {0};
     bool chosen[11];
@@ -223,7 +224,7 @@ static void test_spread(void **state) {
     assert_int_equal(count_chosen(chosen, 9), 9);
     free_sample(&line);
 
-    // two more lubricants get one point each, whatever the number
+    // two more lubricants get one point each, whatever number is requested
     sample several = {0};
     for (int i = 0; i < 9; i++)
         add_point(&several.of, 2e-8, exp(0.1 * i + 3), 5, 0);
@@ -236,8 +237,8 @@ static void test_spread(void **state) {
     free_sample(&several);
 }
 
-/* Two of nine points are chosen. Of the other seven, one means the middle one, three mean one in
- * each third. */
+/* Two of nine points are chosen already. A request for one of the other seven gives the middle one;
+ * a request for three gives one in each third. */
 static void test_sweep(void **state) {
     bool chosen[9] = {true, [8] = true};
     sample line = {0};

@@ -30,7 +30,7 @@ static void physical_scene(void **state) {
     check_close(contact.load, 2e5, 0, 0);
 }
 
-/* Physical scenes have the same bounds of the Moes numbers. */
+/* The Moes numbers of physical scenes have the same bounds as given ones. */
 static void moes_bounds_of_physical_scenes(void **state) {
     (void)state;
     scene given = sample_scene("barus", "incompressible", NAN, NAN);
@@ -48,7 +48,7 @@ static void moes_bounds_of_physical_scenes(void **state) {
                                     "100000 and L up to 100");
 }
 
-/* Refuses a half width above the radius, as from a modulus in MPa. */
+/* Refuses a half width above the radius, as it results from a modulus in MPa. */
 static void a_contact_is_narrower_than_its_bodies(void **state) {
     (void)state;
     scene given = sample_scene("barus", "incompressible", NAN, NAN);
@@ -58,7 +58,7 @@ static void a_contact_is_narrower_than_its_bodies(void **state) {
     given.physical.speed = 1;
     given.physical.viscosity = 0.01;
     given.physical.load = 2e5;
-    given.physical.modulus = 5.2e7; // a = R at 8 load/(pi R) = 5.1e7 Pa
+    given.physical.modulus = 5.2e7; // a = R if the modulus is 8 load/(pi R) = 5.1e7 Pa
     assert_int_equal(scene_contact(&contact, &given, &error), EHD_OK);
     given.physical.modulus = 2.2e5;
     assert_int_equal(scene_contact(&contact, &given, &error), EHD_DATA);
@@ -79,7 +79,7 @@ static void contradictory_viscosity_is_refused(void **state) {
     given.physical.radius = 0.01;
     given.physical.speed = 1;
     given.physical.modulus = 2.2e11;
-    given.physical.viscosity = 0.0398; // the law has 0.04
+    given.physical.viscosity = 0.0398; // the law gives 0.04
     assert_int_equal(scene_contact(&contact, &given, NULL), EHD_OK);
     given.physical.viscosity = 0.039;
     assert_int_equal(scene_contact(&contact, &given, &error), EHD_DATA);
@@ -201,9 +201,9 @@ static void grid_nodes(void **state) {
     check_close(grid_x(&contact.grid, 1201), 2, 1e-14, 0);
 }
 
-/* The half grid has three lines, y = 0 first, and the boundary line. The first line's pressure ends
- * inside; the second has a gap, and a negative value behind its end; the third has no pressure. On
- * the whole grid the other half is mirrored. */
+/* The half grid has three lines, of which the first is y = 0, and a boundary line. The pressure of
+ * the first line ends inside. The pressure of the second has a gap, and a negative value behind its
+ * end. The third has no pressure. On the whole grid the other half is mirrored. */
 static void exits_of_a_pressure(void **state) {
     (void)state;
     const ehd_grid grid = grid_of(-1, 0.5, 4, 3, true, DISCRETIZATION_PUBLISHED);

@@ -57,8 +57,8 @@ static void far_start_is_given_up_early(void **state) {
     problem_free(&far);
 }
 
-/* A cold start must reduce its continuation steps to an eighth where this helps, and must not take
- * many more where there is no solution. */
+/* A cold start must reduce its continuation steps to an eighth if this helps. If there is no
+ * solution, it must not take many more steps. */
 static void continuation_takes_strides_that_help(void **state) {
     (void)state;
     const full_settings settings = full_default_settings();
@@ -78,8 +78,8 @@ static void continuation_takes_strides_that_help(void **state) {
     problem_free(&hopeless);
 }
 
-/* Extreme parameters converge from the dry contact, all of them, with no more iterations than from
- * the film that the start would have without it. */
+/* Contacts with extreme parameters all converge from the dry contact. This takes no more iterations
+ * than a start from the film that would be used without it. */
 static void extremes_converge(void **state) {
     (void)state;
     static const double corners[][2] = {{1, 0},  {2, 0.5}, {10, 0},   {20, 0},  {50, 0}, {200, 0},

@@ -87,7 +87,7 @@ static void point_kernel_is_the_integral_over_a_cell(void **state) {
 
 // ---- the convolution
 
-/* Compares with the direct sum, for random pressures that are equal in every run. */
+/* Compares the deflection with the direct sum. The random pressures are equal in every run. */
 static void check_against_direct_sum(const ehd_contact *contact, double tolerance) {
     const ehd_grid *grid = &contact->grid;
     size_t n = grid->num_nodes;
@@ -105,7 +105,7 @@ static void check_against_direct_sum(const ehd_contact *contact, double toleranc
             double x = grid_x(grid, k) - grid_x(grid, j), y = grid_y(grid, j);
             direct[k] +=
                 pressure[j] * deflection_influence(contact->kind, grid, x, grid_y(grid, k) - y);
-            if (grid->half && y > 0) // and its mirror image
+            if (grid->half && y > 0) // and the mirror image of this cell
                 direct[k] +=
                     pressure[j] * deflection_influence(contact->kind, grid, x, grid_y(grid, k) + y);
         }
@@ -113,7 +113,7 @@ static void check_against_direct_sum(const ehd_contact *contact, double toleranc
     }
     deflection_apply(delta, deflection, pressure);
     check_close_array(delta, direct, n, 0, tolerance * largest);
-    deflection_apply(pressure, deflection, pressure); // in place
+    deflection_apply(pressure, deflection, pressure); // result and pressure in the same array
     check_close_array(pressure, delta, n, 0, 0);
     free(pressure);
     deflection_free(deflection);
@@ -136,8 +136,8 @@ static void fft_equals_direct_sum(void **state) {
 
 // ---- the pressure of Hertz
 
-/* Returns the deflection [num_nodes] under sqrt(1 - r^2), where r^2 is twice the gap of either
- * kind. */
+/* Returns the deflection [num_nodes] under the pressure sqrt(1 - r^2). For lines and for points r^2
+ * is twice the gap. */
 static double *hertz_deflection(const ehd_contact *contact) {
     const ehd_grid *grid = &contact->grid;
     ehd_deflection *deflection = deflection_create(contact->kind, grid);
@@ -172,13 +172,13 @@ static void hertz_pressure_deflects_a_line_as_hertz(void **state) {
     double coarse = line_deviation(0.02), fine = line_deviation(0.01),
            finest = line_deviation(0.005);
     assert_true(finest < 2.5e-4);
-    // the square root at the ends causes an error of h^1.5 ln h
+    // the square root of the pressure at the ends causes an error of h^1.5 ln h
     assert_true(coarse / fine > 2.2 && coarse / fine < 3);
     assert_true(fine / finest > 2.2 && fine / finest < 3);
 }
 
-/* Compares with Delta = 1 - r^2/2 inside, ((2 - r^2) asin(1/r) + sqrt(r^2 - 1))/pi outside. Returns
- * the largest deviation. */
+/* Compares with Delta = 1 - r^2/2 inside and ((2 - r^2) asin(1/r) + sqrt(r^2 - 1))/pi outside.
+ * Returns the largest deviation. */
 static double point_deviation(size_t cells, bool half) {
     const ehd_contact contact = point_contact(cells, half);
     double *values = hertz_deflection(&contact), worst = 0;
@@ -243,11 +243,12 @@ static void order_of_the_deflection(void **state) {
             error_of_smooth(cases[i].coarse, DISCRETIZATION_ACCURATE, cases[i].expected) /
             error_of_smooth(cases[i].fine, DISCRETIZATION_ACCURATE, cases[i].expected);
         assert_true(published > 3.5 && published < 4.5); // second order
-        assert_true(accurate > 7);                       // third
+        assert_true(accurate > 7);                       // third order
     }
 }
 
-/* Threads share lines and columns; their number changes no bit, on coarse and fine grids. */
+/* Threads share the lines and columns of the grid. Their number changes no bit, on coarse and fine
+ * grids. */
 static void threads_deflect_to_the_same_bits(void **state) {
     (void)state;
     for (size_t cells = 8; cells <= 128; cells *= 4)

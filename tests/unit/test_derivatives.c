@@ -102,11 +102,11 @@ static void check_all_close(const online_derivatives *found, const online_deriva
     check_close(f->rigid_approach, e->rigid_approach, relative, absolute);
     check_close(f->load, e->load, relative, absolute);
     check_close(found->half_width, expected->half_width, relative, absolute);
-    // the maximum of a point contact is rather a corner, at a node
+    // the pressure maximum of a point contact is rather a corner at a node
     check_close(found->peak_pressure, expected->peak_pressure, relative, 3e-5);
 }
 
-/* Returns the central difference; the parameter differs by 2 `change`. */
+/* Returns the central difference of two solutions, whose parameters differ by 2 `change`. */
 static online_derivatives difference(const online_derivatives *before,
                                      const online_derivatives *behind, double change) {
     online_derivatives found = {.half_width = 0};
@@ -205,7 +205,7 @@ static void check_problem(problem *self, deformation_kind kind) {
         check_all_close(&found[by], &expected);
         if (has_exit)
             check_close(found[by].scalars.exit_position, expected.scalars.exit_position, 3e-6, 0);
-        else // the position is a node
+        else // the exit is at a node, so its position has no derivative
             assert_true(isnan(found[by].scalars.exit_position));
     }
     check_follows(self);

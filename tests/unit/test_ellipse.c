@@ -19,7 +19,7 @@ enum { NUM_RATIOS = sizeof ratios / sizeof *ratios };
 
 // ---- the shape
 
-/* Returns the integrand of A with t = s^2/(1 - s)^2; that of B follows. */
+/* Returns the integrand of A with t = s^2/(1 - s)^2. The next function is that of B. */
 static double along(double s, void *parameters) {
     const double k2 = pow(*(double *)parameters, 2), root = s / (1 - s), t = root * root;
     return 2 / (pow(1 + t, 1.5) * sqrt(k2 + t)) / ((1 - s) * (1 - s));
@@ -89,8 +89,8 @@ static void ellipticity_of_moderate_ellipses(void **state) {
         check_close(pow(ellipse_radius_ratio(k), 2. / 3), k, 0.02, 0);
 }
 
-/* The formula of Hamrock and Brewe (J. Lubrication Technology 105, 1983) is within 3 % up to b/a =
- * 10. */
+/* The formula of Hamrock and Brewe (J. Lubrication Technology 105, 1983) deviates by less than 3 %
+ * up to b/a = 10. */
 static void ellipticity_is_near_the_power_of_the_radii(void **state) {
     (void)state;
     for (double k = 1; k <= 10; k += 0.5)
@@ -160,8 +160,8 @@ static void moes_numbers_give_the_same_contact(void **state) {
     assert_false(grid_same(&contact.grid, &physical.grid));
 }
 
-/* The grid of ellipticity 1 is that of a point contact. Wide ellipses need nearer sides, in units
- * of b. */
+/* The grid of ellipticity 1 is that of a point contact. Wide ellipses need sides that are nearer in
+ * units of b. */
 static void default_grid_knows_the_sides(void **state) {
     (void)state;
     static const double of[] = {0.5, 1, 2, 4, 9};
@@ -235,8 +235,8 @@ static ehd_contact ellipse_on(double k, size_t cells) {
     return contact;
 }
 
-/* Returns the largest deviation of gap plus deflection: within the ellipse from the value at the
- * centre, and outside of it, on Y = 0, from the dry gap. */
+/* Computes the largest deviation of gap plus deflection: inside the ellipse from the value at the
+ * centre, outside of it, on Y = 0, from the dry gap. */
 static void deviations_under_hertz(double *inside, double *outside, double k, size_t cells) {
     const ehd_contact contact = ellipse_on(k, cells);
     const ehd_grid *grid = &contact.grid;
@@ -294,7 +294,8 @@ static void dry_gap_opens_from_the_edge(void **state) {
 
 // ---- the rows
 
-/* In a grid of ellipticity b/a the flow across has the factor (a/b)^2, besides its own step across. */
+/* On a grid of ellipticity b/a the flow across has the factor (a/b)^2. Its grid step is the step
+ * across. */
 static void flow_across_has_its_factor(void **state) {
     (void)state;
     const double k = 2.5;
@@ -308,7 +309,7 @@ static void flow_across_has_its_factor(void **state) {
         assert_non_null(memory);
         double *pressure = memory + NUM_FLUID_ARRAYS * n, *film = pressure + n;
         reynolds_fluid fluid = reynolds_fluid_in(memory, n, &contact);
-        // residuals without flow across, of the circle, of the ellipse
+        // residuals: without flow across, of the circle, of the ellipse
         double cell = NAN, residual[3];
         const size_t node = grid_node_of_row(grid, grid->inner_x * 2 + 3);
         reynolds_stencil stencil = reynolds_stencil_at(grid, node);

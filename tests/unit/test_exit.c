@@ -72,7 +72,7 @@ static void negative_pressure_brings_it_back_to_where_the_film_carries_the_flux(
     exit_line line = line_of(&known, pressure);
     assert_int_equal(exit_by_flux(&line, 20), 17);
     assert_int_equal(known.flux_node, 14);
-    known.flux = 2 * 5; // the film carries less even at the negative node
+    known.flux = 2 * 5; // even at the negative node the film carries more than the flux
     assert_int_equal(exit_by_flux(&line, 20), 14);
     known.flux = 2 * 30; // always at least one node back
     assert_int_equal(exit_by_flux(&line, 20), 19);
@@ -158,7 +158,7 @@ static void small_init(small_exit *small, const char *density) {
     }
 }
 
-/* Checks the derivatives of the row and of the offset by a value of the state. */
+/* Checks the derivatives of the row and of the offset with respect to a value of the state. */
 static void check_derivatives(small_exit *small, double *value, double by_value, double scale,
                               double offset_by_value) {
     const double kept = *value, h = 1e-5 * fmax(kept, 1e-2), offset = small->offset;
@@ -217,8 +217,8 @@ static double what_flows_before_the_last(small_exit *small) {
     return flux_before(small, LAST) - 0.8 * small->film[LAST + 1];
 }
 
-/* An exit at the next node that satisfies the fluxes of the Reynolds rows also satisfies the
- * equations of the cell with offset 1, exactly. So nothing jumps when the exit passes a node. */
+/* If an exit at the next node satisfies the fluxes of the Reynolds rows, it satisfies the equations
+ * of the cell with offset 1 exactly. So nothing jumps when the exit passes a node. */
 static void at_a_node_the_cell_s_equations_are_the_rows(void **state) {
     small_exit small;
     (void)state;
@@ -239,9 +239,9 @@ static void at_a_node_the_cell_s_equations_are_the_rows(void **state) {
 
 enum { NUM_PLACED = 12 };
 
-/* Returns the error of the place of an exit, in steps. The film is entrained and squeezed, H = H0 +
- * a x^2 - b T at time zero, and the pressure is that of the flow F(x) = U H(x_e) - b (x_e - x),
- * which ends at x_e. */
+/* Returns the error of the place of an exit, in grid steps. At time zero the entrained and squeezed
+ * film is H = H0 + a x^2 - b T. The pressure belongs to the flow F(x) = U H(x_e) - b (x_e - x), and
+ * ends at x_e. */
 static double place_off(double exit, double rise, double fall, bool in_time) {
     const double step = 0.1, entrainment = 0.8, rate = 20;
     ehd_contact contact = sample_contact("barus", "incompressible", 5, 0, 0.1);

@@ -12,7 +12,7 @@
 #include <string.h>
 
 static trained line, half_point;
-static reduced_basis line_basis, point_basis; // every inner node is a mode
+static reduced_basis line_basis, point_basis; // each inner node has a mode
 
 /* Returns the full model as a reduced basis, with the weights of the training. */
 static reduced_basis whole_basis(const trained *from) {
@@ -26,7 +26,7 @@ static reduced_basis whole_basis(const trained *from) {
 
 static int set_up(void **state) {
     (void)state;
-    trained_init_published(&line, 0.02); // exits at nodes
+    trained_init_published(&line, 0.02); // its exits are at nodes
     trained_init_point(&half_point, true, "open");
     line_basis = whole_basis(&line);
     point_basis = whole_basis(&half_point);
@@ -42,8 +42,8 @@ static int tear_down(void **state) {
     return 0;
 }
 
-/* Returns zero previous states. They make stationary equations, but with exits by the signs of
- * pressure and multiplier, as in transient ones. */
+/* Returns zero for previous states. The equations are then stationary, but exits follow from the
+ * signs of pressure and multiplier, as in transient equations. */
 static double nothing_previous(void *context, size_t node) {
     (void)context, (void)node;
     return 0;
@@ -81,7 +81,8 @@ static void own_steps_free(own_steps *self) {
     reduced_problem_free(&self->reduced);
 }
 
-/* Starts from the solution of a training point with an exit; returns the solution, [num_unknowns]. */
+/* Starts from the solution of a training point with the given exit; returns the solution,
+ * [num_unknowns]. */
 static const double *start_at(own_steps *self, size_t s, size_t exit) {
     const size_t n = self->reduced.model.num_unknowns;
     const double *solution = line_basis.states.coordinates + s * n;
@@ -102,15 +103,15 @@ static void solve_on(own_steps *self, size_t s) {
 
 // ---- an exit that is fixed after oscillating
 
-/* A linear solver that makes the last pressure before the exit negative and positive in turn, until
- * the exit is fixed, and then solves the least squares. Each change is small enough for the exit to
- * be searched, which stays where it is far from the solution. Each is also less than 0.6 of the one
- * before, else the exit would be fixed at once. */
+/* A linear solver that makes the last pressure before the exit alternately negative and positive
+ * until the exit is fixed. Then it solves the least squares. Far from the solution no exit is
+ * searched, so each change is small. Each is also less than 0.6 of the previous change; otherwise
+ * the exit would be fixed at once. */
 static const double SWINGS[] = {3e-3, -1.8e-3, 9e-4, -5e-4, 2e-4, -1e-4};
 enum { NUM_SWINGS = sizeof SWINGS / sizeof *SWINGS };
 
 typedef struct to_and_fro {
-    size_t mode; // mode of that pressure
+    size_t mode; // mode of the last pressure before the exit
     size_t calls;
     least_squares *usual;
 } to_and_fro;
@@ -123,18 +124,19 @@ static ehd_status go_to_and_fro(double *step, void *context, const double *matri
     if (call >= NUM_SWINGS) return least_squares_solve(step, self->usual, matrix, right, num_rows);
     memset(step, 0, num_unknowns * sizeof *step);
     step[self->mode] = SWINGS[call] - SWINGS[call - 1];
-    step[self->mode / 2] = step[self->mode]; // a mode that the exit never cuts off
+    step[self->mode / 2] = step[self->mode]; // the exit never cuts off this mode
     return EHD_OK;
 }
 
-/* Solves a trained contact whose exit is fixed `behind` nodes behind its place. */
+/* Solves a trained contact whose exit is fixed `behind` nodes behind its true place. */
 static reduced_info solve_held(size_t s, size_t behind) {
     const size_t exit = line.states->exit[s] + behind;
     to_and_fro other;
     own_steps own;
 
     own_steps_init(&own, go_to_and_fro, &other);
-    // a mode is an inner node, from 1 on; the pressure of another node before keeps the exit from moving farther
+    // mode k is the pressure at node k + 1; the pressure of the node before keeps the exit from
+    // moving farther
     other = (to_and_fro){.mode = exit - 2, .usual = own.usual};
     start_at(&own, s, exit);
     own.reduced.state.coordinates[exit - 2] = SWINGS[0];
@@ -165,8 +167,8 @@ static void an_exit_held_elsewhere_is_not_trusted(void **state) {
 }
 
 /* A linear solver whose first step adds pressure at the node before the exit, so that the exit
- * moves on. Its second step removes the pressure of a node farther before. Then it solves the least
- * squares. */
+ * moves on. Its second step removes the pressure of a node farther upstream. Then it solves the
+ * least squares. */
 typedef struct back_and_on {
     size_t last, emptied; // modes
     double suction;
@@ -188,7 +190,7 @@ static ehd_status go_back_and_on(double *step, void *context, const double *matr
     return EHD_OK;
 }
 
-/* Transient: an exit that turns round to go back by several nodes is not fixed, and ends at its
+/* Transient: an exit that reverses and moves back by several nodes is not fixed, and reaches its
  * place. */
 static void an_exit_that_turns_by_more_goes_on(void **state) {
     (void)state;
@@ -200,7 +202,7 @@ static void an_exit_that_turns_by_more_goes_on(void **state) {
         const size_t place = line.states->exit[s], exit = place + 1;
         const double *solution = start_at(&own, s, exit);
 
-        // a mode is an inner node, from 1 on
+        // mode k is the pressure at node k + 1
         other = (back_and_on){.last = exit - 2, .emptied = exit - 4, .usual = own.usual};
         other.suction = solution[other.emptied] + 1e-4;
         solve_on(&own, s);
@@ -218,7 +220,7 @@ static void an_exit_that_turns_by_more_goes_on(void **state) {
 typedef struct far_away {
     const reduced_state *state;
     size_t mode;
-    double suction;     // change of the pressure there
+    double suction;     // change of the pressure at this node
     size_t calls, exit; // number of calls; exit at the second one
     least_squares *usual;
 } far_away;
@@ -235,7 +237,7 @@ static ehd_status go_far_away(double *step, void *context, const double *matrix,
     return EHD_OK;
 }
 
-/* Transient: the exit of the step before is kept until the pressure is near the solution. */
+/* Transient: the exit of the previous step is kept until the pressure is near the solution. */
 static void the_exit_stays_far_from_the_solution(void **state) {
     (void)state;
     far_away other;
@@ -243,7 +245,7 @@ static void the_exit_stays_far_from_the_solution(void **state) {
 
     own_steps_init(&own, go_far_away, &other);
     for (size_t s = 0; s < TRAINED_STATES; s += 5) {
-        const size_t exit = line.states->exit[s], mode = exit - 4; // an inner node, from 1 on
+        const size_t exit = line.states->exit[s], mode = exit - 4; // mode k is node k + 1
         const double *solution = start_at(&own, s, exit);
 
         other = (far_away){.state = &own.reduced.state,
@@ -274,7 +276,7 @@ static void narrow_band(reduced_model *model, size_t s, ptrdiff_t min, ptrdiff_t
     }
 }
 
-/* Solves a trained contact with such a band. Without all_lines the exits of odd lines are not
+/* Solves a trained contact in a narrow band. Without all_lines the exits of odd lines are not
  * searched. */
 static void solve_in_narrow_band(const reduced_basis *basis, const ehd_contact *contact,
                                  bool in_time, bool all_lines, size_t s, ptrdiff_t min,
@@ -311,7 +313,7 @@ static void solve_in_narrow_band(const reduced_basis *basis, const ehd_contact *
     reduced_problem_free(&reduced);
 }
 
-/* Exits stop in the last column of the band, found by the flux or by signs. */
+/* Exits stop in the last column of the band, whether the flux or the signs move them. */
 static void exits_end_where_the_band_does(void **state) {
     (void)state;
     for (size_t s = 0; s < (check_all() ? TRAINED_STATES : 1); s += 6)
@@ -329,8 +331,8 @@ static void exits_end_where_the_band_does(void **state) {
 
 // ---- margins of exits
 
-/* The margins of a solution are the lesser of two. If the exit of a line is moved by one node
- * either way, the margin of this line is zero. */
+/* The margin of a line is the smaller of two: its last pressure and its multiplier. If the exit of
+ * a line is moved by one node either way, the margin of this line is zero. */
 static void margins_are_those_of_the_exits(void **state) {
     const size_t num_lines = half_point.set.grid.num_nodes / grid_width(&half_point.set.grid);
     size_t *exits = calloc(num_lines, sizeof *exits), num_small = 0, num_shifted = 0;

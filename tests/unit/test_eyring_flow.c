@@ -12,7 +12,7 @@ typedef struct profile {
 } profile;
 
 /* Integrates over the film by the midpoint rule, at the stress (sum + x z, side + y z). The fluid
- * shears at the rate sinh(stress) in the direction of the stress. Nothing slides across. */
+ * shears at the rate sinh(stress) in the direction of the stress. There is no sliding across. */
 enum { SLID, SLID_ACROSS, FLOW, FLOW_ACROSS, NUM_SUMS };
 
 static void integrate(double sums[NUM_SUMS], const double middle[2], double x, double y) {
@@ -62,7 +62,7 @@ static void along_the_sliding_the_factor_is_exact(void **state) {
         for (double rate = 0.01; rate < 1e7; rate *= 10) {
             const eyring_gradient of = eyring_gradient_of(sigma);
             const profile found = profile_of(rate, sigma, 0);
-            // the error of the midpoint rule is (Sigma/400)^2/6 and more
+            // the error of the midpoint rule is at least (Sigma/400)^2/6
             const double off = 1e-5 + 1e-5 * sigma * sigma;
             check_close(eyring_along(&of, rate).value, found.along, off, 0);
             check_close(eyring_stress(&of, rate), found.middle, off, 1e-7);
@@ -86,8 +86,8 @@ static void across_the_sliding_the_factor_is_near(void **state) {
     }
 }
 
-/* The rows of point contacts neglect the gradient of the other direction; EYRING_DOUBT bounds this
- * error. */
+/* The rows of point contacts neglect the pressure gradient in the other direction; EYRING_DOUBT
+ * bounds this error. */
 static void doubt_is_a_bound(void **state) {
     (void)state;
     for (double x = 0.1; x < 3.1; x *= 3)
@@ -103,7 +103,7 @@ static void doubt_is_a_bound(void **state) {
             }
 }
 
-/* Factors lose no digits by cancellation and do not overflow; compared with their definition in
+/* Factors lose no digits by cancellation and do not overflow. The reference is their definition in
  * extended precision. */
 static void factors_hold_all_digits(void **state) {
     (void)state;

@@ -33,7 +33,7 @@ static int tear_down(void **state) {
     return remove_folder(state);
 }
 
-/* A solver of a model, with the solution of a contact. */
+/* A solver of a model, and its solution of a contact. */
 typedef struct solved {
     online_model *model;
     online_solver *solver;
@@ -74,8 +74,8 @@ static void check_solution(const fallback *found, const ehd_contact *contact) {
     problem_free(&expected);
 }
 
-/* Solves with the full model after the reduced one, checks where it starts, and returns the
- * iterations. */
+/* Solves with the full model after the reduced one. Checks where the full solution starts, and
+ * returns its iterations. */
 static size_t check_fallback(const solved *run, const ehd_contact *contact, size_t repetitions,
                              bool from_reduced) {
     fallback found;
@@ -102,7 +102,8 @@ static void from_a_reduced_solution(void **state) {
     }
 }
 
-/* From a good reduced solution it takes two Newton iterations, and as many at each repetition. */
+/* From a good reduced solution the full model takes two Newton iterations, and as many at each
+ * repetition. */
 static void from_a_good_solution_it_takes_little(void **state) {
     (void)state;
     ehd_contact contact = training.contacts[4];
@@ -129,8 +130,8 @@ static void of_a_point_contact(void **state) {
     solved_free(&run);
 }
 
-/* It starts cold from a solution that did not converge, or whose pressures exceed the limit of the
- * viscosity law. */
+/* The full model starts cold if the reduced solution did not converge, or if its pressures exceed
+ * the limit of the viscosity law. */
 static void it_starts_cold_where_there_is_no_solution_to_start_from(void **state) {
     (void)state;
     ehd_contact contact = training.contacts[4];

@@ -30,8 +30,8 @@ static int tear_down(void **state) {
     return 0;
 }
 
-/* A march and its results at each step. `both`: the full model beside the reduced one; else the
- * full model alone. */
+/* A march and its results at each step. `both` has the full model beside the reduced one; NULL: the
+ * full model runs alone. */
 typedef struct run {
     marching reduced;
     parts_march *parts; // its only part is the march of `reduced`
@@ -44,8 +44,8 @@ typedef struct run {
     bool by_full_model[NUM_STEPS + 1];
 } run;
 
-/* Returns a load that leaves the training, comes back and leaves it again. With a phase of pi/2 it
- * starts outside. */
+/* Returns a load that leaves the trained range, returns and leaves it again. With a phase of pi/2
+ * it starts outside. */
 static double load_at(size_t i, double phase) {
     return 1 + 0.15 * sin(2 * M_PI * (double)i * STEP + phase);
 }
@@ -123,7 +123,7 @@ static size_t count_full(const run *self) {
     return count;
 }
 
-/* Checks that the films equal those of the full model alone. */
+/* Checks that the films of both models in turn equal those of the full model alone. */
 static void check_turns(const ehd_contact *contact, const reduced_basis *basis, double tolerance) {
     run *both = malloc(sizeof *both), *full = malloc(sizeof *full);
 
@@ -140,7 +140,7 @@ static void check_turns(const ehd_contact *contact, const reduced_basis *basis, 
     assert_true(both->by_full_model[NUM_STEPS]);
     check_close_array(both->film, full->film, NUM_STEPS + 1, tolerance, 0);
     if (contact->transport == TRANSPORT_PATH && contact->kind->dimensions == 1) {
-        // errors along the path that one model adds and the other reports
+        // errors along the path: the full model adds them, later the reduced model reports them
         check_close(both->effect[36], full->effect[36], 0.15, 0);
         check_close_array(both->effect + 60, full->effect + 60, NUM_STEPS - 59, 0.15, 0);
     }
@@ -187,7 +187,8 @@ static void of_a_point_contact(void **state) {
     reduced_basis_free(&nodes);
 }
 
-/* From any step on, by either model, another object continues with the same bits. */
+/* A march saved after any step, solved by either model, and restored into another object continues
+ * with the same bits. */
 static void saved_and_restored(void **state) {
     (void)state;
     reduced_basis nodes =
@@ -218,7 +219,7 @@ static void saved_and_restored(void **state) {
         assert_non_null(strstr(share.reason, "trained range"));
         run_free(other);
     }
-    saved[0] = 1; // a step by the full model, whose states are missing
+    saved[0] = 1; // marks a step by the full model, whose states are missing
     saved[1] = 0;
     run_init(other, &contact, &nodes, true, 1e-2, 0);
     assert_int_equal(other->solver.restore(other->solver.self, saved, &error), EHD_DATA);
@@ -254,9 +255,9 @@ static void a_start_by_the_full_model(void **state) {
     reduced_basis_free(&nodes);
 }
 
-/* The reduced model takes over when films outside its basis have left the contact. The twelve modes
- * represent the transient film only to 4 to 15 % of the central one, which meets one accuracy and
- * not the other. */
+/* The reduced model takes over when films that its basis cannot represent have left the contact.
+ * Twelve modes represent the transient film with errors of 4 to 15 % of the central film. This
+ * meets one accuracy and not the other. */
 static void the_film_has_to_leave_before(void **state) {
     (void)state;
     reduced_basis few;
@@ -303,15 +304,15 @@ static void where_the_reduced_model_does_not_converge(void **state) {
     }
     assert_false(both->by_full_model[3]);
     assert_int_equal(fallback_march_share(both->both).full_steps, NUM_STEPS - 3);
-    // after 0, 1, 3, 7, … full steps, if these are in the trained range
+    // tried after 0, 1, 3, 7, … full steps, if these are in the trained range
     assert_in_range(tries, 3, 7);
     run_free(both);
     free(both);
     reduced_basis_free(&nodes);
 }
 
-/* Rejected attempts cost iterations. Once they cost as many as the accepted steps, the full model
- * takes the steps until those have more again. */
+/* Rejected attempts cost iterations. Once these are as many as those of the accepted steps, the
+ * full model takes the steps until the accepted steps have more iterations again. */
 static void iterations_in_vain_are_limited(void **state) {
     (void)state;
     reduced_basis nodes =
@@ -354,7 +355,7 @@ static void begin_indicating(run *self, reduced_basis *few, double accuracy, fil
 }
 
 /* The error of a reduced step would remain in the film that the full model takes over. The full
- * model therefore makes steps whose error estimate exceeds a tenth of the accuracy. */
+ * model therefore makes the steps whose error estimate exceeds a tenth of the accuracy. */
 static void steps_are_given_up_before_they_are_wrong(void **state) {
     (void)state;
     for (int i = 0; i < 2; i++) {

@@ -21,7 +21,7 @@ static ehd_contact contact_on(double moes_M, double moes_L, double x_min, double
     return contact;
 }
 
-/* Returns the contact of equal p_H, R_x, speed and lubricant with another ellipticity. */
+/* Returns an ellipse with the p_H, R_x, speed and lubricant of a round contact. */
 static ehd_contact ellipse_on(double ellipticity, double moes_M, double moes_L, double x_min,
                               double x_max, double y_max, double step, const char *boundary) {
     const contact_shape shape = shape_of(ellipticity);
@@ -99,8 +99,8 @@ static void ends_at_the_exit(void **state) {
     check_close(pressure_at(&contact, -0.5, -3, 4), pressure_at(&contact, -0.5, -3, -4), 0, 0);
 }
 
-/* The loads beyond two grids differ by the load between them. The derivative is checked by
- * differences. */
+/* The loads beyond two grids differ by the load between the grids' edges. The derivative is checked
+ * by differences. */
 static void counts_the_load_beyond(void **state) {
     (void)state;
     const double ellipticities[] = {0.5, 3, 1}, approach = -0.4, d = 1e-5;
@@ -152,7 +152,8 @@ static void counts_the_load_beyond(void **state) {
     arena_free(&memory);
 }
 
-/* The far field is added at the boundary nodes only, with its derivative, in either direction. */
+/* The far field and its derivative are added at the boundary nodes only, for either direction of
+ * speed. */
 static void is_added_at_the_boundary_nodes(void **state) {
     (void)state;
     for (int i = 0; i < 8; i++) {
@@ -182,8 +183,8 @@ static void is_added_at_the_boundary_nodes(void **state) {
     }
 }
 
-/* Lines, a boundary of zero pressure and contacts at rest have no far field. It is mirrored if the
- * speed is negative. */
+/* Lines, a boundary of zero pressure and contacts at rest have no far field. If the speed is
+ * negative, the far field is mirrored. */
 static void where_it_is(void **state) {
     (void)state;
     const ehd_contact line = sample_contact("barus", "incompressible", 10, 0, 0.05);
@@ -212,7 +213,8 @@ static contact_scalars films_of(const ehd_contact *contact) {
     return scalars;
 }
 
-/* A domain from -4 on is as accurate as one from -16 on; with zero pressure around they differ. */
+/* With a far field, a domain from -4 on is as accurate as one from -16 on. With zero pressure
+ * around, their films differ. */
 static void short_domains_are_as_good_as_long_ones(void **state) {
     (void)state;
     static const double points[][4] = {{5, 0, 1, 3},     {10, 0, 1, 3},     {10, 5, 1, 3},

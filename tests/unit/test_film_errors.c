@@ -5,7 +5,7 @@
 
 #include <math.h>
 
-static const double EDGE = -0.85, PATH = 0.05; // PATH: of a step
+static const double EDGE = -0.85, PATH = 0.05; // where errors enter; path of a step
 
 static film_errors errors;
 
@@ -17,14 +17,15 @@ static contact_frame frame_after(double path, double load) {
     return frame;
 }
 
-/* Makes one step of length PATH to a frame, in which an error enters. */
+/* Makes one step of length PATH to the frame `now`. An error enters during this step. */
 static void go_on(const contact_frame *then, const contact_frame *now, double entering) {
     film_errors_carry(&errors, then, now);
     film_errors_enter(&errors, then, now, EDGE, entering);
     film_errors_keep(&errors);
 }
 
-/* An error that enters from path 0 to 0.3 is carried by the fluid and is zero elsewhere. */
+/* An error enters while the path grows from 0 to 0.3. The fluid carries it; elsewhere the error is
+ * zero. */
 static void an_error_goes_with_the_fluid(void **state) {
     (void)state;
     const double last = 0.3, smooth = 0.06; // `smooth`: splines smooth the ends
@@ -57,7 +58,8 @@ static void no_bound_is_negative(void **state) {
     }
 }
 
-/* Film thickness is scaled by a^2/R, so in a contact twice as wide an error is a quarter. */
+/* Film thickness is scaled by a^2/R, so in a contact that is twice as wide an error is a quarter as
+ * large. */
 static void an_error_stays_where_the_frame_changes(void **state) {
     (void)state;
     const contact_frame narrow = frame_after(0, 1), wide = frame_after(0, 4);

@@ -58,7 +58,7 @@ static ehd_contact ball(double modulus) {
     return steel("point", BALL_LOAD, modulus);
 }
 
-/* Returns the same contact with its Moes numbers only. */
+/* Returns the contact with its Moes numbers and no modulus. */
 static ehd_contact without_modulus(const ehd_contact *contact) {
     ehd_contact bare = *contact;
 
@@ -170,8 +170,8 @@ static double moes_units(double moes_M, double moes_L) {
 }
 
 static void moes_goes_to_its_asymptotes(void **unused) {
-    // rigid isoviscous: Martin's h0/R = 4.896 U/W with the mean velocity; the film at its end, at
-    // x = 0.4754 sqrt(2 R h0), is as thick as at the maximum of the pressure
+    // rigid isoviscous: Martin's h0/R = 4.896 U/W with the mean velocity. At the pressure maximum
+    // the film is as thick as at its end, x = 0.4754 sqrt(2 R h0)
     const double martin = 4.896 / 2 * (1 + 0.4754 * 0.4754);
     (void)unused;
 
@@ -235,8 +235,8 @@ static void a_circle_is_an_ellipse(void **unused) {
                         0);
 }
 
-/* Compares the formula with each asymptote (Nijenbanning et al. 1994)
- * where the asymptote dominates. */
+/* Compares the formula with each asymptote (Nijenbanning et al. 1994) where the asymptote
+ * dominates. */
 static void nijenbanning_goes_to_its_asymptotes(void **unused) {
     (void)unused;
 

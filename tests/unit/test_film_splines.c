@@ -56,7 +56,7 @@ static contact_frame frame_under(double load, double radius, double time) {
     return frame_at(&contact_line, time, (double[]){load, 1, radius, 1}, NAN);
 }
 
-/* Compares both films at all nodes whose places lie behind `from`, in the frame `now`. */
+/* Compares both films at all nodes of the frame `now` whose places lie behind `from`. */
 static void compare(const reduced_basis *basis, const ehd_contact *reference,
                     const contact_frame *now, double from, double tolerance) {
     const ehd_grid *grid = &basis->grid;
@@ -119,8 +119,8 @@ static void films_equal_those_of_the_full_model(void **unused) {
     }
 }
 
-/* In a wider frame the grid starts farther out. There the deflection is used too, on and beyond the
- * part of it that is stored. */
+/* In a wider frame the grid starts farther upstream. There the film also needs the deflection, on
+ * its stored part and beyond. */
 static void films_go_on_before_the_grid(void **unused) {
     (void)unused;
     reduced_basis basis;
@@ -153,7 +153,7 @@ enum {
 }; // nodes of the tests' fields beyond the grid, so that the ends of splines do not matter
 
 static trained half_training;
-static reduced_basis half_basis, whole_basis; // equal modes
+static reduced_basis half_basis, whole_basis; // both with the same modes
 
 /* A model with a state, whose exit line may differ from that of the training. */
 typedef struct point_film {
@@ -210,7 +210,7 @@ static double mass_at(const point_film *self, size_t node, const contact_frame *
     return alone;
 }
 
-/* A field on the nodes of the grid and on MARGIN more on each side. */
+/* A field on the nodes of the grid and on MARGIN more nodes on each side. */
 typedef struct plane {
     size_t width, lines;
     double *x, *y;
@@ -247,7 +247,7 @@ static void plane_free(plane *self) {
     free(self->x);
 }
 
-/* Makes a spline along each line; plane_at makes one across from them. */
+/* Makes a spline along each line; plane_at makes a spline across from their values. */
 static void plane_prepare(plane *self) {
     for (size_t l = 0; l < self->lines; l++) {
         self->along[l] = gsl_spline_alloc(gsl_interp_cspline, self->width);
@@ -286,7 +286,7 @@ static void fill_pressure(plane *self, const point_film *of, bool cut) {
         }
 }
 
-/* Computes H0 and the deflection of that pressure by direct summation. */
+/* Computes H0 plus the deflection of that pressure, by direct summation. */
 static void fill_deflection(plane *self, const plane *pressure, const point_film *of) {
     double step = of->basis->grid.step;
     size_t size = self->width * self->lines;
@@ -311,8 +311,8 @@ static void fill_deflection(plane *self, const plane *pressure, const point_film
     free(kernel);
 }
 
-/* Checks whether a place lies before the exit line, which is straight between lines and at the
- * sides of the grid. */
+/* Checks whether a place lies before the exit line, which is straight from line to line and
+ * constant beyond the outermost lines. */
 static bool is_before_exit(const point_film *self, double x, double y) {
     const ehd_grid *grid = &self->basis->grid;
     double line = (y - grid_y(grid, 0)) / grid->step;
@@ -364,14 +364,15 @@ static void compare_point(const point_film *self, const contact_frame *now, doub
 
 static void films_of_point_contacts_equal_tensor_splines(void **unused) {
     (void)unused;
-    for (int i = 0; i < 3; i++) { // the half grid with both exit lines, and the whole grid
+    for (int i = 0; i < 3; i++) { // half grid with either exit line, whole grid
         point_film self;
         point_film_init(&self, i < 2 ? &half_basis : &whole_basis, i == 0);
         assert_true(self.film.num_cut > (i == 0 ? 0 : self.model.band.num_lines / 2));
         const contact_frame frames[] = {point_frame(0.93, 1), point_frame(1.02, 1.01),
                                         point_frame(1.3, 1)};
         for (size_t f = 0; f < sizeof frames / sizeof *frames; f++)
-            // within a step of the grid's ends, where the pressure falls to zero, its splines differ
+            // within a step of the grid's ends, where the pressure falls to zero, the splines
+            // differ
             compare_point(&self, &frames[f], 3e-5, 2e-4);
         self.reference.lubricant.density = NULL;
         for (size_t f = 0; f < sizeof frames / sizeof *frames; f++)
@@ -433,7 +434,7 @@ static void films_of_the_half_are_those_of_the_whole(void **unused) {
     point_film_free(&whole);
 }
 
-/* Straight modes of an independent basis continue straight, before the grid and at its sides too. */
+/* Linear modes of an independent basis continue linearly, before the grid and at its sides. */
 static void straight_modes_go_on_straight(void **unused) {
     (void)unused;
     for (int i = 0; i < 2; i++) { // the half grid, and the whole one with a slope across

@@ -48,7 +48,7 @@ static void constant_histories_stay_stationary(void **state) {
     (void)state;
     for (size_t i = 0; i < 4 * sizeof transients / sizeof *transients; i++) {
         bool point = i % 4 / 2 == 1;
-        if (point && i % 4 != i / 4 && !check_all()) continue; // two cases of points
+        if (point && i % 4 != i / 4 && !check_all()) continue; // only two cases of point contacts
         scene of = point ? marched_point(transients[i / 4])
                          : marched_scene(20, 6, "dowson-higginson", 0.05, transients[i / 4]);
         if (i % 2) of = along_path(of);
@@ -66,8 +66,8 @@ static void constant_histories_stay_stationary(void **state) {
     }
 }
 
-/* Compares the start with a stationary contact, `moes_M` and `moes_L` being those of 1.3 times the
- * load at 0.6 times the speed and `width` its half width. */
+/* Compares the start with the stationary contact of 1.3 times the load at 0.6 times the speed.
+ * `moes_M`, `moes_L` and `width` are the numbers and the half width of that contact. */
 static void compare_start(const scene *of, double moes_M, double moes_L, double width) {
     scene physical = *of;
     full_settings settings = full_default_settings();
@@ -113,8 +113,8 @@ static void start_is_the_stationary_contact(void **state) {
 
 // ---- accuracy of time steps
 
-/* Returns the largest difference of the central film at the times of the coarser run, whose steps
- * are twice as long. */
+/* Returns the largest difference of the central films of two runs, at the times of the coarse run.
+ * Its steps are twice as long as those of the fine run. */
 static double film_difference(const marched *coarse, const marched *fine) {
     double largest = 0;
 
@@ -206,8 +206,8 @@ static void tolerance_holds(void **state) {
     }
 }
 
-/* Along the path a film comes to rest with its slow load: steps longer than the way of the film
- * through the contact are as accurate as the tolerance requires. */
+/* With transport along the path, the film follows a slowly changing load. So steps longer than the
+ * way of the film through the contact are as accurate as the tolerance requires. */
 static void a_slow_ramp_along_the_path_ends_at_rest(void **state) {
     static const char transient[] =
         "end_time: 60, load: {law: ramp, from: 1, to: 1.08, start: 0.5, duration: 40}";
@@ -224,8 +224,8 @@ static void a_slow_ramp_along_the_path_ends_at_rest(void **state) {
     marched_end(&second);
 }
 
-/* The exit within a node is the exit on a grid with a quarter of the step, while the film follows
- * the load. */
+/* While the film follows the load, the exit within a node agrees with the exit on a grid with a
+ * quarter of the step. */
 static void the_exit_lies_within_its_node(void **state) {
     static const char transient[] =
         "end_time: 2, fixed_step: 0.02, load: {law: sine, amplitude: 0.1, period: 1}";
@@ -328,7 +328,7 @@ static void local_error_is_that_before_the_exit(void **state) {
 
 // ---- asymptotic behaviour
 
-/* The response to a sine becomes periodic with its period, after the start. */
+/* After the start, the response to a sine becomes periodic with the period of the sine. */
 static void sine_leads_to_a_periodic_state(void **state) {
     (void)state;
     run_usual(&first, "end_time: 12, fixed_step: 0.02, "
@@ -345,8 +345,9 @@ static void sine_leads_to_a_periodic_state(void **state) {
     marched_end(&first);
 }
 
-/* After all changes the contact is the stationary one of the last values: to round-off with upwind
- * transport, and along the path except for the errors of transport and filter. */
+/* After all changes the contact is the stationary one of the last values. With upwind transport
+ * it is so to round-off, with transport along the path except for the errors of transport and
+ * filter. */
 static void ramps_end_in_the_stationary_contact(void **state) {
     static const char ramps[] = "load: {law: ramp, from: 1.4, to: 0.8, start: 0.5, duration: 1}, "
                                 "speed: {law: ramp, from: 0.7, to: 1.2, start: 0.1, duration: 2}, "
@@ -379,7 +380,7 @@ static void ramps_end_in_the_stationary_contact(void **state) {
 
 // ---- the approach given
 
-/* Returns the usual contact with approaches from as far away as they may be given. */
+/* Returns the usual contact, whose approach is measured from as far away as is allowed. */
 static scene measured_scene(const char *transient) {
     scene of = usual_scene(transient);
     of.approach_length = 10;
@@ -452,7 +453,7 @@ static void start_from_an_approach_far_away(void **state) {
     scene of = marched_scene(20, 8, "dowson-higginson", 0.02,
                              "end_time: 0.1, fixed_step: 0.1, approach: {law: constant}");
     of.approach = 0;
-    of.grid.x_min = -12; // the contact is light
+    of.grid.x_min = -12; // a contact under so light a load needs a long inlet
     marched_begin(&first, &of);
     check_close(first.approach[0], 0, 0, 1e-9);
     assert_true(first.load[0] > 0 && first.load[0] < 0.3);
@@ -658,7 +659,8 @@ static double dent(double x) {
 }
 
 /* Adds a dent to the film of the only accepted state. The saved data begin with the errors along
- * the path; along the path, the base state and its time limit precede the states. */
+ * the path. With transport along the path, the base state and its time limit come before the
+ * states. */
 static void add_dent(march_solver *solver, const ehd_grid *grid, bool path,
                      double (*of)(double x)) {
     const size_t size = solver->saved_size(solver->self), errors = grid->num_nodes;
@@ -673,8 +675,8 @@ static void add_dent(march_solver *solver, const ehd_grid *grid, bool path,
     free(saved);
 }
 
-/* Returns the change by a dent after a run of fixed steps, in a contact whose film hardly changes
- * the pressure. */
+/* Computes how a dent changes the film after a run of fixed steps. In this contact the film hardly
+ * changes the pressure. */
 static void carry_dent(double *left, double (*of)(double x), const char *transport,
                        double smoothing, const char *transient) {
     scene of_run = marched_scene(200, 10, "incompressible", 0.01, transient);
@@ -693,8 +695,8 @@ static void carry_dent(double *left, double (*of)(double x), const char *transpo
     }
 }
 
-/* Along the path a dent passes unchanged, although the speed rises; its expected position is its
- * shift. Upwind transport smears it. */
+/* With transport along the path a dent passes unchanged, although the speed rises; the expected
+ * film is the shifted dent. Upwind transport smears the dent. */
 static void a_dent_passes_unchanged(void **state) {
     static const char transient[] = "end_time: 0.64, fixed_step: 0.02, "
                                     "speed: {law: ramp, from: 1, to: 1.5, duration: 0.64}";
@@ -705,7 +707,7 @@ static void a_dent_passes_unchanged(void **state) {
         carry_dent(left, dent, path ? "path" : "upwind", NAN, transient);
         for (size_t k = 0; k < 603; k++) {
             const double x = -4.01 + 0.01 * (double)k;
-            if (fabs(x - 0.3) > 0.4) continue; // outside, the film was in the contact at the start
+            if (fabs(x - 0.3) > 0.4) continue; // elsewhere the film was in the contact at the start
             missed[path] = fmax(missed[path], fabs(left[k] - dent(x - 0.8)) / -dent(-0.5));
         }
     }
@@ -717,7 +719,8 @@ static double dent_behind(double x) {
     return dent(x - 1);
 }
 
-/* Returns the attempts of error control, with or without a dent in the film at the start. */
+/* Returns the number of steps that error control attempts, with or without a dent in the film at
+ * the start. */
 static size_t attempts_with(double (*of)(double x)) {
     const scene usual = along_path(marched_scene(20, 6, "incompressible", 0.01,
                                                  "end_time: 1, tolerance: 1.5e-3, "
@@ -730,8 +733,8 @@ static size_t attempts_with(double (*of)(double x)) {
     return (size_t)(first.march.state.num_steps + first.march.state.num_rejected);
 }
 
-/* A dent behind the centre, of half a hundredth of the film, does not reach the centre. It must not
- * be counted as an error, beside a varying load. */
+/* A dent behind the centre, with a depth of 0.5 % of the film, does not reach the centre. While the
+ * load varies, the dent must not be counted as an error. */
 static void what_passes_by_costs_no_steps(void **state) {
     (void)state;
     assert_int_equal(attempts_with(dent_behind), attempts_with(NULL));
@@ -742,7 +745,8 @@ static double ripple(double x) {
     return 1e-5 * cos(M_PI_2 * round(x / 0.01)) * exp(-pow((x + 0.5) / 0.12, 2));
 }
 
-/* The filter damps what the grid can hardly represent; without it nothing does. */
+/* The filter damps waves that the grid can hardly represent. Without the filter nothing damps
+ * them. */
 static void a_ripple_is_damped(void **state) {
     static double left[603];
     (void)state;
@@ -755,10 +759,10 @@ static void a_ripple_is_damped(void **state) {
     }
 }
 
-/* A load step traps a pocket of lubricant three times as thick as the film, which passes the
- * centre. With fixed steps of 0.0025 on half the grid step its film is 0.092 to 0.095, along the
- * path and upwind. A solution with a ruptured inlet, which Newton passes on the way, would leave
- * 0.055. */
+/* A load step traps a pocket of lubricant three times as thick as the film. The pocket passes the
+ * centre. With fixed steps of 0.0025 and half of the grid step its film is 0.092 to 0.095, with
+ * transport along the path and upwind. A solution with a ruptured inlet, which Newton passes on the
+ * way, would leave 0.055. */
 static void a_trapped_pocket_passes(void **state) {
     double most = 0;
     (void)state;
@@ -772,8 +776,8 @@ static void a_trapped_pocket_passes(void **state) {
     check_close(most, 0.0935, 0.05, 0);
 }
 
-/* Runs with fixed steps equal to the grid's: upwind in the published discretisation, or along the
- * path without filter. */
+/* Runs with fixed steps equal to the grid step: with upwind transport in the published
+ * discretisation, or with transport along the path and no filter. */
 static void run_to_two(marched *run, bool path, double step) {
     char transient[128];
     snprintf(transient, sizeof transient,
@@ -794,8 +798,9 @@ static double film_at(const marched *run, const double *films, double time) {
     return films[k];
 }
 
-/* Films along the path agree with upwind films of the published discretisation, which have second
- * order and are extrapolated in step and grid. Without extrapolation these differ much more. */
+/* Films with transport along the path agree with upwind films in the published discretisation. The
+ * upwind films have second order and are extrapolated in step and grid; without extrapolation they
+ * differ much more. */
 static void both_ways_of_carrying_lead_to_one(void **state) {
     const double step = 0.0125;
     double off[2] = {0}, of_rows = 0;
@@ -833,8 +838,8 @@ static double mean_of(const double *values, size_t count) {
     return sqrt(sum);
 }
 
-/* Returns the part of the change that `effect` does not predict. The change is that of a film of
- * `first` by steps a quarter as long without filter (`better`, of `second`). */
+/* Returns the part of a film's change that `effect` does not predict. The film of the run `first`
+ * changes to `better`, which the run `second` gives with steps a quarter as long and no filter. */
 static double left_of_change(const double *film, const double *better, const double *effect) {
     static double change[MARCHED_STEPS], rest[MARCHED_STEPS];
 
@@ -847,8 +852,8 @@ static double left_of_change(const double *film, const double *better, const dou
     return mean_of(rest, first.count) / mean_of(change, first.count);
 }
 
-/* Checks the effects with upwind transport and along the path, including the filter's. The minimum
- * film of a point hardly changes, and its effect is overestimated. */
+/* Checks the effects with upwind transport and with transport along the path, including the
+ * filter's. The minimum film of a point contact hardly changes, and its effect is overestimated. */
 static void effects_are_those_of_shorter_steps(void **state) {
     static const char history[] = "load: {law: sine, amplitude: 0.1, period: 1}";
     char of_line[128], of_point[128];

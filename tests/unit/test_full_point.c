@@ -119,7 +119,8 @@ static void row_derivatives(void **state) {
     }
 }
 
-/* If pressure and gap do not vary across, the rows of each line are those of a line contact. */
+/* If pressure and gap do not vary across, the rows on each grid line are those of a line
+ * contact. */
 static void rows_without_variation_across_are_the_line_s(void **state) {
     (void)state;
     ehd_contact contact = sample_point("barus", "dowson-higginson", 10, 6, 16, false);
@@ -156,14 +157,13 @@ static void rows_without_variation_across_are_the_line_s(void **state) {
     }
 }
 
-/* Returns the largest residual of an exact solution, with nodes `step` apart. In an isoviscous
- * flow, lubricant leaves across (rate^2 across the film), through a film that varies exponentially
- * along or across. With P = lambda u,
+/* Returns the residual of an exact isoviscous solution, with nodes `step` apart. Lubricant flows
+ * across too, through a film that varies exponentially along or across. With P = lambda u,
  *
  *     H^3 = e^(g x), u = U int H^-2 dx + e^(b x) cos(rate y):  (H^3 u_x)_x - U H_x = (rate/k)^2 H^3 u_1
  *
- * for the second term u_1, where b (b + g) = (rate/k)^2. The solution across is alike, without
- * entrainment. */
+ * for the second term u_1, where b (b + g) = (rate/k)^2. For a film that varies across, the
+ * directions are exchanged and nothing is entrained. */
 static double residual_of_solution(ehd_discretization discretization, double k, double step,
                                    bool film_across) {
     const double rate = 2.1, b = 1.7, place = 0.7;
@@ -317,7 +317,7 @@ static void check_solution(const ehd_contact *contact) {
     check_close(sum * grid->step * grid->step + beyond, 2 * M_PI / 3, 1e-9, 0);
     assert_true(solved.info.complementarity <= 1e-9);
     assert_false(full_is_cut(&solved.state, grid, false));
-    // 7 to 12 on a large grid
+    // a large grid takes 7 to 12
     assert_true(solved.info.gmres_iterations <= 15 * solved.info.newton_iterations);
     problem_free(&solved);
     free(rows);
@@ -340,7 +340,8 @@ static void large_grids_satisfy_the_problem(void **state) {
         assert_true(full_is_large(&contact.grid));
         check_solution(&contact);
     }
-    // usual grids of trainings and studies count as small and use the factors, so their bits stay the same
+    // the usual grids of trainings and studies are small and use the factors, so their bits stay
+    // the same
     const ehd_contact usual = sample_point("barus", "incompressible", 20, 10, 128, true);
     assert_false(full_is_large(&usual.grid));
 }
@@ -363,9 +364,9 @@ static void digits_of_the_multigrid_program(void **state) {
 }
 
 /* The start from coarser grids is near the solution, and its first systems may be solved inexactly.
- * On 128 cells this takes 5 or 6 Newton iterations with 8 to 9 of GMRES each. A start from the dry
- * contact takes 13, strict systems take 12 of GMRES each, and systems that are solved too badly
- * take a Newton iteration more. */
+ * On 128 cells this takes 5 or 6 Newton iterations with 8 to 9 GMRES iterations each. A start from
+ * the dry contact takes 13 Newton iterations. Strict systems take 12 GMRES iterations each. Systems
+ * that are solved too inexactly cost one more Newton iteration. */
 static void fine_grids_take_few_iterations(void **state) {
     (void)state;
     const double moes_M[] = {20, 100}, moes_L[] = {10, 5};
@@ -376,7 +377,7 @@ static void fine_grids_take_few_iterations(void **state) {
         ehd_contact contact =
             sample_point("barus", "dowson-higginson", moes_M[i], moes_L[i], 128, true);
         problem solved;
-        // the open boundary takes 7 and 5 iterations, 44 and 55 of GMRES
+        // with the open boundary the contacts take 7 and 5 Newton iterations, 44 and 55 of GMRES
         contact.grid.boundary = BOUNDARY_ZERO;
         problem_solve_cold(&solved, &contact, &settings);
         newton += solved.info.newton_iterations;

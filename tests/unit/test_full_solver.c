@@ -149,8 +149,8 @@ static void newton_count_does_not_grow(void **state) {
 
 /* The pressure zone starts a tenth of a half width too short or too long. The flux gives the
  * place of the exit at once, so Newton takes no more iterations than for the pressure, on coarse
- * and fine grids. Measured: 4 or 5. With a flux that is 10 % off they are up to 10, at the smallest
- * step. */
+ * and fine grids. Measured: 4 or 5 iterations; with a flux that is 10 % off, up to 10 at the
+ * smallest step. */
 static void flux_finds_the_exit_at_once(void **state) {
     (void)state;
     static const double steps[] = {0.02, 0.01, 0.005};
@@ -175,8 +175,8 @@ static void flux_finds_the_exit_at_once(void **state) {
     }
 }
 
-/* At a high alpha p_H a full Newton step may lead anywhere. This contact takes 354 iterations
- * without a line search, most of them in a continuation, and 8 with it. */
+/* At a high alpha p_H a full Newton step may lead anywhere. Without a line search this contact
+ * takes 354 iterations, most of them in a continuation; with a line search it takes 8. */
 static void steps_are_searched(void **state) {
     (void)state;
     const full_settings settings = full_default_settings();
@@ -240,8 +240,9 @@ static double scatter(const double values[NUM_SWEPT]) {
     return largest;
 }
 
-/* While M grows from 20 to 30 the exit passes a node at 1.05. Measured: a deviation of 1.2e-5, and
- * 4 to 6 Newton iterations from one contact to the next. With exits at nodes it is 4e-3. */
+/* While M grows from 20 to 30 the exit passes a node at 1.05. Measured: a deviation of 1.2e-5,
+ * and 4 to 6 Newton iterations from one contact to the next. With exits at nodes the deviation
+ * is 4e-3. */
 static void exit_is_smooth_in_the_load(void **state) {
     (void)state;
     const full_settings settings = full_default_settings();
@@ -329,9 +330,9 @@ static void the_cell_is_part_of_the_linear_system(void **state) {
     problem_free(&solved);
 }
 
-/* With so fine a step, round-off leaves residuals of 5e-12. A tolerance below that, as in training,
- * ends the iteration when they no longer fall. On its default grid this contact takes 6 iterations;
- * waiting until the residual falls below 1e-12 by chance would take 47. */
+/* With so fine a step, round-off leaves residuals of 5e-12. With a smaller tolerance, as in
+ * training, the iteration ends when the residuals no longer fall. On its default grid this contact
+ * takes 6 iterations; waiting until the residual falls below 1e-12 by chance would take 47. */
 static void rounding_ends_the_iteration(void **state) {
     (void)state;
     full_settings settings = full_default_settings();
@@ -451,7 +452,7 @@ static void state_without_memory(void **state) {
     }
 }
 
-/* A solution allocates memory too, for coarser grids and the continuation. */
+/* Each solution allocates memory for coarser grids and the continuation. */
 static void solve_without_memory(void **state) {
     (void)state;
     ehd_contact contact = sample_contact("barus", "incompressible", 10, 2, 0.01);
@@ -473,8 +474,8 @@ static void solve_without_memory(void **state) {
 
 // ---- interruption
 
-/* Sends a signal during the third linear system. This system must not be solved, and must not give
- * a step with other bits. */
+/* Sends a signal before the third linear system. This system must not be solved, and the stored
+ * step must keep its bits. */
 static ehd_status interrupted_gmres(full_system *system, double tolerance, size_t *iterations,
                                     ehd_error *error) {
     static size_t calls;
@@ -557,7 +558,7 @@ int main(void) {
         cmocka_unit_test(solver_without_memory),
         cmocka_unit_test(state_without_memory),
         cmocka_unit_test(solve_without_memory),
-        // stays interrupted, so this test is the last
+        // the process stays interrupted, so this test is the last
         cmocka_unit_test(an_interrupted_linear_system_is_no_step),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

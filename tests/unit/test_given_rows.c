@@ -38,7 +38,7 @@ static void rows_and_weights_are_read(void **state) {
     assert_null(given.factors);
     given_rows_free(&given);
 
-    // other columns are ignored, in any order, with the names of model.h5
+    // columns have any order and the names of model.h5; other columns are ignored
     assert_int_equal(read_text(&given,
                                "# of mine\nx , row_factor, selected_row\n-1,0.5,2\n"
                                "who,2,7\n\n0,1e-3,3.0\n,1,0\n",

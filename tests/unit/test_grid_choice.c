@@ -29,7 +29,8 @@ static ehd_contact contact_of(const char *kind, const char *discretization, doub
 }
 
 /* Checks dry gaps: zero at the edge, rising with the power 3/2; far away the undeformed gap minus a
- * term that grows more slowly. Slopes by differences; Hertz (line): sqrt(x^2 - 1). */
+ * term that grows more slowly. Slopes are checked by differences, for a line against sqrt(x^2 - 1)
+ * of Hertz. */
 static void dry_gaps(void **state) {
     (void)state;
     const double d = 1e-6;
@@ -81,7 +82,8 @@ static void grids_that_contacts_need(void **state) {
     }
 }
 
-/* Checks the steps of narrow ellipses. A coarser step was measured to leave the minimum film 6 to 14 % off. */
+/* Checks the steps of narrow ellipses. A coarser step was measured to leave the minimum film 6 to
+ * 14 % off. */
 static void narrow_ellipses_are_fine(void **state) {
     (void)state;
     static const struct {
@@ -126,7 +128,8 @@ static void rigid_films(void **state) {
     }
 }
 
-/* Returns the larger of the errors of central and minimum film, relative to 1 % and 3 %. */
+/* Returns the larger of two ratios: the error of the central film to 1 %, that of the minimum film
+ * to 3 %. */
 static double error_on(const ehd_contact *contact, double central, double smallest) {
     const full_settings settings = full_default_settings();
     problem found;
@@ -138,13 +141,14 @@ static double error_on(const ehd_contact *contact, double central, double smalle
                 fabs(films.minimum_film_thickness / smallest - 1) / 0.03);
 }
 
-/* Films of infinitely long inlets and fine steps (docs/history.md, default-grid). `step` and `length`
- * are factors on the default grid that make it insufficient. */
+/* Films of infinitely long inlets and fine steps (docs/history.md, default-grid). `step` and
+ * `length` are factors that make the default grid insufficient. */
 typedef struct enough {
     double moes_M, moes_L, central, smallest, step, length;
 } enough;
 
-/* Checks that the default grid has errors below 1 and 3 %, and that less is not enough. */
+/* Checks that the default grid has errors below 1 and 3 %, and that a coarser or shorter grid has
+ * larger ones. */
 static void check_just_enough(const char *kind, const enough *of) {
     ehd_contact contact = contact_of(kind, "accurate", of->moes_M, of->moes_L);
     grid_extent less = grid_extent_of(&contact.grid);
@@ -169,7 +173,8 @@ static void grids_are_fine_and_wide_enough(void **state) {
 }
 
 /* A point contact of low M and L with zero pressure around it is limited by the load beyond the
- * domain: with half of the length the film is off by 1.5 %. Films are those of the next test. */
+ * domain: with half of the length the film is off by 1.5 %. The reference films are those of the
+ * next test. */
 static void points_count_the_load_beyond(void **state) {
     (void)state;
     const double central = 0.26890, smallest = 0.19779;
@@ -286,7 +291,7 @@ static void grids_of_models(void **state) {
     assert_false(grid_same(&contact.grid, &other));
     contact_take_grid(&contact, &model);
     assert_true(grid_same(&contact.grid, &model));
-    assert_false(contact_has_chosen_grid(&contact)); // it has one now
+    assert_false(contact_has_chosen_grid(&contact)); // the contact has a grid now
 
     contact = contact_of("line", "accurate", 100, 5);
     contact.grid_given.step = 0.005;
@@ -309,7 +314,7 @@ static void grids_of_models(void **state) {
     ehd_grid of_point = grid_of(-3, 0.125, 41, 21, true, DISCRETIZATION_ACCURATE);
     contact = contact_of("point", "accurate", 100, 5);
     contact_take_grid(&contact, &of_point);
-    assert_false(grid_same(&contact.grid, &of_point)); // it has another boundary
+    assert_false(grid_same(&contact.grid, &of_point)); // the contact has another boundary
     of_point.boundary = BOUNDARY_OPEN;
     const double sides[] = {2.5, 2.4, 2.3, 2.51};
     for (int i = 0; i < 4; i++) {

@@ -83,8 +83,8 @@ static void quadratic_amid_training(void **state) {
     places_free(&self);
 }
 
-/* The guess is exact also where two rows do not determine the second derivative, and outside of the
- * training. */
+/* The guess of an affine field is exact outside of the training. It is also exact for two rows of
+ * states, which do not determine the second derivative. */
 static void affine_where_training_spans_a_plane(void **state) {
     (void)state;
     places self;
@@ -154,10 +154,10 @@ static void places_of_two(places *self, const ehd_lubricant of[2], size_t column
     }
 }
 
-/* Two lubricants have states at the same places. Those of the compressible one differ by five times
- * the rise of its density. The incompressible contact gets its own field. Without a lubricant the
- * guess lies between both fields. With states of one lubricant only, these are used for another one
- * unchanged. */
+/* Two lubricants have states at the same places. The states of the compressible lubricant differ by
+ * five times the rise of its density. The incompressible contact gets its own field. Without a
+ * lubricant the guess lies between both fields. States of one lubricant only are used unchanged for
+ * another lubricant. */
 static void lubricants_are_told_apart(void **state) {
     enum { ALL = 2 * MOST * MOST };
     const ehd_lubricant of[2] = {barus(false), barus(true)};
@@ -190,7 +190,7 @@ static void lubricants_are_told_apart(void **state) {
         check_close(self.state.coordinates[j],
                     field(SPACING[0] * at[0], SPACING[1] * at[1], j, true), 1e-2, 1e-2);
     }
-    // a trained point has the same lubricant too
+    // a contact is a trained point only with the same lubricant
     ehd_contact contact = {.moes_M = states->moes_M[5],
                            .alpha_p_H = states->alpha_p_H[5],
                            .hertz_pressure = states->alpha_p_H[5] / ALPHA,
@@ -205,8 +205,8 @@ static void lubricants_are_told_apart(void **state) {
     places_free(&self);
 }
 
-/* If the contact's lubricant has too few states for a quadratic fit, states of others count with
- * their own lubricant: an affine field of two lubricants is exact. */
+/* If the contact's lubricant has too few states for a quadratic fit, states of others are used with
+ * their own lubricant. The guess of an affine field of two lubricants is then exact. */
 static void few_states_of_two_lubricants(void **state) {
     enum { COLUMNS = 4, ROWS = 2 };
     const ehd_lubricant of[2] = {barus(false), barus(true)};
@@ -262,7 +262,7 @@ static void effects_that_are_not_known(void **state) {
         reduced_effects(&self.model, (contact_place){.moes_M = M, .alpha_p_H = pressure});
     for (int e = 0; e < NUM_EFFECTS; e++)
         assert_true(isnan(found.of[e]));
-    // if some states have no effect, or an infinite one, the others give it
+    // states without an effect, or with an infinite one, are left out
     for (size_t s = 0; s < states->num_states; s++)
         for (int e = 0; e < NUM_EFFECTS; e++)
             states->effects[s].of[e] = 0.02;
@@ -272,7 +272,7 @@ static void effects_that_are_not_known(void **state) {
     states->effects[nearest + MOST].of[EFFECT_STEP] = 5;
     found = reduced_effects(&self.model, (contact_place){.moes_M = M, .alpha_p_H = pressure});
     check_close(found.of[EFFECT_STEP], 0.02, 1e-9, 0);
-    // but if it is infinite at the nearest state, it is infinite
+    // if the effect at the nearest state is infinite, the result is infinite
     states->effects[nearest].of[EFFECT_STEP] = INFINITY;
     found = reduced_effects(&self.model, (contact_place){.moes_M = M, .alpha_p_H = pressure});
     assert_true(isinf(found.of[EFFECT_STEP]));
@@ -409,7 +409,7 @@ static void trained_range_is_the_hull(void **state) {
         if (is_trained(&model, points[i].M, points[i].alpha_p_H, 0) != points[i].inside)
             fail_msg("M = %g, alpha p_H = %g: found %d", points[i].M, points[i].alpha_p_H,
                      !points[i].inside);
-    // faster changes than in training; a stationary training allows almost none
+    // the contact changes faster than in training; a stationary training allows almost no change
     assert_true(is_trained(&model, 15, 3, 9e-4));
     assert_false(is_trained(&model, 15, 3, 0.1));
     rate[3] = 0.1;
@@ -419,7 +419,8 @@ static void trained_range_is_the_hull(void **state) {
     load_rate[2] = 0.04;
     assert_true(is_trained_at(&model, 15, 3, (frame_rates){.all = 0.1, .load = 0.04}));
     assert_false(is_trained_at(&model, 15, 3, (frame_rates){.all = 0.1, .load = 0.045}));
-    // the training is a curve, as when only the load varies: M is proportional to alpha p_H squared
+    // the training points lie on a curve, as when only the load varies: M is proportional to alpha
+    // p_H squared
     double line[] = {1, 2, 3, 4, 5, 6}, squares[] = {1, 4, 9, 16, 25, 36};
     model.states.alpha_p_H = line;
     model.states.moes_M = squares;
@@ -427,7 +428,7 @@ static void trained_range_is_the_hull(void **state) {
     assert_false(is_trained(&model, 2.5 * 2.5, 2.5001, 0));
     assert_false(is_trained(&model, 6.001 * 6.001, 6.001, 0));
     assert_false(is_trained(&model, 0.999 * 0.999, 0.999, 0));
-    // also if round-off moves points off the curve
+    // round-off may move points off the curve
     double loads[6], off[6];
     for (int i = 0; i < 6; i++) {
         loads[i] = 12 * (0.9 + 0.04 * i);
@@ -454,7 +455,7 @@ static void trained_range_is_the_hull(void **state) {
     assert_false(is_trained(&model, 1, 1, 0));
 }
 
-/* Checks how far contacts are outside of two ranges, from M = 1 to 20 and from 20 to 30. */
+/* Checks how far contacts are outside of two trained ranges, M from 1 to 20 and from 20 to 30. */
 static void outside_the_nearest_range(void **state) {
     (void)state;
     bool stationary[] = {true, true, true, true};
@@ -524,7 +525,8 @@ static const char *judge(const reduced_model *model, double M, double alpha_p_H,
     return judge_place(model, place);
 }
 
-/* Tests a wedge, more thinned at larger M, and a model that was trained without thinned flow. */
+/* Tests a trained range like a wedge, more thinned at larger M, and a model that was trained
+ * without thinned flow. */
 static void trained_range_knows_thinning(void **state) {
     (void)state;
     static const char less[] = "a flow that is thinned less than any in training";

@@ -22,8 +22,8 @@ static void write_file(const char *name, const char *text) {
 
 // ---- scenes
 
-/* Returns a transient scene to T = 2 with these histories below `transient`. An `approach` among
- * them sets the closure by approach. */
+/* Returns a transient scene to T = 2 with these histories below `transient`. If they include an
+ * `approach`, it is given instead of the load. */
 static scene scene_of(const char *histories) {
     char text[1024];
     scene of;
@@ -139,7 +139,7 @@ static void tables_are_read_between_their_times(void **state) {
     write_file("arc.csv", "T,F\n0,1\n1,2\n2,1\n");
     check_load("load: {law: table, file: arc.csv, column: F}", 6, (double[]){0, 0.5, 1, 1.5, 2, 9},
                (double[]){1, 1.6875, 2, 1.6875, 1, 1}, 1e-15);
-    // a spline of a line is a line
+    // the spline of a straight line is this line
     write_file("line.csv", "T,F\n-1,1\n0.5,2.5\n0.625,2.625\n3,5\n");
     check_load("load: {law: table, file: line.csv, column: F}", 4, (double[]){-0.5, 0.25, 0.6, 2},
                (double[]){1.5, 2.25, 2.6, 4}, 1e-15);
@@ -275,7 +275,7 @@ static void histories_that_reach_zero_are_refused(void **state) {
     refuses("modulus: {law: sine, amplitude: 1, period: 4, phase: 3.141592653589793}",
             "transient.modulus: found 0 at T = 1");
     histories_free(accepts("radius: {law: sine, amplitude: 0.999999, period: 1}"));
-    // the trough comes after the end, or would be before the start
+    // the trough of the sine comes after the end, or would be before the start
     histories_free(accepts("load: {law: sine, amplitude: 1.5, period: 4}"));
     refuses("load: {law: sine, amplitude: 1.5, period: 3}", "found -0.299038 at T = 2");
     refuses("radius: {law: ramp, to: 0, duration: 2}", "transient.radius: found 0 at T = 2");
@@ -325,8 +325,8 @@ static void a_reversal_is_refused_but_not_rest(void **state) {
     histories_free(self);
 }
 
-/* All knots are positive. The second derivative of the spline is 1.14 at the inner ones, so it is
- * 0.05 - 1.14/8 midway between them. */
+/* All knots are positive. The second derivative of the spline is 1.14 at the inner knots, so its
+ * value midway between them is 0.05 - 1.14/8. */
 static void splines_are_checked_between_their_knots(void **state) {
     (void)state;
     write_file("dip.csv", "T,F\n-1,1\n0,0.05\n1,0.05\n2,1\n");
@@ -396,7 +396,8 @@ static void csv_columns_are_found_by_name(void **state) {
         check_load("load: {law: table, file: named.csv, column: F}", 3, (double[]){0, 0.5, 1.5},
                    (double[]){1, 1.6875, 1.6875}, 1e-15);
     }
-    // semicolons or tabs, if there are no commas outside of quotes; quotes that span lines
+    // columns are separated by semicolons or tabs, if there are no commas outside of quotes; a
+    // quoted text may span lines
     write_file("named.csv", "T;\"F, kN\";F\n0;9;1\n1;9;2\n2;9;1\n");
     check_load("load: {law: table, file: named.csv, column: F}", 2, (double[]){0, 0.5},
                (double[]){1, 1.6875}, 1e-15);

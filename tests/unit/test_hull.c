@@ -53,7 +53,7 @@ static void kept_memory_changes_nothing(void **state) {
         assert_true(hull_distance_in(space, segment, 2, 2, places[i]) ==
                     hull_distance(segment, 2, 2, places[i]));
     }
-    // more points than it was created for
+    // more points than the memory was created for
     assert_true(isinf(hull_distance_in(space, square, 6, 1, places[0])));
     hull_space_free(space);
 }

@@ -44,8 +44,8 @@ enum { NODES = 12, MODES = 2, SELECTED = 3 };
 static const size_t selected[SELECTED] = {1, 4, 9};
 
 /* Makes converged residuals of three states that differ from the modes at nodes 7, 2 and 10, by
- * less and less. Before each of them comes an iteration that is not converged, with its residual at
- * node 5. */
+ * decreasing amounts. Before each of them comes the residual of an iteration that is not converged,
+ * at node 5. */
 static void make_snapshots(double residuals[6][NODES], double modes[MODES][NODES]) {
     const size_t places[] = {7, 2, 10};
 
@@ -76,7 +76,7 @@ static void control_rows_are_where_selected_ones_predict_least(void **state) {
     assert_int_equal(control[0], 7);
     assert_int_equal(control[1], 2);
     assert_int_equal(control[2], 10);
-    // at most one for each converged state; states on trajectories do not count
+    // at most one control row for each converged state; states on trajectories are left out
     count = 4;
     assert_int_equal(control_choose(control, &count, true, &snapshots, NODES, modes[0], MODES,
                                     selected, SELECTED, &error),
@@ -177,7 +177,7 @@ static void control_residual_is_that_of_all_rows(void **state) {
 
 // ---- error estimate
 
-/* With few modes, so that results have errors: the estimate follows them. */
+/* With few modes, results have errors. The estimate follows these errors. */
 static void bound_follows_the_deviation(void **state) {
     const reduced_settings settings = reduced_default_settings();
     double before = 0;
@@ -274,7 +274,8 @@ static void film_gradient(double *gradient, reduced_solver *solver, const reduce
     }
 }
 
-/* Computes how far each row moves a film: the shortest x with J^T x = gradient. */
+/* Computes by how much the residual of each row moves a film: the shortest x with J^T x =
+ * gradient. */
 static void shortest_cause(double *cause, const problem *last, const double *gradient) {
     double copy[400 * 40];
 
@@ -305,7 +306,7 @@ static void field_gradients(double *gradients, const reduced_model *model,
     free(fields);
 }
 
-/* Returns how far the residuals left in the rows move a quantity with this gradient. */
+/* Returns by how much the remaining residuals of the rows move a quantity with this gradient. */
 static double moved(const problem *last, const double *left, const double *gradient) {
     double cause[400], sum = 0;
 
@@ -429,7 +430,7 @@ static void film_error_is_what_each_row_does(void **state) {
             check_close(functionals_film_error(influence, moves, solver, REDUCED_CENTRAL_FILM),
                         sqrt(sum), 1e-4, 0);
 
-            // each control row is here also a selected one, and has its influence
+            // here each control row is also a selected row, and has the influence of that row
             const double *residuals = indicator_control_residuals(self, &at, contact);
             for (size_t r = 0; r < NUM_CONTROL; r++)
                 sum += pow(residuals[r] * influence[control_nodes[r] - 1], 2);

@@ -39,7 +39,7 @@ static double previous_film(void *context, size_t node) {
     return self->previous[node - 1];
 }
 
-/* Solves the step with factors that were kept from a step `shorter` times as short; 0: without
+/* Solves the step with factors that were kept from a step of 1/`shorter` of its length; 0: without
  * factors. */
 static reduced_info take_time_step(time_step *self, double shorter) {
     const ehd_contact *contact = &training.contacts[self->state];
@@ -76,8 +76,8 @@ static reduced_info take_time_step(time_step *self, double shorter) {
 }
 
 /* Factors of the same step are as good as a Jacobian in every iteration. Factors of a step that is
- * shorter by a sixth take a few iterations more. Factors of a step a third as long would converge at
- * a rate of 2/3. The solver does not use them. */
+ * shorter by a sixth take a few iterations more. Factors of a step a third as long would converge
+ * at a rate of 2/3, so the solver does not use them. */
 static void kept_factors_serve_steps_alike(void **state) {
     (void)state;
     for (size_t s = 0; s < TRAINED_STATES; s += 5)
@@ -99,9 +99,9 @@ static void kept_factors_serve_steps_alike(void **state) {
 }
 
 /* Far from the solution the mobility in the rows is linear in the pressure. At first it is
- * linearised about the higher pressure of state and last state. Later, where the pressure has
- * fallen, it is linearised where the mobility equals that of the linear rows; where it has risen,
- * at the pressure itself. */
+ * linearised about the higher of the pressures of the current and the last state. Later, where the
+ * pressure has fallen, it is linearised where the mobility equals that of the linear rows; where it
+ * has risen, at the pressure itself. */
 static void rows_are_linear_about_other_pressures(void **state) {
     const size_t s = 5;
     const scene exponential = sample_scene("barus", "incompressible", 20, 10);

@@ -23,7 +23,7 @@ static ehd_lubricant oil(const char *law, double alpha, double eta0, const char 
     return found;
 }
 
-/* A model whose states have one lubricant each, at all pressures, and a calibration. */
+/* A model with one lubricant for each state, at all pressures, and a calibration. */
 typedef struct sample {
     reduced_model model;
     double alpha_p_H[4 * NUM];
@@ -50,7 +50,7 @@ static void show(sample *self, const ehd_lubricant *of, double alpha_p_H, bool i
         (shown_lubricant){alpha_p_H, lubricant_rises_at(of, alpha_p_H / of->alpha), in_time};
 }
 
-/* Returns the reason, "" if the lubricant is known. */
+/* Returns the reason why the lubricant is not known; "" if it is known. */
 static const char *judge(const sample *self, const ehd_lubricant *lubricant, bool in_time) {
     static char text[256];
     known_lubricants *known = known_lubricants_create(&self->model);
@@ -94,8 +94,8 @@ static void one_lubricant_is_known_alone(void **state) {
                         "not in training");
 }
 
-/* A lubricant is known if it lies between those of the training. It is not known outside of them, or if its viscosity law
- * was trained with one density law alone and it has another. */
+/* A lubricant is known if it lies between those of the training. It is not known outside of them,
+ * or if its viscosity law was trained with one density law alone and it has another. */
 static void lubricants_between_are_known(void **state) {
     const double alphas[] = {1.4e-8, 1.6e-8, 1.8e-8};
     sample model = {0}, pairs = {0};

@@ -8,7 +8,8 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* The number of threads changes neither solution nor iterations of a large grid, to the last bit. */
+/* The number of threads changes no bit of the solution on a large grid, nor the number of
+ * iterations. */
 static void threads_change_no_bit(void **state) {
     (void)state;
     for (int half = 0; half < 2; half++) {

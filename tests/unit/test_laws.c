@@ -54,7 +54,8 @@ static const lubricant_law density_elastic = {
     .prepare = elastic_prepare,
     .evaluate = elastic};
 
-/* Two densities with as many keys as a law may have; the last keys exceed the size of a table. */
+/* Two density laws with as many keys as a law may have. The last keys exceed the size of a
+ * table. */
 #define KEY(key)                                                                                   \
     { key, LAW_OPTIONAL, NULL, "0", 0, 1, "1", "One of many" }
 #define FIVE(key) KEY(key "1"), KEY(key "2"), KEY(key "3"), KEY(key "4"), KEY(key "5")
@@ -238,14 +239,14 @@ static void a_law_that_there_is_no_room_for_is_refused(void **state) {
                                     "expected at most 31");
 }
 
-/* Returns the need of a set of constants or of one of them, else -1: other needs may differ between
- * laws. */
+/* Returns the need of a parameter if it is a preset or a constant, else -1: other needs may differ
+ * between laws. */
 static int role_of(const law_parameter *parameter) {
     return parameter->need == LAW_PRESET || parameter->need == LAW_CONSTANT ? (int)parameter->need
                                                                             : -1;
 }
 
-/* Laws with the same key share its slots, so they must describe it alike. */
+/* Laws that have a key in common share its slot, so they must describe it alike. */
 static void laws_agree_on_shared_keys(void **state) {
     const lubricant_law *const *const tables[] = {viscosity_laws, density_laws};
     (void)state;

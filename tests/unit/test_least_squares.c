@@ -83,8 +83,8 @@ static void solve(double *x, const double *matrix, const double *right, size_t n
     least_squares_free(workspace);
 }
 
-/* The limit is that of perturbation theory: the condition, and its square if the residual is not
- * small. */
+/* The allowed error is that of perturbation theory: proportional to the condition, and to its
+ * square if the residual is not small. */
 static void equals_lapack(void **state) {
     (void)state;
     double matrix[ROWS * COLUMNS], right[ROWS], x[COLUMNS], expected[COLUMNS];
@@ -102,9 +102,9 @@ static void equals_lapack(void **state) {
         }
 }
 
-/* With the normal equations the error is proportional to the square of the condition, 1e-5 at a
+/* The error of the normal equations is proportional to the square of the condition. It is 1e-5 at a
  * condition of 1e6. Up to there they are used, since their factors are cheap and can be reused by
- * least_squares_again. At 1e8 they would fail; QR gives 1e-9. */
+ * least_squares_again. At 1e8 they would fail; QR has an error of 1e-9. */
 static void qr_takes_over_where_normal_equations_fail(void **state) {
     (void)state;
     double matrix[ROWS * COLUMNS], right[ROWS], x[COLUMNS], expected[COLUMNS];
@@ -154,7 +154,7 @@ static void zero_columns_get_zero(void **state) {
         random_vector(right, ROWS);
         for (size_t r = 0; r < ROWS; r++)
             matrix[r * COLUMNS + 3] = matrix[r * COLUMNS + 11] = 0;
-        for (size_t r = 0; r < ROWS && condition > 1; r++) // nearly equal columns too
+        for (size_t r = 0; r < ROWS && condition > 1; r++) // some columns are nearly equal
             matrix[r * COLUMNS + 7] = matrix[r * COLUMNS + 2] * (1 + 1e-9 * (double)r);
         solve(x, matrix, right, ROWS);
         check_close(x[3], 0, 0, 0);
@@ -299,7 +299,7 @@ static void check_dual(least_squares *workspace, const double *matrix, const dou
                                    (int)num_columns, shortest, 1),
                      0);
     least_squares_dual(dual, workspace, functional);
-    // several right sides at once
+    // several right-hand sides at once
     double many[3 * COLUMNS];
     for (int k = 0; k < 3; k++)
         for (size_t j = 0; j < COLUMNS; j++)

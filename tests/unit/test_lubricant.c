@@ -102,7 +102,8 @@ static void wlf_coefficients_and_limits(void **state) {
     }
 }
 
-/* Below its limit a law rises with a finite slope. Above, the value at the limit is used. */
+/* Below the pressure limit of a law its viscosity rises with a finite slope. Above the limit, the
+ * value at the limit is used. */
 static void viscosity_rises_to_its_limit(void **state) {
     (void)state;
     for (int l = 2; l < NUM_SAMPLE_LUBRICANTS; l++) {
@@ -138,8 +139,8 @@ static double fluidity(double pressure, void *lubricant) {
 }
 
 /* Checks Table 1 at several temperatures, oils whose viscosity hardly depends on pressure, and oils
- * that solidify at low pressure. The reference is GSL's adaptive integration. Our own one allocates
- * no memory. */
+ * that solidify at low pressure. The reference is GSL's adaptive integration. Our own integration
+ * allocates no memory. */
 static void alpha_is_the_integral_of_fluidity(void **state) {
     (void)state;
     static const struct {

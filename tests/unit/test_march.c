@@ -18,7 +18,7 @@ enum { MOST_STEPS = 20000 };
 /* The solver, its faults and counts of its calls. */
 typedef struct follower {
     double delay, first_value;
-    // the load of the history is the right side; else it is zero, so y = exp(-T/delay)
+    // true: the load of the history is the right-hand side; false: zero is, so y = exp(-T/delay)
     bool by_history;
     bdf_ring ring;
     double value[BDF_PREVIOUS + 1];
@@ -426,8 +426,8 @@ static void fixed_steps_fall_back_late_in_time(void **state) {
     run_end(&first);
 }
 
-/* By round-off 3 * 0.3 and 0.7 + 0.2 are below 0.9. No additional step must be made from there to
- * the end or to a multiple. */
+/* By round-off 3 * 0.3 and 0.7 + 0.2 are below 0.9. From such a time to the end or to a multiple,
+ * no additional step must be made. */
 static void times_that_differ_by_rounding_are_one(void **state) {
     static const char *const transients[] = {
         "end_time: 0.9, fixed_step: 0.3",
@@ -445,7 +445,8 @@ static void times_that_differ_by_rounding_are_one(void **state) {
     }
 }
 
-/* Runs with a linear table at k/30 along the path, whose times have `digits` digits. */
+/* Runs with transport along the path and a linear table. Its times are k/30, with `digits`
+ * digits. */
 static void run_thirtieths(int digits) {
     static const ehd_contact line = {.kind = &contact_line,
                                      .approach_length = 1,
@@ -528,7 +529,7 @@ static void times_closer_than_a_thousandth_of_the_step_are_one(void **state) {
             assert_int_equal(entries_at(&first, k * 0.1), 1);
         run_end(&first);
     }
-    // also with error control
+    // the same with error control
     for (int i = 0; i < 2; i++) {
         run_begin(&first, i ? "end_time: 1, tolerance: 1e-3, load: {law: ramp, to: 2, start: 0.5, "
                               "duration: 9}, speed: {law: ramp, to: 2, start: 0.500000001, "
@@ -688,8 +689,8 @@ static void noise_underflows(void **state) {
     run_end(&first);
 }
 
-/* If a shorter step does not reduce the error, steps are accepted with it, up to the tolerance of
- * the whole run. */
+/* If a shorter step does not reduce the error, steps with this error are accepted, up to the
+ * tolerance of the whole run. */
 static void steps_stand_above_noise(void **state) {
     (void)state;
     run_begin(&second, "end_time: 1, tolerance: 1e-3");
@@ -709,8 +710,8 @@ static void steps_stand_above_noise(void **state) {
     run_end(&first);
 }
 
-/* Along the path no step is shorter than a quarter of the grid's step. A length whose last step had
- * too large an error is not tried again. */
+/* With transport along the path no step is shorter than a quarter of the grid step. A length whose
+ * last step had too large an error is not tried again. */
 static void steps_along_the_path_stay_at_the_shortest(void **state) {
     (void)state;
     static const ehd_contact line = {.kind = &contact_line,
@@ -728,8 +729,8 @@ static void steps_along_the_path_stay_at_the_shortest(void **state) {
     run_end(&first);
 }
 
-/* Errors along the path that exceed eight tolerances shorten later steps. With four times this
- * value each error counts fourfold, so steps with an error of third order are 4^(1/3) times
+/* Errors along the path that exceed eight tolerances shorten later steps. At four times this value
+ * each error is multiplied by four, so steps with an error of third order are 4^(1/3) times
  * shorter. Upwind transport has no such errors. */
 static void what_films_have_taken_up_shortens_steps(void **state) {
     (void)state;
@@ -752,10 +753,11 @@ static void what_films_have_taken_up_shortens_steps(void **state) {
     }
     check_close(num_steps[1], num_steps[0], 0, 0);
     check_close(num_steps[2] / num_steps[0], pow(4, 1. / 3), 0.05, 0);
-    check_close(num_steps[3], num_steps[0], 0.15, 0); // the tolerance has another order here
+    check_close(num_steps[3], num_steps[0], 0.15, 0); // upwind, the tolerance has another order
 }
 
-/* Along the path the first step after a jump has about the shortest length; other steps are longer. */
+/* With transport along the path the first step after a jump has about the shortest length; other
+ * steps are longer. */
 static void the_step_after_a_jump_along_the_path_is_short(void **state) {
     (void)state;
     static const ehd_contact line = {.kind = &contact_line,
@@ -786,14 +788,14 @@ static void crawling_ends(void **state) {
     assert_true(first.follower.num_attempts <= 200 && first.march.state.time > 0);
     run_end(&first);
 
-    // also fixed steps, of which only small parts converge
+    // fixed steps of which only small parts converge
     run_begin(&first, "end_time: 1, fixed_step: 0.01");
     first.follower.hardest_step = 1e-6;
     assert_int_equal(run_on(&first), EHD_NOT_CONVERGED);
     assert_non_null(strstr(first.march.reason, "expected them to get further"));
     assert_true(first.follower.num_attempts < MOST_STEPS && first.march.state.time > 0);
     run_end(&first);
-    // but not steps that are meant to be short
+    // steps that are meant to be short do reach the end
     run_begin(&first, "end_time: 1e-5, fixed_step: 2e-9");
     assert_int_equal(run_on(&first), EHD_OK);
     run_end(&first);
@@ -972,7 +974,7 @@ int main(void) {
         cmocka_unit_test(march_goes_on_from_its_state),
         cmocka_unit_test(approach_scales_by_the_load),
         cmocka_unit_test(forecast_of_the_load_is_bounded),
-        cmocka_unit_test(signal_interrupts), // stays interrupted, so this test is the last
+        cmocka_unit_test(signal_interrupts), // the process stays interrupted: last test
     };
     return cmocka_run_group_tests_name("march", tests, NULL, NULL);
 }

@@ -5,7 +5,7 @@
 
 #include <math.h>
 
-/* A film with its minimum 0.3 at a place, given in steps from node (30, 7) of the grid. */
+/* A film whose minimum is 0.3. Its place is given in grid steps from node (30, 7). */
 typedef struct valley {
     ehd_grid grid;
     double along, across, third, fourth;
@@ -95,7 +95,7 @@ static void nodal_where_it_cannot_be_interpolated(void **state) {
 
     line.missing = COLUMN + 2;
     check_close(minimum_of(&line), nodal, 0, 0);
-    edge.grid.inner_x = COLUMN; // the boundary node is next
+    edge.grid.inner_x = COLUMN; // the next node is a boundary node
     check_close(minimum_of(&edge), nodal, 0, 0);
     flat.grid.discretization = DISCRETIZATION_PUBLISHED;
     check_close(minimum_of(&flat), nodal, 0, 0);

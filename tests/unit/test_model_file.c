@@ -93,7 +93,7 @@ static int compare_nodes(const void *a, const void *b) {
     return p < q ? -1 : p > q;
 }
 
-/* Builds a model of the same rows in the order of their nodes, which read models have. */
+/* Builds a model with the same rows, sorted by their nodes like the rows of a model from a file. */
 static void build_in_order(reduced_model *model, const reduced_basis *basis, size_t num_rows) {
     size_t ordered[NUM_ROWS];
 
@@ -337,7 +337,7 @@ static void a_prefix_of_the_rows_is_the_model_of_those_rows(void **state) {
     }
 }
 
-/* A training with fewer modes gives the same first modes. Only the begin of the exit band may
+/* A training with fewer modes gives the same first modes. Only the beginning of the exit band may
  * differ, which changes the last digits. */
 static void a_prefix_of_the_modes_is_the_model_of_those_modes(void **state) {
     (void)state;
@@ -380,7 +380,8 @@ static size_t place_of(const reduced_model *model, size_t node) {
     return r;
 }
 
-/* A part of a model has weights of its own; the whole model has the stored weights. */
+/* A model that is opened with fewer modes or rows gets weights of its own; the whole model has the
+ * stored weights. */
 static void a_part_is_weighed_by_itself(void **state) {
     const struct {
         model_sizes sizes;

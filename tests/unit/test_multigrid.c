@@ -20,7 +20,7 @@ static void add(double *row, int line, int column, double value, bool at_mirror)
     row[(line + 1) * CYCLE_COLUMNS + column + CYCLE_BACK] += value;
 }
 
-/* Adds pressure flow along, and `across` times as much across. */
+/* Adds pressure flow along the lines, and `across` times as much across them. */
 static void add_flow(double *row, double across, bool at_mirror) {
     add(row, 0, 0, -2 - 2 * across, at_mirror);
     for (int side = -1; side <= 1; side += 2) {
@@ -29,7 +29,7 @@ static void add_flow(double *row, double across, bool at_mirror) {
     }
 }
 
-/* Adds the upwind difference of a deflection by the nodes around. */
+/* Adds the upwind difference of the deflection by the neighbouring nodes. */
 static void add_entrainment(double *row, bool at_mirror) {
     const double kernel[2][2] = {{3, 0.54}, {0.54, 0.21}}, upwind[3] = {1.5, -2, 0.5};
 
@@ -113,7 +113,8 @@ static void small_grids_take_one_cycle(void **state) {
         check_close(error_after(1, 32, half), 0, 0, 1e-12);
 }
 
-/* A long and narrow grid, in either direction, is also solved by factors; its band is as narrow. */
+/* A grid that is narrow in either direction is solved by factors although it is long; its band is
+ * narrow. */
 static void narrow_grids_take_one_cycle_and_little_memory(void **state) {
     (void)state;
     const ehd_grid square = grid_with(128, false);
@@ -126,7 +127,7 @@ static void narrow_grids_take_one_cycle_and_little_memory(void **state) {
     assert_true(multigrid_bytes(&square) < 500);
 }
 
-/* Each cycle of two grids reduces the error to 0.22, one of three to 0.35. If the even lines came
+/* Each cycle on two grids reduces the error to 0.22, each on three to 0.35. If the even lines came
  * first, convergence would be slower. */
 static void cycles_converge_on_any_grid(void **state) {
     (void)state;

@@ -67,7 +67,8 @@ static void solutions_are_optimal(void **state) {
     free(matrix);
 }
 
-/* A right side made of nonnegative unknowns gives these, with columns of any norm. */
+/* If the right-hand side is made of nonnegative unknowns, these are found, with columns of any
+ * norm. */
 static void what_is_not_negative_is_found_again(void **state) {
     double matrix[ROWS * 20], right[ROWS], x[20], expected[20];
     (void)state;
@@ -84,7 +85,8 @@ static void what_is_not_negative_is_found_again(void **state) {
                     1e-9);
 }
 
-/* The unit matrix gives the positive part. A right side that no column points to gives zero. */
+/* With the unit matrix the solution is the positive part of the right-hand side. If no column
+ * points to the right-hand side, the solution is zero. */
 static void simple_ones_are_known(void **state) {
     static const double unit[] = {1, 0, 0, 0, 1, 0, 0, 0, 1}, right[] = {2, -3, 0.5};
     static const double away[] = {-1, -1, -1};
@@ -102,7 +104,7 @@ static void simple_ones_are_known(void **state) {
     check_close_array(x, ((const double[]){1.5, 0}), 2, 1e-15, 0);
 }
 
-/* Columns may be equal, sums of others, or zero. */
+/* Columns may be equal, sums of other columns, or zero. */
 static void columns_may_depend_on_each_other(void **state) {
     enum { NUM = 40 };
     double matrix[ROWS * NUM], right[ROWS], x[NUM];

@@ -25,7 +25,7 @@ static const char scene_of_training[] =
     "transient: {end_time: 2, fixed_step: 0.015625, load: {law: sine, amplitude: 0.1, period: "
     "1}}\n";
 static const double STEP = 0.015625;
-// along the path the training begins with shorter steps
+// with transport along the path the training begins with shorter steps
 enum { NUM_STEPS = 128, MOST_STATES = NUM_STEPS + 8 };
 
 static size_t num_modes; // number of pressure modes and of deformation modes
@@ -253,7 +253,7 @@ static bool is_path(void) {
 
 // ---- steps
 
-/* The exit lies within a node where the full model has it, in every step. An exit at nodes would be
+/* In every step the exit lies where the full model has it, within a node. An exit at nodes would be
  * off by up to a step of the grid, and jump. */
 static void the_exit_moves_as_in_the_full_model(void **unused) {
     (void)unused;
@@ -339,7 +339,7 @@ typedef struct any_steps {
     double approach, time;
     double *saved;
     size_t num_rejected, num_parts;    // totals over all steps
-    double most_central, most_minimum; // largest differences from small steps
+    double most_central, most_minimum; // largest differences from the films of small steps
 } any_steps;
 
 static online_state any_step(any_steps *self, double time, double step) {
@@ -384,8 +384,8 @@ static double off(const online_state *found, const online_state *expected) {
     return fmax(of.central, of.minimum);
 }
 
-/* Takes a step of random length, 1e-9 to 1 of the period of the load. Like an integrator with a
- * tolerance it tries shorter ones until one is accepted. Compares the result with that of small
+/* Takes a step of random length, 1e-9 to 1 times the period of the load. Like an integrator with a
+ * tolerance, it tries shorter steps until one is accepted. Compares the result with that of small
  * steps. */
 static void take_any_step(any_steps *self, uint64_t *seed, double tolerance) {
     const double shortest = 1e-9, most_parts = 16;
@@ -423,8 +423,9 @@ static void take_any_step(any_steps *self, uint64_t *seed, double tolerance) {
     }
 }
 
-/* Takes steps of random lengths, some of them rejected and repeated from saved states. Each result is compared with that of
- * small equal steps over the same time. ANY_STEPS of the environment: how many. */
+/* Takes steps of random lengths, some of them rejected and repeated from saved states. Each result
+ * is compared with that of small equal steps over the same time. The environment variable ANY_STEPS
+ * sets their number. */
 static void steps_may_have_any_lengths(void **unused) {
     (void)unused;
     const char *asked = getenv("ANY_STEPS");
@@ -451,7 +452,8 @@ static void steps_may_have_any_lengths(void **unused) {
     }
 }
 
-/* An integrator that locates an event may take a step of 1e-7. The step after it has the same result as without it. */
+/* An integrator that locates an event may take a step of 1e-7. The step after it has the same
+ * result as without it. */
 static void a_short_step_leaves_the_next_one_as_it_is(void **unused) {
     (void)unused;
     // just after the start a short step is a state of its own, and least squares leave a larger error
@@ -537,8 +539,9 @@ static void a_contact_is_lost_and_regained(void **unused) {
     }
 }
 
-/* Bodies that are apart reach a given approach in one step. Their load is that of this approach, even if the lightest contact,
- * where the start begins, is not trusted. At rest too, but untrusted. */
+/* Bodies that are apart reach a given approach in one step. Their load is that of this approach,
+ * even if the lightest contact, where the start begins, is not trusted. At rest the load is the
+ * same, but untrusted. */
 static void bodies_touch_at_the_approach_that_is_given(void **unused) {
     (void)unused;
     for_both_models {
@@ -593,8 +596,8 @@ static void without_a_load_there_is_no_contact(void **unused) {
     }
 }
 
-/* A mass that falls on the contact and is thrown back, of the size of the one on scenes/examples/oscillator,
- * in T, H0 and forces of the contact. */
+/* A mass that falls on the contact and is thrown back. It is about as large as the one in
+ * scenes/examples/oscillator. Units: T for time, H0 for lengths, the contact's unit for forces. */
 typedef struct bouncing {
     online_transient *contact;
     double position, velocity, force;
@@ -602,8 +605,8 @@ typedef struct bouncing {
 
 static const double BOUNCING_MASS = 0.0138, BOUNCING_WEIGHT = 0.3;
 
-/* Makes a step of the trapezoidal rule, not accepted: the secant method finds the position that
- * fits its force. */
+/* Makes a step of the trapezoidal rule and does not accept it. The secant method finds the position
+ * that fits the contact's force. */
 static bool find_position(online_state *state, const bouncing *self, double step) {
     const double half = step * step / (4 * BOUNCING_MASS), near = 1e-10;
     const double drift =
@@ -620,7 +623,7 @@ static bool find_position(online_state *state, const bouncing *self, double step
             return true;
         }
         if (trial > 0) slope = (before - defect) / correction;
-        if (!(fabs(slope) > 0.05)) slope = 1; // behind a sudden rise of the force
+        if (!(fabs(slope) > 0.05)) slope = 1; // beyond a sudden rise of the force
         correction = defect / slope;
         position -= correction;
     }
@@ -645,8 +648,9 @@ static double bounce_on(bouncing *self) {
     return impulse;
 }
 
-/* From each fall to the loss of the contact the momentum, found from the positions of the mass, changes by the impulse of the
- * reported force. BOUNCES of the environment: how many falls. */
+/* From each fall to the loss of the contact the momentum, found from the positions of the mass,
+ * changes by the impulse of the reported force. The environment variable BOUNCES sets the number of
+ * falls. */
 static void a_bouncing_mass_gets_the_impulse_of_the_force(void **unused) {
     (void)unused;
     const char *asked = getenv("BOUNCES");
@@ -691,7 +695,7 @@ static online_conditions changed(online_conditions at, int by, double change) {
     return at;
 }
 
-/* Returns central differences by one condition, from the repeated step. */
+/* Repeats a step with a changed condition and returns the central differences. */
 static contact_scalars difference(online_transient *contact, online_conditions at, int by) {
     online_state sides[2];
     contact_scalars found = {.load = 0};
@@ -785,9 +789,9 @@ static void derivatives_leave_the_contact_as_it_is(void **unused) {
     }
 }
 
-/* Under a slow and small oscillation of the load the approach is A sin wT + w B cos wT. At its
- * zeros, rising and falling, the approach differs by +-w B, at its maximum by A. BDF2 has an error
- * of 0.2 %. */
+/* Under a slow and small oscillation of the load the approach is A sin wT + w B cos wT. At the
+ * zeros of the load's oscillation, rising and falling, the approach differs by +-w B, at its
+ * maximum by A. BDF2 has an error of 0.2 %. */
 static void the_stationary_response_is_that_to_a_slow_swing(void **unused) {
     (void)unused;
     enum { A_QUARTER = 20, NUM = 8 * A_QUARTER };
@@ -851,7 +855,7 @@ static void after_a_jump_the_past_does_not_count(void **unused) {
     assert_true(state.local_error > 0);
     online_restart(contact);
     state = step_from(contact, 10 * STEP, STEP);
-    check_close(state.local_error, 0, 0, 0); // needs more than one previous state
+    check_close(state.local_error, 0, 0, 0); // an estimate needs more than one previous state
     online_transient_free(contact);
 }
 
@@ -877,7 +881,7 @@ static void fields_are_those_of_the_accepted_state(void **unused) {
         for (size_t k = 0; k < grid->num_nodes; k++)
             load += pressure[k] * grid->step;
         check_close(load / reference.kind->load * width * width, last->scalars.load, 1e-9, 0);
-        // also with an independent basis this is the deflection of the pressure, not its modes
+        // with an independent basis, too, this is the deflection of the pressure, not its modes
         check_close(film[centre] * film_scale, last->scalars.central_film_thickness,
                     m == 0 ? 1e-9 : 1e-6, 0);
         // p_H / p_H,ref = load / half width
@@ -903,11 +907,11 @@ static void a_saved_state_goes_on_to_the_bit(void **unused) {
         go(expected, one, 0, before);
         online_save(saved, one);
         go(expected, one, before, count);
-        // in the same object, further on
+        // restored into the same object, which is further on
         check_ok(online_restore(one, saved, &error));
         go(found, one, before, count);
         check_all_same(found, expected, count);
-        // in a new object, with steps around it that are not accepted
+        // restored into a new object, with a step before it that is not accepted
         check_ok(online_restore(other, saved, &error));
         step_from(other, (double)before * STEP, 2 * STEP);
         go(found, other, before, count);
@@ -926,8 +930,8 @@ static void a_saved_state_goes_on_to_the_bit(void **unused) {
     }
 }
 
-/* A state can be saved at any step of the start, of renewed kept factors, and after steps shorter
- * than the grid's. */
+/* A state can be saved at any step of the start, when kept factors are renewed, and after steps
+ * shorter than the grid step. */
 static void any_state_can_be_saved(void **unused) {
     (void)unused;
     for_both_models {
@@ -1091,7 +1095,7 @@ static void march_run_takes_the_same_steps(void **unused) {
                         0);
             check_close(state.scalars.rigid_approach, expected.rigid_approach, 0, 0);
             check_close(state.scalars.load, expected.load, 0, 0);
-            if (!is_path()) // along the path the march uses its own factor
+            if (!is_path()) // with transport along the path the march uses a factor of its own
                 check_close(state.local_error, step->local_error, 0, 0);
             assert_int_equal(state.iterations, step->iterations);
         }
@@ -1102,7 +1106,7 @@ static void march_run_takes_the_same_steps(void **unused) {
 
 // ---- approach and force
 
-/* Makes steps with the approaches of a run under a given load, which must give this load. */
+/* Makes steps with the approaches that a run under a given load had. They must give this load. */
 static void follow_approach(const online_state *by_load, online_transient *contact, bool known,
                             double tolerance) {
     const size_t before = known ? 0 : 10; // until the rate of the load is known
@@ -1125,7 +1129,7 @@ static void follow_approach(const online_state *by_load, online_transient *conta
     }
 }
 
-/* With frames of its own a contact on this coarse grid differs a little more. */
+/* If the contact predicts its frames itself, it differs a little more on this coarse grid. */
 static void the_approach_gives_the_load_back(void **unused) {
     (void)unused;
     for_both_models {
@@ -1260,8 +1264,8 @@ static void what_was_not_trained_is_not_trusted(void **unused) {
     }
 }
 
-/* Changes the load by `rate` for a short time, in steps far shorter than the grid's. The second contact
- * gets the approaches of the first one. Returns the last results. */
+/* Changes the load by `rate` for a short time, in steps far shorter than the grid's. The second
+ * contact gets the approaches of the first one. Returns the last results. */
 static void change_load(online_state last[2], online_transient *const contacts[2], double rate) {
     const double step = 1e-4;
 
@@ -1278,7 +1282,7 @@ static void change_load(online_state last[2], online_transient *const contacts[2
         }
 }
 
-/* The rate at which a load changes counts in steps of any length. */
+/* The rate at which a load changes is checked in steps of any length. */
 static void fast_changes_in_short_steps_are_not_trusted(void **unused) {
     (void)unused;
     for_both_models {

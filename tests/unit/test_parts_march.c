@@ -30,7 +30,8 @@ static int tear_down(void **state) {
     return 0;
 }
 
-/* Returns a basis that is trained for the training's loads times a factor. */
+/* Returns a basis whose trained range is that of the training, with all loads multiplied by a
+ * factor. */
 static reduced_basis part_basis(const trained *of, deformation_kind kind, const double *weight,
                                 double load) {
     reduced_basis nodes = marching_nodes(of, kind, weight);
@@ -78,7 +79,7 @@ static void keep(run *self, const march_step *step, size_t i) {
 }
 
 /* Starts a run of a contact with M = 12. The training's loads are 8 to 20, so the low part covers M
- * = 5 to 12.4 and the high one 11.2 to 28. */
+ * = 5 to 12.4 and the high part M = 11.2 to 28. */
 static void run_init(run *self, const trained *of, deformation_kind kind, const double *weight,
                      size_t num_parts, bool path) {
     const double loads[] = {0.62, 1.4};
@@ -135,7 +136,8 @@ static void check_parts(const trained *of, deformation_kind kind, const double *
     check_close_array(both->film, one->film, NUM_STEPS + 1, of_film, 0);
     check_close_array(both->least_film, one->least_film, NUM_STEPS + 1, of_least, 0);
     check_close_array(both->exit, one->exit, NUM_STEPS + 1, of_film, 0);
-    // starts well inside the high part, keeps it in the common range, and returns to it
+    // starts well inside the range of the high part, keeps this part in the common range, and
+    // returns to it
     assert_int_equal(both->part[0], HIGH);
     assert_int_equal(both->part[13], HIGH);
     assert_int_equal(both->part[26], HIGH); // load 0.98
@@ -162,8 +164,9 @@ static void parts_of_one_model_are_that_model(void **state) {
     }
 }
 
-/* The two runs start from different trained states, so exits of outer lines sometimes differ by one node (1/8). After 64
- * steps the central film differs by 9e-4; the smallest one, which lies at these exits, differs by up to 1 %. */
+/* The two runs start from different trained states, so exits of outer lines sometimes differ by one
+ * node (1/8). After 64 steps the central film differs by 9e-4. The smallest film, which lies at
+ * these exits, differs by up to 1 %. */
 static void of_a_point_contact(void **state) {
     (void)state;
     check_parts(&trained_on.point, DEFORMATION_COUPLED, trained_on.point_basis.weight, true, 2e-3,
@@ -194,7 +197,8 @@ static void attempts_that_are_not_accepted(void **state) {
     free(tried);
 }
 
-/* From any step on, by either part, another object continues with the same bits. */
+/* A march saved after any step, solved by either part, and restored into another object continues
+ * with the same bits. */
 static void saved_and_restored(void **state) {
     (void)state;
     run *whole = malloc(sizeof *whole), *other = malloc(sizeof *other);
@@ -243,7 +247,7 @@ static contact_frame frame_of(const run *self, double load, double approach) {
  * range of the other part. */
 static void by_the_load_that_an_approach_leads_to(void **state) {
     (void)state;
-    const double light = 0.9, guess = 0.95; // in the low part only; in the high one too
+    const double light = 0.9, guess = 0.95; // range of the low part only; range of both parts
     run *self = malloc(sizeof *self);
     march_step step = {.status = EHD_OK};
 
@@ -264,7 +268,7 @@ static void by_the_load_that_an_approach_leads_to(void **state) {
     assert_int_equal(parts_march_attempted(self->march), LOW);
     check_close(step.scalars.load * guess, light, 0, 1e-3);
 
-    // also at a start
+    // the same at a start
     frame = frame_of(self, light, NAN);
     check_ok(solver->start(&step, solver->self, &frame, &error));
     approach = frame_to_reference(&step.scalars, &frame, &self->parts[0].reference).rigid_approach;

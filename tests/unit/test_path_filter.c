@@ -48,7 +48,7 @@ static double wave(double x, double k) {
     return cos(k * x) * exp(-pow(x / 0.4, 8));
 }
 
-/* Returns the remaining part of a wave at the centre, where the filter's length hardly varies. */
+/* Compares a filtered wave at the centre, where the filter's length hardly varies, with theory. */
 static void waves_shorter_than_the_length_are_damped(void **state) {
     const double length = 0.05, step = 0.005;
     const ehd_grid grid = line_grid(step);

@@ -19,7 +19,7 @@ typedef struct problem {
     reduced_basis basis, nodes; // `nodes`: every node is a mode
 } problem;
 
-enum { LINE, POINT, OPEN_POINT, NUM_PROBLEMS }; // 121 nodes; 33 by 17 nodes; as many
+enum { LINE, POINT, OPEN_POINT, NUM_PROBLEMS }; // 121 nodes; 33 by 17 nodes; 33 by 17 nodes
 
 static problem problems[NUM_PROBLEMS];
 static ehd_error error;
@@ -56,8 +56,8 @@ static int tear_down(void **state) {
     return 0;
 }
 
-/* Returns a frame in which load and speed oscillate, and with them the path of a step, as do radius
- * and modulus with the amplitude `others`. At T = 0 all factors are 1. */
+/* Returns a frame in which load and speed oscillate, so the path of a step varies. Radius and
+ * modulus oscillate with the amplitude `others`. At T = 0 all factors are 1. */
 static contact_frame frame_of_all(const marching *self, double time, double swing, double others) {
     const double phase = 2 * M_PI * time / 0.5;
     const double values[] = {1 + 0.1 * swing * sin(phase), 1 + 0.3 * swing * sin(phase),
@@ -98,7 +98,7 @@ static void step_on(march_step *last, const march_solver *solver, const contact_
     solver->accept(solver->self);
 }
 
-/* Returns the iterations of twenty steps with a tolerance of the steps, and the central film at
+/* Returns the iterations of twenty steps with this time-step tolerance, and the central film at
  * their end. */
 static size_t iterations_with(double *film, double tolerance) {
     const size_t num_steps = 20;
@@ -117,8 +117,8 @@ static size_t iterations_with(double *film, double tolerance) {
     return all - before;
 }
 
-/* With a tolerance of the steps there are fewer iterations; they change the film less than the
- * steps' errors do. */
+/* With a time-step tolerance there are fewer iterations. This changes the film less than the errors
+ * of the steps do. */
 static void a_tolerance_of_the_steps_saves_iterations(void **state) {
     (void)state;
     const double tolerance = 1.5e-3;
@@ -172,9 +172,9 @@ static void a_film_far_from_its_prediction_is_not_taken(void **state) {
     }
 }
 
-/* Compares steps of a basis with a mode for each node with the full model. They are nearly equal,
- * since the full model also filters remainders of pressures cut at an exit, and products of
- * filtered fields. */
+/* Compares steps of a basis with a mode for each node with the full model. They are only nearly
+ * equal, because the full model also filters remainders of pressures cut at an exit, and products
+ * of filtered fields. */
 static void march_as_the_full_model(const problem *of, bool compressible, double others,
                                     size_t num_steps, double central, double minimum) {
     const double bound = of->basis.grid.inner_lines > 1 ? 1e-3 : 1e-6;
@@ -226,9 +226,8 @@ static void full_rank_marches_as_the_full_model(void **state) {
     }
 }
 
-/* The agreement is that of the models with upwind transport. Splines differ at the ends of the
- * grid. From the fifteenth step on, where exits move outwards, those of the reduced model are
- * behind by a node. */
+/* Points agree as well as with upwind transport. Splines differ at the ends of the grid. From the
+ * fifteenth step on exits move outwards, and those of the reduced model are behind by a node. */
 static void so_does_a_point(void **state) {
     (void)state;
     for (int others = 0; others < (check_all() ? 2 : 1); others++) {
@@ -274,8 +273,8 @@ static bool is_on_the_way(const ehd_grid *grid, size_t row) {
     return grid_x(grid, k) > -1 && grid_x(grid, k) < 0.1 && fabs(grid_y(grid, k)) < 0.1;
 }
 
-/* Checks the local error of a model with few rows on the way to the centre, which is evaluated at
- * nodes. With one of these rows left it is not less than with all rows. */
+/* Checks the local error on the way to the centre, which is evaluated at nodes. A model that has
+ * only one row left there must not report a smaller error than with all rows. */
 static void check_error_of_few_rows(const problem *of) {
     const ehd_grid *grid = &of->basis.grid;
     size_t *rows = calloc(grid->num_inner, sizeof *rows), num_rows = 0, on_the_way = 0;
@@ -313,8 +312,8 @@ static void few_rows_tell_the_error_of_all(void **state) {
 }
 
 /* The few modes of stationary states have errors while the contact varies, up to path 0.5. An error
- * in the inlet appears in the estimate of the centre when that fluid arrives there, 0.85 farther,
- * and disappears when it has left. */
+ * in the inlet appears in the estimate of the centre when its fluid arrives there, 0.85 farther. It
+ * disappears when this fluid has left. */
 static void what_is_indicated_comes_with_the_fluid(void **state) {
     (void)state;
     double before = 0, there = 0, after = 0;
@@ -408,7 +407,7 @@ static void a_dip_is_found_between_the_needed_nodes(void **state) {
         check_close(scalars.minimum_position, grid_x(grid, deepest), 0, 1e-12);
         check_close(scalars.minimum_film_thickness, least, 1e-9, 0);
     }
-    // the parabola through needed nodes is too inaccurate
+    // the parabola through needed nodes is too inaccurate for these dips
     assert_true(num_dips > 10 && num_missed > 5);
     assert_true(num_other > 0); // the deepest dip is not always at the lowest node
     free(z);

@@ -290,7 +290,7 @@ static void refuses_bad_input(void **state) {
     check_refused((double[]){1, 2, INFINITY, 1}, 2, 2, one, "snapshot 1 at node 0");
 }
 
-/* Tests three directions: (1, 0, 0, 0), one that is 1e-3 off it, and one orthogonal to both, on
+/* Tests three directions: (1, 0, 0, 0), one that is 1e-3 off it, and one orthogonal to both, about
  * which the others have no information. */
 static void tells_what_the_others_leave_out(void **state) {
     const double snapshots[] = {1, 0, 0, 0, 1, 1e-3, 0, 0, 0, 0, 3, 4};

@@ -11,7 +11,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-// share of the distance from the directions in the root of the allowed energy, as in podbuild
+// share of the root of the allowed energy that the distance from the directions may take, as in
+// podbuild
 static const double LOCAL = 0.05;
 
 static double *numbers(size_t count) {
@@ -35,8 +36,8 @@ static double *random_rows(size_t num, size_t length, uint64_t seed) {
     return rows;
 }
 
-/* Snapshots with known singular values. Each value is seven tenths of the one before. Noise of
- * 1e-9 is added in all directions. */
+/* Snapshots with known singular values. Each value is 0.7 times the previous one. Noise of 1e-9 is
+ * added in all directions. */
 typedef struct known {
     size_t num_snapshots, num_nodes;
     double *snapshots; // [num_snapshots, num_nodes]

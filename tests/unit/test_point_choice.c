@@ -32,7 +32,8 @@ static void corners_of_a_grid_are_its_four(void **state) {
         assert_true(contains(corners, 4, (size_t[]){0, 4, 20, 24}[i]));
 }
 
-/* All points on a circle are corners. With an allowed distance outside, a few corners are enough. */
+/* All points on a circle are corners. If points may lie a little outside the corners' hull, a few
+ * corners are enough. */
 static void corners_of_a_circle_follow_the_tolerance(void **state) {
     enum { COUNT = 360 };
     double places[COUNT][RANGE_AXES] = {{0}};
@@ -137,14 +138,14 @@ static void what_is_good_enough_or_taken_is_left(void **state) {
     const candidates from = make_line(indicated, 2.5);
     (void)state;
 
-    // all that are not good enough, and no others; 3 is nearer to the taken ones than 5
+    // all candidates that are not good enough, and no others; 3 is nearer to the taken ones than 5
     check_choice(&from, NUM_LINE, (size_t[]){4, 9, 3, 5}, 4);
     const candidates none = make_line(indicated, 9);
     check_choice(&none, NUM_LINE, NULL, 0);
 }
 
-/* A bad candidate beside a chosen one is also taken if no other is as bad, even if very near. One
- * at the same place is not. */
+/* A bad candidate beside a chosen one is also taken if no other is as bad, even if it is very near.
+ * A candidate at the same place is not taken. */
 static void near_ones_are_taken_the_same_is_not(void **state) {
     const double indicated[] = {99, 1, 1, 1, 9, 8, 1, 1, 1, 1, 1, 99};
     const candidates from = make_line(indicated, 2);

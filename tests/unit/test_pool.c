@@ -295,7 +295,7 @@ static void test_the_last_worker_says_that_there_is_no_memory(void **state) {
 static void test_no_memory(void **state) {
     ehd_status status;
     (void)state;
-    for (size_t call = 1; call < 6; call++) { // call 0 is of the test itself
+    for (size_t call = 1; call < 6; call++) { // call 0 is made by the test itself
         notes noted = new_notes();
         allocation_fail_at(call);
         status = run(&noted, 2, NULL, NULL);

@@ -13,8 +13,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A previous state with smooth film and pressure, without elasticity. Film without gap, and
- * pressure, vanish with two derivatives at the ends of the grid, as natural splines require. */
+/* A previous state with smooth film and pressure, without elasticity. At the ends of the grid,
+ * pressure and film minus gap vanish with two derivatives, as natural splines require. */
 typedef struct carried {
     ehd_contact reference;
     previous_carrier carrier;
@@ -69,7 +69,7 @@ static double density_at(const ehd_contact *contact, double pressure, double her
     return lubricant_density(&contact->lubricant, pressure * hertz);
 }
 
-/* Returns the largest error of the mass, compared with the physical place of the fluid before, a
+/* Returns the largest error of the mass, compared with that at the previous place of the fluid, one
  * path upstream. Places outside of the grid are left out. */
 static double carry_error(const ehd_contact *reference, size_t i, size_t j, double path) {
     const double *then_factor = factors[i], *now_factor = factors[j];
@@ -175,7 +175,7 @@ static void a_rigid_plug_is_shifted(void **state) {
             const double coarse = carry_error(&reference[0], 0, 0, paths[way]);
             const double fine = carry_error(&reference[1], 0, 0, paths[way]);
             assert_true(coarse > 1e-9 && coarse < (kind > 0 ? 3e-5 : 3e-6));
-            assert_true(fine < coarse / 6); // the error of splines
+            assert_true(fine < coarse / 6); // error of the splines
         }
         // the frame changes too
         assert_true(carry_error(&reference[1], 0, 1, paths[0]) < 1e-5);

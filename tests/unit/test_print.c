@@ -26,8 +26,9 @@ static int set_up(void **state) {
 
 #define check_ok(call) assert_string_equal(((call) == EHD_OK) ? "" : error.text, "")
 
-/* Writes a result with num_times times, of a point contact or (one line) a line contact. A pressure
- * is 100 times the index of its time, plus 10 times that of its line, plus that of its node. */
+/* Writes a result with num_times times, of a point contact or (one line) a line contact. A
+ * pressure is 100 times the index of its time, plus 10 times the index of its line, plus that of
+ * its node. */
 static void write_result(size_t num_times, size_t num_lines) {
     const double times[] = {0, 0.1}, lines[] = {0, 0.5}, nodes[] = {-1, 0, 1. / 3};
     const double scalar[] = {0.1, NAN};
@@ -143,7 +144,7 @@ static void names_that_are_not_there_and_other_axes_are_refused(void **state) {
     (void)state;
     write_result(1, 1);
     check_refused("found no pressur, expected one of: time x pressure central_film", "pressur");
-    check_refused("moes_M", "load", "y"); // only of a point contact
+    check_refused("moes_M", "load", "y"); // y exists only for a point contact
     check_refused("found no a?b,", "a\nb");
     check_refused("found no nothing", "");
     check_refused("found pressure and load of different axes", "load", "pressure");
@@ -294,7 +295,7 @@ static void write_bytes(const char *bytes, size_t size) {
 
 static void damaged_data_are_no_silent_end(void **state) {
     (void)state;
-    const double value = 101; // a pressure whose flipped bit its checksum finds
+    const double value = 101; // a pressure; its checksum finds the flipped bit
     size_t size;
 
     write_result(2, 1);

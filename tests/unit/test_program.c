@@ -295,7 +295,7 @@ static void foreign_text_is_printable(void **state) {
         // line separators, direction marks
         {"\342\200\250\342\200\251\342\200\256\342\201\246", "????"},
         {"\342\200\247\342\200\257\342\201\245\342\201\252", NULL}, // neighbours of these
-        {"\233\377\302", "???"},                                    // no UTF-8
+        {"\233\377\302", "???"},                                    // not UTF-8
         {"\300\200\340\200\200\355\240\200", "????????"}, // overlong encodings, a surrogate
         {"\357\277\276\357\277\277\357\277\275", "??\357\277\275"}};
     (void)state;
@@ -385,7 +385,7 @@ static int show_time_left(program *self) {
     progress_show(&shown, 40, "a");
     progress_show(&shown, 41, "too early for another line");
     shown.last_shown -= 3;
-    shown.started -= 500; // time that the next points have taken
+    shown.started -= 500; // makes the next points appear to have taken 500 s
     progress_show(&shown, 119, "near the end");
     shown.last_shown -= 3;
     shown.advanced -= 500;

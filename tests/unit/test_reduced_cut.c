@@ -78,8 +78,8 @@ static void cut_tables_equal_plain_sums(void **state) {
     trained_free(&training);
 }
 
-/* The different checkpoints of a point contact take 400 MB at most, plus one more. The band of an
- * independent basis has no film table, so the sizes counted here are much larger than those filled. */
+/* The checkpoints of a point contact take 400 MB at most, plus one more. The band of an independent
+ * basis has no film table, so much less memory is filled than is counted here. */
 static void memory_bounds_the_checkpoints_of_a_point(void **state) {
     enum { LINES = 2, COLUMNS = 20, STATES = 12 };
     (void)state;

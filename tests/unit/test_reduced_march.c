@@ -103,7 +103,8 @@ static void constant_conditions_keep_the_stationary_state(void **state) {
 }
 
 /* With a mode for every node a step equals one of the full model with the same history and exits.
- * Below the noise of both models exits may differ by a node (under a load of 1.05). */
+ * Exits may differ by a node if this makes less difference than the noise of both models (under a
+ * load of 1.05). */
 static void a_step_of_full_rank_is_one_of_the_full_model(void **state) {
     (void)state;
     reduced_basis nodes = nodes_basis();
@@ -157,7 +158,8 @@ static void a_step_of_full_rank_is_one_of_the_full_model(void **state) {
     free(previous);
 }
 
-/* Several steps differ only by the splines at the ends of the grid, which is wider here. */
+/* Over several steps the reduced and the full model differ only by their splines at the ends of the
+ * grid. */
 static void full_rank_marches_as_the_full_model(void **state) {
     (void)state;
     reduced_basis nodes = nodes_basis();
@@ -189,7 +191,7 @@ static void full_rank_marches_as_the_full_model(void **state) {
     reduced_basis_free(&nodes);
 }
 
-/* A reduced model has one zone of pressure a line, so a second zone is reported. */
+/* A reduced model has one pressure zone per grid line, so it reports a second zone. */
 static void a_gap_that_closes_behind_the_exit_is_told(void **state) {
     (void)state;
     reduced_basis nodes = nodes_basis();
@@ -233,8 +235,8 @@ static void check_march_alike(const reduced_basis *first, const reduced_basis *s
     marching_free(&other);
 }
 
-/* The frame grows and shrinks, so places lie beside the grid. The difference of both bases is that
- * of stationary modes from transient contacts. */
+/* The frame grows and shrinks, so some places lie beside the grid. The bases differ because their
+ * stationary modes do not represent changing contacts exactly. */
 static void an_independent_basis_marches_as_the_coupled_one(void **state) {
     (void)state;
     reduced_basis own_films;
@@ -245,7 +247,7 @@ static void an_independent_basis_marches_as_the_coupled_one(void **state) {
     reduced_basis_free(&own_films);
 }
 
-/* Checks that the second half of the whole grid's lines has the exits of the half. */
+/* Checks that the exits on the second half of the whole grid's lines are those of the half grid. */
 static void check_half_of_exits(const marching *half, const marching *whole) {
     const size_t *exits = reduced_march_state(half->march, NULL).exits;
     const size_t *both = reduced_march_state(whole->march, NULL).exits;

@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static trained half, whole;                   // 33 by 33 nodes, and the half of them
+static trained half, whole;                   // half of 33 by 33 nodes, and all of them
 static reduced_basis half_basis, whole_basis; // all modes that the training spans
 static reduced_basis half_independent, whole_independent;
 
@@ -84,7 +84,7 @@ static void check_is_training_state(const reduced_problem *self, const reduced_b
 
 /* Returns whether a state has two solutions. On so coarse a grid two neighbouring exit lines may
  * both be consistent: signs of pressure and multiplier are right on both, and the films differ by
- * 5e-6 or less. For these states the full solver found the other one. */
+ * 5e-6 or less. For these states the full solver found the other exit line. */
 static bool has_two_exits(size_t s) {
     return s == 1 || s == 2 || s == 4 || s == 9;
 }
@@ -173,7 +173,7 @@ static double dense_deflection(const reduced_basis *basis, const size_t *exit, s
     return sum;
 }
 
-/* Returns the product of this deflection with a deformation mode, computed by FFT. */
+/* Returns the product of dense_deflection with a deformation mode, computed by FFT. */
 static double projected_deflection(const reduced_basis *basis, const size_t *exit, size_t row,
                                    size_t mode) {
     const ehd_grid *grid = &basis->grid;
@@ -296,7 +296,7 @@ static void exit_lines_are_found(void **state) {
 
     reduced_problem_init(&reduced, &basis, NULL, 0, &strict_settings);
     const reduced_states *states = &basis.states;
-    for (size_t apart = 0; apart < 3; apart += 2) { // one column back, one on
+    for (size_t apart = 0; apart < 3; apart += 2) { // the exits one column back, then one column on
         size_t n = reduced.model.num_unknowns;
         memcpy(reduced.state.coordinates, states->coordinates + s * n, n * sizeof(double));
         reduced_state_set_exits(&reduced.state, &reduced.model,
@@ -340,8 +340,8 @@ static void exits_between_lines_are_interpolated(void **state) {
     reduced_problem_free(&reduced);
 }
 
-/* Neighbours of one M lie on a line; a fit to the neighbours of two such lines must not be taken
- * for a plane. */
+/* Neighbouring states of one M lie on a straight line. A fit to the neighbours of two such lines
+ * must not be taken for a plane. */
 static void a_start_beside_a_row_of_neighbours_is_near_it(void **state) {
     (void)state;
     reduced_states *states;
@@ -352,7 +352,7 @@ static void a_start_beside_a_row_of_neighbours_is_near_it(void **state) {
     states = &reduced.model.states;
     size_t n = states->num_unknowns;
     for (size_t s = 0; s < states->num_states; s++) {
-        states->moes_M[s] = s % 2 ? 20 : 40; // six of one M, far from the others
+        states->moes_M[s] = s % 2 ? 20 : 40; // six states of one M, far from the others
         states->alpha_p_H[s] = 8 + 0.1 * (double)(s / 2);
     }
     for (size_t s = 1; s < states->num_states; s += 2) {

@@ -71,7 +71,7 @@ static void full_fields(double *pressure, double *film, const reduced_problem *s
     deflection_free(deflection);
 }
 
-/* Checks that coupled bases give the same fields by the library, for any exit of the state. */
+/* Checks that the library gives the same fields with coupled bases, for any exit of the state. */
 static void check_fields(const reduced_problem *self, const reduced_basis *basis) {
     const size_t num_nodes = basis->grid.num_nodes;
     double *both = calloc(4 * num_nodes, sizeof *both);
@@ -140,8 +140,9 @@ static void full_rank_reproduces_the_full_model(void **state) {
     reduced_basis_free(&basis);
 }
 
-/* Starts near the solution with its exit. From an exit behind it the exit might stay a node or some
- * too far, because this basis has no pressure there whose sign would show it (moving_the_exit_…). */
+/* Starts near the solution with its exit. If it started with a later exit, the exit might stay some
+ * nodes too far back, because this basis has no pressure there whose sign would show it
+ * (moving_the_exit_…). */
 static void a_basis_with_the_solution_finds_it(void **state) {
     (void)state;
     for (int kind = 0; kind < 2; kind++) {
@@ -256,7 +257,7 @@ static void another_linear_solver_may_be_put_in(void **state) {
         check_close(with_other->info.scalars.central_film_thickness,
                     own->info.scalars.central_film_thickness, 1e-11, 0);
     }
-    // a system that cannot be solved ends without convergence
+    // if a linear system cannot be solved, the solver ends without convergence
     ways.other = (other_solver){.fails_at = 2};
     reduced_neighbour(&with_other->state, &with_other->model,
                       (contact_place){.moes_M = training.states->moes_M[0],
@@ -269,8 +270,8 @@ static void another_linear_solver_may_be_put_in(void **state) {
     two_ways_free(&ways);
 }
 
-/* Returns first a step that is far too long and is damped, then one that is far too short, then
- * least squares. */
+/* Returns first a step that is far too long and is damped, then one that is far too short, then the
+ * least-squares steps. */
 static ehd_status overshoot(double *step, void *context, const double *matrix, const double *right,
                             size_t num_rows, size_t num_unknowns) {
     other_solver *self = context;
@@ -404,7 +405,7 @@ static void thinned_full_rank_reproduces_the_full_model(void **state) {
     (void)state;
 
     check_full_rank(trained_init_thinned);
-    // thinning changes the flow: the thickest film by a tenth
+    // thinning changes the flow, and the thickest film by a tenth
     trained_init_thinned(&thinned, 0.04);
     trained_init_accurate(&newtonian, 0.04);
     assert_true(thinned.states->central_film_thickness[2] <
@@ -414,7 +415,7 @@ static void thinned_full_rank_reproduces_the_full_model(void **state) {
 }
 
 /* A large Eyring stress gives the Newtonian film, a small one does not. The mobility of this fluid
- * is exponential, so none is needed between the nodes. */
+ * is exponential, so no mobility is needed between the nodes. */
 static void thinned_solutions_have_the_newtonian_limit(void **state) {
     (void)state;
     trained thinned;
@@ -478,7 +479,7 @@ static void the_cell_s_row_equals_finite_differences(void **state) {
         const size_t n = reduced.model.num_unknowns;
         for (size_t j = 0; j < n; j++) {
             const double h = j + 1 < n ? 1e-4 : 1e-7;
-            for (int sign = 0; sign < 3; sign++) { // the last one at the state itself
+            for (int sign = 0; sign < 3; sign++) { // the last evaluation is at the state itself
                 memcpy(reduced.state.coordinates, basis.states.coordinates + s * n,
                        n * sizeof(double));
                 reduced.state.coordinates[j] += sign == 0 ? -h : sign == 1 ? h : 0;
@@ -648,7 +649,8 @@ static void minimum_film_is_that_of_the_fields(void **state) {
             full_fields(pressure, film, &reduced, basis);
             check_close(reduced.info.scalars.minimum_film_thickness,
                         trained_least_film(film, &basis->grid), 1e-11, 0);
-            // all nodes are needed ones here; for other coordinates only pressures in the band count
+            // here all nodes are needed ones; for other coordinates only pressures in the band are
+            // compared
             reduced_pressures range = reduced_pressure_range(reduced.solver, &reduced.state);
             double least = 0, largest = 0;
             for (size_t k = 0; k < num_nodes; k++) {

@@ -50,7 +50,7 @@ static double central_film(const ehd_contact *contact) {
     return films_of(contact).central;
 }
 
-/* Checks that an estimate is an upper bound of the effect, by no more than `factor`. */
+/* Checks that an estimate is at least the effect and at most `factor` times the effect. */
 static void check_bound(double estimated, double effect, double factor) {
     assert_true(estimated >= fabs(effect));
     assert_true(estimated <= factor * fabs(effect));
@@ -83,7 +83,7 @@ static void inlet_effect_is_what_a_long_inlet_does(void **state) {
         set_inlet(&contact, -32);
         const film_pair wide = films_of(&contact);
         check_bound(found.of[EFFECT_INLET], wide.central / films.central - 1, 1.4);
-        // at least that of the central film, which mostly changes more
+        // the estimate is at least that of the central film, which usually changes more
         check_bound(found.of[EFFECT_INLET_MINIMUM], wide.minimum / films.minimum - 1, 1.75);
     }
 }
@@ -118,8 +118,9 @@ static ehd_contact point_from(double moes_M, double moes_L, double length, doubl
     return contact;
 }
 
-/* Compares with the limit of long domains, whose effect is inversely proportional to their length,
- * on grids of twice the step, where it is estimated. That of the minimum film is a bound. */
+/* Compares with the change of the film in the limit of long domains, from which the film differs by
+ * one over the length. Its grids have twice the step, like that of the estimate. For the minimum
+ * film the estimate is a bound. */
 static void inlet_effect_of_a_point_contact(void **state) {
     (void)state;
     static const struct {
@@ -156,8 +157,9 @@ static ehd_contact open_point_from(double moes_M, double moes_L, double length, 
     return contact;
 }
 
-/* Compares with the film on a domain of twice the length, on grids of twice the step; the estimate
- * uses four times the step. With zero pressure around, these effects are 30 to 100 times as large. */
+/* Compares the estimated inlet effect with the change of the film on a domain of twice the length.
+ * Both films are on grids of twice the step; the estimate uses four times the step. With zero
+ * pressure around the domain these effects are 30 to 100 times as large. */
 static void inlet_effect_of_an_open_point_contact(void **state) {
     (void)state;
     // M, L, length, step
@@ -299,7 +301,8 @@ static void orders_of_manufactured_films(void **state) {
         for (double error = -0.01; error <= 0.01; error += 0.02) {
             make_films(films, 0.3, error, order);
             check_close(full_observed_order(films), order, 1e-10, 0);
-            // exact for orders from 1 to the assumed one; else the largest change, with second order
+            // for orders from 1 to the assumed one the estimate is exact; else it is the largest
+            // change, with second order
             const double change = fabs(films[0] - films[1]) / films[0];
             const double exact = fabs(0.3 / films[0] - 1);
             const double found = full_step_effect(films, 2, 1);

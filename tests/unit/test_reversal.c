@@ -100,7 +100,7 @@ static void check_exits(const marched *self) {
     }
 }
 
-/* Half a period later all fields are the mirror image, when the start has no more effect. */
+/* Once the start has no effect any more, all fields half a period later are the mirror image. */
 static void half_a_period_later_is_the_mirror_image(void **state) {
     char transient[256];
     (void)state;

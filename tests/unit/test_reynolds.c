@@ -121,8 +121,8 @@ static void row_derivatives(void **state) {
         }
 }
 
-/* As the Eyring stress grows, the rows approach those of the Newtonian flow, with the square of the
- * stress. */
+/* As the Eyring stress grows, the rows approach those of the Newtonian flow. The difference falls
+ * with the square of the stress. */
 static void thinned_rows_have_the_newtonian_limit(void **state) {
     (void)state;
     const ehd_contact contact = sample_contact("roelands", densities[1], 5, 6, 0.1);
@@ -149,8 +149,8 @@ static void thinned_rows_have_the_newtonian_limit(void **state) {
     check_close(off[1], off[0] / 100, 0.02, 0);
 }
 
-/* With equal pressures, or nearly, a link has the Newtonian mobility times the thinning at the
- * stress there. */
+/* If the pressures at both nodes of a link are equal, or nearly, the link has the Newtonian
+ * mobility times the thinning at the stress of that pressure. */
 static void thinned_links_are_of_the_stress_there(void **state) {
     (void)state;
     for (int d = 0; d < NUM_DENSITIES; d++) {
@@ -342,7 +342,8 @@ static void first_row_has_no_second_node_back(void **state) {
     assert_int_equal(second.node[NODE_BACK2], 0);
 }
 
-/* In an isoviscous contact both terms can be computed exactly, including the discretisation. */
+/* In an isoviscous contact pressure flow and entrainment can be computed exactly, including the
+ * discretisation. */
 static void manufactured_rows(void **state) {
     (void)state;
     ehd_contact contact = sample_published(sample_contact("barus", "dowson-higginson", 10, 0, 0.1));
@@ -430,7 +431,7 @@ static void check_squeeze_derivatives(const ehd_contact *contact) {
             double slope = (up[k - 1].residual - down[k - 1].residual) / (2 * h);
             check_close(of_film ? row->by_film[NODE_HERE] : row->by_pressure[NODE_HERE], slope,
                         1e-6, 1e-7);
-            // rows of the neighbours do not contain it
+            // rows of the neighbours do not contain the squeeze
             for (int a = 0; a < NUM_STENCIL; a++)
                 if (a != NODE_HERE) {
                     check_close(row->by_film[a], steady[k - 1].by_film[a], 0, 0);

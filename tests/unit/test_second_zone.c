@@ -38,10 +38,10 @@ static double gap_at(const closing *of, double x, double *slope) {
     return of->film + (of->dry_contact ? (x * root - log(x + root)) / 2 : x * x / 2);
 }
 
-/* Finds the pressure at num + 1 places from begin to end, with P = dP/dX = 0 at the first place. The balance of mass,
- * h^3 dP/dX = lambda int (U - growth X/2) dh/dX dX, is integrated by the trapezoidal rule. The term with growth is the
- * squeeze: under constant load the gap of a line is (a^2/R) g(x/a), whose height a^2/R does not change while R grows. Only
- * its length a does. */
+/* Finds the pressure at num + 1 places from begin to end, with P = dP/dX = 0 at the first place.
+ * The balance of mass, h^3 dP/dX = lambda int (U - growth X/2) dh/dX dX, is integrated by the
+ * trapezoidal rule. The term with growth is the squeeze. Under constant load the gap of a line is
+ * (a^2/R) g(x/a). Its height a^2/R does not change while R grows; only its length a does. */
 static void integrate(double *pressure, const closing *of, double begin, double end, size_t num) {
     const double step = (end - begin) / (double)num;
     double flow = 0, rate = 0, slope_before = 0, h_slope;
@@ -57,9 +57,10 @@ static void integrate(double *pressure, const closing *of, double begin, double 
     }
 }
 
-/* Finds the zone in which P is zero at the end too, and its pressure. Returns where the zone begins. */
+/* Finds the zone in which P is also zero at the end, and its pressure. Returns where the zone
+ * begins. */
 static double find_zone(double *pressure, const closing *of, double end, size_t num) {
-    // the last pressure is positive from low, negative from high
+    // a zone from `low` ends with a positive pressure, one from `high` with a negative one
     double low = 1.01, high = 2 * of->speed / of->growth;
 
     for (int i = 0; i < 60; i++) {

@@ -48,8 +48,8 @@ static void joint_hand_worked_example(void **state) {
     const double jacobian_modes[] = {0, 0.6, 0.8, 0, -0.8, 0.6};
     const selection_bases bases = {
         .num_nodes = 3, .num_modes = {2, 2}, .modes = {residual_modes, jacobian_modes}};
-    // first row: sums of squares 0.36, 1, 0.64; second row: a_f = 3/4, a_J = -4/3, so the residuals are (-5/4, 0, 0)
-    // and (0, 0, 5/3), and the Jacobian basis decides
+    // first row: sums of squares 0.36, 1, 0.64; second row: a_f = 3/4, a_J = -4/3, so the residuals
+    // are (-5/4, 0, 0) and (0, 0, 5/3), and the Jacobian basis decides
     size_t rows[2];
     assert_int_equal(selection_joint(rows, &bases, 2, NULL), EHD_OK);
     check_rows(rows, (size_t[]){1, 2}, 2);
@@ -174,8 +174,8 @@ static void pivoted_qr_takes_the_longest_remaining_row(void **state) {
 }
 
 /* Returns log S of a basis sampled at the rows (s_opt.c), with the determinant from singular
- * values. With fewer rows than modes only the nonzero ones count, which is the limit of a small
- * ridge divided out. */
+ * values. With fewer rows than modes only the nonzero singular values are used. This is the limit
+ * of a small ridge that is divided out. */
 static double naive_log_s(const double *modes, size_t num_modes, size_t num_nodes,
                           const size_t *rows, size_t num_rows) {
     double *sampled = malloc(num_rows * num_modes * sizeof *sampled);

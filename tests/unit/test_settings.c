@@ -92,14 +92,14 @@ static void accepts_plan(plan *of, const char *text) {
 
 // ---- refused inputs
 
-/* What a text of the table is. */
+/* Kind of a text in the table below. */
 typedef enum input {
     SCENE,
-    LINE,      // a line more in the good scene
+    LINE,      // an additional line in the good scene
     GRID,      // the grid of the good scene
     PUBLISHED, // the grid of the good scene in the published discretisation
     VISCOSITY, // the viscosity law of a scene
-    MOVING,    // lines more in the transient scene
+    MOVING,    // additional lines in the transient scene
     TRANSIENT, // keys below "transient" in the transient scene
     SET,       // a --set for the good scene
     POINT,     // a --set for a good point contact
@@ -521,7 +521,7 @@ static void refuses_bad_numbers(void **state) {
     }
     snprintf(text, sizeof text, "moes: {M: %0500d}", 1);
     snprintf(expected, sizeof expected, "moes.M: found %060d..., expected", 0);
-    text[strlen(text) - 1] = 'x'; // no number any more, and the map stays open
+    text[strlen(text) - 1] = 'x'; // the value is no number any more, and the map stays open
     strcat(text, "}");
     refuses(SCENE, text, expected);
 }
@@ -946,12 +946,13 @@ static void files_are_relative_to_the_file_that_names_them(void **state) {
     snprintf(expected, sizeof expected, "%s/deep/cam.csv", folder);
     assert_int_equal(scene_read(&of, path_of("deep/scene.yml"), NULL, 0, &error), EHD_OK);
     assert_string_equal(of.transient.vary[VARY_LOAD].file, beside);
-    // the working folder for --set and for texts in memory, whatever their name
+    // paths of --set and of texts in memory, whatever their name, start at the working folder
     assert_int_equal(scene_read(&of, path_of("deep/scene.yml"), override, 1, &error), EHD_OK);
     assert_string_equal(of.transient.vary[VARY_LOAD].file, "set.csv");
     assert_int_equal(scene_parse(&of, text, strlen(text), "deep/s.yml", NULL, 0, &error), EHD_OK);
     assert_string_equal(of.transient.vary[VARY_LOAD].file, "cam.csv");
-    // the scene's folder in the first group, the plan's in the second, the list's in the third
+    // paths start at the scene's folder in the first group, the plan's in the second, the list's in
+    // the third
     write_file("deep/points.csv", "transient.load.file\n/abs.csv\nlist.csv\n");
     snprintf(text, sizeof text,
              "groups:\n- scene: deep/scene.yml\n"
@@ -1038,8 +1039,8 @@ static void defaults_of_the_table_are_valid(void **state) {
     }
 }
 
-/* Compares with the page; with UPDATE_SCHEMAS=1 in the environment it writes the table into the
- * page. */
+/* Compares the table with the page; with UPDATE_SCHEMAS=1 in the environment it writes the table
+ * into the page. */
 static void schema_page_shows_the_table(void **state) {
     char *printed = NULL, page[32768];
     size_t length = 0;
@@ -1197,7 +1198,7 @@ static void plan_is_part_of_another(void **state) {
     check_close_array(of.where[1].bounds[WHERE_MOES_M], ((double[]){4, 20}), 2, 0, 0);
     check_close_array(of.where[1].bounds[WHERE_ALPHA_P_H], ((double[]){0, 9}), 2, 0, 0);
     plan_free(&of);
-    // a part of a part
+    // part of a plan that is itself part of a plan
     write_file("half.yml", "part_of: whole.yml\nwhere: {moes_M: [4, 20]}\ncandidates_times: 2\n");
     accepts_plan(&of, "part_of: half.yml\nwhere: {moes_M: [10, 30]}\ncandidates_times: 2\n");
     assert_int_equal(of.num_points, unvaried + 80);
@@ -1210,7 +1211,7 @@ static void plan_is_part_of_another(void **state) {
     plan_free(&whole);
 }
 
-/* A line `histories` makes sines and ramps of each quantity and of each pair, and steps of the
+/* The key `histories` makes sines and ramps of each quantity and of each pair, and steps of the
  * speed, between the bounds. No other quantity of the scene varies. */
 static void plan_makes_histories(void **state) {
     enum { OF_LOAD = 4, OF_SPEED = 6, OF_PAIR = 6, STEPS_OF_LOAD = 2, STEPS_OF_PAIR = 3 };

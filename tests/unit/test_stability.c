@@ -13,7 +13,7 @@ enum { NUM_NODES = 70, NUM_MODES = 9, NUM_ROWS = 30 };
 static const size_t exits[] = {31, 44, 60};
 enum { NUM_EXITS = sizeof exits / sizeof *exits };
 
-/* Exit lines on the same nodes, where none lies before another one everywhere. */
+/* Exit lines on the same nodes. No line lies before another one everywhere. */
 enum { NUM_LINES = 5, WIDTH = NUM_NODES / NUM_LINES };
 static const size_t exit_lines[NUM_EXITS][NUM_LINES] = {
     {10, 9, 8, 9, 4}, {11, 12, 7, 3, 13}, {12, 8, 14, 13, 12}};
@@ -51,7 +51,7 @@ static selection_bases make_bases(void) {
     return bases;
 }
 
-/* Returns these bases with exits on several lines. */
+/* Returns the bases of make_bases, with exits on several lines. */
 static selection_bases make_bases_on_lines(void) {
     selection_bases bases = make_bases();
 
@@ -65,7 +65,7 @@ static const struct {
 } layouts[] = {{make_bases}, {make_bases_on_lines}};
 enum { NUM_LAYOUTS = sizeof layouts / sizeof *layouts };
 
-/* Checks whether a node lies before the exit; behind the last exit there is none. */
+/* Checks whether a node lies before the exit. Every node lies before exit number num_exits. */
 static bool is_before(const selection_bases *bases, size_t exit, size_t node) {
     if (exit == bases->num_exits) return true;
     if (bases->num_lines == 0) return node < bases->exits[exit];
@@ -140,7 +140,8 @@ static void equals_singular_values_from_scratch(void **state) {
         }
 }
 
-/* With all rows before the second exit, only directions behind it are badly determined. */
+/* If all rows before the second exit are selected, only directions behind it are badly
+ * determined. */
 static void looks_at_later_exits_too(void **state) {
     (void)state;
     const selection_bases bases = make_bases();
@@ -244,7 +245,7 @@ static void exits_begin_with_the_joint_rows(void **state) {
 
 static void exits_take_the_row_that_the_worst_exit_needs(void **state) {
     (void)state;
-    // error of singular values for columns of norm 1; they may be zero
+    // error of the singular values, which may be zero, for columns of norm 1
     const double rounding = 1e-14;
     for (size_t l = 0; l < NUM_LAYOUTS; l++) {
         const selection_bases bases = layouts[l].make();

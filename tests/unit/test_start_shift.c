@@ -18,7 +18,7 @@ typedef struct problem {
     size_t nodes[NODES];
 } problem;
 
-/* Returns a falling pressure with a spike, by a coordinate in which the spike is at 1. */
+/* Returns a falling pressure with a spike at x = `spike`. */
 static double pressure_at(double x, double spike) {
     const double along = x < spike ? x / spike : 1 + x - spike;
 

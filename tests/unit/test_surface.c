@@ -126,7 +126,7 @@ static void a_table_is_a_spline_through_its_rows(void **state) {
     fclose(file);
     ehd_surface *self = surface_of(&reference, WITH("kind=file", "file=heights.csv",
                                                     "column=height", "position=-5", "speed=2"));
-    const contact_frame frame = frame_at_path(&reference, 1, 2.5); // x = 0 is at 0
+    const contact_frame frame = frame_at_path(&reference, 1, 2.5); // the table's x = 0 is at 0
     for (double x = -0.5; x < 0.5; x += 0.0131) {
         const double s = x / 0.4;
         check_close(surface_height(self, &frame, x, 1), fabs(s) < 1 ? 0.03 * pow(1 - s * s, 3) : 0,
@@ -161,7 +161,7 @@ static void a_table_may_be_a_grid(void **state) {
     give(&of, WITH("kind=file", "file=grid.csv", "column=height", "across=y", "position=-5"));
     assert_int_equal(scene_contact(&reference, &of, &error), EHD_OK);
     assert_int_equal(surface_init(&self, &of, &reference, &error), EHD_OK);
-    const contact_frame frame = frame_at_path(&reference, 1, 5.1); // x = 0 is at 0.1
+    const contact_frame frame = frame_at_path(&reference, 1, 5.1); // the table's x = 0 is at 0.1
     double steepest = 0;
     for (double x = -0.9; x < 0.9; x += 0.0131)
         for (double y = -0.6; y < 0.6; y += 0.0171) {
@@ -310,8 +310,8 @@ static void the_start_is_smooth(void **state) {
 
 // ---- steps
 
-/* Steps are at most half a length of the surface while it is on the grid, and do not end behind its
- * arrival. */
+/* While the surface is on the grid, steps are at most half of its length. No step goes on beyond
+ * the arrival of the surface. */
 static void steps_see_it_come(void **state) {
     (void)state;
     ehd_contact reference;

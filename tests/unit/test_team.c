@@ -13,7 +13,7 @@
 
 enum { MOST_THINGS = 1000, MOST_MEMBERS = 7 };
 
-/* Counts of work for each thing, and the results of each part. */
+/* How often each thing was done, and the results of each part. */
 typedef struct notes {
     size_t done[MOST_THINGS];
     team_part parts[MOST_THINGS];

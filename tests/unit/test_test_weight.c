@@ -112,7 +112,7 @@ static void row_norm_gives_unit_rows(void **state) {
 }
 
 /* Over all training solutions the mean square of each row is one. So no row is longer than the
- * square root of their number, and some are longer than one. */
+ * square root of the number of solutions, and some rows are longer than one. */
 static void row_norm_is_the_mean_of_all_solutions(void **state) {
     (void)state;
     double *before = basis.weight, *weight = malloc(basis.grid.num_nodes * sizeof *weight);

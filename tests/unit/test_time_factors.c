@@ -53,7 +53,8 @@ static film_factors fit_that_covers(void) {
     return factors;
 }
 
-/* Returns the mean of the largest estimates of a film, one of each trajectory that was not lost. */
+/* Returns the mean of the largest estimates of a film, one from each trajectory that was not
+ * lost. */
 static double mean_of(const film_factors *factors,
                       double (*of)(const film_factors *, const step_sample *)) {
     double largest[NUM_TRAJECTORIES] = {0}, sum = 0;
@@ -129,8 +130,9 @@ static void test_the_mean_is_the_smallest(void **state) {
     }
 }
 
-/* The bounds of most trajectories are small. A larger factor then raises their estimates less than a floor does. The bounds
- * of one trajectory are large: the fit prefers the floor, unless that trajectory was lost. */
+/* The bounds of most trajectories are small. A larger factor then raises their estimates less than
+ * a floor does. The bounds of one trajectory are large: the fit prefers the floor, unless that
+ * trajectory was lost. */
 static void test_lost_trajectories_are_covered_and_not_in_the_mean(void **state) {
     (void)state;
     make_steps(4);

@@ -62,7 +62,7 @@ static void ends_suit_the_smallest_M(void **state) {
     } cases[] = {
         {"line", "load: {law: sine, mean: 0.525, amplitude: 0.475, period: 3}", 40, 2},
         {"line", "load: {law: step, from: 1, to: 0.05, at: 3.999}", 40, 2},
-        {"line", "load: {law: ramp, to: 0, start: 1, duration: 1}", 100, 1}, // as at 1 %
+        {"line", "load: {law: ramp, to: 0, start: 1, duration: 1}", 100, 1}, // as for 1 % load
         {"line", "speed: {law: ramp, to: 64, start: 1, duration: 1}", 16, 2},
         {"line", "speed: {law: ramp, to: 0, start: 1, duration: 1}, start_speed: 64", 16, 2},
         {"point", "load: {law: step, from: 1, to: 0.1, at: 3.999}", 30, 3},
@@ -86,7 +86,7 @@ static void ends_suit_the_smallest_M(void **state) {
 }
 
 /* The grid suits light loads that last for a short time: at a kink, in each of a thousand periods,
- * and at the end. Samples once a period would all see the mean load. */
+ * and at the end. Samples taken once a period would all see the mean load. */
 static void no_minimum_is_missed(void **state) {
     (void)state;
     static const char *const transients[] = {

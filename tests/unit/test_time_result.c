@@ -52,8 +52,8 @@ static int set_up(void **state) {
 // ---- killing between writes
 
 /* HDF5 also writes through these functions. With a limit, the process is killed after `writes_left`
- * writes, during the next one. Only the part of it on the first page is written, as when the kernel
- * ends a write between two pages. */
+ * writes, during the next one. Of this write only the part on the first page is written, as when
+ * the kernel ends a write between two pages. */
 static long writes_left = -1; // negative: no limit
 
 int ftruncate(int descriptor, off_t size) {
@@ -260,7 +260,8 @@ static void grows_and_reads_back(void **state) {
     check_result(num_times, true);
 }
 
-/* Along the path a line has any number of exits, stored from the farthest downstream on. */
+/* With transport along the path a line contact has any number of exits. They are stored from the
+ * farthest downstream on. */
 static void all_exits_are_stored(void **state) {
     (void)state;
     static const artefact_schema *const schemas[] = {&schema_result, NULL};

@@ -57,7 +57,8 @@ static void laws_have_their_limits(void **state) {
         check_close(contact_shear_stress(&contact, pressure, film, 0), newton, 1e-12, 0);
         set_shear(&contact, "limiting", 1e6 * newton / pressure, NAN);
         check_close(contact_shear_stress(&contact, pressure, film, 0), newton, 1e-6, 0);
-        // near this stress, by definition of the laws: the rate of shear for a given stress
+        // near this stress, checked by the definition of each law: the rate of shear for a given
+        // stress
         const double tau0 = newton * hertz / 3, viscous = newton * hertz;
         set_shear(&contact, "eyring", tau0, NAN);
         double stress = contact_shear_stress(&contact, pressure, film, 0) * hertz;

@@ -70,7 +70,7 @@ static void the_ladder_goes_from_ten_modes_to_all(void **state) {
     check_ladder(11, 5, 11, square, 2);
 }
 
-/* Every size of a ladder is available in its model, for any size of the model. */
+/* A model can be opened with every size of its ladder, for any number of modes and rows. */
 static void every_position_can_be_opened(void **state) {
     (void)state;
     for (size_t modes = 1; modes < 130; modes++)
@@ -153,7 +153,7 @@ static void in_time_it_may_be_another(void **state) {
     assert_int_equal(trade_cheapest(&table, 1e-2, true), 2);
 }
 
-/* The minimum film counts like the central one. */
+/* The larger deviation of both films is used. */
 static void the_worse_film_is_the_price(void **state) {
     trade_position position = measured(1e-3, 2, 0);
     (void)state;
@@ -221,7 +221,7 @@ static double indicated_with(const double *deviations, const double *bounds, siz
 }
 
 /* For large errors, where linear influences are too small, deviations are up to (1 + 1e3 bound)
- * bound. The fit finds this, and small bounds do not get the factor of the large one. */
+ * bound. The fit finds this, and small bounds do not get the factor of large bounds. */
 static void a_factor_grows_with_the_bound(void **state) {
     enum { NUM = 9 };
     double bounds[NUM], deviations[NUM];
@@ -361,8 +361,8 @@ static void accuracy_goes_by_the_steps_in_time(void **state) {
                         "m.h5: found a calibration without trajectories, expected some");
 }
 
-/* With error estimates, the fastest of the sizes is chosen whose estimates meet the accuracy on the
- * most trajectories, and on at least half of them. */
+/* With error estimates, the fastest size is chosen among those whose estimates meet the accuracy on
+ * the most trajectories, and on at least half of them. */
 static void accuracy_goes_by_the_most_trajectories(void **state) {
     trade_position positions[] = {measured(1e-3, 1, 0), measured(1e-3, 2, 0), measured(1e-3, 3, 0)};
     const trade_table table = {9, 10, 3, positions, {0}};
@@ -379,7 +379,7 @@ static void accuracy_goes_by_the_most_trajectories(void **state) {
     }
     assert_int_equal(trade_cheapest(&table, 1e-3, true), 1);
     assert_int_equal(trade_cheapest(&table, 4e-4, true), 2);
-    assert_int_equal(trade_cheapest(&table, 1e-4, true), 3); // none
+    assert_int_equal(trade_cheapest(&table, 1e-4, true), 3); // no trajectory meets it
     assert_int_equal(trade_most_accurate(&table, true), 2);
     check_close(trade_part_in_time(&positions[0], 1e-3), 0.6, 0, 0);
     check_ok(accuracy_choose(&choice, &table, 1e-3, true, "m.h5", &error));

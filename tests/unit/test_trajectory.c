@@ -119,7 +119,8 @@ static double energy_outside(const all_steps *steps, const pod_basis *set, size_
     return outside / energy;
 }
 
-/* The compressed snapshots of two trajectories have the SVD of all their steps in one piece. */
+/* The compressed snapshots of two trajectories have the same SVD as all their steps in one
+ * piece. */
 static void compression_is_the_svd_of_all_steps(void **state) {
     (void)state;
     training_set set;

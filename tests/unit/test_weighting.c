@@ -38,7 +38,7 @@ static void all_rows_weigh_one(void **state) {
         check_close(factors[r], 1, 1e-6, 0);
 }
 
-/* With one of each pair of equal rows, sum w q q^T = 1 to the tolerance of the solution. */
+/* With one row of each pair of equal rows, sum w q q^T = 1 to the tolerance of the solution. */
 static void half_of_the_rows_stand_for_all(void **state) {
     double sampled[NUM_PAIRS * NUM_MODES], factors[NUM_PAIRS];
     size_t rows[NUM_PAIRS];

@@ -13,7 +13,7 @@ enum { TRAINED_STATES = 12 };
 
 typedef struct trained {
     snapshot_set set;             // exits and fields as read by podbuild
-    const reduced_states *states; // of the set; without coordinates but the rigid approach
+    const reduced_states *states; // of the set; the rigid approach is the only coordinate
     double *pressure;             // [TRAINED_STATES, num_nodes]
     ehd_contact contacts[TRAINED_STATES];
     double *film; // [TRAINED_STATES, num_nodes]
