@@ -11,8 +11,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-/* Fills the snapshots with a hump that travels back and forth over twenty periods, in each with
- * another width. */
+/* Fills the snapshots with a hump that travels back and forth over twenty periods. Its width
+ * differs in each period. */
 static void fill(double *snapshots, size_t num_snapshots, size_t num_nodes) {
     for (size_t s = 0; s < num_snapshots; s++) {
         const double time = 20.0 * (double)s / (double)num_snapshots;

@@ -16,7 +16,7 @@ static const double LEAST_RATIO = 10, MOST_EXPONENT = 1.3;
 
 // ---- n = 3001 against the dense Newton
 
-/* Runs Newton from a copy of `start`; returns its seconds. */
+/* Runs Newton from a copy of `start`; returns its time in seconds. */
 static double time_newton(full_info *info, full_state *work, const full_state *start,
                           full_solver *solver, const ehd_contact *contact) {
     ehd_error error;
@@ -106,7 +106,7 @@ int main(int argc, char **argv) {
 
     if (repeats == 0) abort();
     openblas_set_num_threads(1);
-    int slow = bench_growth(repeats); // first: its children start from a small process
+    int slow = bench_growth(repeats); // first, so that children are forked from a small process
     slow |= bench_dense(repeats);
     return slow;
 }

@@ -26,7 +26,7 @@ typedef struct large_task {
 
 typedef struct large_record {
     size_t across, lines, nodes, newton, gmres;
-    double seconds, bytes; // processor time of all threads, s; memory that full_solver_bytes states
+    double seconds, bytes; // processor time of all threads, s; memory stated by full_solver_bytes
     double elapsed;
     contact_scalars scalars;
 } large_record;
@@ -35,7 +35,8 @@ static double processor_seconds(void) {
     return (double)clock() / CLOCKS_PER_SEC;
 }
 
-/* Prints each iteration, also of coarser grids, if the environment variable LARGE_VERBOSE is set. */
+/* Prints each iteration, including those on coarser grids, if the environment variable
+ * LARGE_VERBOSE is set. */
 static void show(void *context, const ehd_grid *grid, size_t iteration, double residual) {
     (void)context;
     printf("    %zu by %zu, iteration %zu, residual %.2e, after %.2f s\n", grid->inner_x,

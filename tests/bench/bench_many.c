@@ -24,8 +24,9 @@ static const double STEP = 0.005, SWING = 0.1;
 static const double GOAL = 1.9;
 /* Least ratio of processor time to elapsed time on an idle machine. */
 static const double IDLE = 0.98;
-/* How often threads may give up their processor voluntarily; at the end one waits for the other. A
- * lock around each step makes it 5 and more, though mostly the same thread takes the lock again. */
+/* How often threads may give up their processor voluntarily; at the end one thread waits for the
+ * other. With a lock around each step this happens 5 times or more, although mostly the same thread
+ * takes the lock again. */
 static const long MOST_WAITS = 2;
 enum { MOST_CONTACTS = 64 };
 

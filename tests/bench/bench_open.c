@@ -16,7 +16,7 @@
 #include <time.h>
 
 enum { REPEATS = 31 };
-static const double GOAL = 5e-3; // s
+static const double GOAL = 5e-3; // limit of the time, s
 
 static double seconds_of(clockid_t clock) {
     struct timespec now;
@@ -40,7 +40,7 @@ static double measure(const char *path, const char *checksum) {
     struct stat file;
 
     setenv("EHDROM_DIGEST", checksum, 1);
-    ehdrom_model_close(must_open(path)); // brings the file into memory
+    ehdrom_model_close(must_open(path)); // brings the file into the file cache
     for (int i = 0; i < REPEATS; i++) {
         const double started = seconds_of(CLOCK_MONOTONIC);
         const double before = seconds_of(CLOCK_PROCESS_CPUTIME_ID);

@@ -30,8 +30,8 @@ static int compare(const void *a, const void *b) {
 
 /* Measurements of all scenes. */
 typedef struct samples {
-    double solve[MOST_SCENES], start[MOST_SCENES], deviation[MOST_SCENES]; // s, s, 1
-    double iterations, seconds;                                            // sums
+    double solve[MOST_SCENES], start[MOST_SCENES], deviation[MOST_SCENES]; // s, s, dimensionless
+    double iterations, seconds;                                            // sums over all scenes
     size_t count, num_failed;
 } samples;
 

@@ -10,7 +10,7 @@
 typedef struct cold_task {
     ehd_contact contact;
     full_settings settings;
-    size_t repeats; // 0: solves nothing, which measures the memory of the program itself
+    size_t repeats; // 0: solves nothing and measures the memory of the program itself
 } cold_task;
 
 typedef struct cold_record {

@@ -79,8 +79,9 @@ __attribute__((destructor)) static void log_count(void) {
     if (atomic_load(&counting)) log_line("calls", atomic_load(&num_calls), "-");
 }
 
-/* Logs the library that made the call; libc and this library are skipped as intermediate callers. Programs contain HDF5.
- * Its public functions have names there (Makefile); up to two others may stand between them and the call. */
+/* Logs the library that made the call. Calls by libc and this library are made for others and are
+ * skipped. Programs contain HDF5. Its public functions have names there (Makefile); up to two of
+ * its other functions may stand between them and the call. */
 static void log_fault(long call) {
     enum { DEPTH = 32, MOST_NAMELESS = 3 };
     void *frames[DEPTH];
@@ -125,12 +126,12 @@ void __libc_free(void *memory);
 typedef struct written_file {
     dev_t device;
     ino_t inode;
-    off_t size;  // at the last sync
+    off_t size;  // size at the last sync
     int file;    // descriptor that belongs to this record
-    bool longer; // data behind `size` have reached the disk
+    bool longer; // data behind `size` are on the disk
 } written_file;
 
-/* Earlier content of a part of a page that was written. */
+/* Earlier content of a written part of a page. */
 typedef struct change {
     struct change *before;
     written_file *of; // NULL: synced
@@ -207,8 +208,8 @@ static bool toss(void) {
     return state >> 63;
 }
 
-/* Decides whether a write has reached the disk: yes if a later write to the same page has, else at
- * random. */
+/* Decides whether a write has reached the disk. It has if a later write to the same page has;
+ * otherwise the decision is random. */
 static bool is_kept(const change *one) {
     for (const change *later = changes; later != one; later = later->before)
         if (later->kept && later->of == one->of && later->at / PAGE == one->at / PAGE) return true;

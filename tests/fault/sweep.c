@@ -34,7 +34,7 @@
 #include <time.h>
 #include <unistd.h>
 
-enum { LIMIT = 60, MAX_ARGUMENTS = 64, TEXT = 4096 }; // LIMIT in s, long enough for a busy machine
+enum { LIMIT = 60, MAX_ARGUMENTS = 64, TEXT = 4096 }; // LIMIT in s, enough on a busy machine
 
 static const char *kind, *how, *output, *inject;
 static bool is_hdf5; // whether the output is HDF5; other files are compared byte by byte
@@ -44,7 +44,7 @@ static char reference[TEXT], partial[TEXT], finishing[TEXT], saved[TEXT], draft[
 
 static const struct {
     const char *kind;
-    int codes[4]; // exit codes of a run that fails by such a fault, then 0
+    int codes[4]; // exit codes of a run that fails by the fault, then 0
 } expected[] = {{"memory", {71}}, {"open", {66, 73, 74}}, {"read", {74}},       {"write", {73, 74}},
                 {"sync", {74}},   {"close", {74}},        {"rename", {73, 74}}, {"map", {74}}};
 
@@ -117,8 +117,8 @@ static void read_log(outcome *result) {
     }
 }
 
-/* Runs the command with the fault at `call`. 0: counts calls without a fault; -1: without the
- * library. */
+/* Runs the command with the fault at `call`. If `call` is 0, calls are counted without a fault; if
+ * it is -1, the library is left out. */
 static outcome run(char **arguments, long call) {
     outcome result = {0};
     const int log = open("sweep.log", O_WRONLY | O_CREAT | O_TRUNC, 0666);
@@ -143,7 +143,7 @@ typedef struct comparison {
     const char *differs;
 } comparison;
 
-/* Checks whether the dataset depends on the real clock. */
+/* Checks whether the content of a dataset depends on the real clock. */
 static bool is_by_the_clock(const char *name) {
     static const char *const names[] = {"restart",          "restart_entries",
                                         "position_seconds", "position_step_seconds",
@@ -168,8 +168,8 @@ static void *read_dataset(size_t *bytes, hid_t file, const char *name) {
     return data;
 }
 
-/* Compares and closes two property lists: fill value, filters, chunks and allocation time of a
- * dataset, paging of a file. */
+/* Compares two property lists and closes them. They hold fill value, filters, chunks and allocation
+ * time of a dataset, or the paging of a file. */
 static bool same_properties(hid_t left, hid_t right) {
     const bool same = H5Pequal(left, right) > 0;
     H5Pclose(left);
@@ -279,7 +279,7 @@ static const char *fault_of_end(const outcome *found, const outcome *without) {
     if (found->hung) return "it hangs";
     if (WIFSIGNALED(found->status))
         return deadly && WTERMSIG(found->status) == SIGKILL ? NULL : "it crashed";
-    // a failing rename or unlink may leave it
+    // a failing rename or unlink may leave the draft
     if (exists(draft) && strcmp(kind, "rename") != 0) return "left a draft";
     if (found->status == without->status && strcmp(found->text, without->text) == 0)
         return exists(output) ? NULL : "no output";
@@ -290,7 +290,7 @@ static const char *fault_of_end(const outcome *found, const outcome *without) {
     return exists(output) ? "it failed, but its output is there" : NULL;
 }
 
-/* Starts the command again if it left a partial file; returns NULL if its data are then those of a
+/* If the command left a partial file, starts it again. Returns NULL if its data are then those of a
  * run without a fault. */
 static const char *fault_of_recovery(const outcome *without) {
     const bool was_there = exists(output), left = exists(partial) || exists(finishing);
@@ -327,7 +327,8 @@ static void clean(void) {
     unlink(draft);
 }
 
-/* Sets the time of the file to 1970, so that the file seems written before the machine was started. */
+/* Sets the time of a file to 1970, so that it seems to be written before the machine was
+ * started. */
 static void let_be_of_long_ago(const char *path) {
     const struct timespec times[2] = {{.tv_sec = 0}, {.tv_sec = 0}};
     utimensat(AT_FDCWD, path, times, 0);
@@ -341,7 +342,8 @@ static void name_files(void) {
     snprintf(draft, sizeof draft, "%s.unchecked", output);
 }
 
-/* Kills runs and their continuations until `kills` is reached; returns whether one was wrong. */
+/* Kills runs and their continuations until there were `kills` kills; returns whether a run was
+ * wrong. */
 static int kill_often(long kills, const outcome *without) {
     long num_kills = 0, num_runs = 0, num_wrong = 0;
 
@@ -411,7 +413,7 @@ int main(int argc, char **argv) {
     for (long call = 1; call <= without.num_calls; call += every) {
         clean();
         const outcome found = run(command, call);
-        if (!found.hit) break; // fewer calls than without the fault
+        if (!found.hit) break; // this run has fewer calls than the run without the fault
         if (strcmp(how, "power") == 0) let_be_of_long_ago(partial);
         const char *end = fault_of_end(&found, &without), *after = fault_of_recovery(&without);
         const bool foreign = strcmp(kind, "memory") == 0 && end && !after &&

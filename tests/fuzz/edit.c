@@ -39,7 +39,7 @@ static hid_t open_dataset(const edited *self, const char *name) {
 typedef struct dataset {
     int rank;
     hsize_t lengths[H5S_MAX_RANK];
-    hsize_t count;   // number of all values
+    hsize_t count;   // number of values
     double *numbers; // [count]; NULL: not numeric, or more than MAX_KEPT
 } dataset;
 
@@ -97,8 +97,7 @@ static void take_away(const edited *self, const char *name) {
         H5Ldelete(self->file, name, H5P_DEFAULT);
 }
 
-/* Attaches or detaches the scales of all pairs of a field and an axis in which `name` is one of
- * both. */
+/* Attaches or detaches the scales of all pairs of a field and an axis to which `name` belongs. */
 static void set_scales(const edited *self, const char *name, bool attach) {
     const artefact_field *field = self->schema ? self->schema->fields : NULL;
     for (; field && field->name; field++) {
@@ -143,7 +142,7 @@ static void write_again(hid_t id, hid_t type, hsize_t count, const dataset *old)
     free(numbers);
 }
 
-/* Creates the dataset anew with its old values. Negative `type`: as before; negative `creation`:
+/* Creates the dataset anew with its old values. Negative `type`: the old type; negative `creation`:
  * chunked. */
 static void remake(const edited *self, const char *name, int rank, const hsize_t *lengths,
                    const hsize_t *max_lengths, hid_t type, hid_t creation) {
@@ -336,7 +335,7 @@ static void edit_layout(const edited *self) {
     for (int i = 0; i < found.rank; i++)
         unlimited[i] = H5S_UNLIMITED;
     const hid_t creation = make_layout(self->words[2], &found);
-    // layouts that are stored at once must not fill the memory
+    // layouts that allocate all data at once must not fill the memory
     if (found.count <= MAX_KEPT)
         remake(self, self->words[1], found.rank, found.lengths,
                is(self->words[2], "growing") ? unlimited : NULL, -1, creation);
@@ -505,8 +504,8 @@ static _Noreturn void edit_on_order(int from) {
     _exit(0);
 }
 
-/* Starts a process that makes edits until it dies or this one ends; returns the socket to it. One
- * process for all edits takes 2 ms an edit under the address sanitizer; a process for each edit
+/* Starts a process that makes edits until it dies or this process ends; returns the socket to it.
+ * One process for all edits takes 2 ms an edit under the address sanitizer. A process for each edit
  * would take 20 ms. */
 static int start_editor(pid_t *editor) {
     int ends[2];

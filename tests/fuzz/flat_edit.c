@@ -21,7 +21,7 @@ typedef struct edited {
     block blocks[MAX_BLOCKS];
     size_t num_blocks, cut;
     bool header_given;
-    char *words[4]; // missing ones are ""
+    char *words[4]; // missing words are ""
 } edited;
 
 static uint64_t word_at(const unsigned char *bytes) {
@@ -60,7 +60,7 @@ static unsigned char *read_all(const char *path, size_t *length) {
     return bytes;
 }
 
-/* Sets the data to `length` bytes that repeat the `count` given ones. */
+/* Sets the data to `length` bytes, in which the `count` given bytes are repeated. */
 static void set_data(block *self, const unsigned char *data, size_t count, size_t length) {
     self->data = calloc(padded(length) + UNIT, 1);
     if (!self->data) abort();

@@ -27,14 +27,14 @@
 #define PARTIAL FUZZ_OUTPUT ".partial"
 
 enum {
-    MAX_WAIT = 1,        // s of sleep in a run
-    MAX_SECONDS = 20,    // s of processor time; a run takes some milliseconds
+    MAX_WAIT = 1,        // limit of sleep in a run, s
+    MAX_SECONDS = 20,    // limit of processor time, s; a run takes milliseconds
     RUNS_A_PROCESS = 200 // bounds the memory that HDF5 keeps from refused files
 };
 
 typedef struct interrupted {
     const char *name;
-    const char *command; // the interrupted run; it is resumed with --resume
+    const char *command; // interrupted command; resumed with --resume
     int at;              // per cent of its writes at which it was killed
 } interrupted;
 
@@ -75,8 +75,8 @@ int nanosleep(const struct timespec *wanted, struct timespec *left) {
     return 0;
 }
 
-/* Advances the monotonic clock at each reading, so that actions by the clock, such as restart
- * slots, also happen in short runs. */
+/* Advances the monotonic clock at each reading. Actions that depend on the clock, such as restart
+ * slots, thus also happen in short runs. */
 int clock_gettime(clockid_t clock, struct timespec *now) {
     const double step = 0.2;
     static double seconds = 1;
@@ -90,7 +90,7 @@ int clock_gettime(clockid_t clock, struct timespec *now) {
 // ---- in a separate process
 
 typedef struct shared {
-    _Atomic size_t bit; // the next one
+    _Atomic size_t bit; // next bit to flip
     _Atomic long writes;
     _Atomic size_t refused, whole;
 } shared;
@@ -171,7 +171,8 @@ static int call_limited(const char *command, const char *bytes, size_t length) {
     return code;
 }
 
-/* Runs the command without --resume, which would replace the file, and a reader. */
+/* Runs the command without --resume, which would replace the file, and then a reader of the
+ * file. */
 static void meet_others(const interrupted *of, const char *bytes, size_t length) {
     call_limited(of->command, bytes, length);
     unlink(FUZZ_OUTPUT);
@@ -197,7 +198,7 @@ static void meet(const interrupted *of, const char *bytes, size_t length, const 
     }
 }
 
-/* Makes some of the flips, from told->bit on. */
+/* Makes some of the flips, starting with told->bit. */
 static _Noreturn void run_some(const interrupted *of, char *bytes, size_t length, size_t step) {
     char digest[1 << 13], command[256];
     fuzz_start(dup(STDERR_FILENO));

@@ -171,12 +171,13 @@ static const char *any_text(void) {
     return below(4) ? one_of(texts) : any_number();
 }
 
-/* Generates an edit of a flat model. Blocks are chosen by number; most blocks hold one number. */
+/* Generates an edit of a flat model. Blocks are chosen by their index; most blocks hold one
+ * number. */
 static int make_flat_line(char *line, size_t room) {
     const char *word = one_of(flat_edit_words);
     const unsigned block = below(64), index = below(2) ? below(200) : 0;
     if (below(8) == 0) return snprintf(line, room, "state %u %s\n", below(512), any_number());
-    switch (below(3) ? *word : 'p') { // p: put, w: whole
+    switch (below(3) ? *word : 'p') { // p: put; w: whole
     case 'p':
     case 'w':
         return snprintf(line, room, "%s %u %u %s\n", below(2) ? "put" : "whole", block, index,
@@ -245,7 +246,8 @@ size_t LLVMFuzzerCustomMutator(uint8_t *bytes, size_t length, size_t room, unsig
     if (length > 0 && bytes[length - 1] != '\n' && length < room) bytes[length++] = '\n';
     switch (below(8)) {
     case 0:
-        // our own file is the last one and rarely used: its attributes and scales make it several times as slow
+        // the file that our programs write is the last base and rarely used: its attributes and
+        // scales make edits several times as slow
         added = snprintf(line, sizeof line, "base %u\n",
                          below(10) ? below(MAX_BASES - 1) : MAX_BASES - 1);
         break;
@@ -256,7 +258,7 @@ size_t LLVMFuzzerCustomMutator(uint8_t *bytes, size_t length, size_t room, unsig
         added = target()->flat ? make_flat_line(line, sizeof line) : make_line(line, sizeof line);
     }
     if (added < 1 || (size_t)added >= sizeof line || (size_t)added > room - length) return length;
-    // put in front, since only the first "base" and "run" count
+    // put in front, since only the first "base" and the first "run" are used
     const bool first = line[0] == 'b' || line[0] == 'r';
     memmove(bytes + (first ? added : 0), bytes, length);
     memcpy(bytes + (first ? 0 : length), line, (size_t)added);

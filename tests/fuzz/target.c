@@ -63,7 +63,7 @@ static void forget_said(void) {
     if (ftruncate(said, 0)) abort();
 }
 
-/* Checks that every line starts with the program's name, and that a failure has a line. */
+/* Checks that every line starts with the program's name, and that a failure has printed a line. */
 static void check_said(const char *command, int code) {
     const char *text = fuzz_said();
     const size_t name = strcspn(command, " ");
@@ -125,7 +125,7 @@ int fuzz_call(const char *command) {
 static int run_command(const char *command) {
     const int code = fuzz_call(command);
     check_code(command, code);
-    // a comparison after a transient run may fail when the result is already written
+    // the comparison with --against may fail after a transient result is written
     const bool compared = strstr(command, "time.yml") && strstr(command, "--against");
     if (code >= EHD_USAGE && !compared && access(OUTPUT, F_OK) == 0)
         fuzz_complain(command, code, "an output all the same", "");
@@ -234,7 +234,7 @@ static ehd_status read_scene(const char *bytes, size_t length, ehd_error *error)
     return EHD_OK;
 }
 
-/* Reads a plan. An accepted plan must be readable again from its own text, with as many points. */
+/* Reads a plan. The text of an accepted plan must be readable and give as many points. */
 static ehd_status read_plan(const char *bytes, size_t length, ehd_error *error) {
     plan read = {0}, again = {0};
     ehd_status status = plan_read(&read, "work.yml", NULL, 0, error);
@@ -248,7 +248,8 @@ static ehd_status read_plan(const char *bytes, size_t length, ehd_error *error) 
     return status;
 }
 
-/* Reads a transient scene with a table of the load; the scene itself is read only once. */
+/* Reads a transient scene with a table of the load. The scene itself is read only at the first
+ * call. */
 static ehd_status read_history(scene *given, const char *path, ehd_error *error) {
     ehd_histories *histories = NULL;
     double values[NUM_VARY];
@@ -281,8 +282,8 @@ static ehd_status read_rows(ehd_error *error) {
     return status;
 }
 
-/* Reads the bytes as points of a plan, if they name a setting, else as rows; then as a history. The
- * status is that of the history. */
+/* Reads the bytes as a table: as points of a plan if they name a setting, else as rows. Then reads
+ * them as a history and returns the status of that. */
 static ehd_status read_csv(const char *bytes, size_t length, ehd_error *error) {
     static scene given;
     plan points = {0};
@@ -423,7 +424,7 @@ static void write_bytes(const char *path, const void *bytes, size_t length) {
     close(file);
 }
 
-/* Writes a copy of a valid file, which is read only once. */
+/* Writes a copy of a valid file. The valid file is read only once. */
 static void copy_base(const char *base, const char *path) {
     enum { MAX_KNOWN = 32 };
     static struct {
@@ -460,13 +461,13 @@ static int run_reader(const fuzz_target *target, const char *text, size_t length
 int fuzz_run(const fuzz_target *target, const uint8_t *bytes, size_t length) {
     const size_t num_bases = count_of(target->bases, MAX_BASES);
     const size_t num_commands = count_of(target->commands, MAX_COMMANDS);
-    char *text = strndup((const char *)bytes, length); // up to a zero byte; used for edits
+    char *text = strndup((const char *)bytes, length); // the edits, up to a zero byte
     int code = 0;
     bool edited = true;
     if (!text) abort();
     if (num_bases > 0) {
         copy_base(target->bases[choice(text, "base", num_bases, 0)], target->file);
-        // edits of a flat model do not update its checksum, so it is not checked
+        // edits of a flat model do not update its checksum, so the checksum is not checked
         if (target->flat) setenv("EHDROM_DIGEST", "no", 1);
         if (target->flat)
             flat_edit_file(target->file, text, strlen(text));

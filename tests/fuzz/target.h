@@ -9,18 +9,19 @@
 #include <stdint.h>
 
 enum { MAX_BASES = 4, MAX_COMMANDS = 12 };
-#define FUZZ_OUTPUT "out.h5" // the output of all commands
+#define FUZZ_OUTPUT "out.h5" // output of all commands
 
 typedef struct fuzz_target {
     const char *name;
-    // the bytes are the file itself, or edits (edit.h, flat_edit.h) of a valid one after lines "base N" and "run N"
+    // The bytes are the file itself, or edits (edit.h, flat_edit.h) of a valid file after lines
+    // "base N" and "run N".
     const char *file;              // name of the file, such as "work.h5"; NULL: no file
     const char *bases[MAX_BASES];  // valid files to edit; NULL: the bytes are the file
     const artefact_schema *schema; // schema of the bases; NULL: none
     bool flat;                     // the bases are flat models, edited by flat_edit.h
-    // "run N" chooses one; by default the second, or the only one
+    // "run N" chooses a command; the default is the second one, or the only one
     const char *commands[MAX_COMMANDS];
-    // instead of commands: reads the bytes and returns a status
+    // replaces the commands: reads the bytes and returns a status
     ehd_status (*read)(const char *bytes, size_t length, ehd_error *error);
 } fuzz_target;
 
@@ -31,7 +32,7 @@ const fuzz_target *fuzz_find(const char *name);
 
 /* Prepares fuzz_run. Call it once, in a folder with the valid files (with-bases.sh). From then on
  * standard output and error belong to the programs. Complaints of fuzz_run and reports of
- * sanitizers go to `standard_error`, a duplicate of the original one. */
+ * sanitizers go to `standard_error`, a duplicate of the first one. */
 void fuzz_start(int standard_error);
 
 /* Runs a target. Returns the exit code of the command that "run N" chooses, or the status of

@@ -114,7 +114,7 @@ static void *symbol(const char *name) {
 }
 #define CALL2(name, ...) (((__typeof__(fmi2##name) *)symbol(#name))(__VA_ARGS__))
 #define CALL3(name, ...) (((__typeof__(fmi3##name) *)symbol(#name))(__VA_ARGS__))
-/* Calls a function whose name and arguments are alike in both versions. */
+/* Calls a function that has the same name and arguments in both versions. */
 #define CALL(name, ...)                                                                            \
     (version == 2 ? (int)CALL2(name, __VA_ARGS__) : (int)CALL3(name, __VA_ARGS__))
 
@@ -276,7 +276,7 @@ static void save(const char *path) {
     EXPECT(version == 2 ? CALL2(SerializeFMUstate, instance, state, bytes, size - 1) == fmi2Error
                         : CALL3(SerializeFMUState, instance, state, (uint8_t *)bytes, size - 1) ==
                               fmi3Error);
-    // gets the state again, into the same memory
+    // overwrites the same memory with the state again
     EXPECT(version == 2 ? !CALL2(GetFMUstate, instance, &state)
                         : !CALL3(GetFMUState, instance, &state));
     EXPECT(version == 2 ? !CALL2(SerializedFMUstateSize, instance, state, &size_again)
@@ -345,8 +345,8 @@ static void restore(char **argv) {
     finish();
 }
 
-/* A step much longer than the one before is divided into internal steps. Its result equals that of
- * the same steps requested one by one. */
+/* A step that is much longer than the previous one is divided into internal steps. Its result
+ * equals that of the same steps, requested one by one. */
 static void parts(void) {
     static const double ends[] = {0, 2e-6, 4e-6, 8e-6};
     double film = 0;
@@ -406,7 +406,7 @@ static void calls_of_3(void) {
                   NULL, NULL, NULL));
     EXPECT(!CALL3(InstantiateCoSimulation, "one", token, folder, 0, 0, true, false, NULL, 0,
                   &num_errors, show3, NULL));
-    EXPECT(num_errors == 4); // with that of `calls`
+    EXPECT(num_errors == 4); // the fourth error is that of `calls`
     EXPECT(CALL3(SetInt32, instance, NULL, 0, NULL, 0) == fmi3OK);
     EXPECT(CALL3(SetBoolean, instance, NULL, 0, NULL, 0) == fmi3OK);
     const unsigned reference = 0;
@@ -438,14 +438,15 @@ static void calls(char **names, int count) {
     EXPECT(step(1, 1e-6) == 3 && step(0, -1e-6) == 3 && step(0, INFINITY) == 3);
     EXPECT(step(0, 1e-6) == 0 && get(find("time", NULL)) == 1e-6);
     EXPECT(output("internal_steps") == 1);
-    // a step a thousand times as long is divided into several, each at most twice as long as the one before
+    // a step that is a thousand times as long is divided into several, each at most twice as long
+    // as the previous one
     EXPECT(step(1e-6, 1e-3) == 0 && output("internal_steps") > 9);
     EXPECT(CALL(Terminate, instance) == 0 && step(1.001e-3, 1e-6) == 3);
     EXPECT(CALL(Reset, instance) == 0);
     EXPECT(get(find("time", NULL)) == 0);
     EXPECT(enter(0, 1e-5) == 0 && CALL(ExitInitializationMode, instance) == 0);
     EXPECT(output("half_width") == hard && step(0, 1e-4) == 3 && step(0, 1e-5) == 0);
-    // FMI's tolerance
+    // with FMI's tolerance
     EXPECT(CALL(Reset, instance) == 0);
     EXPECT(enter(1e-6, 0) == 0 && CALL(ExitInitializationMode, instance) == 0);
     EXPECT(get(find("step_accuracy", NULL)) == 1e-6);
@@ -465,8 +466,8 @@ static int directional(const variable *of, const variable *by, double *found) {
                                      &by->reference, 1, &one, 1, found, 1);
 }
 
-/* Returns the central difference of an output over an input, by two steps from the saved state
- * `before`. */
+/* Returns the central difference of an output over an input. The two steps start from the saved
+ * state `before`. */
 static double difference(void *before, const variable *of, const variable *by, double time,
                          double length) {
     const double value = get(by), small = 2e-3 * value;
@@ -514,7 +515,7 @@ static void derivatives(void) {
             EXPECT(found == again && output("central_film_thickness") == film);
             const double expected = difference(before, of, by, duration, length);
             printf("d %s / d %s = %.10g, differences %.10g\n", of->name, by->name, found, expected);
-            // the FMU's derivative of friction is a difference too, with another increment
+            // the FMU's derivative of friction is also a difference, with another increment
             const double both = k == MOST_OUTPUTS - 1 ? 5e-2 : 0;
             EXPECT(fabs(found - expected) <=
                    (near[i] + both) * fabs(expected) + 1e-4 * fabs(get(of) / get(by)));
@@ -541,7 +542,7 @@ static void far(void) {
             EXPECT(set(given_name, given_at(0.01 * i)) == 0 && step(i * 1e-6, 1e-6) == 0);
         for (int i = 0; with && i < NUM_TRIES; i++) {
             const double before = output("peak_pressure");
-            const bool by_speed = i == 1; // the others: a contact that no step can reach
+            const bool by_speed = i == 1; // otherwise the contact is one that no step can reach
             EXPECT(set("surface_speed_1", by_speed ? -100 : speed_start) == 0);
             const double far_off = strcmp(given_name, "load") == 0 ? 1e6 : -1e6;
             EXPECT(set(given_name, by_speed ? given_start : far_off * fabs(given_start)) == 0);
@@ -563,8 +564,8 @@ static void far(void) {
     finish();
 }
 
-/* FMI's tolerance: an error that no step length reduces is accepted, and the number of internal
- * steps is bounded. */
+/* If no step length reduces the error to FMI's tolerance, the error is accepted, and the number of
+ * internal steps is bounded. */
 static void tolerances(void) {
     static const double all[] = {1e-4, 1e-5, 1e-6, 1e-7, 1e-9};
     enum { NUM_STEPS = 20, MOST_PARTS = 600 };
@@ -593,8 +594,8 @@ static void tolerances(void) {
     finish();
 }
 
-/* Moves the bodies out of contact and back three times. The force is zero while they are apart, and
- * never negative. */
+/* Moves the bodies out of contact and back three times. While they are apart the force is zero; it
+ * is never negative. */
 static void apart(void) {
     enum { NUM_STEPS = 150, PERIOD = 50 };
     size_t num_lost = 0, num_found = 0;
@@ -686,7 +687,7 @@ static void by_library(int argc, char **argv) {
                result.indicated_deviation_minimum, result.local_error, (double)result.trusted,
                (double)result.iterations, i > 0 ? 1. : 0., response.stiffness, response.damping,
                response.damping_bound);
-        // traction of the accepted state; the FMU returns that of the step
+        // traction of the accepted state; the FMU returns the traction of the step
         EXPECT(argc <= 7 || !ehdrom_slide(contact, i > 0 ? (v + 0.25) - (v - 0.25) : 0, &traction));
         if (argc > 7)
             printf(" friction_force=%a friction_coefficient=%a power_loss=%a rolling_resistance=%a "

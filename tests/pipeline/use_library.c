@@ -96,7 +96,7 @@ static double largest(ehdrom_contact *contact, const ehdrom_model *model, double
     CHECK(!ehdrom_fields(contact, pressure, NULL));
     CHECK(!ehdrom_axes(contact, x, NULL));
     CHECK(!ehdrom_nodes(contact, &num_x, &num_y) && num_y == info.num_y);
-    // a part with a grid of its own has fewer nodes; the rest of the arrays is NaN
+    // a part of the model with a grid of its own has fewer nodes; the rest of the arrays is NaN
     for (size_t k = 0; k < count; k++) {
         CHECK(isnan(pressure[k]) == (k >= num_x * num_y) && isnan(film[k]) == isnan(pressure[k]));
         if (pressure[k] > most) most = pressure[k];
@@ -136,7 +136,7 @@ static int near(double found, double expected) {
     return fabs(found / expected - 1) < 1e-12;
 }
 
-/* Checks that a result in SI is the dimensionless one times the scales, to the last bit. */
+/* Checks that a result in SI is the dimensionless result times the scales, to the last bit. */
 static int same_by(const ehdrom_scales *scales, const ehdrom_result *si,
                    const ehdrom_result *pure) {
     return si->central_film_thickness == pure->central_film_thickness * scales->film &&
@@ -181,7 +181,7 @@ static void units(char **argv) {
     CHECK(taken(ehdrom_step(si, &conditions, step, &found), si) != EHDROM_NOT_CONVERGED);
     CHECK(taken(ehdrom_step(pure, &relative, step / scales.time, &expected), pure) == found.status);
     CHECK(same_by(&scales, &found, &expected));
-    // only as accurate as the selected equations of a small model
+    // the accuracy is that of the selected equations of a small model
     CHECK(found.time == step && fabs(found.load / conditions.load - 1) < 1e-3);
     // a step with the approach, in m
     conditions.given = relative.given = EHDROM_APPROACH;
@@ -262,7 +262,8 @@ static void march(char **argv) {
         if (i == num) CHECK(!ehdrom_state_save(contact, saved, count));
         CHECK(!ehdrom_accept(contact));
     }
-    // another contact continues from the state before the last step, with equal results to the last bit
+    // another contact continues from the state before the last step; its results are equal to the
+    // last bit
     CHECK(ehdrom_state_restore(other, saved, count - 1) == EHDROM_DATA);
     CHECK(!ehdrom_state_restore(other, saved, count));
     CHECK(taken(ehdrom_step(other, &conditions, step, &again), other) != EHDROM_NOT_CONVERGED);
@@ -278,7 +279,7 @@ static void march(char **argv) {
     CHECK(!EHDROM_FAILED(ehdrom_step_many(both, same, step, results, 2)));
     CHECK(results[0].time > result.time && results[0].time == results[1].time);
     CHECK(results[0].minimum_film_thickness == results[1].minimum_film_thickness);
-    // a failed contact has its status in its result; the other values stay
+    // the result of a failed contact has its status; its other values do not change
     const ehdrom_conditions one_is_wrong[2] = {{sizeof conditions, 1024, 0, 0, 0, 0, 0},
                                                conditions};
     const double before = results[0].load;
@@ -288,7 +289,7 @@ static void march(char **argv) {
     CHECK(!EHDROM_FAILED(results[1].status) && *ehdrom_contact_error(contact));
     results[1].size = 0;
     CHECK(ehdrom_step_many(both, NULL, step, results, 2) == EHDROM_DATA);
-    // a shorter struct of an older caller: members that it lacks cannot be given
+    // a shorter struct of an older caller: the caller cannot give the members that it lacks
     ehdrom_conditions shorter = {offsetof(ehdrom_conditions, speed), EHDROM_LOAD, 0, 0, 1, 1, 1};
     shorter.load = conditions.load;
     CHECK(!EHDROM_FAILED(ehdrom_step(contact, &shorter, step, &again)));
@@ -298,7 +299,8 @@ static void march(char **argv) {
     CHECK(most == largest(other, model, &first_x));
     show_result(&result);
     show("largest", most);
-    // a restored state is independent of other steps meanwhile, and of settings that changed and changed back
+    // a restored state does not depend on steps made meanwhile, nor on settings that were changed
+    // and changed back
     for (int i = 0; i < 3; i++) {
         if (i == 1) CHECK(!ehdrom_contact_set_number(contact, "moes.M", 12));
         if (i == 2) {
@@ -468,8 +470,8 @@ static double jump(ehdrom_contact *contact, double step) {
     return result.central_film_thickness;
 }
 
-/* A contact that rests in its state has a history that only sets the order of the next step. A step
- * after a restart therefore equals the first step. */
+/* The history of a contact that rests in its state only sets the order of the next step. So a step
+ * after a restart equals the first step. */
 static void restart(char **argv) {
     ehdrom_model *model = open_model(argv[2]);
     ehdrom_contact *contact = new_contact(model, argv[3]);
@@ -565,7 +567,7 @@ static void wrong(char **argv) {
     CHECK(!ehdrom_contact_set_accuracy(contact, 0.01));
     CHECK(ehdrom_solve(contact, &result) == EHDROM_UNTRUSTED && !result.trusted);
     printf("%s\n", ehdrom_contact_error(contact));
-    // the wrong kind of contact is reported first, before a grid with millions of nodes is made
+    // a wrong kind of contact is reported before a grid with millions of nodes is made
     CHECK(!ehdrom_contact_set(contact, "contact", "point"));
     CHECK(!ehdrom_contact_set(contact, "grid.step", "0.001"));
     CHECK(ehdrom_solve(contact, &result) == EHDROM_DATA);
@@ -636,7 +638,7 @@ static void sizes(char **argv) {
     CHECK(!ehdrom_start(contacts[0], &conditions, &result));
     CHECK(!ehdrom_start(contacts[1], &of_newer[0].known, &newer[0].known));
     CHECK(same_as(&newer[0], &result));
-    // in arrays, the distance of the entries is the size of the caller's structs
+    // in arrays, entries are as far apart as the size of the caller's structs
     CHECK(!ehdrom_start(contacts[0], NULL, &result) && !ehdrom_start(contacts[1], NULL, &result));
     of_newer[1].known.load = conditions.load = 1.02;
     // the model was trained on stationary states, so no step is trusted
@@ -731,7 +733,7 @@ typedef struct worker {
     ehdrom_result steps[10][2];
 } worker;
 
-/* Makes steps of two contacts at a time, while other threads do so with theirs. */
+/* Makes steps of two contacts in one call, while other threads do the same with their contacts. */
 static void step_together(worker *self) {
     ehdrom_contact *contacts[2] = {new_contact(self->model, self->scene),
                                    new_contact(self->model, self->scene)};
@@ -762,7 +764,7 @@ static void step_together(worker *self) {
 
 static void *work(void *argument) {
     worker *self = (worker *)argument;
-    ehdrom_model *own = open_model(self->path); // opened in several threads at once
+    ehdrom_model *own = open_model(self->path); // several threads open the model at once
     ehdrom_contact *contact = new_contact(self->model, self->scene);
 
     CHECK(!ehdrom_contact_set_units(contact, EHDROM_DIMENSIONLESS));
@@ -794,7 +796,7 @@ static void take_signals(struct signals *self) {
         self->known[i] = !sigaction(i, NULL, &self->action[i]);
         num_known += self->known[i];
     }
-    CHECK(num_known > 60); // two are reserved by glibc
+    CHECK(num_known > 60); // glibc reserves two of them
     CHECK(!pthread_sigmask(SIG_SETMASK, NULL, &self->held));
 }
 
