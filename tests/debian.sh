@@ -17,7 +17,7 @@ mirror=${MIRROR:-$(apt-get indextargets --format '$(REPO_URI)' 'Origin: Debian' 
 root=$(mktemp -d "${TMPDIR:-/tmp}/debian-$suite.XXXXXX")
 command=
 trap 'rm -rf --one-file-system "$root" "$root.log"' EXIT
-# bash looks at signals while it waits, and --kill-child ends what is in the namespace
+# bash handles signals while it waits, and --kill-child ends the processes in the namespace
 trap '[ -z "$command" ] || kill "$command"; wait; exit 130' INT TERM HUP
 
 apart() {

@@ -54,7 +54,7 @@ run_one() {
 
 if [[ ${1-} == --one ]]; then
     unset JOBS # of the tests, not of the pipelines that they run
-    # like options such as -k; variables such as CC stay
+    # options such as -k are not passed on either; variables such as CC are
     [[ ${MAKEFLAGS-} =~ ^[a-zA-Z]+ ]] && export MAKEFLAGS=${MAKEFLAGS#"${BASH_REMATCH[0]}"}
     run_one "$2" "$3"
     exit 0

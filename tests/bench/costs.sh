@@ -31,7 +31,7 @@ moes: {M: 120, L: 10}
 lubricant: {viscosity: {$viscosity}, density: {law: $density}}
 YML
     case $1 in
-    # films along the path would need more modes than so few steps give
+    # transport along the path would need more modes than so few steps give
     *time*) echo 'transport: upwind
 transient: {speed: {law: sine, amplitude: 0.1, period: 1}, end_time: 0.05, fixed_step: 0.005}' >>"$1.yml" ;;
     esac
@@ -40,7 +40,7 @@ stationary='base compressible roelands wlf'
 in_time='time time-compressible time-approach'
 for name in $stationary $in_time; do scene "$name"; done
 
-# the contact of `base` in SI units, as sliding needs, and a ball; their other terms are options
+# the contact of `base` in SI units, which sliding needs, and a ball; options add their other terms
 cat >si.yml <<'YML'
 contact: line
 regime: stationary
@@ -75,7 +75,7 @@ calls() {
     [ "$toggle" = - ] && toggle= || toggle=--toggle-collect=$toggle
     # shellcheck disable=SC2086
     valgrind --tool=callgrind --callgrind-out-file="$name.callgrind" $toggle "$@" >"$name.log" 2>&1 || status=$?
-    # an untrusted result (exit code 4) counts too
+    # an untrusted result (exit code 4) is accepted too
     [ $status -eq 0 ] || [ $status -eq 4 ] || { cat "$name.log" >&2; exit 1; }
     awk -f "$here/calls.awk" "$name.callgrind" >"$name.calls"
     rm "$name.callgrind"
@@ -128,7 +128,7 @@ some() {
     failed=1
 }
 
-# check_terms KIND: checks that the whole runs KIND-NAME.calls run no functions of terms that their scenes lack
+# check_terms KIND: checks that no function in KIND-NAME.calls, of a whole run, belongs to a term that its scene lacks
 check_terms() {
     local kind=$1
     none "$kind-base" '^(dowson_higginson|roelands|wlf)(_|$)'
@@ -143,7 +143,7 @@ check_terms() {
     none "$kind-time" "^($of_sliding|$of_thinning|$of_ellipses|$of_surfaces|$of_points)\$"
 }
 
-# more TEXT WITH WITHOUT: prints the additional cost of one whole program over another
+# more TEXT WITH WITHOUT: prints by how much the whole run WITH costs more than the whole run WITHOUT
 more() { awk -v what="$1" '$1 == "total" { cost[FILENAME] = $3 } END { printf "%-34s %+9.0f of %.0f\n", what, (cost[ARGV[1]] - cost[ARGV[2]]) / 1000, cost[ARGV[2]] / 1000 }' "$2.calls" "$3.calls"; }
 
 # ---- the full model
@@ -295,7 +295,7 @@ YML
 "$BIN/deimselect" -q --no-check step-r.h5 --basis step-b.h5 -o step-m.h5 --rows 64 --method exits >log
 calls inside march_run "$BIN/romrun" -q --allow-untrusted step.yml --model step-m.h5
 calls through - "$BENCH/bench_many" step-m.h5 step.yml 200 1
-# without the writing of results
+# leaves out the writing of results
 awk '{ cost[FILENAME, $1] = $3; calls[FILENAME, $1] = $2 }
      END { inside = "inside.calls"; through = "through.calls"; steps = calls[inside, "store"]
            romrun = (cost[inside, "march_run"] - cost[inside, "store"]) / steps

@@ -39,7 +39,8 @@ section "POD: pod_build against LAPACK dgesdd, 3001 x 1500 to 160 modes (goal: a
 section "compression: 10000 snapshots of 1201 nodes while they come (goal: 20 s)"
 "$BENCH/bench_compress" || failed=1
 
-# BENCH_STREAM="SNAPSHOTS NODES GIGABYTES" makes it larger; "20000 100000 3.9" needs a file of 16 GB in BENCH_FOLDER
+# BENCH_STREAM="SNAPSHOTS NODES GIGABYTES" makes the test larger; "20000 100000 3.9" needs a file of 16 GB in
+# BENCH_FOLDER
 section "POD of snapshots one after the other (goal: modes in at most 2.5 times the time of reading and a Gram matrix)"
 # shellcheck disable=SC2086
 "$BENCH/bench_stream" "${BENCH_FOLDER:-$work}/bench_stream.h5" ${BENCH_STREAM-} || failed=1
@@ -159,7 +160,7 @@ paste -s "$work/counts" | awk '{
     printf "%d against %d instructions: %+.1f %%\n", $2, $1, ($2 / $1 - 1) * 100
     exit $2 > 1.2 * $1 }' || failed=1
 
-# Transient: one trajectory, trained and run with the same fixed steps on both grids.
+# Transient: a model of one trajectory, which is trained and run with the same fixed steps on both grids.
 section "in time: instructions a step at n = 4801 against 1201, same sizes (goal: within 20 %)"
 : >"$work/counts"
 for step in 0.005 0.00125; do
@@ -176,7 +177,7 @@ YML
     chain "$work/$name.yml" 40 65 "$name"
     valgrind --tool=callgrind --callgrind-out-file="$work/callgrind" --toggle-collect=march_run \
         "$BIN/romrun" -q --allow-untrusted "$work/$name.yml" --model "$work/$name-model.h5" >"$work/log" 2>"$work/$name-valgrind"
-    # without the writing of results, whose share grows on a slow machine
+    # leaves out the writing of results, whose share grows on a slow machine
     callgrind_annotate --inclusive=yes "$work/callgrind" 2>"$work/log" | awk '{ gsub(",", "") } /:march_run \[/ { all = $1 }
         /:store \[/ { written = $1 } END { print all - written }' >>"$work/counts"
 done

@@ -129,7 +129,7 @@ load sweeps
         [ "$status" = 66 ]
         [[ $output == *"found no regular file"* ]]
     done
-    # a pipe is not written to either
+    # a pipe under the provisional name is not written to either
     ln -f pipe x.h5.partial
     run timeout -s KILL 20 fullrun scene.yml -o x.h5
     [ "$status" = 73 ]

@@ -53,7 +53,7 @@ load sweeps
     for name in fullrun romrun podbuild deimselect residuals snapgen moving flat cases cases-h5 vtk export; do
         sweep $name memory fail -e "${EVERY:-41}"
     done
-    # 30,000 to 70,000 allocations each
+    # each of these runs makes 30,000 to 70,000 allocations
     for name in checked calibrate trajectories reduced adaptive; do
         sweep $name memory fail -e "${EVERY:-199}"
     done

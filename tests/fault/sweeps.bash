@@ -63,7 +63,7 @@ run_of() {
     export) run=(romrun --export m.h5 -o x.ehdrom) ;;
     fmu) run=(romrun -q --fmu si.yml --model m.h5 -o x.fmu) ;;
     flat) run=(romrun -q scene.yml --model m.ehdrom --allow-untrusted -o x.h5) ;;
-    # the others can be resumed
+    # the runs from here on can be resumed
     cases) run=(romrun -q scene.yml --cases cases.csv -j1 --model m.h5 --allow-untrusted -o x.csv) ;;
     cases-h5) run=(romrun -q scene.yml --cases cases.csv -j1 --model m.h5 --allow-untrusted -o x.h5) ;;
     snapgen) run=(snapgen -q -j1 plan.yml -o x.h5) ;;

@@ -11,7 +11,7 @@ cd "$(dirname "$0")/../.."
 root=$PWD
 find build/cov -name '*.gcda' -delete
 mapfile -t files < <(find "$root/tests/fuzz/corpus/$target" "$root/build/found/$target" -type f 2>/dev/null)
-# files that fail count too, up to the line of the failure
+# files that fail are included, up to the line of the failure
 tests/fuzz/with-bases.sh "$root/build/cov/fuzz/replay" "$target" "${files[@]}" >/dev/null 2>&1 || true
 gcovr --root . --object-directory build/cov $(printf -- '--filter %s/ ' common fullrun snapgen podbuild deimselect romrun) --csv |
     awk -F, -v target="$target" '

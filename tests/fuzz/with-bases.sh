@@ -56,7 +56,7 @@ chain() { # NAME SCENE PODBUILD_OPTION...
     snapgen $plan -q -o s-$name.h5
     podbuild s-$name.h5 -q -o b-$name.h5 "$@"
     snapgen $plan -q --basis b-$name.h5 -o r-$name.h5
-    # the training is so thin that this warns
+    # with so few training points deimselect prints a warning
     deimselect r-$name.h5 -q --basis b-$name.h5 -o m-$name.h5
 }
 {
@@ -68,7 +68,7 @@ chain() { # NAME SCENE PODBUILD_OPTION...
     romrun --export m-line.h5 --pressure-modes 9 --rows 20 -o m-small.ehdrom
     for scene in line time point; do fullrun $scene.yml -q -o f-$scene.h5; done
     snapgen small-plan.yml -q -o s-small.h5
-    # the same values as another program may write them, without our attributes; these are also faster to read
+    # the same values as another program may write them, without our attributes; such files are also faster to read
     /usr/bin/python3 - <<'PYTHON'
 import glob, h5py
 OWN = ("history", "creator", "title", "Conventions", "complete", "input_", "basis_sha256", "content_sha256")

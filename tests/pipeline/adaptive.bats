@@ -336,7 +336,7 @@ YAML
     [ "$status" -eq 0 ]
     [[ $output == *"as many modes as states; distance of a state from the span of the others "* ]]
     [[ $stderr == "podbuild: thin.h5: found a training too thin: half of its pressures are further than 0."* ]]
-    # podbuild also warns where the training comes as a part, whose states it streams
+    # podbuild also warns if the training comes as a part file, whose states it streams
     podbuild -q --compress thin.h5 -o part.h5
     run --separate-stderr podbuild -q part.h5 -o part-basis.h5
     [ "$status" -eq 0 ]

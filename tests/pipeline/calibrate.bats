@@ -107,7 +107,7 @@ PYTHON
     [[ $stderr == "romrun: --accuracy "*": $modes pressure modes, $rows rows, the fastest of "* ]]
     [ "${#stderr_lines[@]}" -eq 1 ]
     romrun scene.yml --model c.h5 --pressure-modes "$modes" --rows "$rows" -o y.h5 --quiet
-    # the fastest size depends on the machine, and the end of the iteration on --accuracy
+    # the fastest size depends on the machine, and --accuracy sets where the iteration ends
     close_to "$(number x.h5 central_film_thickness)" "$(number y.h5 central_film_thickness)" \
         "$(awk "BEGIN { print $wanted / 10 }")"
     [[ $(h5dump -a settings x.h5) == *"# $modes pressure modes, 0 deformation modes, $rows rows (0: all), accuracy "* ]]
@@ -293,7 +293,7 @@ PYTHON
     refuse 64 "--accuracy-of: found load=2, expected load=X with X above 0, at most 1" \
         romrun scene.yml --model c.h5 --accuracy-of load=2
     refuse 64 "--accuracy-of: found with --trade, expected without" romrun --trade --model c.h5 --accuracy-of load=1
-    # a model without the factor cannot keep a wanted accuracy
+    # a model without the factor cannot guarantee a requested accuracy
     cp c.h5 w.h5
     /usr/bin/python3 -c "
 import h5py
@@ -315,7 +315,7 @@ with h5py.File('w.h5', 'r+') as f: f.attrs.pop('content_sha256', None); del f['i
             'BEGIN { off = red / full - 1; exit !(indicated > (off < 0 ? -off : off) && indicated < 0.05) }'
         grep -qE "^  of others .* H_c, friction [0-9.e-]+$" printed
     done
-    # each law has an estimate of its own: with the limiting law friction depends least on the pressure
+    # each law has an estimate of its own; with the limiting law, friction depends least on the pressure
     [ "$(number red.h5 indicated_deviation_friction)" != "$(romrun sliding.yml --model c.h5 -o x.h5 --quiet && number x.h5 indicated_deviation_friction)" ]
     romrun sliding.yml --model c.h5 --quiet --accuracy-of friction=0.9
     run --separate-stderr romrun sliding.yml --model c.h5 --quiet --accuracy-of friction=1e-9 -o low.h5
@@ -328,7 +328,7 @@ with h5py.File('w.h5', 'r+') as f: f.attrs.pop('content_sha256', None); del f['i
     [ "$status" -eq 4 ]
     [[ $stderr == *"found an error estimate of "*" of the rolling resistance, more than the --accuracy-of rolling_resistance=1e-09, expected"* ]]
     romrun sliding.yml --model c.h5 | grep -qE "^  of rolling, about +the grid [0-9.e-]+ %, the inlet [0-9.e-]+ %$"
-    # the limit also holds in a table of cases, and a flat model gives the same bits
+    # the limit also holds in a table of cases; a flat model gives the same bits
     printf 'slide_roll\n0.05\n0\n' >two.csv
     run --separate-stderr romrun sliding.yml --cases two.csv --model c.h5 --accuracy-of friction=1e-9 -o two-out.csv --quiet
     [ "$status" -eq 4 ]
@@ -516,7 +516,7 @@ PYTHON
     [ "$(entry tc.h5 position_lost_trajectories -1)" = 0.0 ]
     run --separate-stderr romrun --trade --model tc.h5
     [[ ${lines[1]} == "1 trajectories: worst deviation"* ]]
-    # the size is chosen by its measurement in time, and only for scenes in time. The fastest size depends on the
+    # The size is chosen by transient measurements, and only for transient scenes. The fastest size depends on the
     # machine, and so does the deviation that it indicates for this history.
     run --separate-stderr romrun moving.yml --model tc.h5 --accuracy 0.5 -o tx.h5 --allow-untrusted
     [ "$status" -eq 0 ]
@@ -588,7 +588,7 @@ PYTHON
     run --separate-stderr romrun moving.yml --model tc.h5 $fast --accuracy 1e-12 --allow-untrusted
     [ "$status" -eq 0 ]
     [[ $stderr == "romrun: --accuracy 1e-12: 40 pressure modes, "*", the most accurate of "*"each step is judged by its own"* ]]
-    # the calibration takes this size for accurate, and it is not: the march is repeated with the most accurate size
+    # the calibration states that this size is accurate, which is wrong: the most accurate size repeats the march
     cp tc.h5 ta.h5
     /usr/bin/python3 - <<'PYTHON'
 import h5py
@@ -612,7 +612,7 @@ PYTHON
 import h5py, numpy
 numpy.testing.assert_allclose(h5py.File("again.h5")["central_film_thickness"], h5py.File("good.h5")["central_film_thickness"], rtol=1e-4)
 PYTHON
-    # the most accurate size is not to be trusted either, and the message suggests --fallback
+    # the most accurate size is not trusted here either, and the message suggests --fallback
     run --separate-stderr romrun moving.yml --model ta.h5 --set transient.load.period=0.4 --accuracy 0.02 -o x.h5
     [ "$status" -eq 4 ]
     [[ $stderr == *", again with 40 pressure modes, "*"(--fallback full has the full model solve it"* ]]

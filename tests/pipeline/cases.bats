@@ -87,7 +87,7 @@ for row, again, load in zip(rows, printed, (60e3, 62e3)):
     assert close("central_pressure [Pa]", float(row["central_pressure"]) * 2 * load / (math.pi * a))
 assert "point_load [N]" not in rows[0] and "inlet_heating_factor" not in rows[0]
 PYTHON
-    # the table has the effect of the inlet's heating on each case, as a result has
+    # like a result, the table has the effect of inlet heating on each case
     heated="--set lubricant.thermal_conductivity=0.14 --set lubricant.viscosity.temperature_coefficient=0.03"
     romrun si.yml --cases cases.csv --model c.h5 -o hot.csv --quiet --allow-untrusted $heated >/dev/null
     romrun si.yml --model c.h5 -o one.h5 --quiet --allow-untrusted $heated --set physical.load=62e3 --set physical.speed=0.21
@@ -151,7 +151,7 @@ PYTHON
     grep -q '^1000,12,1,1000,12,.*,nan,nan,nan,nan,nan,nan,' u.csv
     # a model that was never checked: each row is flagged
     judged 4 "3 not to be trusted" base.yml --cases some.csv --model m.h5 -o v.csv
-    # limits hold as for one scene
+    # the limits are the same as for one scene
     judged 4 "some.csv:2: found 0 of 3 .* 3 not to be trusted" base.yml --cases some.csv --model c.h5 -o w.csv --accuracy-of pressure=1e-12
 }
 
@@ -291,7 +291,7 @@ PYTHON
         [ ! -e "t.$kind.partial" ] && [ ! -e "t.$kind.resume" ]
     done
     romrun --check t.h5
-    # a torn row is solved again; the first bad row is counted in the whole table
+    # a row that was partly written is solved again; the first bad row is counted in the whole table
     printf 'moes.M,moes.L\n10,3\n40,3\n12,5\n40,4\n' >bad.csv
     judged 4 "bad.csv:3: .* 2 not to be trusted" base.yml --cases bad.csv --model c.h5 -o b.csv
     romrun base.yml --cases many.csv --model c.h5 -o x.csv --quiet --force >/dev/null

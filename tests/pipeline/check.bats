@@ -74,7 +74,7 @@ PYTHON
     run --separate-stderr romrun scene.yml --model n.h5 -o y.h5 --allow-untrusted
     [ "$status" -eq 0 ]
     [ "$stderr" = "romrun: n.h5: found $unchecked" ]
-    # this part of a checked model was not measured
+    # this size of a checked model was not measured
     romrun scene.yml --model m.h5 --pressure-modes 10 --rows 15 --quiet
     run --separate-stderr romrun scene.yml --model m.h5 --rows 23
     [ "$status" -eq 4 ]
@@ -99,7 +99,7 @@ with h5py.File('r.h5', 'r+') as f: del f.attrs['settings']"
     run -4 romrun scene.yml --model x.h5
     deimselect r.h5 --basis b.h5 -o y.h5 --no-check
     /usr/bin/python3 -c 'import h5py; assert "null" not in str(h5py.File("x.h5").attrs["settings"])'
-    # residuals of another grid or of a single point give a model that is not checked, too
+    # residuals of another grid or of a single point give a model that is not checked
     cp "$BATS_FILE_TMPDIR"/r.h5 .
     /usr/bin/python3 -c "
 import h5py, re
@@ -113,7 +113,7 @@ with h5py.File('r.h5', 'r+') as f: f.attrs['settings'] = f.attrs['settings'].dec
     run --separate-stderr deimselect r1.h5 --basis b1.h5 -o x.h5 --force
     [ "$status" -eq 4 ]
     [[ $stderr == *"r1.h5: found no scene of the trained range half-way between two training points"* ]]
-    # residuals of trajectories whose table is gone give a model that is not checked, too
+    # residuals of trajectories whose table is gone give a model that is not checked
     printf 'T,F\n0,1\n0.5,1.1\n1,1\n' >t.csv
     sed 's/stationary/transient/' scene.yml >moving.yml
     echo 'transient: {end_time: 0.2, load: {law: table, file: t.csv, column: F}}' >>moving.yml

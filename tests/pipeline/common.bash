@@ -4,7 +4,7 @@
 bats_require_minimum_version 1.5.0
 PATH=$BIN:$PATH
 
-# is_installed: checks whether this variant has the library for other programs; outside: skips the test if not.
+# is_installed: checks whether this variant has the library for other programs. outside: skips the test if it has not.
 is_installed() { [[ $VARIANT == release || $VARIANT == debug ]]; }
 outside() { is_installed || skip "the library is not built with sanitizers"; }
 
@@ -59,8 +59,8 @@ groups:
 YAML
 }
 
-# Makes m.h5, a model trained on that plan and two more M, never checked, and c.h5, calibrated on check.yml. check.yml
-# has four scenes between the training points. All files are in the current folder.
+# Makes m.h5 and c.h5 in the current folder. m.h5 is trained on the plan of common_setup_small and two more M, and never
+# checked. c.h5 is calibrated on check.yml, which has four scenes between the training points.
 small_model() {
     common_setup_small
     sed 's/\[8, 11, 15\]/[8, 9.5, 11, 13, 15]/' plan.yml >train.yml
@@ -198,8 +198,8 @@ with h5py.File(sys.argv[1]) as left, h5py.File(sys.argv[2]) as right:
 PYTHON
 }
 
-# number FILE NAME: prints the first entry of a dataset, or an attribute of the root. If there is none, the text that it
-# prints equals that of no other file.
+# number FILE NAME: prints the first entry of a dataset, or an attribute of the root. If there is none, it prints a text
+# that differs for each file.
 number() {
     /usr/bin/python3 - "$1" "$2" <<'PYTHON' || echo "no $2 in $1"
 import sys, h5py

@@ -115,13 +115,13 @@ CSV
     done
     run_make -q out/model.h5
     [ "$status" -eq 0 ]
-    # the plan has such a name too
+    # the plan has a name with special characters too
     sed 's/\[8, 11, 15\]/[8, 9.5, 11, 13, 15]/' plan.yml >'p $(shell touch ran);touch ran "it'\''s".yml'
     run_make models OUT=other PLAN='p $(shell touch ran);touch ran "it'\''s".yml' model.WEIGHT=row-norm
     echo "$output"
     [ "$status" -eq 0 ]
     [ -e other/model.h5 ]
-    # the folder of a user's own program has headers of such names
+    # the folder of a user's own program has headers with such names
     touch '$(shell touch ran).h' 'a;touch ran.h'
     printf '%s\n' 'include ../lib/common.mk' 'LIBRARY_PROGRAMS = x' 'include ../lib/programs.mk' >own.mk
     run_make -n -f own.mk out/x

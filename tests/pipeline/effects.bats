@@ -50,7 +50,7 @@ within() {
     for rows in published accurate; do
         fullrun scene.yml -q --set discretization=$rows --set moes.M=27 --set moes.L=8 -o full.h5 --force
         for name in "${EFFECTS[@]}"; do
-            # the training has another start and another tolerance
+            # the training has another start and another tolerance than fullrun
             close_to "$(value full.h5 "$name")" "$(snapgen --print $rows-s.h5 "$name" moes_M moes_L |
                 awk -F, '$2 == 27 && $3 == 8 { print $1 }')" 1e-4
             for file in $rows-b.h5 $rows.h5; do

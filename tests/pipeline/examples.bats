@@ -142,7 +142,7 @@ small_oscillator() {
     echo "$output"
     [ "$status" -eq 0 ]
     [[ $output =~ steps,\ [1-9][0-9]*\ repeated ]]
-    # the minimum film is indicated to be 1.4 % off, and one line reports it
+    # the estimated error of the minimum film is 1.4 %, which one line reports
     [ "$(grep -c '^roller: slice .* of the minimum film' <<<"$output")" -eq 1 ]
     [ "$(head -c 4 out/picture.png | tail -c 3)" = PNG ]
     # the roller is at rest before the joint; behind it the roller lies a micrometre higher, and swings about the load
@@ -167,7 +167,7 @@ small_oscillator() {
     roller scene.yml out/model.h5 again.csv 3 || [ $? -eq 4 ]
     cmp again.csv out/roller.csv
 
-    # Python writes the same bytes and the same message; FMUs take the same steps, and round units
+    # Python writes the same bytes and the same message; FMUs take the same steps, but round units
     make -C "$BATS_TEST_DIRNAME/../.." -s python VARIANT="$VARIANT" DEPS=no
     run_make out/python.csv "${short[@]}"
     echo "$output"

@@ -159,7 +159,7 @@ PYTHON
     refused 65 "older.ehdrom: found version 0 .*, expected 6" romrun --check older.ehdrom
     refused 65 "turned.ehdrom: found version 6 \(byte order 0x4030201\), expected 6 \(0x1020304\)" \
         romrun line.yml --model turned.ehdrom
-    # without the checksum each number that places data is replaced by others
+    # with the checksum switched off, each number that places data is replaced by other numbers
     export EHDROM_DIGEST=no
     /usr/bin/python3 - <<'PYTHON'
 import random, struct, subprocess

@@ -98,7 +98,7 @@ PYTHON
 @test "all calls of both versions, in and out of order; what is not offered is refused and told" {
     local offered='Instantiate|FreeInstance|FreeFMU|Get(TypesPlatform|Version|RealStatus|BooleanStatus|Real|Float64|Integer|Int32|Boolean|FMU.tate|DirectionalDerivative)$|Set(DebugLogging|Real|Float64|Integer|Int32|Boolean|FMU.tate)$|SetupExperiment|E(nter|xit)Initialization|Terminate|Reset|Serialize|De.erialize|DoStep'
     for fmi in 2 3; do
-        # of the declarations that macros make, too
+        # the declarations made by macros are included
         names=$(gcc -E -P "$root/romrun/fmu/fmi$fmi.h" | grep -oE "fmi$fmi[A-Z][A-Za-z0-9]* ?\(" | tr -d '( ' | sort)
         # the object has all functions of the standard, and no others
         [ "$(nm -D --defined-only 3/$object | awk '{ print $3 }' | grep "fmi$fmi" | sort)" = "$names" ]
@@ -181,7 +181,7 @@ stationary_inlet_heating_factor=0x1[^ ]*p-1\$")" -eq 40 ]
     python3 -m zipfile -e "$all/thinned.fmu" "$all/thinned"
     run ! ./use_fmu 3 "$all/thinned" run 1
     [[ $output == *"as the difference of the surfaces' speeds, expected "* ]]
-    # a scene that names no sliding has no outputs of it
+    # a scene that gives no sliding has no outputs of sliding
     shows_no 'friction\|rolling\|shear\|heating' cat 3/modelDescription.xml
 }
 

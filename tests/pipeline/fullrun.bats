@@ -325,7 +325,7 @@ PYTHON
 }
 
 @test "a grid too coarse to estimate its error is exit code 4, and has no step_effect" {
-    # with twice the step there is no solution, or another one: 6 and 36 % off
+    # with twice the step there is no solution, or a different one: its films are 6 and 36 % off
     for place in "0 0.01" "10 0.02"; do
         read -r L step <<<"$place"
         here=(scene.yml --force --set moes.M=1000 --set "moes.L=$L" --set "grid.step=$step" --set grid.x_min=-1.5)
@@ -603,7 +603,7 @@ YAML
         # reads up to the line that describes the program
         awk '/^(Usage|  or): / { if (length > 79 || NF < 4) exit 1; next } { exit !/^[A-Z].*[.]$/ }' help
     done
-    # names of a list need two spaces behind them
+    # names in a list need two spaces behind them
     deimselect --help | grep "^  quadrature  "
     podbuild --help | grep "^  row-norm  "
 }

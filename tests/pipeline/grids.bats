@@ -43,7 +43,7 @@ with h5py.File(sys.argv[1]) as file:
 PYTHON
 }
 
-# said FILE: prints the same three from the output of a program, and what chose the grid.
+# said FILE: prints these three numbers from the output of a program, and what chose the grid
 said() {
     sed -nE 's/^grid +([0-9]+).* nodes from ([^ ]+) to [^ ]+ by ([^ ,]+)(, as wide and fine as needed by )?(.*)$/\1 \2 \3 \5/p' "$1"
 }
@@ -54,7 +54,7 @@ larger() {
     awk -v a="$1" -v b="$2" 'BEGIN { exit !(a > b) }' || { echo "found $1, expected more than $2"; return 1; }
 }
 
-# deviation NAME: prints per mille, from the comparison in out.txt
+# deviation NAME: prints a deviation in per mille, from the comparison in out.txt
 deviation() {
     sed -n "s/^  $1 .* \([-+][0-9.]*\) permille/\1/p" out.txt
 }
@@ -226,7 +226,7 @@ YAML
     fullrun ball.yml -q --set grid.x_min=-2.5 --set grid.x_max=1.5 --set grid.step=0.125 --set grid.y_max=2 -o ball.h5 || [ $? -eq 4 ]
     fullrun ball.yml -q --grid-of ball.h5 -o again.h5 || [ $? -eq 4 ]
     same_data ball.h5 again.h5
-    # a grid that the scene gives has to agree
+    # a grid that the scene gives must be that of the model
     read -r _ x_min step <<<"$(grid_of m.h5)"
     fullrun scene.yml -q --grid-of m.h5 --set "grid.x_min=$x_min" --set "grid.step=$step" -o x.h5 --force
     same_data x.h5 full.h5
@@ -250,7 +250,7 @@ YAML
     larger "$(largest film)" 0
     larger 5e-5 "$(largest film)"
     larger 2e-3 "$(largest pressure)"
-    # other rows on the same nodes are named
+    # another discretisation on the same nodes is named
     fullrun scene.yml -q --set discretization=published --set "grid.x_min=$(grid_of m.h5 | cut -d' ' -f2)" \
         --set grid.step=0.02 -o published.h5
     romrun --allow-untrusted scene.yml --model m.h5 --against published.h5 >out.txt

@@ -60,9 +60,9 @@ value() {
     [ "$(grep -c '^ehdrom_' <<<"$names")" -eq "$(wc -l <<<"$names")" ]
     [ "$(nm --defined-only -g "$prefix/lib/libehdrom.a" | awk 'NF == 3 { print $3 }' | sort)" = "$names" ]
     [ "$(grep -oE '\behdrom_[a-z_]+\(' "$prefix/include/ehdrom.h" | tr -d '(' | sort -u)" = "$names" ]
-    # all macros of the header begin so too
+    # all macros of the header begin with EHDROM_
     [ -z "$(sed -n 's/^ *# *define \([A-Za-z_]*\).*/\1/p' "$prefix/include/ehdrom.h" | grep -v '^EHDROM_')" ]
-    # types, tags and enumerators of the header itself begin so too
+    # types, tags and enumerators of the header itself begin with ehdrom_ or EHDROM_
     gcc -E -x c "$prefix/include/ehdrom.h" | awk '/^# / { own = /ehdrom\.h"/; next } own' >own.h
     /usr/bin/python3 - <<'PYTHON'
 import re
@@ -255,7 +255,7 @@ YAML
         [ "$status" -eq 0 ]
         [ -z "$stderr" ]
     done
-    # the films of this model are carried along their paths
+    # this model is trained with transport along the path
     { sed 's/stationary/transient/' si.yml && cat <<'YAML'; } >moving.yml
 grid: {x_min: -4, x_max: 2, step: 0.05}
 transport: path

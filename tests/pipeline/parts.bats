@@ -238,7 +238,7 @@ PYTHON
     read -r nodes_high b <<<"$(awk '/^18-40/ { print $2, $3 }' out-lubricants/costs.txt)"
     [ "$nodes_low" -lt "$nodes_high" ] # each part has the grid that it needs
     grep -q "^list  *$((a + b)) " out-lubricants/costs.txt
-    # the list solves all scenes, and none is wrong without a flag; each part solves some
+    # the list solves all scenes, with no wrong result that is not flagged; each part solves some scenes
     table=out-lubricants/draw-1-40.txt
     low=$(awk '/^10-22/ { print $2 }' $table) high=$(awk '/^18-40/ { print $2 }' $table)
     [ "$low" -gt 5 ] && [ "$high" -gt 5 ] && [ $((low + high)) -eq 40 ]

@@ -202,7 +202,7 @@ YAML
         all=$(megabytes snapgen plan.yml $fine -o s.h5 --force --verbose --jobs $jobs)
         ((one > 3 && all >= jobs * (one - 1) && all <= jobs * (one + 1) + 3))
     done
-    # the memory does not count more jobs than points
+    # memory is counted for at most as many jobs as there are points
     [ "$(megabytes snapgen plan.yml $fine -o s.h5 --force --verbose --jobs 6)" -eq \
         "$(megabytes snapgen plan.yml $fine -o s.h5 --force --verbose --jobs 60)" ]
     [[ ${VARIANT:-} != san ]] || skip "the address sanitizer needs more than the limit"

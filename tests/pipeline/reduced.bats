@@ -212,7 +212,7 @@ without_cubature() {
     for name in friction_force mean_shear_stress largest_shear_stress rolling_moment; do
         [ "$(number flat.h5 $name)" = "$(number red.h5 $name)" ]
     done
-    # the few nodes suit any part of the model
+    # the few nodes suit every size of the model
     for part in "--rows 14" "--pressure-modes 8 --rows 13"; do
         romrun sliding.yml --model m.h5 --allow-untrusted -o red.h5 --quiet --force $part
         romrun sliding.yml --model old.h5 --allow-untrusted -o old-red.h5 --quiet --force $part
@@ -312,7 +312,7 @@ with h5py.File('other.h5', 'r+') as f: f['cubature_friction'][3] *= 2"
         romrun scene.yml --model m.h5 --rows 1000 -o x.h5
 }
 
-# Method joint is greedy: a selection of fewer rows has the first ones, with weights of their own.
+# Method joint is greedy: a selection of fewer rows is the beginning of a larger one, with weights of its own.
 # bats test_tags=slow
 @test "the first rows of a model weigh as if selected alone" {
     run --separate-stderr deimselect --no-check r.h5 --basis b.h5 -o few.h5 --rows 14
@@ -396,7 +396,7 @@ YAML
     [[ $output =~ "8 points with the projected system, "([0-9])" converged" ]]
     lost=$((8 - BASH_REMATCH[1]))
     ((lost > 0))
-    # an iterate that diverges would dominate all others, so those of failed points are left out
+    # an iterate that diverges would dominate all others, so the iterates of failed points are left out
     /usr/bin/python3 -c "
 import h5py
 assert len(set(h5py.File('fr.h5')['iteration_state'][...])) == 8 - $lost"
@@ -458,7 +458,7 @@ assert len(set(h5py.File('fr.h5')['iteration_state'][...])) == 8 - $lost"
         deimselect r.h5 --basis fb.h5 -o x.h5
     refuse 65 "found a line contact with 151 nodes .*with 121 .*as in m.h5" \
         romrun scene.yml --model m.h5 -o x.h5 --set grid.step=0.04
-    # this grid has as many nodes, elsewhere
+    # this grid has as many nodes, at other places
     refuse 65 "found a line contact with 121 nodes from -3.95 .*as in m.h5" \
         romrun scene.yml --model m.h5 -o x.h5 --set grid.x_min=-3.95 --set grid.x_max=2.05
     # far outside of the training the message has this reason, not where the iteration failed

@@ -92,7 +92,7 @@ YAML
     podbuild ws.h5 -o wb.h5 --pressure-modes 12
     snapgen plan.yml --basis wb.h5 -o wr.h5 --set grid.half=false
     deimselect --no-check wr.h5 --basis wb.h5 -o wm.h5 --rows 60 --method sopt
-    # the modes have another inner product and the rows are others, hence not all digits agree
+    # inner product and rows differ, hence not all digits agree
     romrun --allow-untrusted scene.yml --model m.h5 -o half.h5
     romrun --allow-untrusted scene.yml --model wm.h5 -o whole.h5 --set grid.half=false
     close_to "$(number whole.h5 central_film_thickness)" "$(number half.h5 central_film_thickness)" 2e-3
@@ -156,7 +156,7 @@ transient:
   end_time: 0.5
   tolerance: 2e-4
 YAML
-    # trains both on steps by error control and on fixed steps, as the model is run with both
+    # both trajectories are trained with error control and with fixed steps, as the model is run with both
     cat >plan.yml <<'YAML'
 groups:
   - {scene: scene.yml, vary: {transient.load.period: [0.8, 1.2]}}

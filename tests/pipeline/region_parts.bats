@@ -41,7 +41,7 @@ solves() {
     while read -r plan _; do
         run --separate-stderr snapgen "$plan" --adaptive --max-points 4 --start 4 -o "$plan.h5" --quiet
         [ "$status" -eq 0 ]
-        # each part has as many candidates as the whole region, within a fifth
+        # each part has as many candidates as the whole region, to a fifth
         [[ $output =~ ^"4 points of "([0-9]+)"," ]]
         ((BASH_REMATCH[1] > 96 && BASH_REMATCH[1] < 144))
     done <list.txt

@@ -191,7 +191,7 @@ print(trajectories.largest(*(results.read_trajectory(f"out/{kind}/fixed-2.h5") f
          $2 == "full" { if (NF != 10) bad = 1 }
          $2 == "model" { if (NF != 12 || !($11 > 0 && $12 > 0)) bad = 1 }
          END { exit bad || lines["0.5"] != 5 || lines["0.75"] != 5 }' out*/distances.txt
-    # the path on half the step is nearer to the extrapolation of the published rows than these rows are
+    # transport along the path with half of the step is nearer to the extrapolated published rows than these rows are
     run_make confirm "${small[@]}" CONFIRM_CASE=2
     echo "$output"
     [ "$status" -eq 0 ]

@@ -157,7 +157,7 @@ YAML
     refused 65 "where.yml: where: found all 4 points outside" snapgen where.yml -o t.h5
     [ ! -e t.h5 ]
     [ ! -e t.h5.partial ]
-    # with bounds on M, of 10 and 1000 the lower one is kept
+    # bounds on M keep 10 and leave out 1000
     sed -i 's/alpha_p_H: .*/moes_M: [5, 500]}/; s/3, 20/3, 5/' where.yml
     run -0 --separate-stderr snapgen where.yml -o m.h5
     [[ $stderr == *"2 of 4 points lie outside of the bounds"* ]]

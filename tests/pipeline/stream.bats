@@ -31,9 +31,9 @@ setup() {
     cp "$BATS_FILE_TMPDIR"/* .
 }
 
-# compare BASIS SNAPSHOTS...: checks that the basis leaves out no more energy than it states (as much, up to round-off, if
-# all snapshots are one block), and this is at most 1e-13;
-# its states are those of the snapshots, in order.
+# compare BASIS SNAPSHOTS...: checks that the basis leaves out no more energy than it states, and states at most 1e-13.
+# If all snapshots are one block, it leaves out as much as it states, up to round-off. Its states must be those of the
+# snapshots, in order.
 compare() {
     /usr/bin/python3 - "$@" <<'PY'
 import h5py, numpy, os, sys

@@ -28,7 +28,8 @@ setup() {
     cp "$BATS_FILE_TMPDIR"/* .
 }
 
-# mix FILE NOISE: writes 4000 mixtures of the iterations of r.h5 before these, with noise of this part of their norm
+# mix FILE NOISE: writes 4000 mixtures of the iterations of r.h5, with noise of this share of their norm, and then the
+# iterations
 mix() {
     /usr/bin/python3 - "$@" <<'PY'
 import h5py, numpy, shutil, sys

@@ -53,7 +53,7 @@ setup() { unset MAKEFLAGS MAKELEVEL MFLAGS V; }
     run_make stationary in-time estimates "${small[@]}"
     echo "$output"
     [ "$status" -eq 0 ]
-    # compares the rows of each pair on the same grid
+    # compares the discretisations of each pair on the same grid
     awk 'function abs(x) { return x < 0 ? -x : x }
         $1 == "line" || $1 == "point" { key = $1 $2 $3 $7; off[key, $6] = abs($8); seen[key] }
         END { for (key in seen) { n++; if (!(off[key, "accurate"] < off[key, "published"] / 3)) exit 1 } exit n != 9 }' out/stationary.txt
@@ -83,7 +83,7 @@ setup() { unset MAKEFLAGS MAKELEVEL MFLAGS V; }
     cmp out/test-3-24/plan.yml again/plan.yml
     study draw again 4 24 ../stationary-line/out-accurate/model.h5 ../stationary-line/scene.yml
     run -1 cmp -s out/test-3-24/plan.yml again/plan.yml
-    # loads and speeds lie in the region; they are drawn by turns evenly and evenly in the logarithm
+    # loads and speeds lie in the region; they are drawn in turn uniformly and uniformly in the logarithm
     study training roller roller
     study draw drawn 5 60 none roller/scene.yml region
     grep -q '^physical: {load: .*, speed: ' drawn/scene-1.yml
@@ -94,7 +94,7 @@ load, speed = (numpy.array([float(s[f"physical.{key}"]) for s in scenes]) for ke
 assert len(load) == 60 and load.min() > 50e3 and load.max() < 400e3 and speed.min() > 0.2 and speed.max() < 10
 assert 4 < numpy.median(speed[::2]) < 6.5 and 0.8 < numpy.median(speed[1::2]) < 2.5
 PYTHON
-    # a wrong result without a flag counts, however few there are
+    # every wrong result without a flag is reported, however few there are
     printf '%s\n' \
         "promise,where,whose,code,central,minimum,indicated_central,indicated_minimum,friction_coefficient,rolling_resistance,\
 fields,full_central,full_minimum,full_friction_coefficient,full_rolling_resistance" \
@@ -110,7 +110,7 @@ fields,full_central,full_minimum,full_friction_coefficient,full_rolling_resistan
     [[ $output == *"rolling resistance off by more than that, not flagged: 0 of 1; the worst 0 times"* ]]
     [[ $output == *"inside, central film: 0 of 3 below 1, least 2, median 4, 95 % 18"* ]]
     [[ $output == *"inside, minimum film: 1 of 1 below 1, least 0.5, median 0.5, 95 % 0.5"* ]]
-    # a profile shifted by less than a node counts as equal, a spike elsewhere does not
+    # a profile shifted by less than a node is accepted as equal, one with a spike elsewhere is not
     PYTHONPATH=../../lib:. /usr/bin/python3 -B -c "
 import numpy, study
 a = numpy.array([0, 1, 5, 2, 1, 0.]); b = numpy.array([0, 0.5, 4, 5, 1, 0.])

@@ -183,7 +183,7 @@ VALUES
     romrun line.yml --model newton.h5 -o large.h5 --quiet --set lubricant.shear.tau0=1e12
     romrun line.yml --model plan.h5 -o stiff.h5 --quiet --set lubricant.shear.tau0=1e12 --allow-untrusted
     romrun line.yml --model plan.h5 -o rolled.h5 --quiet --set lubricant.shear.in_film=false --allow-untrusted
-    # the limit is that of the iteration; test_reduced_solver.c checks more digits
+    # the tolerance is that of the iteration; test_reduced_solver.c checks more digits
     for name in central_film_thickness minimum_film_thickness; do
         close_to "$(number large.h5 $name)" "$(number newton-film.h5 $name)" 2e-5
         close_to "$(number stiff.h5 $name)" "$(number rolled.h5 $name)" 2e-5

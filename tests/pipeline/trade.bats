@@ -45,8 +45,8 @@ film() { /usr/bin/python3 -c 'import json, sys; print(json.load(open(sys.argv[1]
     # the deviation of the reference is 0, that of another start is round-off
     [ "$(value "full cold" "step 1 times tolerance 1e-10" 6)" = 0 ]
     awk -v a="$(value "full from reduced" "step 1 times tolerance 1e-10" 6)" 'BEGIN { exit !(a != "" && a < 1e-9) }'
-    # the reference is off the truth by the effect of its inlet, which its own estimate shows; a longer inlet is more
-    # accurate
+    # the reference deviates from the truth by the effect of its inlet, which its own estimate shows; a longer inlet is
+    # more accurate
     awk -v off="$(value "full cold" "step 1 times tolerance 1e-10" 10)" -v inlet="$(value reference inlet 6)" \
         -v longer="$(value truth "inlet 4 times" 10)" -v finer="$(value truth "step 0.25 times" 10)" \
         'BEGIN { exit !(off > 1e-3 && inlet / off > 1 && inlet / off < 1.4 && longer > 0 && longer < off / 10 && finer > off / 2) }'
@@ -121,7 +121,7 @@ inlet" ]
     [ "$(rows "full published")" -eq 2 ]
     [ "$(awk -F, '$1 == "reduced"' "$out"/trade.csv | wc -l)" -eq "$(($(sizes) + 3))" ]
     [ "$(value full "step 1 times tolerance 5e-4" 6)" = 0 ]
-    # longer steps deviate more, also from the truth
+    # longer steps deviate more, from the reference and from the truth
     awk -v fine="$(value full "step 1 times tolerance 1.5e-3" 6)" -v rough="$(value full "step 1 times tolerance 1.5e-2" 6)" \
         'BEGIN { exit !(0 < fine && fine < rough) }'
     true_of() { value full "step $1" 10; }

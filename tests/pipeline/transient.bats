@@ -96,8 +96,8 @@ with h5py.File("all.h5") as every, h5py.File("some.h5") as some, h5py.File("none
 PYTHON
 }
 
-# leads_back SCENE PROGRAM...: runs the program under the scene's load, then under the approach that this gives, and
-# checks that the second run gives the load again
+# leads_back SCENE PROGRAM...: runs the program under the scene's load, and then under the approach that results. Checks
+# that the second run gives the load again.
 leads_back() {
     "${@:2}" "$1" -o loaded.h5 --quiet --force --set approach_length=10
     /usr/bin/python3 - <<'PYTHON'
@@ -384,7 +384,7 @@ least one" ]
     }
     none snapgen lost.yml
     none snapgen lost.yml --allow-failures 10
-    # the projected system of a basis of other contacts
+    # solves the projected system of a basis of other contacts
     snapgen plan.yml -o s.h5 --quiet
     podbuild s.h5 -o b.h5
     none snapgen lost.yml --basis b.h5

@@ -35,7 +35,7 @@ slowly() {
 
 on_slurm() { make SLURM=1 "$@"; }
 
-# until_true COMMAND...: within five minutes
+# until_true COMMAND...: waits until the command succeeds, at most five minutes
 until_true() {
     local try
     for ((try = 0; try < 3000; try++)); do
@@ -46,10 +46,10 @@ until_true() {
     return 1
 }
 
-# done_in FILE: points that are solved
+# done_in FILE: prints how many points of FILE are solved
 done_in() { snapgen --print "$1" status 2>/dev/null | awk 'NR > 1 && $1 >= 0 { n++ } END { print n + 0 }'; }
 
-# program_of FILE: the process that makes this file of this test
+# program_of FILE: prints the process that makes this file of this test
 program_of() {
     local process
     for process in $(pgrep -x snapgen); do
@@ -58,10 +58,11 @@ program_of() {
     done
 }
 
-# hold FILE: what makes it solves no more, however long this test takes to look; it can be killed all the same
+# hold FILE: halts the process that makes it, so that it solves no more points while this test looks; it can still be
+# killed
 hold() { kill -STOP "$(program_of "$1")"; }
 
-# seconds of processor of tasks
+# spent STATE...: prints the processor time of tasks in seconds
 spent() { awk '{ s += $3 + $4 } END { print s }' "$@"; }
 
 @test "four tasks give the bits of one run, with as much work" {
@@ -85,7 +86,7 @@ PYTHON
     echo "# seconds of processor: $(spent array/slurm/snapshots-*.state) in four tasks with make, \
 $(awk '{ print $1 + $2 }' time.txt) with --jobs 2" >&3
 
-    # all is there: no job more, and make without Slurm sees it too
+    # nothing is left to do: no job is added, and make without Slurm runs no program
     before=$(cat array/slurm/jobs)
     run on_slurm OUT=array
     [ "$status" -eq 0 ]
@@ -113,7 +114,7 @@ $(awk '{ print $1 + $2 }' time.txt) with --jobs 2" >&3
     [[ $output =~ "snapshots-2 "\ *"running "\ *[0-9]+" of 6" ]]
     [[ $output =~ "model "\ *"pending (Dependency)" ]]
     scontrol requeue "${job}_2"
-    # killed, with nobody to write
+    # the halted task is killed, so nothing is written meanwhile
     pending() { [ "$(squeue --noheader --array --jobs="$job" --format='%K %T' | grep '^2 ')" = "2 PENDING" ]; }
     until_true pending
     before=$(done_in out/snapshots-2-of-4.h5.partial)
@@ -121,7 +122,7 @@ $(awk '{ print $1 + $2 }' time.txt) with --jobs 2" >&3
     ((before >= 2 && before < 6))
     wait $pid
     cat out/slurm/snapshots-2.log
-    # what it found, and how many it had still to do
+    # the log has the points that were found, and the number of those left to do
     grep -q "snapshots-2-of-4.h5.partial: $before of 6 points are done" out/slurm/snapshots-2.log
     grep -q "^snapgen: $((6 - before))/$((6 - before)) " out/slurm/snapshots-2.log
     [ "$(done_in out/snapshots-2-of-4.h5)" -eq 6 ]
@@ -146,7 +147,7 @@ $(awk '{ print $1 + $2 }' time.txt) with --jobs 2" >&3
     [[ $output =~ "snapshots-4 "\ *"failed, exit code 2" ]]
     [[ $output =~ "model-basis "\ *"not run" ]]
 
-    # a killed one
+    # a task that is killed
     sed -i 's/14, 0.2/14, 15/' plan.yml
     sed -i 's/step: 0.005/step: 0.001/' scene.yml
     on_slurm >make.txt 2>&1 &
@@ -180,7 +181,7 @@ $(awk '{ print $1 + $2 }' time.txt) with --jobs 2" >&3
     [ "$(grep -c 'points are done' out/slurm/snapshots-2.log)" -eq 0 ]
 }
 
-# A region in which points are chosen in three rounds, 20 in the first.
+# A region in which points are chosen in three rounds, 20 points in the first.
 small_region() {
     cat >plan.yml <<'YAML'
 groups:
@@ -190,7 +191,7 @@ YAML
     echo 'ACCURACY = 1e-2' >>Makefile
 }
 
-# same_training A B: as same_data, but for when rounds were judged
+# same_training A B: like same_data, except for the times at which rounds were judged
 same_training() {
     /usr/bin/python3 - "$1" "$2" <<'PYTHON'
 import sys, h5py
@@ -213,7 +214,7 @@ PYTHON
     [ "$(cut -d ' ' -f 2 array/slurm/jobs | tr '\n' ' ')" = "model-basis model " ]
     rounds=$(grep -c '^  slurm      round [0-9]*: [0-9]* points' <<<"$output")
     [ "$rounds" -eq "$(snapgen --print whole.h5 round | sed 1d | wc -l)" ]
-    # each piece once, as many as four in a round, and nothing is left of them
+    # each piece was solved once, at most four pieces in a round, and no piece is left
     pieces=$(awk '$1 == "slurm" && $3 == "points," { n += $2 < 4 ? $2 : 4 } END { print n }' <<<"$output")
     [ "$(grep -c '^piece-' array/slurm/spent)" -eq "$pieces" ]
     [ "$(grep -c '^choice ' array/slurm/spent)" -eq $((rounds + 1)) ]
@@ -221,7 +222,7 @@ PYTHON
     echo "# seconds of processor: $(awk '/^(piece|choice)/ { s += $2 + $3 } END { print s }' array/slurm/spent) in \
 $rounds rounds of four tasks with make, $(awk '{ print $1 + $2 }' time.txt) with --jobs 2" >&3
 
-    # all is there: no job more, and make without Slurm sees it too
+    # nothing is left to do: no job is added, and make without Slurm runs no program
     before=$(cat array/slurm/jobs)
     run on_slurm OUT=array
     [ "$status" -eq 0 ]
@@ -230,7 +231,7 @@ $rounds rounds of four tasks with make, $(awk '{ print $1 + $2 }' time.txt) with
     [ "$status" -eq 0 ]
     [[ ! $output =~ (snapgen|podbuild|deimselect) ]]
 
-    # another plan begins anew, one task does it all where that is asked for
+    # another plan begins anew; with SHARDS=1 one task does all the work
     sed -i 's/14/13/' plan.yml
     run on_slurm OUT=array SHARDS=1
     [ "$status" -eq 0 ]
@@ -272,7 +273,7 @@ $rounds rounds of four tasks with make, $(awk '{ print $1 + $2 }' time.txt) with
     run on_slurm SHARDS=2
     echo "$output"
     [ "$status" -eq 0 ]
-    # the killed one's points too
+    # the points of the killed task are among these
     grep -q "^round 1: $((10 - killed)) points are to be solved, after $((10 + killed))" out/slurm/choice.log
     snapgen plan.yml --accuracy 1e-2 -o whole.h5 --jobs 2 --quiet
     same_training whole.h5 out/snapshots.h5

@@ -12,7 +12,7 @@ folder=$(mktemp -d) || exit
 export SLURM_CONF=$folder/slurm.conf
 daemons=()
 
-# Processes that have this configuration in their environment: jobs and what started them.
+# ours: prints the processes that have this configuration in their environment, jobs and what started them
 ours() {
     local process
     for process in /proc/[0-9]*; do
@@ -24,11 +24,11 @@ ours() {
 end() {
     local left
     trap '' INT TERM HUP
-    # not heard: that they were killed
+    # hides the shell's messages that they were killed
     exec 2>/dev/null
     ((${#daemons[@]} == 0)) || kill -KILL "${daemons[@]}"
     wait "${daemons[@]}"
-    # the pipe that asks is one of ours too, and gone when it is killed
+    # the subshell that runs `ours` is among these processes, and gone when it is killed
     for left in $(ours); do kill -KILL "$left"; done
     rm -rf "$folder"
 }
@@ -36,7 +36,7 @@ trap end EXIT
 trap 'exit 130' INT
 trap 'exit 143' TERM HUP
 
-# start NAME COMMAND...: in the foreground of nothing, and no longer than this script lives.
+# start NAME COMMAND...: starts a daemon in the background, which lives no longer than this script.
 start() {
     local name=$1
     shift
@@ -44,7 +44,7 @@ start() {
     daemons+=($!)
 }
 
-# ready COMMAND...: within half a minute.
+# ready COMMAND...: waits until the command succeeds, at most half a minute.
 ready() {
     local try
     for ((try = 0; try < 300; try++)); do
@@ -56,7 +56,7 @@ ready() {
     exit 1
 }
 
-chmod 755 "$folder" # munge asks that
+chmod 755 "$folder" # munge requires this mode
 mkdir "$folder/state" "$folder/spool" || exit
 (umask 077 && head -c 1024 /dev/urandom >"$folder/munge.key") || exit
 read -r controller_port node_port < <(python3 - <<'PYTHON'
@@ -109,6 +109,6 @@ start slurmctld slurmctld -D -i
 start slurmd slurmd -D
 ready sh -c 'sinfo -h -o %T | grep -qx idle'
 
-# a signal does not wait for it
+# in the background, so that a signal is handled before the command ends
 "$@" &
 wait $!
