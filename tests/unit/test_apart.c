@@ -219,7 +219,7 @@ static void overlapping_bodies_touch_while_they_recede(void **state) {
     assert_true(step_to(0.2, 1, 0.03).apart);
 }
 
-/* Bodies without surface speed touch too, but their film is unknown and not trusted. */
+/* Bodies without surface speed also touch, but their film is unknown and not trusted. */
 static void bodies_touch_at_rest(void **state) {
     (void)state;
     for (int i = 0; i < 2; i++) {

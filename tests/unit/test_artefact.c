@@ -1368,7 +1368,7 @@ static void transposed_square_field(void **state) {
                "    f['pressure'].dims[0].attach_scale(f['x'])\n"
                "    f['pressure'].dims[1].attach_scale(f['state'])\n");
     check_refused(try_open(), EHD_DATA, "pressure: found state as axis 1");
-    // refused also with a second link to the dataset
+    // a second link to the dataset does not change this
     run_python("import h5py, sys\n"
                "with h5py.File(sys.argv[1], 'r+') as f: f['a'] = f['pressure']\n");
     check_refused(try_open(), EHD_DATA, "pressure: found state as axis 1");

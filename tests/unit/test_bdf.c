@@ -68,7 +68,7 @@ static void error_is_that_of_the_next_power(void **state) {
     for (size_t s = 0; s < NUM_STEPS; s++)
         for (size_t num_previous = 2; num_previous <= BDF_PREVIOUS; num_previous++) {
             bdf_formula formula = bdf_step(steps[s][0], steps[s] + 1, num_previous);
-            // with two states the error is that of the first-order formula
+            // with two states the estimated error is that of the first-order formula
             bdf_formula judged = bdf_step(steps[s][0], steps[s] + 1, num_previous - 1);
             size_t n = num_previous;
             double time[BDF_PREVIOUS + 1], given, solution, prediction = 0;

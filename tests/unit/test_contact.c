@@ -87,7 +87,7 @@ static void contradictory_viscosity_is_refused(void **state) {
 }
 
 /* A viscosity that contradicts the scene's temperature, such as that of the reference temperature,
- * is refused. A viscosity that is left out is that of the law. */
+ * is refused. If no viscosity is given, that of the law is used. */
 static void viscosity_is_that_of_the_temperature(void **state) {
     static const char *const laws[] = {"barus", "roelands"};
     (void)state;

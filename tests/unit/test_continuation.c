@@ -63,7 +63,7 @@ static void continuation_takes_strides_that_help(void **state) {
     (void)state;
     const full_settings settings = full_default_settings();
     const ehd_contact comes = sample_contact("roelands", "incompressible", 2, 50, 0.0125);
-    // the accurate discretisation has a solution here
+    // in the accurate discretisation this contact has a solution
     const ehd_contact too_coarse =
         sample_published(sample_contact("barus", "dowson-higginson", 200, 0, 0.04));
     problem easy, hopeless;

@@ -130,8 +130,8 @@ static void films_of_a_ball(void **unused) {
                 scale * film_of("nijenbanning", &contact) / (RADIUS * sqrt(2 * u)), 1e-12, 0);
 }
 
-/* Without a known modulus, that of steel is used. It matters only in the formulas of Pan, Hamrock
- * and Dowson, and Chittenden et al. */
+/* Without a known modulus, that of steel is used. The modulus matters only in the formulas of Pan,
+ * Hamrock and Dowson, and Chittenden et al. */
 static void the_modulus_hardly_matters(void **unused) {
     const ehd_contact known_steel[] = {roller(226e9), ball(226e9)};
     const ehd_contact soft[] = {roller(180e9), ball(180e9)};

@@ -126,8 +126,8 @@ static double film_difference(const marched *coarse, const marched *fine) {
 }
 
 /* Checks the order of the error for these steps, their halves and quarters. The accurate
- * discretisation has steeper films, so its order shows with shorter steps only: with 0.02 it is
- * 1.56 on the line. */
+ * discretisation has steeper films, so its order shows with shorter steps only: with 0.02 the order
+ * on the line is 1.56. */
 static void check_order(scene (*scene_of)(const char *), const char *law, double longest,
                         const char *discretization) {
     marched *const runs[] = {&first, &second, &third};

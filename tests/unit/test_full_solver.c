@@ -209,7 +209,7 @@ static double exit_of(double step) {
     return exit;
 }
 
-/* Measured exits: 1.055470 and 1.055492. At a node they would be 1.06 and 1.055. */
+/* Measured exits: 1.055470 and 1.055492. Exits at nodes would be 1.06 and 1.055. */
 static void exit_is_that_of_a_finer_grid(void **state) {
     (void)state;
     check_close(exit_of(0.02), exit_of(0.005), 0, 4e-5);
@@ -292,7 +292,8 @@ static void pressure_holds_the_exit(void **state) {
     }
 }
 
-/* Rows before the exit's node are balanced; this node and the cavitated ones are not. */
+/* Rows before the exit's node are balanced; the rows of this node and of cavitated nodes are
+ * not. */
 static void rows_before_the_exit_hold(void **state) {
     (void)state;
     const ehd_contact contact = accurate_contact(20, 10, 0.01);
@@ -312,8 +313,8 @@ static void rows_before_the_exit_hold(void **state) {
     free(rows);
 }
 
-/* The Jacobian is exact, including the row of the exit cell: it equals the dense one and converges
- * quadratically. */
+/* The Jacobian is exact, including the row of the exit cell: it equals the dense Jacobian, and
+ * Newton converges quadratically. */
 static void the_cell_is_part_of_the_linear_system(void **state) {
     (void)state;
     const ehd_contact contact = accurate_contact(12, 6, 0.04),

@@ -75,8 +75,8 @@ static void bad_rows_are_refused(void **state) {
     refuses("row,weight\n1,1\n2\n3,1\n", "rows.csv:3: found 1 column, expected 2 as in the header");
 }
 
-/* If a file has several known names, the first in the list is used: our files have the axis `row`
- * too. */
+/* If a file has several known names, the first in the list is used: our files also have the axis
+ * `row`. */
 static void the_first_known_name_counts(void **state) {
     (void)state;
     given_rows given;

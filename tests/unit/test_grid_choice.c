@@ -161,8 +161,8 @@ static void check_just_enough(const char *kind, const enough *of) {
     assert_true(error_on(&contact, of->central, of->smallest) > 1);
 }
 
-/* Four times the step is too coarse at small L. The length matters most at M = 1, where half of it
- * is too short. */
+/* Four times the default step is too coarse at small L. The length matters most at M = 1, where
+ * half of the default length is too short. */
 static void grids_are_fine_and_wide_enough(void **state) {
     (void)state;
     static const enough cases[] = {{1, 0, 1.28597, 1.20199, 1, 1. / 2},
@@ -191,8 +191,8 @@ static void points_count_the_load_beyond(void **state) {
     assert_true(error_on(&contact, central, smallest) > 1.3);
 }
 
-/* Half of the length is too short for thick films. Twice the step is too coarse if the pressure
- * spike is at the centre. */
+/* Half of the default length is too short for thick films. Twice the default step is too coarse if
+ * the pressure spike is at the centre. */
 static void points_with_the_far_field(void **state) {
     (void)state;
     static const enough cases[] = {{1, 0, 27.14, 27.14, 1, 0.5},

@@ -56,7 +56,7 @@ static void refuses_with(ehd_status expected, const char *histories, const char 
         fail_msg("status %d, text \"%s\", expected \"%s\"", status, error.text, part);
 }
 
-/* Checks that only reduced models refuse a reversing speed along the path. */
+/* Checks that with transport along the path only reduced models refuse a reversing speed. */
 static void is_refused_by_reduced_models(const char *speed, const char *part) {
     scene of = scene_of(speed);
     ehd_histories *self;
@@ -146,7 +146,7 @@ static void tables_are_read_between_their_times(void **state) {
 }
 
 /* Checks the path of the fluid, the integral of the speed from 0 on. Away from kinks its slope, by
- * central differences, is the speed; at kinks it does not jump. */
+ * central differences, is the speed; at kinks the path does not jump. */
 static void check_path(const char *histories) {
     const double step = 1e-4;
     ehd_histories *self = accepts(histories);

@@ -126,7 +126,7 @@ static void keys_of_an_added_law_are_settings(void **state) {
     assert_string_equal(text, second);
     free(text);
     free(second);
-    // a plan may vary it by its short name
+    // a plan may vary this setting by its short name
     assert_ptr_equal(setting_find_short("slope"), setting_find("lubricant.viscosity.slope"));
 }
 

@@ -266,7 +266,7 @@ static void tolerance_controls_the_error(void **state) {
 }
 
 /* Every accepted step has a local error below the tolerance, and the largest errors come near to
- * it. Some steps that are too long are tried and repeated. */
+ * the tolerance. Some steps that are too long are tried and repeated. */
 static void accepted_steps_keep_the_tolerance(void **state) {
     (void)state;
     static const char *const transients[] = {

@@ -406,7 +406,7 @@ static void take_any_step(any_steps *self, uint64_t *seed, double tolerance) {
             self->most_central = fmax(self->most_central, of.central);
             self->most_minimum = fmax(self->most_minimum, of.minimum);
             // the tolerance is for the central film; the minimum film was at most 5.0e-3 off in
-            // 50,000 steps along the path
+            // 50,000 steps with transport along the path
             if (of.central > tolerance || of.minimum > (is_path() ? 6 : 1) * tolerance)
                 fail_msg(
                     "T = %g: found a step of %g off by %.3g and %.3g with a local error of %.3g",
@@ -619,7 +619,7 @@ static bool find_position(online_state *state, const bouncing *self, double step
         if (state->status == EHD_NOT_CONVERGED) return false;
         defect = position - drift - half * state->scalars.load;
         if (fabs(defect) < near) {
-            state->scalars.rigid_approach = position; // least squares change it by 1e-9
+            state->scalars.rigid_approach = position; // least squares change the approach by 1e-9
             return true;
         }
         if (trial > 0) slope = (before - defect) / correction;
@@ -1143,7 +1143,7 @@ static void the_approach_gives_the_load_back(void **unused) {
     }
 }
 
-/* A start from an approach finds the load whose stationary contact has it. */
+/* A start from an approach finds the load whose stationary contact has this approach. */
 static void a_start_from_an_approach_finds_its_load(void **unused) {
     (void)unused;
     size_t num_found = 0;
@@ -1159,7 +1159,8 @@ static void a_start_from_an_approach_finds_its_load(void **unused) {
             conditions.approach = by_load.scalars.rigid_approach;
             check_ok(online_transient_start(&by_approach, contact, &conditions, &error));
             assert_int_not_equal(by_approach.status, EHD_NOT_CONVERGED);
-            // least squares with another closure leave other errors, larger ones outside of the training
+            // least squares with another closure leave other errors, which are larger outside of
+            // the training
             const double near = fabs(load - 1) < 0.1 ? 1e-6 : load > 0.8 && load < 1.6 ? 1e-4 : 0.1;
             check_close(by_approach.scalars.load, load, near, 0);
             check_close(by_approach.half_width, sqrt(load), near, 0);

@@ -234,7 +234,8 @@ static void so_does_a_point(void **state) {
         march_as_the_full_model(&problems[POINT], false, 0.004 * others, 10, 1e-5, 2e-4);
         march_as_the_full_model(&problems[POINT], true, 0.004 * others, 10, 1e-5, 2e-4);
     }
-    // here the exit at Y = 0 moves in the third step, and the full model filters the pressure that it cuts
+    // here the exit at Y = 0 moves in the third step, and the full model filters the pressure that
+    // this exit cuts off
     march_as_the_full_model(&problems[OPEN_POINT], false, 0, 10, 1e-3, 3e-3);
     march_as_the_full_model(&problems[OPEN_POINT], true, 0, 10, 1e-3, 3e-3);
 }
@@ -335,8 +336,8 @@ static void what_is_indicated_comes_with_the_fluid(void **state) {
     marching_free(&self);
 }
 
-/* A load that jumps up fills the outlet, up to the end of the grid. The training had such exits
- * too, so this exit is not at the edge of the training. */
+/* A load that jumps up fills the outlet, up to the end of the grid. The training also had such
+ * exits, so this exit is not at the edge of the training. */
 static void an_exit_may_lie_at_the_end_of_the_grid(void **state) {
     (void)state;
     const double step = 1e-3;

@@ -491,7 +491,7 @@ static size_t most_bytes(const double *snapshots, size_t block, size_t num_nodes
 }
 
 /* Tests that the memory of a stream does not grow with the number of blocks. The stream holds one
- * block, the directions and the triangle. */
+ * block, the directions and the triangular factor. */
 static void memory_does_not_grow(void **state) {
     (void)state;
     enum { BLOCK = 32, NUM_NODES = 500, RANK = 10 };

@@ -129,7 +129,8 @@ static void the_worst_come_first_and_apart(void **state) {
     const candidates from = make_line(indicated, 0);
     (void)state;
 
-    // 4 has the distance 4 from the taken ones; then 9 has 2 from 11, then 2 has 2 from 0 and 4
+    // 4 is 4 away from the taken candidates; then 9 is 2 away from 11, then 2 is 2 away from 0 and
+    // 4
     check_choice(&from, 3, (size_t[]){4, 9, 2}, 3);
 }
 
@@ -176,7 +177,8 @@ static void what_has_a_number_comes_every_second_time(void **state) {
                               INFINITY, INFINITY, 1, 1,        1,        99};
     (void)state;
 
-    // 6 is farthest from all; of those with an estimate 7 is the worst that is far enough from it
+    // 6 is farthest from all; of those with an estimate, 3 with 7 is the worst that is far enough
+    // from 6
     check_choice(&from, 2, (size_t[]){6, 3}, 2);
     const candidates more = make_line(unknown, 0);
     check_choice(&more, 4, (size_t[]){6, 2, 1, 9}, 4);

@@ -138,7 +138,7 @@ static void a_basis_with_the_solution_finds_it(void **state) {
     }
 }
 
-/* The full model's solutions are symmetric, and half of the grid gives the same ones. */
+/* The full model's solutions are symmetric, and half of the grid gives the same solutions. */
 static void half_is_half_of_the_whole(void **state) {
     (void)state;
     for (size_t s = 0; s < TRAINED_STATES; s++) {

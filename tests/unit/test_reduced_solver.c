@@ -329,10 +329,10 @@ static void truncated_bases_stay_near(void **state) {
     }
 }
 
-/* Starts from each trained solution for each other one, with the published discretisation. Damping
- * and the longest stride of the exit make all of them converge, with 850 iterations. (With the
- * accurate discretisation 8 of 144 end in another minimum of the residual, all at the lightest load
- * with the most viscous lubricant.) */
+/* Solves each training point from the solution of each other one, in the published discretisation.
+ * Damping and the longest stride of the exit make all of these solutions converge, with 850
+ * iterations. (In the accurate discretisation 8 of 144 end in another minimum of the residual, all
+ * at the lightest load with the most viscous lubricant.) */
 static void any_trained_solution_leads_to_any_other(void **state) {
     (void)state;
     const reduced_settings settings = reduced_default_settings();
@@ -565,9 +565,9 @@ static void thinned_rows_equal_finite_differences(void **state) {
 
 // ---- the exit's moves
 
-/* From a wrong exit Newton moves it node by node and in strides, each with a rank-k update of the
- * tables. The reported results come from the updated tables. They must be those of the final state
- * by definition, and independent of the first exit. */
+/* Newton moves a wrong exit node by node and in strides, each with a rank-k update of the tables.
+ * The reported results come from the updated tables. They must be those of the final state by
+ * definition, and independent of the first exit. */
 static void moving_the_exit_equals_rebuilding(void **state) {
     (void)state;
     enum { STATE = 4 };
@@ -607,7 +607,7 @@ static void moving_the_exit_equals_rebuilding(void **state) {
     free(pressure);
 }
 
-/* The exit of these contacts lies beyond the tables, and must stay inside them. */
+/* The exits of these contacts lie beyond the tables; the solver must keep them inside. */
 static void the_exit_stays_inside_the_tables(void **state) {
     (void)state;
     const double moes_M[] = {2, 4, 5, 6, 7, 300};

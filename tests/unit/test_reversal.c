@@ -86,7 +86,7 @@ static void negative_speeds_are_mirror_images(void **state) {
 }
 
 /* The fluid moves by 2.5 half widths, more than the length of the contact. Otherwise the film of
- * the start would remain in it. */
+ * the start would remain in the contact. */
 static const char to_and_fro[] = "fixed_step: 0.04, "
                                  "speed: {law: sine, mean: 0, amplitude: 1, period: 8, "
                                  "phase: 1.5707963267948966}";

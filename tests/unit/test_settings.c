@@ -1204,7 +1204,7 @@ static void plan_is_part_of_another(void **state) {
     assert_int_equal(of.num_points, unvaried + 80);
     check_close_array(of.where[0].bounds[WHERE_MOES_M], ((double[]){10, 20}), 2, 0, 0);
     plan_free(&of);
-    // without further bounds it is the whole plan
+    // without further bounds the part is the whole plan
     accepts_plan(&of, "part_of: whole.yml\n");
     assert_string_equal(of.text, whole.text);
     plan_free(&of);

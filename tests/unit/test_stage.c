@@ -63,7 +63,7 @@ static void test_position(void **state) {
     assert_null(stage_here().names);
 }
 
-/* The next stage counts only if it has this name: models may be left unchecked. */
+/* The next stage is taken only if it has this name, because models may be left unchecked. */
 static void test_next(void **state) {
     stage self = stage_at("a-rows");
     (void)state;

@@ -52,8 +52,8 @@ static ehd_contact still_contact(const char *kind, double moes_M) {
 }
 
 /* M is proportional to the load. For a line it is also proportional to one over the root of the
- * speed. At the smallest M the estimated error is at most 3 %. With three quarters of the length it
- * is larger. */
+ * speed. At the smallest M the estimated error is at most 3 %. With three quarters of the length
+ * the error is larger. */
 static void ends_suit_the_smallest_M(void **state) {
     (void)state;
     static const struct {
@@ -185,9 +185,9 @@ static void estimates_are_bounds(void **state) {
     }
 }
 
-/* A frame has the estimate of the stationary contact with the same M. For a line at M = 1, L = 0 it
- * is above the error of the central film and below twice it. The errors are measured against an
- * inlet of 96 half widths: 1.6 % with 12 half widths, 3.6 % with 8. */
+/* A frame has the estimate of the stationary contact with the same M. For a line at M = 1, L = 0
+ * the estimate is above the error of the central film and below twice this error. The errors are
+ * measured against an inlet of 96 half widths: 1.6 % with 12 half widths, 3.6 % with 8. */
 static void effects_of_inlets(void **state) {
     (void)state;
     static const double error[] = {0.0162, 0.0357}, length[] = {12, 8};

@@ -448,7 +448,7 @@ static void memory_failures(void **state) {
     for (allocation_fail_at(call = 0);; allocation_fail_at(++call)) {
         status = time_series_read(&series, path, &contact_line, &error);
         if (!allocation_failed()) break;
-        // a field whose name cannot be read counts as one with values
+        // a field whose name cannot be read is treated as one with values
         if (!status) check_series(&series, 2);
         time_series_free(&series);
     }
@@ -731,7 +731,7 @@ static void resume_refuses_other_inputs(void **state) {
     check_refused(try_resume(&file, &num_entries, "scene"), EHD_DATA, "another table than");
     check_refused(EHD_DATA, EHD_DATA, "table.csv is now");
     spill(table, "three");
-    // the content counts, not the name
+    // the content decides, not the name
     spill(second, "one");
     model = second;
     check_ok(try_resume(&file, &num_entries, "scene"));

@@ -163,8 +163,8 @@ static void the_worse_film_is_the_price(void **state) {
     check_close(trade_price_of(&position, false).deviation, 2e-3, 0, 0);
 }
 
-/* A size with a wrong pressure spike is not chosen; if all sizes have one, the one with the least
- * is. */
+/* A size with a wrong pressure spike is not chosen. If all sizes have one, the size with the
+ * smallest error of the spike is chosen. */
 static void pressures_may_be_off_three_times_as_much(void **state) {
     trade_position positions[] = {measured(1e-3, 1, 0), measured(1e-3, 2, 0), measured(1e-3, 3, 0)};
     const trade_table table = {100, 0, 3, positions, {0}};
@@ -392,7 +392,7 @@ static void accuracy_goes_by_the_most_trajectories(void **state) {
                         "12 pressure modes, 24 rows, the most accurate of 3 sizes: on half of 10 "
                         "trajectories its films were indicated to be at most 0.000333 off, more "
                         "than that; each step is judged by its own");
-    // fewer lost trajectories count first, then more accurate ones, then time
+    // the order is: fewer lost trajectories, then more accurate ones, then less time
     positions[0].num_lost = positions[2].num_lost = 2;
     positions[1].num_lost = 3;
     assert_int_equal(trade_cheapest(&table, 1e-3, true), 2);
@@ -403,7 +403,7 @@ static void accuracy_goes_by_the_most_trajectories(void **state) {
     assert_false(trade_is_dominated(&table, 1, true));
     positions[1].indicated_in_time[0] = 1e-3;
     assert_true(trade_is_dominated(&table, 1, true));
-    // the most accurate size is best over all parts; lost trajectories count as 1
+    // the most accurate size is best over all parts; lost trajectories have the value 1
     for (int k = 0; k < NUM_TIME_PARTS; k++) {
         positions[1].indicated_in_time[k] = 5e-4;
         positions[2].indicated_in_time[k] = k > 0 ? 1 : 1e-4;
