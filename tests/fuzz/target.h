@@ -37,8 +37,8 @@ void fuzz_start(int standard_error);
 
 /* Runs a target. Returns the exit code of the command that "run N" chooses, or the status of
  * `read`; EHD_INTERNAL if HDF5 could not make the edits (edit_file), so that nothing was tested.
- * Ends the process (abort) if a program exits with a code that no file may cause, fails without a
- * line, prints anything but its own lines, or leaves an output although it failed. */
+ * Ends the process (abort) if a program exits with a code that no file may cause, or fails without
+ * a line. Does so too if it prints anything but its own lines, or fails and leaves an output. */
 int fuzz_run(const fuzz_target *target, const uint8_t *bytes, size_t length);
 
 // ---- parts of fuzz_run

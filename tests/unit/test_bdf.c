@@ -194,7 +194,7 @@ static void states_that_follow_too_soon_are_passing(void **state) {
         assert_int_equal(promoted.num_previous, BDF_PREVIOUS);
         for (size_t i = 1; i <= BDF_PREVIOUS; i++)
             assert_int_equal(promoted.place[i], bdf_ring_accepted(&ring, i));
-        bdf_ring_restart(&ring); // turns the passing state into the previous one
+        bdf_ring_restart(&ring); // makes the passing state the only previous one
         assert_int_equal(ring.num_previous, 1);
         check_close(ring.time[ring.place[1]], times[count - 1], 0, 0);
     }

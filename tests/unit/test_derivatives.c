@@ -38,8 +38,8 @@ typedef struct problem {
 
 static problem tested;
 
-/* Makes a model with one mode for each node and all rows, so that its residuals vanish, and a
- * contact between the training points, solved to round-off. */
+/* Makes a model with one mode for each node and all rows, so that its residuals vanish. Solves a
+ * contact between the training points to round-off. */
 static void problem_init(problem *self, deformation_kind kind) {
     const size_t num_nodes = self->training.set.grid.num_nodes;
     double *weight = malloc(num_nodes * sizeof *weight);

@@ -100,7 +100,8 @@ static void narrow_ellipses_are_fine(void **state) {
 }
 
 /* Returns the minimum film. If the bodies are rigid, it is 2.4485/M in Moes numbers for lines
- * (Martin, Engineering 102, 1916), and proportional to the square of speed over load for parabolas. */
+ * (Martin, Engineering 102, 1916). For parabolas it is proportional to the square of speed over
+ * load. */
 static double smallest_film(scene *given, const char *kind) {
     const full_settings settings = full_default_settings();
     const ehd_contact contact = contact_in(given, kind, "accurate");

@@ -648,9 +648,9 @@ static double bounce_on(bouncing *self) {
     return impulse;
 }
 
-/* From each fall to the loss of the contact the momentum, found from the positions of the mass,
- * changes by the impulse of the reported force. The environment variable BOUNCES sets the number of
- * falls. */
+/* From each fall to the loss of the contact the momentum changes by the impulse of the reported
+ * force. The momentum is found from positions of the mass. The environment variable BOUNCES sets
+ * the number of falls. */
 static void a_bouncing_mass_gets_the_impulse_of_the_force(void **unused) {
     (void)unused;
     const char *asked = getenv("BOUNCES");

@@ -402,9 +402,9 @@ static void scale_steps(double *scaled, const double *lengths, double factor) {
         scaled[i] = factor * lengths[i];
 }
 
-/* The rate of change at fixed physical places, while load, speed, radius and modulus change, has
- * second order in the step, with equal and variable steps. From one previous state it has first
- * order. */
+/* While load, speed, radius and modulus change, the rate of change at fixed physical places has
+ * second order in the step. This holds for equal and variable steps. From one previous state the
+ * rate has first order. */
 static void rate_is_of_second_order(void **state) {
     (void)state;
     static const double lengths[][3] = {{0.1, 0.1, 0.1}, {0.1, 0.05, 0.1}, {0.05, 0.1, 0.2}};

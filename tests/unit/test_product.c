@@ -56,8 +56,8 @@ static void not_finite_columns_show(void **state) {
             assert_true(isnan(gram[j * n + i]) == (i == bad || j == bad));
 }
 
-/* Adds factor A B to C, with A by rows and by columns, in a part of a larger array whose rest must
- * not change. */
+/* Adds factor A B to C, with A by rows and by columns. C is a part of a larger array, whose rest
+ * must not change. */
 static void matrix_product(void **state) {
     static double left[LONG * MOST], found[30 * (MOST + 3)], expected[30 * (MOST + 3)];
     const size_t inner[] = {0, 1, 16, 300, LONG};

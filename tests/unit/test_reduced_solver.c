@@ -140,8 +140,8 @@ static void full_rank_reproduces_the_full_model(void **state) {
     reduced_basis_free(&basis);
 }
 
-/* Starts near the solution with its exit. If it started with a later exit, the exit might stay some
- * nodes too far back, because this basis has no pressure there whose sign would show it
+/* Starts near the solution with its exit. From a later exit the exit might stay some nodes too
+ * far downstream: this basis has no pressure there whose sign would show the error
  * (moving_the_exit_…). */
 static void a_basis_with_the_solution_finds_it(void **state) {
     (void)state;

@@ -30,8 +30,8 @@ static void check_same_values(const double *a, const double *b, size_t count, do
         check_close(a[i], b[i], tolerance, 0);
 }
 
-/* Returns the largest difference of the last film of a march from the mirror image of another,
- * relative to the central film, for |X| up to 1.2. */
+/* Returns the largest difference of the last film of a march from the mirror image of another, for
+ * |X| up to 1.2. The difference is relative to the central film. */
 static double off_mirror(const marched *self, const marched *other) {
     const ehd_grid *grid = &self->reference.grid;
     const size_t width = grid_width(grid);

@@ -451,9 +451,9 @@ static double sheared(const problem *solved, const ehd_contact *sliding) {
     return sum * sliding->lambda / 12 * speed * speed / slope;
 }
 
-/* In pure rolling the power of the surfaces is dissipated by the pressure flow, and the moment of
- * the pressure equals that of the tangential stresses on both surfaces. With sliding, which does
- * not change this film, the rest of the power is dissipated by the shear flow. */
+/* In pure rolling the pressure flow dissipates the power of the surfaces. The moment of the
+ * pressure equals that of the tangential stresses on both surfaces. Sliding does not change this
+ * film; the shear flow dissipates the rest of the power. */
 static void energy_and_moment(void **state) {
     (void)state;
     static const struct {
