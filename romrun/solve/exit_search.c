@@ -6,13 +6,13 @@
 #include <math.h>
 #include <string.h>
 
-/* WINDOW: distance that an exit may move at a time, half widths. SETTLED: distance from the
- * wanted exit at which an exit counts as settled, half widths. A move by a node or two hardly
- * changes the film (README.md, The exit). */
+/* WINDOW: largest move of an exit in one iteration, half widths. SETTLED: largest distance of a
+ * settled exit from the wanted one, half widths. A move by a node or two hardly changes the film
+ * (README.md, The exit). */
 static const double WINDOW = 0.05, SETTLED = 0.005;
 
-/* Size of negative pressures that truncation may cause, Hertz pressures. With 1e-5 a model of
- * scenes/examples/line-in-time takes 232 iterations. With 1e-4 it takes 234, with 1e-7 232. */
+/* Magnitude of the negative pressures that truncation may cause, Hertz pressures. With 1e-5 a model
+ * of scenes/examples/line-in-time takes 232 iterations. With 1e-4 it takes 234, with 1e-7 232. */
 static const double NOISE = 1e-5;
 
 const double exit_node_change = 1e-5;
@@ -36,7 +36,7 @@ typedef struct exit_query {
     const double *z;
     const ehd_contact *contact;
     const reduced_squeeze *squeeze; // NULL when stationary
-    size_t window;                  // nodes before and behind the exit
+    size_t window;                  // number of nodes searched on each side of the exit
 } exit_query;
 
 static size_t window_nodes(const reduced_model *model) {
@@ -54,8 +54,8 @@ static size_t window_begin(const reduced_model *model, size_t exit, size_t windo
 
 // ---- film and rows in the band
 
-/* Returns H at a band node, evaluated once per search, since rows of neighbouring lines share
- * nodes. */
+/* Returns H at a band node. Evaluates it once per search, since rows of neighbouring grid lines
+ * share nodes. */
 static double film_at(const exit_query *query, size_t node, size_t index) {
     exit_search *self = query->search;
 
@@ -76,14 +76,14 @@ static void fill_films(const exit_query *query, size_t node, size_t count) {
         self->band_search[i] = self->search;
 }
 
-/* The state around a band node. */
+/* P, H and fluid at the nodes around a band node. */
 typedef struct band_stencil {
     reynolds_stencil stencil;
     double pressure[NUM_STENCIL], film[NUM_STENCIL], memory[NUM_FLUID_ARRAYS * NUM_STENCIL];
     reynolds_fluid fluid;
 } band_stencil;
 
-/* Computes P and H at a boundary node of a stencil. Lines beside the grid have no nodes in the
+/* Computes P and H at a boundary node of a stencil. Grid lines on the boundary have no nodes in the
  * band. */
 static void fill_outer_node(double *pressure, double *film, const exit_query *query, size_t node,
                             bool banded) {
@@ -162,8 +162,8 @@ static double line_film(void *state, size_t node) {
 
 // ---- where the exits should be
 
-/* Returns the first node that may be the exit of a line: the row at the node before it has its
- * stencil in the band. */
+/* Returns the first node that may be the exit of a line contact. The stencil of the row at the node
+ * before it still lies in the band. */
 static size_t first_exit(const reduced_model *model) {
     const band_line *band = &model->band.lines[0];
     const size_t first = band->begin + reynolds_reach_back(&model->grid) + 1;
@@ -171,7 +171,7 @@ static size_t first_exit(const reduced_model *model) {
     return first > band->min_exit ? first : band->min_exit;
 }
 
-/* Returns the exit of a stationary line contact by its flux, within the window. */
+/* Finds the exit of a stationary line contact from its flux, within the window, and returns it. */
 static size_t find_by_flux(exit_query *query) {
     const reduced_model *model = query->search->model;
     const band_line *band = &model->band.lines[0];
@@ -195,11 +195,11 @@ static size_t find_by_flux(exit_query *query) {
     return exit_by_flux(&line, exit);
 }
 
-/* Returns the exit of a line by the signs of pressure and multiplier at the nodes of the window.
- * Contacts in time and point contacts need it, because their flux is not one number. In time a node
- * that enters or leaves with a finite pressure changes the film by a jump, and with it the
- * multipliers of a whole region. On a point contact in time nodes with negative pressure therefore
- * stay out, for exits to converge. */
+/* Finds the exit of a grid line from the signs of pressure and multiplier in the window, and
+ * returns it. Contacts in time and point contacts need this, because their flux is not uniform. In
+ * time, a node that enters or leaves the zone with a finite pressure makes the film jump. The
+ * multipliers of a whole region then jump too. On a point contact in time, nodes with negative
+ * pressure therefore stay outside of the zone; otherwise the exits do not converge. */
 static size_t find_by_signs(exit_query *query, size_t line) {
     const reduced_model *model = query->search->model;
     const band_line *band = &model->band.lines[line];
@@ -219,8 +219,9 @@ static size_t find_by_signs(exit_query *query, size_t line) {
     return column;
 }
 
-/* Computes P and H at the band nodes around the exit line that rows at the exits of a line and of
- * its neighbours need. P covers the whole window, behind the exit by the uncut modes. */
+/* Computes P and H at the band nodes around the exit line. They are the nodes that the rows at the
+ * exits of each grid line and of its neighbours need. P covers the whole window; behind the exit it
+ * is that of the uncut modes. */
 static void expand_around(exit_query *query) {
     const reduced_model *model = query->search->model;
     const size_t *exits = query->nodes->exit;
@@ -247,8 +248,8 @@ static void expand_around(exit_query *query) {
     }
 }
 
-/* Checks whether the exit is searched for on a line: on inner lines `spacing` apart, and on the
- * last one. */
+/* Checks whether the exit is searched for on a grid line: on inner lines `spacing` apart, and on
+ * the last inner line. */
 static bool is_searched(const exit_search *self, size_t line) {
     const ehd_grid *grid = &self->model->grid;
     size_t spacing = (size_t)(self->spacing / grid->step);
@@ -258,7 +259,7 @@ static bool is_searched(const exit_search *self, size_t line) {
     return spacing < 2 || inner % spacing == 0 || inner + 1 == grid->inner_lines;
 }
 
-/* Interpolates the exits of the lines between those that are searched. */
+/* Interpolates the exits of the grid lines on which the exit is not searched for. */
 static void interpolate_exits(size_t *exits, const exit_search *self) {
     const ehd_grid *grid = &self->model->grid;
     size_t first = grid_first_line(grid), before = first;
@@ -277,8 +278,8 @@ static void interpolate_exits(size_t *exits, const exit_search *self) {
     }
 }
 
-/* Sets self->wanted to where the exits should be. On lines that are not searched it is where they
- * are. */
+/* Sets self->wanted to the nodes where the exits should be. On grid lines that are not searched
+ * these are the present exits. */
 static void find_exits(exit_query *query) {
     exit_search *self = query->search;
     const reduced_model *model = self->model;
@@ -298,7 +299,7 @@ static void find_exits(exit_query *query) {
     }
 }
 
-/* Returns the multiplier at the exit of a line over its derivative by the pressure there. */
+/* Returns the multiplier at `node`, divided by its derivative by the pressure at this node. */
 static double multiplier_margin(exit_query *query, size_t node) {
     band_stencil around;
     reynolds_row row;
@@ -419,8 +420,8 @@ static void watch_all(exit_search *self) {
         self->watches[l] = (exit_watch){.change = INFINITY};
 }
 
-/* Starts the watches for a stationary contact. With a tolerance above exit_node_change the exit
- * need not be that of the converged state. */
+/* Starts the watches for a stationary contact. If the tolerance is above exit_node_change, the exit
+ * may differ from the exit of the converged state. */
 void exits_watch_stationary(exit_search *self, double tolerance) {
     self->far = INFINITY;
     self->hold = HELD_IN_CYCLE;
@@ -434,7 +435,8 @@ void exits_watch_in_time(exit_search *self, double far) {
     watch_all(self);
 }
 
-/* Returns the new exit under HELD_AT_TURN. `turns`: whether the exit has turned round now. */
+/* Returns the new exit under HELD_AT_TURN. `turns`: the exit reverses its direction in this
+ * iteration. */
 static size_t hold_at_turn(const exit_search *self, exit_watch *watch, size_t exit, size_t next,
                            bool turns) {
     if (watch->held) return exit;
@@ -444,12 +446,12 @@ static size_t hold_at_turn(const exit_search *self, exit_watch *watch, size_t ex
     return next > exit && watch->asked <= settled_distance(self->model) ? next : exit;
 }
 
-/* Returns the new exit under HELD_IN_CYCLE. `before`: change of the pressure in the last
+/* Returns the new exit under HELD_IN_CYCLE. `before`: change of the pressure in the previous
  * iteration. */
 static size_t hold_in_cycle(const exit_search *self, const exit_watch *watch, double before,
                             size_t exit, size_t next) {
-    // `stalled`: ratio of successive changes above which the iteration stalls. `few`: change of
-    // P, in Hertz pressures, below which this ratio counts. With 0.2 to 0.95 and 5e-4 to 5e-2 all
+    // `stalled`: ratio of successive changes above which the iteration stalls. `few`: change of P,
+    // in Hertz pressures, below which the ratio is used. With 0.2 to 0.95 and 5e-4 to 5e-2 all
     // iterations of a model of scenes/examples/line-in-time are the same.
     const double stalled = 0.6, few = 5e-3;
     const bool near = index_distance(next, exit) <= settled_distance(self->model);
@@ -461,8 +463,8 @@ static size_t hold_in_cycle(const exit_search *self, const exit_watch *watch, do
     return next > exit ? exit + 1 : exit - 1;
 }
 
-/* Returns the new exit on a line where `next` is wanted. `change`: of the pressure in this
- * iteration. */
+/* Returns the new exit of a grid line whose wanted exit is `next`. `change`: change of the pressure
+ * in this iteration. */
 static size_t watch_exit(const exit_search *self, exit_watch *watch, double change, size_t exit,
                          size_t next) {
     const int direction = next > exit ? 1 : next < exit ? -1 : 0;

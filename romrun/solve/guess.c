@@ -21,10 +21,10 @@ enum { NUM_NEIGHBOURS = 24 };
  * takes 38 iterations (test_guess.c, goes_on_to_other_starts). */
 enum { MAX_STARTS = 11 };
 
-/* Coordinates of a training solution relative to a contact. They are differences of ln M; of half
- * of ln(1 + alpha p_H), since the film follows powers of M and of the viscosity's rise; of the
- * lubricants' viscosity and density at the same Hertz pressure, as logarithms; and, scaled, of the
- * thinning of the flow. */
+/* Coordinates of a training solution relative to a contact: differences of four kinds. They are
+ * differences of ln M; of ln(1 + alpha p_H) / 2; of the logarithms of viscosity and density at the
+ * same Hertz pressure; and of the scaled thinning of the flow. The logarithms are used because the
+ * film follows powers of M and of the viscosity's rise. */
 enum {
     ALONG_M,
     ALONG_PRESSURE,
@@ -40,7 +40,7 @@ typedef struct neighbour {
     double distance, away[NUM_COORDINATES];
 } neighbour;
 
-/* A contact among the training solutions. */
+/* The contact to be solved, in the coordinates of the training solutions. */
 typedef struct wanted_place {
     double along_M, along_pressure, along_thinning, along_gradient;
     const ehd_lubricant *lubricant; // NULL: any
@@ -50,8 +50,8 @@ static double viscosity_coordinate(double rise) {
     return 0.5 * log1p(rise);
 }
 
-/* Returns the coordinate of the thinning by sliding. With this factor the least thinning and one
- * that halves films are as far apart as tenfold loads. */
+/* Returns the coordinate of the thinning by sliding. The factor makes the least thinning and a
+ * thinning that halves the film as far apart as two loads of ratio ten. */
 static double along_thinning(flow_thinning thinning) {
     return 0.25 * thinning_coordinate(thinning.sliding);
 }
@@ -66,7 +66,7 @@ static wanted_place place_wanted(const contact_place *of) {
                           of->lubricant};
 }
 
-/* Finds the differences between a state's lubricant and the contact's. They stay 0 if the state's
+/* Finds the differences in lubricant between a state and the contact. They stay 0 if the state's
  * lubricant is not known. Returns false if the contact's lubricant has no viscosity at the state's
  * Hertz pressure. */
 static bool compare_lubricants(double away[NUM_COORDINATES], const lubricant_rises *there,
@@ -90,7 +90,7 @@ static double distance_of(const neighbour *place) {
     return sqrt(squares);
 }
 
-/* Returns the place of a state, without regard to the lubricants. */
+/* Returns the place of a state relative to the contact, without comparing the lubricants. */
 static neighbour place_of_state(const reduced_states *states, size_t state,
                                 const wanted_place *here) {
     neighbour place = {.state = state};
@@ -104,9 +104,9 @@ static neighbour place_of_state(const reduced_states *states, size_t state,
     return place;
 }
 
-enum { ANY_EFFECT = -1 }; // also states without known effects of the grid
+enum { ANY_EFFECT = -1 }; // includes states without known errors by the grid
 
-/* Checks whether a state has the contact's own lubricant, or one that is not known. */
+/* Checks whether a state's lubricant is the contact's or is unknown. */
 static bool is_own(const neighbour *self) {
     return fabs(self->away[ALONG_VISCOSITY]) < ROUNDING &&
            fabs(self->away[ALONG_DENSITY]) < ROUNDING;
@@ -124,9 +124,9 @@ static bool has_stationary(const reduced_states *states) {
     return false;
 }
 
-/* Lists the nearest stationary states farther away than `beyond`, among those with a known effect
+/* Lists the nearest stationary states that are farther away than `beyond` and have a known `effect`
  * of the grid. Returns their number. `others` not NULL: lists only states of the contact's own
- * lubricant, and sets whether there are others. */
+ * lubricant, and sets whether other lubricants occur. */
 static size_t nearest_states(neighbour *nearest, const reduced_states *states,
                              const wanted_place *here, double beyond, int effect, bool *others) {
     const bool any = !has_stationary(states);
@@ -136,7 +136,7 @@ static size_t nearest_states(neighbour *nearest, const reduced_states *states,
         if (!is_start(states, s, any)) continue;
         if (effect != ANY_EFFECT && isnan(states->effects[s].of[effect])) continue;
         neighbour fresh = place_of_state(states, s, here);
-        // too far, whatever its lubricant is; comparing lubricants takes most of the time
+        // the state is too far away with any lubricant; comparing lubricants takes most of the time
         if (count == NUM_NEIGHBOURS && fresh.distance >= nearest[count - 1].distance &&
             (!others || *others))
             continue;
@@ -158,8 +158,8 @@ static size_t nearest_states(neighbour *nearest, const reduced_states *states,
     return count;
 }
 
-/* A fit through neighbours: how many neighbours and how many of the terms 1, x, y, x^2, xy, y^2 in
- * M and pressure it uses, and the largest sum of the weights' magnitudes. With a larger sum it
+/* A fit through neighbours: number of neighbours, number of the terms 1, x, y, x^2, xy, y^2 in M
+ * and pressure, and largest sum of the weights' magnitudes. With a larger sum the fit
  * extrapolates. */
 typedef struct neighbour_fit {
     size_t max_neighbours, num_terms;
@@ -168,19 +168,19 @@ typedef struct neighbour_fit {
 
 enum { MAX_TERMS = 6 + NUM_COORDINATES - ALONG_VISCOSITY };
 
-/* Fits, the best first. Half the quadratic fit's neighbours would lie in two rows of a regular
- * plan. */
+/* The fits, best first. With half as many neighbours, those of the quadratic fit would lie in only
+ * two rows of a regular plan. */
 static const neighbour_fit FITS[] = {{NUM_NEIGHBOURS, 6, 1.5}, {6, 3, 2}};
 
-/* Fits with the coordinates of lubricants and thinning, if neighbours differ in these. In 3000
- * scenes of three lubricants (README.md, Several lubricants) a solution takes 3.49 iterations with
- * the affine fit to 24 neighbours, and 4.80 without it. */
+/* Fits that include the coordinates of lubricant and thinning, for neighbours that differ in these.
+ * In 3000 scenes of three lubricants (README.md, Several lubricants) a solution takes 3.49
+ * iterations with the affine fit to 24 neighbours, and 4.80 without it. */
 static const neighbour_fit FITS_APART[] = {{NUM_NEIGHBOURS, 6, 2}, {NUM_NEIGHBOURS, 3, 2}};
 
 enum { NUM_FITS = 2 };
 
-/* Fills the terms of a neighbour and returns their number. The terms of lubricant and thinning are
- * linear, and only for coordinates in which neighbours differ. */
+/* Fills the terms of a neighbour and returns their number. Lubricant and thinning have linear terms
+ * only, and only for coordinates in which neighbours differ. */
 static size_t fill_terms(double terms[MAX_TERMS], const neighbour *self, size_t num_terms,
                          const bool *differs) {
     const double x = self->away[ALONG_M], y = self->away[ALONG_PRESSURE];
@@ -193,8 +193,8 @@ static size_t fill_terms(double terms[MAX_TERMS], const neighbour *self, size_t 
 }
 
 /* Computes weights of the neighbours in a moving least squares fit, evaluated at the wanted
- * contact. Returns false if the neighbours do not determine the fit, or if it would extrapolate.
- * The sum of the weights shows the former even if round-off hides it from the factorisation.
+ * contact. Returns false if the neighbours do not determine the fit, or if it would extrapolate. If
+ * round-off hides a singular fit from the factorisation, the sum of the weights still shows it.
  * `differs` [NUM_COORDINATES]. */
 static bool fit_weights(double *weights, const neighbour *nearest, size_t count,
                         const neighbour_fit *fit, const bool *differs) {
@@ -225,7 +225,7 @@ static bool fit_weights(double *weights, const neighbour *nearest, size_t count,
     return magnitude < fit->max_weight && fabs(sum - 1) < slack;
 }
 
-/* Computes state = sum of weights[i] times the given states. */
+/* Computes state = sum over i of weights[i] times states[i]. */
 static void combine_states(reduced_state *state, const reduced_model *model,
                            const neighbour *nearest, const double *weights, size_t count) {
     const reduced_states *states = &model->states;
@@ -270,8 +270,8 @@ static bool find_differences(bool differs[NUM_COORDINATES], const neighbour *nea
     return any;
 }
 
-/* Finds the first of the fits that works, and its weights. Returns how many neighbours it uses; 0:
- * no fit works. */
+/* Finds the first fit that works, and its weights. Returns how many neighbours it uses; 0: no fit
+ * works. */
 static size_t first_fit(double *weights, const neighbour *nearest, size_t count,
                         const neighbour_fit fits[NUM_FITS], const bool *differs) {
     for (int f = 0; f < NUM_FITS; f++) {
@@ -282,8 +282,8 @@ static size_t first_fit(double *weights, const neighbour *nearest, size_t count,
 }
 
 /* Finds the weights of the best fit through `count` neighbours, at least one. If lubricants or
- * thinning differ, fits with their terms come first. Returns how many neighbours it uses: the
- * nearest one alone if no fit works. */
+ * thinning differ, fits with their terms come first. Returns how many neighbours the fit uses. If
+ * no fit works, it uses the nearest neighbour alone. */
 static size_t best_weights(double *weights, const neighbour *nearest, size_t count) {
     const bool none[NUM_COORDINATES] = {false};
     bool differs[NUM_COORDINATES];
@@ -303,7 +303,8 @@ void reduced_guess(reduced_state *state, const reduced_model *model, contact_pla
     double weights[NUM_NEIGHBOURS];
     size_t states[NUM_NEIGHBOURS];
 
-    // first states of its own lubricant, since differences of lubricants act more than linearly
+    // tries states of the same lubricant first, since differences of lubricants act more than
+    // linearly
     bool others = false;
     size_t count = nearest_states(nearest, &model->states, &here, -1, ANY_EFFECT, &others);
     const bool differs[NUM_COORDINATES] = {
@@ -311,7 +312,7 @@ void reduced_guess(reduced_state *state, const reduced_model *model, contact_pla
         [ALONG_GRADIENT] = do_differ(nearest, count, ALONG_GRADIENT)};
     if (!fit_weights(weights, nearest, count, &FITS[0], differs)) {
         if (others) count = nearest_states(nearest, &model->states, &here, -1, ANY_EFFECT, NULL);
-        // the contact's lubricant has no viscosity at any of the states: takes states of all
+        // the contact's lubricant has no viscosity at the pressure of any state: use states of all
         // lubricants
         if (count == 0) {
             wanted_place of_any = here;
@@ -377,9 +378,9 @@ void reduced_neighbour(reduced_state *state, const reduced_model *model, contact
 
 // ---- error estimates of the grid
 
-/* Interpolates one error estimate at a contact between the nearest states with a known one. It
+/* Interpolates one error estimate at a contact between the nearest states with known estimates. It
  * interpolates logarithms, since the errors follow powers of M and of the viscosity's rise.
- * Infinite if the estimate of the nearest state is. */
+ * Infinite if the nearest state's estimate is infinite. */
 static double effect_at(const reduced_states *states, const neighbour *nearest, size_t count,
                         int effect) {
     // Smallest estimate, relative to a film. It replaces estimates of 0, which have no logarithm

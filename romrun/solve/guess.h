@@ -9,14 +9,14 @@
 
 /* Sets a start from the trained solutions nearest in (ln M, ln(1 + alpha p_H)/2): a quadratic fit,
  * an affine fit if the quadratic one would extrapolate, or the nearest solution if the affine one
- * would. Pressures are added spike upon spike (start_shift.h). Lubricants are compared at the same
- * Hertz pressure: states whose lubricant is as viscous and dense as the contact's are nearer. The
- * fit is linear in these differences, and in the difference of the thinning. */
+ * would. Pressures are added with their spikes at the same place (start_shift.h). Lubricants are
+ * compared at the same Hertz pressure: the more similar viscosity and density are, the nearer is
+ * the state. The fit is linear in these differences, and in the difference of the thinning. */
 void reduced_guess(reduced_state *state, const reduced_model *model, contact_place place);
 
-/* Solves from reduced_guess. If that does not converge, it starts from each of the nearest
- * trained solutions, one after the other. Iterations and times are the sum. Errors: those of
- * reduced_solve. */
+/* Solves from reduced_guess. If that does not converge, it starts from each of the nearest trained
+ * solutions, one after the other. The result's iterations and times are summed over all tries.
+ * Errors: those of reduced_solve. */
 ehd_status reduced_solve_from_training(
     // output:
     reduced_info *info, reduced_state *state,
@@ -27,9 +27,9 @@ ehd_status reduced_solve_from_training(
 /* Sets a start: the nearest trained solution that is not this contact's own. */
 void reduced_neighbour(reduced_state *state, const reduced_model *model, contact_place place);
 
-/* Returns error estimates of the films due to the full model's grid, interpolated like the starts
- * between the trained solutions with known estimates. NaN: no solution has one. Infinite: the grid
- * is too coarse for an estimate. */
+/* Returns error estimates of the films due to the full model's grid, interpolated between trained
+ * solutions with known estimates, as starts are. NaN: no solution has an estimate. Infinite: the
+ * grid is too coarse for an estimate. */
 film_effects reduced_effects(const reduced_model *model, contact_place place);
 
 #endif

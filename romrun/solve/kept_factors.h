@@ -12,15 +12,15 @@ typedef struct kept_factors {
     size_t number; // number of the Jacobian (step_problem)
     least_squares *factors;
     double *matrix;      // [rows + num_deformation + 1, num_unknowns] the Jacobian
-    size_t *exit;        // [num_lines] exit line at which it was evaluated
-    size_t num_rows;     // Reynolds rows in the matrix, which come first
+    size_t *exit;        // [num_lines] exit line at which the Jacobian was evaluated
+    size_t num_rows;     // number of Reynolds rows, the first rows of the matrix
     size_t *row;         // [num_rows] indices of the Reynolds rows in the model
     double weight;       // weight of the closure
-    double rate;         // rate of the time derivative
-    reduced_state start; // start of the present iteration, to return to on failure
+    double rate;         // rate of the squeeze term (reduced_squeeze)
+    reduced_state start; // start of the present iteration, restored on failure
 } kept_factors;
 
-/* Initialises with memory from an arena; factors and state have memory of their own. */
+/* Initialises with memory from an arena; factors and state allocate their own memory. */
 void kept_factors_init(kept_factors *self, const reduced_model *model, arena *memory);
 void kept_factors_free(kept_factors *self);
 
@@ -28,10 +28,10 @@ void kept_factors_free(kept_factors *self);
 void kept_factors_set(kept_factors *self, const row_system *system, const node_state *nodes,
                       double closure_weight);
 
-/* Returns by how many nodes the exit of a line may differ from that of the Jacobian. */
+/* Returns by how many nodes the exit of a grid line may differ from the Jacobian's exit. */
 size_t kept_factors_reach(const reduced_model *model);
 
-/* Checks whether the exit of each line is near that of the Jacobian. Farther away the stored
+/* Checks whether the exit of each grid line is near the Jacobian's exit. Otherwise the stored
  * factorisation does not match the active rows. */
 bool kept_factors_are_near(const kept_factors *self, const reduced_model *model,
                            const reduced_state *state);

@@ -17,7 +17,7 @@
 struct least_squares {
     size_t num_columns;
     double *scale;      // [num_columns] 1 / norm of the column
-    double *scaled;     // [num_columns + 1, longest] for QR, with the right side
+    double *scaled;     // [num_columns + 1, longest] scaled columns and right side, for QR
     double *gram;       // [num_columns, num_columns], then its lower factor
     size_t factor_size; // order of the factor: num_columns without zero columns
     bool by_qr;         // the factor comes from QR
@@ -27,8 +27,8 @@ struct least_squares {
 };
 
 /* Reciprocal condition of the Gram matrix below which QR is used. Measured on random columns: the
- * error of the solution is 1e-5 at a condition of 1e6, and up to 1e-3 at 1e7, where this limit
- * lies. At 1e8 no digit is right (test_least_squares.c,
+ * error of the solution is 1e-5 at a condition number of 1e6. It is up to 1e-3 at 1e7, where this
+ * limit lies. At 1e8 no digit is right (test_least_squares.c,
  * qr_takes_over_where_normal_equations_fail; docs/history.md, conditioning). */
 static const double MIN_RCOND = 1e-13;
 
@@ -52,9 +52,9 @@ least_squares *least_squares_create(size_t max_rows, size_t num_columns) {
     return memory->failed ? least_squares_free(self) : self;
 }
 
-/* Computes the Gram matrix of the columns scaled to unit norm, lower part. Zero columns get the
- * scale zero. Columns that are not finite get NaN: as zero columns they would leave a solution of
- * the others. */
+/* Scales the columns to unit norm and computes the lower part of their Gram matrix. Zero columns
+ * get the scale zero. Columns that are not finite get NaN: if they were treated as zero columns,
+ * the other columns would still have a solution. */
 static void scaled_gram(least_squares *self, const double *matrix, size_t num_rows) {
     size_t n = self->num_columns;
 
@@ -78,7 +78,7 @@ static int factorise_gram(least_squares *self, const double *matrix, size_t num_
     scaled_gram(self, matrix, num_rows);
     norm = n; // columns have unit norm, so the 1-norm is at most n
     if (!cholesky_factorise(self->gram, self->num_columns)) return 0;
-    // the diagonal of the factor bounds the condition from one side, cheaply
+    // the diagonal of the factor gives a cheap one-sided bound of the condition number
     double smallest = INFINITY, largest = 0;
     for (int j = 0; j < n; j++) {
         smallest = fmin(smallest, self->gram[j * n + j]);

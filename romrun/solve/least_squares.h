@@ -15,8 +15,8 @@ least_squares *least_squares_create(size_t max_rows, size_t num_columns); // NUL
 least_squares *least_squares_free(least_squares *workspace); // accepts and returns NULL
 
 /* Computes solution = argmin |matrix solution + right|. It is zero for zero columns (modes that lie
- * behind the exit). EHD_NOT_CONVERGED: the matrix is not finite, or the other columns are exactly
- * dependent, for example if there are more of them than rows. */
+ * behind the exit). EHD_NOT_CONVERGED: the matrix is not finite, or the non-zero columns are
+ * exactly dependent, for example if they outnumber the rows. */
 ehd_status least_squares_solve(
     // output:
     double *solution, // [num_columns]
@@ -33,9 +33,9 @@ ehd_status least_squares_factorise(
     const double *matrix, size_t num_rows); // [num_rows, num_columns]
 
 /* Computes solution = -(J^T J)^-1 matrix^T right with the J of the last least_squares_solve or
- * least_squares_factorise. If J is `matrix`, this is the least-squares solution. If J is near it,
- * this is a step of an iteration whose fixed point depends on `matrix` alone. EHD_NOT_CONVERGED: J
- * has no safe normal equations, or the solution is not finite. */
+ * least_squares_factorise. If J is `matrix`, this is the least-squares solution. If J is only near
+ * `matrix`, this is a step of an iteration whose fixed point depends on `matrix` alone.
+ * EHD_NOT_CONVERGED: J has no safe normal equations, or the solution is not finite. */
 ehd_status least_squares_again(
     // output:
     double *solution, // [num_columns]
@@ -44,8 +44,8 @@ ehd_status least_squares_again(
     const double *right,                                  // [num_rows]
     size_t num_rows);
 
-/* Computes dual = (J^T J)^-1 functional for the last factorised J. J times dual is, row by row, the
- * change of functional^T solution by an error of 1 in that row. Not finite if the factors are
+/* Computes dual = (J^T J)^-1 functional for the last factorised J. Entry r of J dual is the change
+ * of functional^T solution caused by an error of 1 in row r. Not finite if the factors are
  * singular. */
 void least_squares_dual(
     // output:

@@ -21,10 +21,10 @@ struct reduced_solver {
     node_state nodes;
     row_system system;        // the least-squares problem
     exit_search exits;        // where the exit line should be
-    kept_factors kept;        // an earlier Jacobian, in time
-    kept_factors near;        // a Jacobian near the present solution
+    kept_factors kept;        // factors of an earlier time step's Jacobian
+    kept_factors near;        // factors of a Jacobian near the present solution
     const kept_factors *used; // factors of the last solution; NULL: its own Jacobian
-    double remaining;         // change by another step over the change by the last one, estimated
+    double remaining;         // estimated ratio of the next step's change to the last step's
     size_t num_solutions;
     size_t num_factors; // number of Jacobians that were factorised to be kept
     reduced_observer *observer;
@@ -95,7 +95,7 @@ const size_t *reduced_system_rows(size_t *num_rows, const reduced_solver *self) 
     return self->system.active;
 }
 
-/* Adds the time since `start` and returns the present one. */
+/* Adds the time since `start` to *seconds and returns the present time. */
 static double add_seconds(double *seconds, double start) {
     double now = program_seconds();
 
@@ -112,8 +112,9 @@ static ehd_status fail(reduced_info *info, const char *reason) {
 
 // ---- Gauss-Newton
 
-/* Pressures at which rows are evaluated: those of the state or, while a step in time is far from
- * its solution, those of system_about, which first uses the last state. */
+/* Pressures at which rows are evaluated: the state's or, while a step in time is far from its
+ * solution, those of system_about. ABOUT_FIRST: system_about uses the pressures of the last
+ * state. */
 typedef enum { AT_STATE, ABOUT_FIRST, ABOUT_NEXT } row_pressures;
 
 /* Evaluates rows and their derivatives at the state and its exit line. */
@@ -130,8 +131,8 @@ static void evaluate(reduced_solver *self, const reduced_state *state, const red
     system_evaluate(&self->system, &self->nodes, approach, contact, squeeze, about);
 }
 
-/* Builds the least-squares problem of the rows before the exit, and of the exit's cell if it has
- * one. Returns the number of rows. */
+/* Builds the least-squares problem from the rows before the exit and, if the exit has a cell, the
+ * cell's row. Returns the number of rows. */
 static size_t build_system(reduced_solver *self, const reduced_state *state,
                            const reduced_squeeze *squeeze, bool with_cell) {
     row_system *system = &self->system;
@@ -158,7 +159,7 @@ static ehd_status solve_step(reduced_solver *self, size_t num_rows) {
                                num_rows);
 }
 
-/* Hands D f and D J dz of this iteration to the observer, with zeros for rows behind the exit. */
+/* Passes D f and D J dz of this iteration to the observer, with zeros for rows behind the exit. */
 static ehd_status observe(reduced_solver *self, ehd_error *error) {
     const row_system *system = &self->system;
     size_t n = self->model->num_unknowns;
@@ -175,11 +176,11 @@ static ehd_status observe(reduced_solver *self, ehd_error *error) {
 }
 
 /* MAX_PRESSURE_CHANGE: largest change of the pressure in one iteration, Hertz pressures.
- * MIN_FILM_LEFT: part of the smallest film that an iteration must leave. Both limits set the
- * damping. Measured between any two of twelve trained solutions: with a pressure change of 0.3
- * all are found, in 850 iterations. With 0.1 four are lost, in 863 iterations. With 1 two are
- * lost, in 893 iterations. Film parts up to 0.5 change nothing (test_reduced_solver.c,
- * any_trained_solution_leads_to_any_other). */
+ * MIN_FILM_LEFT: fraction of the smallest film that an iteration must leave. Both limits set the
+ * damping. Measured by solving from each of twelve trained solutions to each other one: with a
+ * pressure change of 0.3 all are found, in 850 iterations. With 0.1 four are lost, in 863
+ * iterations. With 1 two are lost, in 893 iterations. Fractions up to 0.5 change nothing
+ * (test_reduced_solver.c, any_trained_solution_leads_to_any_other). */
 static const double MAX_PRESSURE_CHANGE = 0.3;
 static const double MIN_FILM_LEFT = 0.2;
 
@@ -208,8 +209,8 @@ typedef struct iterate {
     double film;   // H at X = 0 after the step
     double change; // largest change of P at the needed nodes, undamped
     double factor; // damping factor
-    double rate;   // change over that of the last iteration
-    double moved;  // undamped change of an exit within a node, steps
+    double rate;   // ratio of this change to that of the last iteration
+    double moved;  // undamped move of an exit within its node, in grid steps
 } iterate;
 
 /* Adds the damped step to the state. */
@@ -231,21 +232,21 @@ static iterate take_step(reduced_state *state, reduced_solver *self, const itera
     return now;
 }
 
-/* Limits of the change of P by another iteration, below which the iteration has converged.
- * PRESSURE_TOLERANCE: absolute, Hertz pressures. PRESSURE_OVER_FILM: over the tolerance of the
- * film. Sixty contacts around scenes/examples/line take 258 iterations. With 1e-2 and 1e6 they
- * take as many. With 1e-6 or 1e2 they take 282, and the films change by less than 1e-10. */
+/* The iteration has converged if the next iteration would change P by less than these limits.
+ * PRESSURE_TOLERANCE: absolute limit, Hertz pressures. PRESSURE_OVER_FILM: limit divided by the
+ * tolerance of the film. Sixty contacts around scenes/examples/line take 258 iterations. With 1e-2
+ * and 1e6 they take as many iterations. With 1e-6 or 1e2 they take 282, and the films change by
+ * less than 1e-10. */
 static const double PRESSURE_TOLERANCE = 1e-4, PRESSURE_OVER_FILM = 1e4;
 
-/* Change of P in an iteration in time above which the iteration is far from the solution, Hertz
- * pressures. With 5e-3 to 5e-2 the line under a load of period 1/2
- * (scenes/studies/transient-load) takes 1413 to 1445 iterations (tolerance 5e-3). If the exits
- * never stay, it takes 2210. */
+/* In time, an iteration that changes P by more than this is far from the solution, Hertz pressures.
+ * With 5e-3 to 5e-2 the line under a load of period 1/2 (scenes/studies/transient-load) takes 1413
+ * to 1445 iterations (tolerance 5e-3). If the exits move in every iteration, it takes 2210. */
 static const double NEAR_CHANGE = 5e-3;
 
-/* Returns the change by another iteration over the change by this one. Convergence is taken as
- * quadratic, so this is the square of the observed rate. The linear part that Gauss-Newton leaves
- * is slower only where the rate is small. */
+/* Returns the estimated ratio of the next iteration's change to this one's. Convergence is taken as
+ * quadratic, so this ratio is the square of the observed rate. The linear convergence of
+ * Gauss-Newton is slower only where the rate is small. */
 static double next_rate(const iterate *now) {
     const double rate = fmin(now->rate, 1);
 
@@ -253,7 +254,7 @@ static double next_rate(const iterate *now) {
 }
 
 /* Checks whether another iteration would change film and pressure by less than the tolerances.
- * Damped steps are far from that and show no rate. */
+ * Damped steps are far from convergence and show no rate. */
 static bool converged(const iterate *before, const iterate *now, double tolerance) {
     const double next = next_rate(now);
 
@@ -270,9 +271,9 @@ static void watch_exits(reduced_solver *self, bool in_time) {
         exits_watch_stationary(&self->exits, self->settings.tolerance);
 }
 
-/* Sets the exit line of the first iteration. A stationary start has an exit line that was fitted to
- * other contacts. On a point contact, with exits on all lines, adapting it to the start itself
- * saves iterations. */
+/* Sets the exit line of the first iteration. The exit line of a stationary start comes from a fit
+ * to other contacts. On a point contact with exits searched on all grid lines, adapting this exit
+ * line to the start saves iterations. */
 static void start_exits(reduced_solver *self, reduced_state *state, const ehd_contact *contact,
                         const reduced_squeeze *squeeze) {
     watch_exits(self, squeeze != NULL);
@@ -289,11 +290,11 @@ static const double *band_modes(const reduced_model *model, size_t node) {
     return model->band.pressure + reduced_model_band_index(model, node) * model->num_pressure;
 }
 
-/* Sets P to 0 at the nodes of a line that have joined the pressurised zone, because the exit moved
- * on from `exit`. Behind an exit no row determines the modes: round-off leaves pressures of up to
- * 1e6 p_H there, which shorter steps do not remove. Of all states with P = 0 at these nodes, the
- * new one changes the rows of the last system least. Each direction (J^T J)^-1 phi_k is made
- * orthogonal to the nodes before it. */
+/* Sets P to 0 at the nodes of a line contact that have joined the pressurised zone because the exit
+ * moved downstream from `exit`. Behind an exit no row determines the modes: round-off leaves
+ * pressures of up to 1e6 p_H there, which shorter steps do not remove. Of all states with P = 0 at
+ * these nodes, the new state changes the rows of the last system least. Each direction (J^T J)^-1
+ * phi_k is made orthogonal to the earlier nodes. */
 static void join_nodes(reduced_state *state, reduced_solver *self, size_t exit) {
     const reduced_model *model = self->model;
     const size_t n = model->num_unknowns, p = model->num_pressure;
@@ -317,22 +318,23 @@ static void join_nodes(reduced_state *state, reduced_solver *self, size_t exit) 
     }
 }
 
-/* Runs the algorithm of Maier et al. (2015), section 3: Gauss-Newton on the weighted least squares
- * of the selected rows. The exit line follows in each iteration. In time, once an iteration changes
- * the pressure by less than NEAR_CHANGE, the later ones use the Jacobian made there. Returns an
- * error only if the observer or memory fails; the outcome is info->status. */
+/* Runs the algorithm of Maier et al. (2015), section 3: Gauss-Newton on the weighted least
+ * squares of the selected rows. The exit line is adapted in each iteration. In time, after an
+ * iteration that changes the pressure by less than NEAR_CHANGE, it tries to end with one more
+ * Jacobian (end_near). Returns an error only if the observer or memory fails; the outcome is
+ * info->status. */
 static ehd_status gauss_newton(reduced_info *info, reduced_state *state, reduced_solver *self,
                                const ehd_contact *contact, const reduced_squeeze *squeeze,
                                ehd_error *error) {
     const bool within_node =
         !squeeze && !self->settings.exit_at_node && exit_is_within_node(&self->model->grid);
     const bool in_time = squeeze && !self->observer && !self->settings.solve_linear;
-    bool tried = !in_time; // whether the Jacobian near the solution was tried
+    bool tried = !in_time; // true: the Jacobian near the solution was tried
     row_pressures at = in_time && squeeze->last ? ABOUT_FIRST : AT_STATE;
     const reduced_values *known = NULL;
     iterate before = {NAN, NAN, 0, NAN, 0}, now;
     double start = program_seconds();
-    bool joined = false; // nodes behind the exit have joined, so values are not known
+    bool joined = false; // nodes have joined the pressurised zone, so values are not known
 
     if (!within_node) state->exit_offset = NAN;
     info->own_jacobian = true;
@@ -399,22 +401,22 @@ static ehd_status gauss_newton(reduced_info *info, reduced_state *state, reduced
 
 // ---- in time, with the factors of an earlier Jacobian
 
-/* Largest ratio of successive changes with kept factors (romrun/online/README.md, In time), and the
- * ratio that is assumed before the second step. With 0.5 a reduced model of
- * scenes/examples/line-in-time (step 0.02) takes 232 iterations. With 0.2 it takes 188, of which
- * more have own Jacobians. With 0.9 it takes 237 (test_kept_factors.c,
- * kept_factors_serve_steps_alike). */
+/* Largest ratio of successive changes with kept factors (romrun/online/README.md, In time). The
+ * same ratio is assumed before the second step. With 0.5 a reduced model of
+ * scenes/examples/line-in-time (step 0.02) takes 232 iterations. With 0.2 it takes 188, but makes
+ * more Jacobians. With 0.9 it takes 237 (test_kept_factors.c, kept_factors_serve_steps_alike). */
 static const double MAX_KEPT_RATE = 0.5;
 
-/* MAX_KEPT_CHANGE: change of P in one iteration above which the iteration would need damping, L2
- * norm. KEPT_TOLERANCE: tolerance of this change. The norm follows from the coordinates and does
- * not depend on the grid. The line under a load of period 1/2 (scenes/studies/transient-load)
- * takes 370 iterations with own Jacobians and 1768 with kept ones, and 18 % fewer instructions
- * than with 2e-3, which takes 685 and 1143. A tolerance of 7e-5 changes the film of
- * scenes/examples/line-in-time by 4e-4. With 7e-7 it takes 288 iterations instead of 232. */
+/* MAX_KEPT_CHANGE: change of P (L2 norm) in one iteration above which the iteration would need
+ * damping. KEPT_TOLERANCE: tolerance of this change. The norm follows from the coordinates and does
+ * not depend on the grid. The line contact under a load of period 1/2
+ * (scenes/studies/transient-load) takes 370 iterations with own Jacobians and 1768 with kept ones.
+ * With 2e-3 it takes 685 and 1143; 2e-2 takes 18 % fewer instructions. A tolerance of 7e-5 changes
+ * the film of scenes/examples/line-in-time by 4e-4. With 7e-7 it takes 288 iterations instead of
+ * 232. */
 static const double MAX_KEPT_CHANGE = 2e-2, KEPT_TOLERANCE = 7e-6;
 
-/* Makes factors at the state at which the rows have been evaluated. */
+/* Makes factors of the Jacobian at the state where the rows have been evaluated. */
 static void make_factors(kept_factors *factors, reduced_solver *self,
                          const reduced_squeeze *squeeze) {
     const double weight = system_closure_weight(squeeze);
@@ -432,7 +434,7 @@ void reduced_drop_factors(reduced_solver *self) {
 
 void reduced_keep_factors(reduced_solver *self, const reduced_state *state,
                           const ehd_contact *contact, double rate) {
-    double *no_residual = self->system.right; // the matrix needs none
+    double *no_residual = self->system.right; // the matrix needs no residual
     const reduced_squeeze squeeze = {.rate = rate, .previous = no_residual};
 
     memset(no_residual, 0, self->model->rows.num_rows * sizeof(double));
@@ -445,7 +447,7 @@ const reduced_state *reduced_take_factors(reduced_solver *self) {
 
     self->near = self->kept;
     self->kept = taken;
-    self->used = NULL; // near and kept factors have changed places
+    self->used = NULL; // near and kept factors have been swapped
     return &self->kept.start;
 }
 
@@ -456,8 +458,8 @@ typedef struct kept_iterate {
     bool slow; // the last step was small, but not taken because its rate was too slow
 } kept_iterate;
 
-/* KEPT_SLOW: not converged, but near the solution. KEPT_FAILED: not converged, and the state is
- * useless. */
+/* Outcomes without convergence. KEPT_SLOW: the state is near the solution. KEPT_FAILED: the state
+ * is useless. */
 typedef enum { KEPT_CONVERGED, KEPT_SLOW, KEPT_FAILED } kept_outcome;
 
 /* Takes one step. Returns false if it converges too slowly or needs damping. */
@@ -491,7 +493,7 @@ static bool take_kept_step(kept_iterate *at, reduced_info *info, reduced_state *
 static kept_outcome iterate_with(kept_factors *factors, reduced_info *info, reduced_state *state,
                                  reduced_solver *self, const ehd_contact *contact,
                                  const reduced_squeeze *squeeze) {
-    const bool made = factors == &self->near; // then rows are evaluated as in reduced_keep_factors
+    const bool made = factors == &self->near; // true: rows are evaluated as in reduced_keep_factors
     const reduced_values *known = made ? NULL : squeeze->start;
     kept_iterate at = {.change = NAN};
     double start = program_seconds();
@@ -506,7 +508,7 @@ static kept_outcome iterate_with(kept_factors *factors, reduced_info *info, redu
         if (!converges) return at.slow ? KEPT_SLOW : KEPT_FAILED;
         bool moved = exits_adapt(&self->exits, &self->nodes, state, contact, squeeze, at.change);
         start = add_seconds(&info->seconds_exit, start);
-        // farther away the stored factorisation no longer matches the active rows
+        // away from the exit of the factors the active rows no longer match the factorisation
         if (!kept_factors_are_near(factors, self->model, state)) return KEPT_FAILED;
         if (!moved && at.converged) {
             info->status = EHD_OK;
@@ -519,8 +521,8 @@ static kept_outcome iterate_with(kept_factors *factors, reduced_info *info, redu
 }
 
 /* Iterates with factors of the Jacobian at the state, which is near the solution. Returns false if
- * that does not converge, with the initial state, or if exits have moved, with a state nearer to
- * the solution: other rows are active then. */
+ * the iteration does not converge; the state is then the initial one. Also returns false if exits
+ * have moved, so that other rows are active; the state is then nearer to the solution. */
 static bool end_near(reduced_info *info, reduced_state *state, reduced_solver *self,
                      const ehd_contact *contact, const reduced_squeeze *squeeze) {
     const size_t bytes = self->model->band.num_lines * sizeof(size_t);
@@ -536,17 +538,17 @@ static bool end_near(reduced_info *info, reduced_state *state, reduced_solver *s
     return info->near_factors;
 }
 
-/* Returns whether to try the kept factors. With factors of a time step shorter by a factor q each
- * iteration changes the solution too little, by q, and converges at a rate of 1 - 1/q. Such a small
- * change would be taken for convergence if this rate exceeds MAX_KEPT_RATE. */
+/* Returns whether to try the kept factors. If their time step was shorter by a factor q, each
+ * change of the solution is too small by q, and the rate of convergence is 1 - 1/q. If this rate
+ * exceeds MAX_KEPT_RATE, such a small change would be mistaken for convergence. */
 static bool kept_are_of_use(const reduced_solver *self, const reduced_squeeze *squeeze) {
     return squeeze && self->kept.valid && !self->observer &&
            self->kept.rate * (1 - MAX_KEPT_RATE) <= squeeze->rate;
 }
 
-/* Iterates with the kept factors, if they are of use. If that converges too slowly, it goes on with
- * factors of the Jacobian at the state that was reached. If it fails, it iterates from the start
- * with own Jacobians. */
+/* Iterates with the kept factors, if they are of use. If this converges too slowly, goes on with
+ * factors of the Jacobian at the state reached. If this fails, iterates from the initial state with
+ * own Jacobians. */
 static ehd_status solve(reduced_info *info, reduced_state *state, reduced_solver *self,
                         const ehd_contact *contact, const reduced_squeeze *squeeze,
                         ehd_error *error) {
@@ -575,7 +577,7 @@ static void expand(reduced_solver *self, const reduced_state *state, const reduc
     nodes_expand_state(&self->nodes, known, state->coordinates);
 }
 
-/* Returns the scalars of the state that has been expanded. */
+/* Returns the scalars of the expanded state. */
 static contact_scalars scalars_of(reduced_solver *self, const reduced_state *state,
                                   const ehd_contact *contact) {
     return nodes_scalars(&self->nodes, state->coordinates,
@@ -589,7 +591,7 @@ ehd_status reduced_solve(reduced_info *info, reduced_state *state, reduced_solve
 
     *info = (reduced_info){.status = EHD_NOT_CONVERGED, .reason = ""};
     ehd_status status = solve(info, state, solver, contact, squeeze, error);
-    // in time the values are those of reduced_values_of, to the last bit
+    // in time the values are bit-identical to those of reduced_values_of
     const bool in_time = squeeze || solver->settings.exit_at_node;
     if (!status) {
         expand(solver, state, in_time ? NULL : &solver->nodes.now.values);

@@ -11,9 +11,9 @@
 #include <stdbool.h>
 
 /* Solves the least-squares problem of an iteration, step = argmin |matrix step + right|. The rows
- * are the model's weighted rows before the exit in their order, then the linear equations. Tests
- * and research enter other methods or weights in reduced_settings. EHD_NOT_CONVERGED: there is no
- * solution. */
+ * are the model's weighted rows before the exit, in the model's order, then the linear equations.
+ * Tests and research set other methods or weights in reduced_settings. EHD_NOT_CONVERGED: there is
+ * no solution. */
 typedef ehd_status reduced_linear_solver(double *step, // out: [num_unknowns]
                                          void *context,
                                          const double *matrix, // [num_rows, num_unknowns]
@@ -21,28 +21,28 @@ typedef ehd_status reduced_linear_solver(double *step, // out: [num_unknowns]
                                          size_t num_rows, size_t num_unknowns);
 
 typedef struct reduced_settings {
-    // the iteration ends when another one would change the central film by a smaller relative
-    // amount; default 1e-8
+    // the iteration ends when the next one would change the central film by less, relatively;
+    // default 1e-8
     double tolerance;
     size_t max_iterations; // default 40
-    // half widths between the lines of a point contact on which the exit is searched for. The exits
-    // of the other lines are interpolated (Maier et al. (2015), section 3.3). 0, the default: all
-    // lines, since interpolation costs more iterations than it saves time.
+    // distance between the grid lines of a point contact on which the exit is searched for, half
+    // widths. The exits of the other lines are interpolated (Maier et al. (2015), section 3.3). 0,
+    // the default: all lines are searched, since interpolation needs more iterations and saves no
+    // time.
     double exit_spacing;
-    bool exit_at_node; // true: at a node, as in time; false: only where exit_is_within_node is
-                       // false
+    bool exit_at_node; // true: each exit is a node, as in time; false: unless exit_is_within_node
     reduced_linear_solver *solve_linear; // NULL: least_squares_solve
     void *linear_context;
 } reduced_settings;
 
-/* Returns the default settings, which the comments above name. */
+/* Returns the default settings, named in the comments above. */
 reduced_settings reduced_default_settings(void);
 
 typedef struct reduced_info {
     ehd_status status; // EHD_OK, EHD_NOT_CONVERGED or EHD_UNTRUSTED (exit not settled)
     size_t iterations;
     bool own_jacobian; // solved with new Jacobians, not with the factors kept before
-    bool near_factors; // near the solution it used the factors of the last new Jacobian
+    bool near_factors; // the last iterations used the factors of the last new Jacobian
     double residual;   // |D f| of the rows and the linear equations, at the last iteration
     contact_scalars scalars;
     double seconds, seconds_rows, seconds_linear, seconds_exit;
@@ -56,7 +56,7 @@ typedef ehd_status reduced_observer(void *context, const double *weighted_residu
                                     ehd_error *error);
 
 /* Receives the outcome at the end of a solution. The values of a diverged iteration are larger than
- * all others together and should not be kept. */
+ * all other values together and should not be kept. */
 typedef ehd_status reduced_observer_end(void *context, const reduced_info *info, ehd_error *error);
 
 /* The squeeze term: the time derivative of rho H is rate * rho H + previous. */
@@ -65,8 +65,9 @@ typedef struct reduced_squeeze {
     const double *previous;                            // [num_rows] at the model's rows
     double (*previous_at)(void *context, size_t node); // returns `previous` at a node of the band
     void *context;
-    const reduced_values *start; // values of the state at the start; NULL: not known
-    const double *last;          // [num_needed] P of the last state, uncut; NULL: not known
+    const reduced_values *start; // values of the start; NULL: not known
+    const double *last;          // [num_needed] P of the previous state, by uncut modes; NULL: not
+                                 // known
 } reduced_squeeze;
 
 typedef struct reduced_solver reduced_solver;
@@ -103,13 +104,13 @@ ehd_status reduced_solve(
     const reduced_squeeze *squeeze, // NULL when stationary
     ehd_error *error);
 
-/* Returns the scalars of a state, solved or not. */
+/* Returns the scalars of a state; it need not be a solution. */
 contact_scalars reduced_scalars(reduced_solver *solver, const reduced_state *state,
                                 const ehd_contact *contact);
 
-/* Corrects the minimum film of a line's last solution in time if the film has a dip before the
- * band. It finds the minimum with the films of the nodes between the needed ones, which `film`
- * returns. */
+/* Corrects the minimum film of a line contact's last solution in time if the film has a dip before
+ * the band. It finds the minimum from the films that `film` returns at nodes between the needed
+ * ones. */
 void reduced_find_dip(
     // in and out:
     contact_scalars *scalars,
@@ -128,11 +129,11 @@ reduced_pressures reduced_pressure_range(reduced_solver *solver, const reduced_s
 contact_traction reduced_traction(reduced_solver *solver, const reduced_state *state,
                                   const ehd_contact *contact, const contact_scalars *scalars);
 
-/* Computes the values of the last solution. With `exit_at_node` they are those of reduced_values_of
- * to the last bit. */
+/* Computes the values of the last solution. With `exit_at_node` they are bit-identical to those of
+ * reduced_values_of. */
 void reduced_last_values(reduced_values *values, const reduced_solver *solver);
 
-/* P, zero behind the exit, and H of the last solution at the needed nodes, [num_needed]. */
+/* P (zero behind the exit) and H of the last solution at the needed nodes, [num_needed]. */
 typedef struct reduced_needed {
     const double *pressure, *film;
 } reduced_needed;
@@ -143,16 +144,16 @@ void reduced_row_values(double *pressure, double *mass, const reduced_solver *so
                         const ehd_contact *contact);
 
 /* Keeps the factorised Jacobian at a state for later steps in time. With a squeeze term
- * reduced_solve then iterates with it, and with own Jacobians only if that does not converge. The
- * result differs by the product of the remaining residual and the change of the Jacobian since
- * then. The factors depend on the arguments alone, so they can be reproduced. */
+ * reduced_solve then iterates with these factors, and with own Jacobians only if that does not
+ * converge. The result differs by the product of the remaining residual and the change of the
+ * Jacobian. The factors depend on the arguments alone, so they can be reproduced. */
 void reduced_keep_factors(reduced_solver *solver, const reduced_state *state,
                           const ehd_contact *contact, double rate);
 void reduced_drop_factors(reduced_solver *solver);
 
 /* Keeps the factors with which the last solution ended (info.near_factors). Returns the state at
- * which they were made, from which reduced_keep_factors makes the same factors. It is valid until
- * the next solution. */
+ * which they were made, from which reduced_keep_factors makes the same factors. This state is valid
+ * until the next solution. */
 const reduced_state *reduced_take_factors(reduced_solver *solver);
 
 #endif

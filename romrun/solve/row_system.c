@@ -88,8 +88,8 @@ static void expand_pressure(row_system *self, const node_state *nodes, double ri
     far_field_add(self->pressure, &self->outer, contact, rigid_approach);
 }
 
-/* Extrapolates rows first … end - 1 from the pressures `about` to the state's along their
- * derivatives. */
+/* Extrapolates rows first … end - 1 linearly from the pressures `about` to the pressures of the
+ * state. */
 static void shift_rows(row_system *self, const double *about, size_t first, size_t end) {
     const row_set *set = &self->model->rows;
     const int size = reynolds_stencil_size(&self->model->grid);
@@ -192,8 +192,8 @@ static inline void add_some_rows(double *restrict target, const double *factors,
     }
 }
 
-/* Adds the rows of a line's stencil, with as many nodes as it has. One loop over six nodes would
- * take 4.5 % more instructions for a solution with the published rows. */
+/* Adds the rows of a line contact's stencil, with only as many nodes as the stencil has. One loop
+ * over six nodes would take 4.5 % more instructions for a solution with the published rows. */
 static inline void add_rows(double *restrict target, const double factors[NUM_LINE_STENCIL],
                             const double *const sources[NUM_LINE_STENCIL], bool wide,
                             size_t count) {
@@ -203,8 +203,8 @@ static inline void add_rows(double *restrict target, const double factors[NUM_LI
         add_some_rows(target, factors + 1, sources + 1, NUM_LINE_STENCIL - 2, count);
 }
 
-/* Adds the rows of a point's stencil that have a factor: five of ten for the pressures along the
- * path. */
+/* Adds those rows of a point contact's stencil that have a factor: five of ten for the pressures
+ * with transport along the path. */
 static inline void add_listed_rows(double *restrict target, const double factors[NUM_STENCIL],
                                    const double *const sources[NUM_STENCIL], int size,
                                    size_t count) {
@@ -225,7 +225,7 @@ static inline void add_listed_rows(double *restrict target, const double factors
 }
 
 /* Fills a row of the weighted reduced Jacobian: stencil coefficients times rows of the bases. Rows
- * of the coupled film are taken at the exit's checkpoint. */
+ * of the coupled film are those of the exit's checkpoint. */
 static void fill_reynolds_row(double *target, const row_system *self, const node_state *nodes,
                               size_t r) {
     const reduced_model *model = self->model;
@@ -263,8 +263,8 @@ static void fill_reynolds_row(double *target, const row_system *self, const node
     target[model->num_unknowns - 1] = weight * approach;
 }
 
-/* Computes derivatives of an active row by the pressures of the nodes of a block. Products are
- * rounded as in fill_reynolds_row, so that nodes that are taken away cancel. */
+/* Computes the derivatives of an active row by the pressures at a block's nodes. Products are
+ * rounded as in fill_reynolds_row, so that removed nodes cancel exactly. */
 static void fill_left_side(double *left, const row_system *self, size_t r, const size_t *index,
                            const double *sign, size_t rank) {
     const reduced_model *model = self->model;
@@ -287,7 +287,7 @@ static void fill_left_side(double *left, const row_system *self, size_t r, const
     }
 }
 
-/* Nodes by which the exit differs from its checkpoint. */
+/* Nodes between the exit and its checkpoint. */
 typedef struct cut_block {
     size_t rank, index[CUT_BLOCK]; // indices in the band
     double sign[CUT_BLOCK];
@@ -332,9 +332,9 @@ static void add_runs(row_system *self, const node_state *nodes, double load_weig
     if (block.rank > 0) add_block(self, &block, load_weight);
 }
 
-/* Updates the cut table of an independent basis to the exit, always from the exit's checkpoint. Its
- * bits then depend on the exit alone, and round-off does not add up over the steps in time. For a
- * coupled basis add_runs updates the rows of the Jacobian instead, which are fewer. */
+/* Updates the cut table of an independent basis to the exit, always from the exit's checkpoint. The
+ * table then depends on the exit alone, and round-off does not add up over time steps. For a
+ * coupled basis add_runs instead updates the rows of the Jacobian, which are fewer. */
 static void make_cut_table(row_system *self, const node_state *nodes) {
     const reduced_model *model = self->model;
     size_t size = model->cut.num_rows * model->num_pressure;
@@ -347,8 +347,8 @@ static void make_cut_table(row_system *self, const node_state *nodes) {
     memcpy(self->cut_exit, nodes->exit, bytes);
 }
 
-/* Fills the projected elasticity of an independent basis, from row `count` on. Returns the next
- * row. */
+/* Fills the projected elasticity of an independent basis, from row `count` on. Returns the index of
+ * the next free row. */
 static size_t fill_elasticity(row_system *self, size_t count) {
     const reduced_model *model = self->model;
     size_t n = model->num_unknowns, num_pressure = model->num_pressure;
@@ -392,7 +392,7 @@ static double nearest_weight(const row_set *rows, size_t node) {
     return rows->weight[best];
 }
 
-/* Computes target = weight times the derivatives of a row at a node of a line's band. */
+/* Computes target = weight times the derivatives of a row at a node of a line contact's band. */
 static void fill_band_row(double *target, double weight, const reynolds_row *row,
                           const row_system *self, const node_state *nodes, size_t node) {
     const reduced_model *model = self->model;

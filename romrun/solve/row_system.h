@@ -16,13 +16,13 @@ typedef struct row_system {
     const reduced_model *model;
     reynolds_row *rows;      // [rows of the model] at the state
     double *fluid_memory;    // [NUM_FLUID_ARRAYS, num_needed]
-    far_field outer;         // boundary nodes among the needed ones
+    far_field outer;         // far field at the boundary nodes among the needed ones
     double *pressure;        // [num_needed] P of the state, including the far field
     double *about;           // [num_needed] pressures of system_about
     contact_closure closure; // at the state, including the load beyond the grid
     size_t num_active;       // rows before the exit
-    size_t num_cells;        // 1 if the exit lies within a node (the cell's row is the last one),
-                             // else 0
+    size_t num_cells;        // 1 if the exit lies within a node (the cell's row is then the last
+                             // row), else 0
     size_t *active;          // [rows of the model] indices of the rows before the exit
     double *matrix;          // [system_max_rows, num_unknowns]
     double *right;           // [system_max_rows]
@@ -30,16 +30,16 @@ typedef struct row_system {
     double *offset;          // [num_unknowns] gradient of the exit's offset within its node
     double *flux_step;       // [num_unknowns] gradient of the flux
     reynolds_row flux;       // flux and its derivatives, from system_flux
-    size_t flux_row;         // row of the model where it is taken
+    size_t flux_row;         // row of the model at which the flux is taken
     least_squares *factors;
     double *block;       // coupled: [rows + 1, CUT_BLOCK] left sides of the active rows;
                          // independent: [CUT_BLOCK, cut rows + num_pressure] work of the cut table
     double *block_right; // [CUT_BLOCK, num_pressure] coupled: right sides
     double *cut;         // independent: [cut rows, num_pressure] the cut table for cut_exit
-    size_t *cut_exit;    // [num_lines]; 0: none yet
+    size_t *cut_exit;    // [num_lines] exit of `cut`; 0: none yet
 } row_system;
 
-/* Initialises with memory from an arena; the factors have memory of their own. The model must
+/* Initialises with memory from an arena; the factors allocate their own memory. The model must
  * outlive it. */
 void system_init(row_system *self, const reduced_model *model, arena *memory);
 void system_free(row_system *self);
@@ -47,9 +47,9 @@ void system_free(row_system *self);
 /* Returns the largest number of rows of a least-squares problem of the model. */
 size_t system_max_rows(const reduced_model *model);
 
-/* Evaluates the rows before the exit and their derivatives at the state that `nodes` holds, into
- * self->rows, and the closure. `about`: NULL, or pressures [num_needed] at which the rows are
- * evaluated; from there the rows are extrapolated linearly to the state's pressures. */
+/* Evaluates the closure, and in self->rows the rows before the exit and their derivatives, at the
+ * state that `nodes` holds. `about`: NULL, or pressures [num_needed] at which the rows are
+ * evaluated; then the rows are extrapolated linearly to the state's pressures. */
 void system_evaluate(row_system *self, const node_state *nodes, double rigid_approach,
                      const ehd_contact *contact, const reduced_squeeze *squeeze,
                      const double *about);
@@ -59,10 +59,10 @@ double system_flow_doubt(row_system *self, const node_state *nodes, double rigid
                          const ehd_contact *contact);
 
 /* Returns the pressures about which a step in time is linearised while it is far from its solution
- * (romrun/online/README.md, In time). `last`, the uncut pressures of the last state: at each node
- * the higher one of `last` and the state that `nodes` holds. `last` NULL, after system_evaluate:
- * where the pressure has risen, the state's; where it has fallen, the pressure whose mobility is
- * that of the linear rows. */
+ * (romrun/online/README.md, In time). If `last` holds the uncut pressures of the last state: at
+ * each node the higher pressure of `last` and of the state in `nodes`. If `last` is NULL, after
+ * system_evaluate: where the pressure has risen, the state's pressure; where it has fallen, the
+ * pressure that has the mobility of the linear rows. */
 const double *system_about(row_system *self, const node_state *nodes, double rigid_approach,
                            const ehd_contact *contact, const double *last);
 
@@ -70,19 +70,19 @@ const double *system_about(row_system *self, const node_state *nodes, double rig
  * NO_NODE: no exception. */
 void system_list_active(row_system *self, const node_state *nodes, size_t cell_node);
 
-/* Returns the flux at the state through the half node before the selected row nearest to X = 0. The
- * flux is the same everywhere before the exit. Near the exit, pressures left by a truncated basis
- * would change it most. */
+/* Returns the state's flux through the half node before the selected row nearest to X = 0. The flux
+ * is the same everywhere before the exit. Near the exit, pressures left by a truncated basis would
+ * change it most. */
 double system_flux(row_system *self, const ehd_contact *contact, const node_state *nodes);
 
 /* Appends the row of the cell in which the exit lies, and fills self->offset. */
 void system_add_cell(row_system *self, const node_state *nodes, const exit_cell *cell);
 
-/* Appends only the right side of the cell's row, behind those of system_fill_right. */
+/* Appends only the right side of the cell's row, behind the rows of system_fill_right. */
 void system_add_cell_right(row_system *self, const node_state *nodes, const exit_cell *cell);
 
-/* Fills the right side (Maier et al. (2015), eq. 37): the Reynolds rows of a list (zero behind the
- * exit), projected elasticity, closure. Returns the number of rows. */
+/* Fills the right side (Maier et al. (2015), eq. 37): the listed Reynolds rows (zero behind the
+ * exit), then projected elasticity, then closure. Returns the number of rows. */
 size_t system_fill_right(row_system *self, const node_state *nodes, const double *z,
                          const size_t *list, size_t num_list, double closure_weight);
 

@@ -10,8 +10,8 @@
 #include "romrun/solve/reduced_solver.h"
 #include "romrun/state/node_state.h"
 
-/* Rows are first the selected Reynolds rows before the exit, then the linear equations, and then
- * the row of the cell if the exit lies within a node. */
+/* The order of rows: selected Reynolds rows before the exit, linear equations and, if the exit lies
+ * within a node, the row of its cell. */
 typedef struct solved_system {
     const reduced_model *model;
     node_state *nodes; // at the solution
@@ -22,11 +22,11 @@ typedef struct solved_system {
     const double *matrix;       // [num_rows, num_unknowns] D J, of this or of an earlier step
     least_squares *factors;     // of the matrix
     const double *right, *step; // [num_rows] D f before the last step; [num_unknowns] the last step
-    double remaining;           // change by another step over that by the last one, estimated
+    double remaining;           // estimated ratio of the next step's change to the last step's
     const double *offset;       // [num_unknowns] gradient of the exit's offset within its node;
                                 // NULL: exits are nodes
-    size_t matrix_number;   // a different one for each kept matrix; 0: a matrix of this solution
-    size_t solution_number; // a different one for each solution
+    size_t matrix_number;       // number of the kept matrix; 0: a matrix of this solution
+    size_t solution_number;     // number of the solution
 } solved_system;
 
 /* Returns the system of the last solution, valid until the next one. */
