@@ -77,8 +77,7 @@ ehd_status modes_read(double **modes, artefact *file, const char *field, const e
 
 // ---- states
 
-/* Copies the columns from `first` to first + width - 1 of the states' coordinates to or from
- * `part`. */
+/* Copies the columns first … first + width - 1 of the states' coordinates to or from `part`. */
 static void copy_coordinates(double *part, const reduced_states *states, size_t first, size_t width,
                              int to_part) {
     for (size_t s = 0; s < states->num_states; s++) {
@@ -90,8 +89,8 @@ static void copy_coordinates(double *part, const reduced_states *states, size_t 
     }
 }
 
-/* Writes, for a training with trajectories, which states are stationary, and the rates of
- * change. */
+/* If the training has trajectories, writes the rates of change of the states and which states are
+ * stationary. */
 static ehd_status put_trajectory_marks(artefact *file, const reduced_states *states, int64_t *work,
                                        ehd_error *error) {
     bool all_stationary = true;
@@ -169,8 +168,8 @@ static ehd_status get_thinning(reduced_states *states, artefact *file, double *w
     return status;
 }
 
-/* Numbers that may be unknown for a state, one dataset each: the error estimates of the grid, and
- * the lubricants. */
+/* Numbers that may be unknown for a state, one dataset each: error estimates of the grid, or
+ * lubricant data. */
 typedef struct optional_columns {
     const char *const *names; // [num]
     size_t num;
@@ -268,8 +267,7 @@ ehd_status states_read(reduced_states *states, artefact *file, size_t num_pressu
     } parts[] = {{"state_pressure", 0, num_pressure},
                  {"state_deformation", num_pressure, num_deformation},
                  {"state_rigid_approach", num_pressure + num_deformation, 1}};
-    // on a line contact the exit lies behind the centre, with room for the stencil of a row
-    // between them
+    // the exit of a line contact lies behind the centre, and the stencil of a row fits between them
     bool on_line = grid->inner_lines == 1;
     int64_t min_exit =
         on_line ? (int64_t)(-grid->x_min / grid->step) + 1 + (int64_t)reynolds_reach_back(grid) : 0;

@@ -18,7 +18,7 @@ typedef struct flat {
     const char *path; // path of the file, not owned
     unsigned char *bytes;
     size_t size, room; // bytes used, and bytes allocated
-    size_t at;         // offset of the next block
+    size_t at;         // offset of the next block, bytes
     ehd_status status; // first failure; calls after it do nothing
     ehd_error *error;
 } flat;
@@ -27,23 +27,23 @@ typedef struct flat {
  * EHD_MEMORY. */
 ehd_status flat_is(bool *is, const char *path, ehd_error *error);
 
-/* Begin to write a file, or map an existing one. flat_read checks that the file has the length in
- * its header, and checks its checksum unless the environment variable EHDROM_DIGEST is `no`.
+/* Begin to write a file, or map an existing one. flat_read checks that the file's length is that in
+ * the header. It also checks the checksum, unless the environment variable EHDROM_DIGEST is `no`.
  * EHD_NOINPUT, EHD_DATA, EHD_IO, EHD_MEMORY. */
 void flat_begin(flat *self, const char *path, ehd_error *error);
 ehd_status flat_read(flat *self, const char *path, ehd_error *error);
-/* Writes all blocks of the walk. The file gets its name when it is complete. EHD_CANTCREATE: it
+/* Writes all blocks to the file. The file gets its name when it is complete. EHD_CANTCREATE: it
  * exists, and `force` is false; EHD_IO. */
 ehd_status flat_write(flat *self, bool force);
 void flat_free(flat *self);
 
-/* Write or read a whole number from `least` to `most`, a number, and an array of `count` elements
- * of `size` bytes. An array that was read is part of the mapped file. After a failure these return
- * `least`, 0 and NULL. */
+/* Write or read one value each: a whole number from `least` to `most`, a number, an array of
+ * `count` elements of `size` bytes. An array that was read is part of the mapped file. After a
+ * failure the functions return `least`, 0 and NULL. */
 size_t flat_whole(flat *self, const char *name, size_t value, size_t least, size_t most);
 double flat_real(flat *self, const char *name, double value);
 void *flat_array(flat *self, const char *name, void *array, size_t count, size_t size);
-/* Like flat_array, for a table [rows, columns] of numbers. EHD_DATA: a number read is not
+/* Like flat_array, for a table [rows, columns] of numbers. EHD_DATA: a number in the file is not
  * finite. */
 double *flat_table(flat *self, const char *name, double *table, size_t rows, size_t columns);
 

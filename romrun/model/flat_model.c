@@ -23,7 +23,7 @@ static void walk_kind(flat *file, reduced_model *model) {
     model->kind = kinds[flat_whole(file, "kind", kind, 0, num_kinds - 1)];
 }
 
-/* Writes or reads the few numbers from which a grid is made. */
+/* Writes or reads the few numbers that define a grid. */
 static void walk_grid(flat *file, reduced_model *model) {
     const ehd_grid *own = &model->grid;
     const bool point = model->kind->dimensions > 1;
@@ -231,7 +231,7 @@ static void walk_shown(flat *file, reduced_model *model) {
 }
 
 /* Checks that the nodes of the shift are the needed nodes behind X = 0. Places may differ by
- * round-off, since the rounding mode of the reading process may differ from the writer's. */
+ * round-off, since reader and writer may have different rounding modes. */
 static void check_shift(flat *file, const reduced_model *model) {
     const start_shift *shift = &model->shift;
     const row_set *rows = &model->rows;

@@ -11,7 +11,7 @@ typedef struct row_fields {
     const char *row_axis, *needed_axis;
     const char *row, *weight, *needed;
     const char *pressure;
-    const char *film[2]; // by deformation_kind
+    const char *film[2]; // indexed by deformation_kind
 } row_fields;
 extern const row_fields selected_fields, control_fields;
 
@@ -21,11 +21,11 @@ typedef struct traction_fields {
     const char *friction, *dry;
     const char *moment;
     const char *pressure;
-    const char *film[2]; // by deformation_kind
+    const char *film[2]; // indexed by deformation_kind
 } traction_fields;
 extern const traction_fields cubature_fields;
 
-/* Members of band_line that the file of a point contact stores. */
+/* Number of members of band_line that the file of a point contact stores. */
 enum { NUM_BAND_FIELDS = 4 };
 extern const char *const band_fields[NUM_BAND_FIELDS];
 /* Returns the member of `line` that belongs to band_fields[field]. */

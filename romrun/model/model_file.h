@@ -16,12 +16,13 @@ typedef struct model_origin {
     const char *basis_identity; // SHA-256 of the basis file
     double sigma_min_residual, sigma_min_jacobian;
     double sigma_min_over_exits;
-    double stability;                // 1/sigma_min at the worst exit; 1 for all rows together
+    double stability;                // 1/sigma_min at the worst exit; it is 1 with all rows
     const double *sigma_min_by_exit; // [num_states]
-    // for the weights of a part of the model; `weights` NULL: not known
+    // data for weights of a model that uses fewer rows or modes; `weights` NULL: not known
     const char *weights;          // name of the weighting
-    const double *factors;        // [num_rows] of the weighting; row_weight is D times these
-    size_t num_jacobian_modes;    // modes of the Jacobian products
+    const double *factors;        // [num_rows] factors of the weighting; row_weight is D times
+                                  // these factors
+    size_t num_jacobian_modes;    // number of modes of the Jacobian products
     const double *jacobian_modes; // [num_rows, num_jacobian_modes], orthonormal over all rows
 } model_origin;
 
@@ -35,14 +36,14 @@ ehd_status model_write(const reduced_model *model, const reduced_basis *basis,
                        const model_origin *origin, const program *caller, const char *settings_text,
                        const char *const *inputs, ehd_error *error);
 
-/* Opens a model file for the functions below; free with artefact_close. Their data come from this
- * one file, even if another file takes its name meanwhile. Errors as artefact_open. */
+/* Opens a model file for the functions below; free with artefact_close. The functions keep reading
+ * this file even if another file takes its name meanwhile. Errors as artefact_open. */
 ehd_status model_open(artefact **file, const char *path, ehd_error *error);
 
-/* Reads the first modes and rows of a model, without its full bases. `sizes` NULL: all. The rows
- * of a part are weighted anew if the file holds the data for it; otherwise they keep the weights
- * of the whole model. The rows are then sorted by node. EHD_DATA also for sizes larger than what
- * is stored and for fewer rows than modes. */
+/* Reads the first modes and rows of a model, without its full bases. `sizes` NULL: all. If fewer
+ * rows or modes than stored are read, the rows are weighted anew, provided that the file holds the
+ * data for it; otherwise they keep the weights of the whole model. The rows are then sorted by
+ * node. EHD_DATA also for sizes larger than the stored ones and for fewer rows than modes. */
 ehd_status model_get(
     // output:
     reduced_model *model, // free with reduced_model_free
@@ -61,7 +62,7 @@ bool model_has_modes(const artefact *file, const reduced_model *model);
 ehd_status model_get_modes(
     // output:
     double **pressure_basis,    // free with free(); NULL: not wanted
-    double **deformation_basis, // likewise
+    double **deformation_basis, // as pressure_basis
     // input:
     artefact *file, const reduced_model *model, // read from this file
     ehd_error *error);

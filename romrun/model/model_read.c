@@ -13,10 +13,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Sizes of the stored model. */
+/* Numbers of modes and rows of the stored model. */
 typedef struct stored_sizes {
     size_t pressure, deformation, rows, band;
-    size_t jacobian; // modes of the Jacobian products
+    size_t jacobian; // number of modes of the Jacobian products
 } stored_sizes;
 
 static ehd_status choose_size(size_t *size, size_t wanted, size_t stored, const char *option,
@@ -28,8 +28,8 @@ static ehd_status choose_size(size_t *size, size_t wanted, size_t stored, const 
     return EHD_OK;
 }
 
-/* Reads a table [rows, columns] and keeps the listed rows (NULL: the first num_kept) and the first
- * columns. */
+/* Reads a table [rows, columns]. Keeps the listed rows (NULL: the first num_kept rows) and the
+ * first columns. */
 static ehd_status read_part(double **part, arena *memory, artefact *file, const char *field,
                             size_t rows, size_t columns, const size_t *kept_rows, size_t num_kept,
                             size_t kept_columns, ehd_error *error) {
@@ -109,7 +109,8 @@ static ehd_status reweigh(reduced_model *model, artefact *file, const stored_siz
     return status;
 }
 
-/* Weighs a part of a model: weights belong to a list of rows and modes as a whole. */
+/* Computes new weights if only some rows or modes are read: weights hold for one list of rows and
+ * modes as a whole. */
 static ehd_status weigh_part(reduced_model *model, artefact *file, const stored_sizes *stored,
                              ehd_error *error) {
     bool whole = model->rows.num_rows == stored->rows && model->num_pressure == stored->pressure &&
@@ -203,7 +204,8 @@ static ehd_status read_band(reduced_model *model, artefact *file, ehd_error *err
                                      : read_band_line(model, file, error);
 }
 
-/* Reads the cut table for an exit at the beginning of the band, and the left sides. */
+/* Reads the left sides of cut updates, and the cut table for an exit at the beginning of the
+ * band. */
 static ehd_status read_cut(reduced_model *model, artefact *file, const stored_sizes *stored,
                            ehd_error *error) {
     bool coupled = model->deformation == DEFORMATION_COUPLED;
@@ -235,7 +237,7 @@ static ehd_status read_cut(reduced_model *model, artefact *file, const stored_si
     return status;
 }
 
-/* Return the number of columns of the film's basis, in the model and in the file. */
+/* Return the number of columns of the film's basis: in the model, and in the file. */
 static size_t film_width(const reduced_model *model) {
     return model->deformation == DEFORMATION_COUPLED ? model->num_pressure : model->num_deformation;
 }
@@ -277,8 +279,8 @@ static ehd_status read_rows(reduced_model *model, row_set *set, const row_fields
                               NULL, set->num_rows, 1, error);
 }
 
-/* Sorts rows by their nodes, since rows at neighbouring nodes share a half node, whose flux is
- * then evaluated once. */
+/* Sorts rows by their nodes: rows at neighbouring nodes share a half node, and its flux is then
+ * evaluated only once. */
 static void sort_rows(row_set *set) {
     for (size_t r = 1; r < set->num_rows; r++)
         for (size_t i = r; i > 0 && set->node[i - 1] > set->node[i]; i--) {
@@ -312,7 +314,7 @@ static ehd_status read_tables(reduced_model *model, artefact *file, const stored
     return status ? status : read_cut(model, file, stored, error);
 }
 
-/* Reads all control rows, for any number of selected rows. */
+/* Reads all control rows, whatever the number of selected rows is. */
 static ehd_status read_control(reduced_model *model, artefact *file, const stored_sizes *stored,
                                ehd_error *error) {
     row_set *control = &model->control;
@@ -323,7 +325,7 @@ static ehd_status read_control(reduced_model *model, artefact *file, const store
     return status ? status : read_needed(model, control, &control_fields, file, stored, error);
 }
 
-/* Reads the nodes for traction, if the file has them, for any part of the rows and modes. */
+/* Reads the nodes for traction, if the file has them, whatever the number of rows and modes is. */
 static ehd_status read_cubature(reduced_model *model, artefact *file, const stored_sizes *stored,
                                 ehd_error *error) {
     const traction_fields *fields = &cubature_fields;

@@ -17,7 +17,7 @@ ehd_status basis_check(const char *path, ehd_error *error) {
     return status;
 }
 
-/* Reads all parts of a model, with the modes for steps in time if the file has them. */
+/* Reads everything in a model file, including the modes for steps in time if the file has them. */
 static ehd_status check_parts(artefact *file, ehd_error *error) {
     reduced_model model;
     trade_table table;

@@ -11,13 +11,14 @@
 #include <string.h>
 
 /* Margins of the band, half widths. EXIT_MARGIN: beyond the trained exits of a line contact.
- * LINES_MARGIN: beyond the trained exits of a point contact, whose single lines vary more.
+ * LINES_MARGIN: beyond the trained exits of a point contact, which vary more on each grid line.
  * MINIMUM_MARGIN: before the trained film minima. Exits of iterates may lie beyond the trained
  * exits. Without EXIT_MARGIN, or with -0.1 for MINIMUM_MARGIN, some trained solutions do not lead
  * to every other one (test_reduced_solver.c, any_trained_solution_leads_to_any_other). */
 static const double EXIT_MARGIN = 0.1, LINES_MARGIN = 0.3, MINIMUM_MARGIN = 0.05;
 
-/* Returns the node of a training state's film minimum, from the deflection of its pressure. */
+/* Finds the film minimum of a training state from the deflection of its pressure, and returns its
+ * node. */
 static size_t film_minimum(const reduced_basis *basis, const double *deflection,
                            const size_t *exit) {
     const ehd_grid *grid = &basis->grid;
@@ -52,8 +53,8 @@ static void deflect_state(double *deflections, const reduced_basis *basis, size_
     deflection_apply(deflections, deflection, deflections);
 }
 
-/* Sets on each line the first and the last exit of the training, and as `begin` the first column
- * of a film minimum on the line or near it. */
+/* Finds for each grid line the first and the last exit of the training. Sets `begin` to the first
+ * column of a film minimum on or near the line. */
 static void find_extremes(reduced_model *model, const reduced_basis *basis,
                           ehd_deflection *deflection, double *work) {
     const reduced_states *states = &basis->states;
@@ -83,15 +84,15 @@ static void find_extremes(reduced_model *model, const reduced_basis *basis,
     }
 }
 
-/* Widens the range of the exit on each line by the margin. It leaves the nodes before it that the
- * stencil needs. */
+/* Widens the range of the exit on each grid line by the margin, but leaves the nodes that the
+ * stencil needs before this range. */
 static void widen_exits(reduced_model *model) {
     const ehd_grid *grid = &model->grid;
     size_t margin =
                (size_t)ceil((model->band.num_lines > 1 ? LINES_MARGIN : EXIT_MARGIN) / grid->step),
            width = grid_width(grid);
     const size_t back = reynolds_reach_back(grid);
-    // on a line contact the exit lies behind the centre
+    // the exit of a line contact lies behind the centre
     size_t first_column = model->band.num_lines > 1 ? 2 : (size_t)(-grid->x_min / grid->step) + 2;
 
     for (size_t l = 0; l < model->band.num_lines; l++) {
@@ -106,9 +107,9 @@ static void widen_exits(reduced_model *model) {
     }
 }
 
-/* Sets the columns of the band on each line. The band begins before the first film minimum, and
- * before the first node that rows at the exits of neighbouring lines need. It ends behind the last
- * of these exits. */
+/* Sets the columns of the band on each grid line. The band begins before the first film minimum,
+ * and before the first node needed by rows at the exits of this and the neighbouring lines. It ends
+ * behind the last of these exits. */
 static void set_band(reduced_model *model) {
     const ehd_grid *grid = &model->grid;
     const size_t width = grid_width(grid), ahead = reynolds_reach_ahead(grid);
@@ -153,7 +154,8 @@ ehd_status reduced_model_find_band(reduced_model *model, const reduced_basis *ba
 
 // ---- checks of a file
 
-/* Checks whether the exits of a line lie inside its band, with room for the stencil of a row. */
+/* Checks whether the exits of a grid line lie inside its band, with space for the stencil of a
+ * row. */
 static bool exits_fit(const band_line *line, const ehd_grid *grid) {
     const size_t width = grid_width(grid);
     const size_t end = line->max_exit + 1 + reynolds_reach_ahead(grid);

@@ -39,7 +39,7 @@ static double *gather_rows(arena *memory, const double *source, const size_t *no
     return target;
 }
 
-/* Copies the rows at the band's nodes, line after line. */
+/* Copies the rows at the band's nodes, one grid line after another. */
 static double *gather_band(reduced_model *model, const double *source, size_t width) {
     double *target = arena_array(&model->memory, model->band.num_nodes * width, sizeof(double));
 
@@ -131,7 +131,8 @@ static ehd_status check_rows(const reduced_model *model, const size_t *rows, siz
     return EHD_OK;
 }
 
-/* Copies the bases at the rows' needed nodes. `film`: coupled deflections or deformation modes. */
+/* Copies the bases at the rows' needed nodes. `film`: deflections of a coupled basis, or
+ * deformation modes. */
 static ehd_status gather_needed(reduced_model *model, row_set *set, const reduced_basis *basis,
                                 const double *film, size_t film_width, ehd_error *error) {
     set->pressure = gather_rows(&model->memory, basis->pressure, set->needed_node, set->num_needed,
@@ -140,8 +141,8 @@ static ehd_status gather_needed(reduced_model *model, row_set *set, const reduce
     return set->pressure && set->film ? EHD_OK : ehd_no_memory(error, "reduced model");
 }
 
-/* Checks the memory of the left sides, the largest table if a point contact has all rows: nodes of
- * the band times needed nodes. */
+/* Checks the memory of the left sides (nodes of the band times needed nodes). It is the largest
+ * table of a point contact with all rows. */
 static ehd_status check_cut_memory(const reduced_model *model, ehd_error *error) {
     const double rows = (double)model->cut.num_rows, nodes = (double)model->band.num_nodes;
     const double modes = (double)(2 * model->num_pressure + model->num_deformation);
@@ -232,7 +233,7 @@ ehd_status reduced_model_add_control(reduced_model *model, const reduced_basis *
     return status;
 }
 
-/* Adds int P X of the modes cut at the beginning of the band. */
+/* Adds to `moment` int P X of the modes cut at the beginning of the band. */
 static void fill_moment(double *moment, const reduced_model *model, const reduced_basis *basis) {
     const ehd_grid *grid = &basis->grid;
     const size_t num = basis->num_pressure;

@@ -10,8 +10,8 @@
 #include <string.h>
 
 /* Distance between the checkpoints of a line contact, half widths. With distances up to 0.02 a
- * solution with 56 modes on 1201 nodes takes 0.107 ms. With 0.08 it takes 0.135 ms, with one
- * checkpoint 0.17 ms (bench_online.c; test_reduced_cut.c, cut_tables_equal_plain_sums). */
+ * solution with 56 modes on 1201 nodes takes 0.107 ms. With 0.08 it takes 0.135 ms, and with only
+ * one checkpoint 0.17 ms (bench_online.c; test_reduced_cut.c, cut_tables_equal_plain_sums). */
 static const double CHECKPOINT_DISTANCE = 0.02;
 
 /* Largest memory of a point contact's checkpoints, bytes. On 129 by 129 nodes a solution takes
@@ -37,7 +37,7 @@ size_t reduced_model_runs(cut_run *runs, const reduced_model *model, const size_
     return count;
 }
 
-/* cut += left^T right over `rank` nodes of the band. */
+/* Computes cut += left^T right, summed over `rank` nodes of the band. */
 static void add_to_cut(double *cut, const reduced_model *model, const double *left,
                        const double *right, size_t rank) {
     const size_t n = model->num_pressure, num_cut = model->cut.num_rows;
@@ -130,8 +130,8 @@ static ehd_status space_checkpoints(reduced_model *model, ehd_error *error) {
     return EHD_OK;
 }
 
-/* Chooses the checkpoints of a point contact among the exit lines of training. Each next one is
- * the farthest from those before (farthest-point sampling), until none is left or
+/* Chooses the checkpoints of a point contact among the exit lines in training. Each new one is
+ * farthest from those already chosen (farthest-point sampling), until none is left or
  * CHECKPOINT_MEMORY is used. */
 static ehd_status spread_checkpoints(reduced_model *model, ehd_error *error) {
     const reduced_states *states = &model->states;
@@ -192,8 +192,8 @@ static void change_control(double *films, const reduced_model *model, const cut_
                      reduced_model_position(model, control->needed_node[q]), 1);
 }
 
-/* Fills the tables of each checkpoint from the nearest one filled before, and the first from the
- * base. */
+/* Fills the first checkpoint's tables from the base, and each other checkpoint's from the nearest
+ * filled checkpoint. */
 static ehd_status fill_checkpoints(const kept_table *tables, size_t num_tables,
                                    const reduced_model *model, ehd_error *error) {
     cut_run *runs = malloc(model->band.num_lines * sizeof *runs);

@@ -30,8 +30,8 @@ void reduced_model_change_cut(
     const reduced_model *model, const cut_run *runs, size_t num_runs,
     double *work); // [CUT_BLOCK, rows of the cut table + num_pressure]; unused on a line contact
 
-/* Returns the checkpoint for an exit line: the nearest one, or for a line contact the last one
- * that does not lie behind the exit. */
+/* Returns the checkpoint for an exit line: for a point contact the nearest one, for a line contact
+ * the last one that does not lie behind the exit. */
 size_t reduced_model_checkpoint(const reduced_model *model, const size_t *exit);
 
 /* Choose the checkpoints of an otherwise complete model; reduced_model_make_checkpoints also fills

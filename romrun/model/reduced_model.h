@@ -29,19 +29,19 @@ typedef struct reduced_states {
     size_t num_states;
     size_t num_unknowns;     // n_p + n_delta + 1
     double *coordinates;     // [num_states, num_unknowns]: pressure, deformation, rigid approach
-    size_t num_lines;        // of the grid, with the boundary lines of a point contact
+    size_t num_lines;        // lines of the grid, including the boundary lines of a point contact
     size_t *exit;            // [num_states, num_lines] first column without pressure, counted with
                              // boundary nodes; for a line contact a grid node
     double *moes_M;          // [num_states]
     double *alpha_p_H;       // [num_states]
     flow_thinning *thinning; // [num_states] thinning of the flow
     double *central_film_thickness; // [num_states]
-    bool *stationary;               // [num_states] false: from a trajectory
+    bool *stationary;               // [num_states] false: the state is from a trajectory
     // [num_states] rates of change of the contact (frame_rates): `all`, and the largest `load` on
     // the trajectory so far; 0 for stationary states
     double *rate, *load_rate;
     film_effects *effects;  // [num_states] errors by the full model's grid
-    lubricant_rises *rises; // [num_states] at the Hertz pressure
+    lubricant_rises *rises; // [num_states] rises to the Hertz pressure
 } reduced_states;
 
 /* Allocates states that are stationary and zero, with unknown effects. EHD_MEMORY. */
@@ -49,7 +49,8 @@ ehd_status reduced_states_init(reduced_states *states, size_t num_states, size_t
                                size_t num_unknowns, ehd_error *error);
 void reduced_states_free(reduced_states *states);
 
-/* Copies all states but their coordinates to the states of `target` from `first` on. */
+/* Copies all data of the states, except their coordinates, to the states of `target` from `first`
+ * on. */
 void reduced_states_put(reduced_states *target, size_t first, const reduced_states *source);
 
 /* Copies all arrays. EHD_MEMORY. */
@@ -67,7 +68,7 @@ bool reduced_states_have(const reduced_states *states, const ehd_contact *contac
 typedef struct reduced_basis {
     const contact_kind *kind;
     ehd_grid grid;
-    ehd_carriage carriage; // of the training's trajectories
+    ehd_carriage carriage; // transport in the training's trajectories
     deformation_kind deformation;
     size_t num_pressure;       // n_p
     size_t num_deformation;    // n_delta, 0 when coupled
@@ -82,7 +83,7 @@ void reduced_basis_free(reduced_basis *basis);
 size_t reduced_num_unknowns(size_t num_pressure, size_t num_deformation);
 
 /* Checks that the least squares have enough rows. The projected elasticity equation and the load
- * balance determine all unknowns but num_pressure. EHD_DATA: fewer rows. `object`: begins the
+ * balance leave num_pressure unknowns to the rows. EHD_DATA: fewer rows. `object`: begins the
  * message. */
 ehd_status reduced_check_num_rows(size_t num_rows, size_t num_pressure, size_t num_deformation,
                                   const char *object, ehd_error *error);
@@ -109,11 +110,11 @@ typedef struct centre_nodes {
     double weight[4];
 } centre_nodes;
 
-/* The part of the band on one grid line. Boundary lines of a point contact have none. */
+/* The columns of the band on one grid line. Boundary lines of a point contact have none. */
 typedef struct band_line {
-    size_t begin, end;         // columns begin … end - 1
+    size_t begin, end;         // the band has columns begin … end - 1
     size_t offset;             // index of column `begin` among the band's nodes
-    size_t min_exit, max_exit; // range of columns of the exit
+    size_t min_exit, max_exit; // first and last column of the exit
 } band_line;
 
 /* The band: the nodes that contain the film minima and the exits. A line contact has one line,
@@ -121,16 +122,16 @@ typedef struct band_line {
 typedef struct exit_band {
     size_t num_lines;                   // of the grid
     band_line *lines;                   // [num_lines]
-    size_t num_nodes;                   // of all lines
+    size_t num_nodes;                   // sum over all lines
     size_t first_minimum, last_minimum; // lines between which trained film minima lie
     double *pressure;                   // [num_nodes, num_pressure]
     double *film;                       // as in row_set, at the band's nodes
 } exit_band;
 
-/* The cut table: linear maps of the pressure modes cut at the exit. For a coupled basis it
- * contains their deflections at the needed nodes, for an independent basis V_delta^T K V_p. The
- * last row is the load. The table of an exit is `base` plus the sum of left[i, :]^T V_p[i, :] over
- * the band's nodes i before the exit (eq. 36). */
+/* The cut table: linear maps of the pressure modes cut at the exit. For a coupled basis it contains
+ * the modes' deflections at the needed nodes, for an independent basis V_delta^T K V_p. The last
+ * row is the modes' load. The table of an exit is `base` plus the sum of left[i, :]^T V_p[i, :]
+ * over the band's nodes i before the exit (eq. 36). */
 typedef struct exit_cut {
     size_t num_rows; // coupled: num_needed + 1; independent: num_deformation + 1
     double *left;    // [nodes of the band, num_rows]
@@ -140,10 +141,10 @@ typedef struct exit_cut {
 /* Stored cut tables and deflections of some exits, from which the tables of other exits are
  * computed. */
 typedef struct exit_checkpoints {
-    size_t stride;   // distance in nodes, for a line contact
+    size_t stride;   // line contact: distance between checkpoints in nodes
     size_t num;      // number of checkpoints
-    size_t *exit;    // [num, num_lines]: for a line contact every `stride` nodes, for a point
-                     // contact exit lines of training
+    size_t *exit;    // [num, num_lines] line contact: every `stride` nodes; point contact: exit
+                     // lines in training
     double *cut;     // [num, rows of the cut table, num_pressure]
     double *band;    // coupled: deflections in the band [num, nodes of the band, num_pressure]
     double *control; // coupled: at the needed nodes of the control rows [num, num_needed,
@@ -152,13 +153,14 @@ typedef struct exit_checkpoints {
 
 /* Pressures of the training states behind X = 0, for starts (start_shift.h). */
 typedef struct start_shift {
-    size_t first, num_nodes; // they are the last of the needed nodes; num_nodes 0: no shift
+    size_t first, num_nodes; // index of the first node; the nodes are the last needed ones;
+                             // num_nodes 0: no shift
     double *x;               // [num_nodes]
     double *pressure;        // [num_states, num_nodes] interpolated from the profiles
-    double *fit;    // [num_nodes, num_pressure] coordinates of a unit pressure at a node, by least
-                    // squares at all needed nodes
+    double *fit;    // [num_nodes, num_pressure] coordinates that fit a unit pressure at a node, by
+                    // least squares over all needed nodes
     double *spike;  // [num_states] X of the spike
-    double spacing; // of the points of a profile, along the coordinate
+    double spacing; // distance between the points of a profile, in the coordinate
     size_t num_points;
     double *profile; // [num_states, num_points, 2] pressure, and slope times spacing
 } start_shift;
@@ -166,35 +168,36 @@ typedef struct start_shift {
 /* Nodes and weights that replace sums of shear stresses over the grid (romrun/solve/README.md,
  * Traction). They do not depend on the number of rows in use. */
 typedef struct node_cubature {
-    row_set nodes;    // no rows; needed nodes: nodes with weights (0: no cubature). For thinned
-                      // flows also their neighbours along X, with weights of 0, for the pressure
-                      // gradient
+    row_set nodes;    // a set without rows; its needed nodes have the weights (none: no cubature).
+                      // Models of thinned flows add the neighbours along X, with weights of 0, for
+                      // the pressure gradient
     double *friction; // [num_needed] not negative: for int tau over the nodes with pressure
     double *dry;      // [num_needed] not negative: for the mean |tau| of the dry contact
     double *moment;   // [num_pressure] int P X of the modes cut at the beginning of the band
 } node_cubature;
 
-/* Tolerance of a cubature in its training: root of the mean square of the relative error of the
- * sum over its nodes, against the sum over the grid. Measured with seven integrands in training,
- * on the friction of a line on 1201 nodes. With 1e-4, 1e-5 and 1e-6 it takes 98, 120 and 140
- * nodes, and the largest errors are 9e-4, 6e-5 and 3e-5 (romrun/solve/README.md, Traction). */
+/* Tolerance of a cubature in its training: root mean square of the relative error. The error
+ * compares the sum over the cubature's nodes with the sum over the grid. Measured with seven
+ * integrands in training, on the friction of a line contact on 1201 nodes: with 1e-4, 1e-5 and 1e-6
+ * it takes 98, 120 and 140 nodes, and the largest errors are 9e-4, 6e-5 and 3e-5
+ * (romrun/solve/README.md, Traction). */
 extern const double node_cubature_tolerance;
 
 /* Data of the online solver. Solvers only read it, so several threads may share it. */
 typedef struct reduced_model {
     const contact_kind *kind;
     ehd_grid grid;
-    ehd_carriage carriage; // of the training's trajectories
+    ehd_carriage carriage; // transport in the training's trajectories
     deformation_kind deformation;
     size_t num_pressure, num_deformation, num_unknowns;
 
-    row_set rows;    // the selected rows; their needed nodes include the nodes around the centre
+    row_set rows;    // the selected rows; the needed nodes include the nodes around the centre
     row_set control; // rows that are not solved, used only for the error estimate (indicator.h); 0
                      // rows: none
     centre_nodes centre;
     exit_band band;
-    // [lines, width] deflection by distance in lines and columns. A half grid has [2 num_lines,
-    // width], for mirrored nodes too.
+    // [lines, width] deflection by distance in lines and columns. A half grid also needs the
+    // distances of mirrored nodes: [2 num_lines, width].
     double *kernel;
     exit_cut cut;
     exit_checkpoints checkpoints;
@@ -236,10 +239,10 @@ ehd_status reduced_model_add_cubature(
 ehd_status reduced_model_list_needed(reduced_model *model, row_set *set, ehd_error *error);
 
 /* Check a band and exits that were read from `path`. EHD_DATA.
- * - reduced_check_band: on each line the range of the exit lies inside the band, with room for the
- * stencil of a row, and the lines together have as many nodes as the band.
+ * - reduced_check_band: on each grid line the range of the exit lies inside the band, with space
+ *   for the stencil of a row. The lines together have as many nodes as the band.
  * - reduced_check_exits: the exits of the states lie in the band, since tables are updated node by
- * node along it. */
+ *   node along the band. */
 ehd_status reduced_check_band(const reduced_model *model, const char *path, ehd_error *error);
 ehd_status reduced_check_exits(const reduced_model *model, const reduced_states *states,
                                const char *path, ehd_error *error);
@@ -248,9 +251,9 @@ ehd_status reduced_check_exits(const reduced_model *model, const reduced_states 
  * selected rows it also sets the indices of the nodes around the centre. EHD_MEMORY. */
 ehd_status reduced_model_place_rows(reduced_model *model, row_set *set, ehd_error *error);
 
-/* Last step of building and of reading a model: compute the tables that follow from the others
- * (stencils, kernel, left sides, checkpoints). Control rows, which may be added later, have a step
- * of their own. */
+/* Computes the tables that follow from the others (stencils, kernel, left sides, checkpoints), as
+ * the last step of building or reading a model. Control rows may be added later, by a step of their
+ * own. */
 ehd_status reduced_model_complete(reduced_model *model, ehd_error *error);
 ehd_status reduced_model_complete_control(reduced_model *model, ehd_error *error);
 
@@ -271,18 +274,18 @@ typedef struct grid_position {
 } grid_position;
 grid_position reduced_model_position(const reduced_model *model, size_t node);
 
-/* Checks whether a line has nodes in the band: all lines but boundary lines. */
+/* Checks whether a grid line has nodes in the band. Only boundary lines have none. */
 bool reduced_model_has_band(const reduced_model *model, size_t line);
 
-/* Returns the selected row that is nearest to a node, among the rows whose `influence`, [rows], is
- * not 0. `influence` NULL: among all rows. Returns 0 if there is no such row. */
+/* Returns the selected row that is nearest to a node, among the rows with `influence`, [rows],
+ * other than 0. `influence` NULL: among all rows. Returns 0 if there is no such row. */
 size_t reduced_model_nearest_row(const reduced_model *model, size_t node, const double *influence);
 
 /* Returns the index of a node of the band among the band's nodes. */
 size_t reduced_model_band_index(const reduced_model *model, size_t node);
 
-/* Adds deflections at `num_at` neighbouring nodes from `at` on. The source is the pressure, times
- * `sign`, at `count` nodes of `line` from column `first` on. */
+/* Adds deflections at `num_at` neighbouring nodes from `at` on. They are caused by the pressure,
+ * times `sign`, at `count` nodes of `line` from column `first` on. */
 void reduced_model_deflect(
     // in and out:
     double *film, // [num_at]

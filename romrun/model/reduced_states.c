@@ -67,7 +67,7 @@ static bool is_same(double left, double right) {
     return fabs(left - right) <= ROUNDING * fmax(fabs(left), fabs(right));
 }
 
-/* Compares two lubricants. Unknown rises count as equal. */
+/* Compares two lubricants. Two unknown rises are equal. */
 static bool is_same_lubricant(const lubricant_rises *left, const lubricant_rises *right) {
     bool same = true;
 

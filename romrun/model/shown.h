@@ -13,7 +13,7 @@
 typedef struct shown_lubricant {
     double alpha_p_H;
     lubricant_rises rises; // rises to the Hertz pressure
-    int64_t in_time;       // 1: from a trajectory
+    int64_t in_time;       // 1: of a trajectory, 0: of a stationary scene
 } shown_lubricant;
 
 typedef struct shown_lubricants {

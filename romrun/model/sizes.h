@@ -7,7 +7,7 @@
 
 #include <stddef.h>
 
-/* Numbers of the first modes and rows of a stored model that are used; 0: all. */
+/* How many of a stored model's modes and rows are used, from the first one on; 0: all. */
 typedef struct model_sizes {
     size_t pressure_modes, deformation_modes, rows;
 } model_sizes;

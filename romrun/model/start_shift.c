@@ -50,9 +50,9 @@ static double curvature_at(const double *x, const double *pressure, size_t q) {
            (before + after);
 }
 
-/* Returns the X where the pressure is most curved: the tip of a spike, or what is left of one.
- * This is the maximum of the parabola through the largest value of the curvature at a node and its
- * neighbours. */
+/* Returns the X where the pressure is most curved: the tip of a spike, or of its remainder. A
+ * parabola through the largest curvature at a node and the curvatures at its neighbours has its
+ * maximum there. */
 static double place_of_spike(const double *x, const double *pressure, size_t num) {
     size_t best = 1;
 
@@ -67,8 +67,8 @@ static double place_of_spike(const double *x, const double *pressure, size_t num
     return fall_left + fall_right > 0 ? x[best] + fmin(fmax(place, -left), right) : x[best];
 }
 
-/* Computes the least-squares fit (V^T V)^-1 V^T of pressures at the needed nodes by coordinates,
- * at the nodes behind X = 0. */
+/* Computes (V^T V)^-1 V^T, the coordinates that fit pressures at the needed nodes by least squares.
+ * Keeps the columns of the nodes behind X = 0. */
 static bool fill_fit(start_shift *self, const reduced_model *model, double *gram) {
     const size_t n = model->num_pressure;
     const double *modes = model->rows.pressure;
@@ -81,9 +81,9 @@ static bool fill_fit(start_shift *self, const reduced_model *model, double *gram
     return true;
 }
 
-/* Interpolates the pressure at a place by the cubic of pressures and slopes at the nodes around
- * it. Beyond the first and last node it returns the pressure there. `q`: on entry 0 or the result
- * of a call for an earlier place; on return the node before the place. */
+/* Interpolates the pressure at a place by the cubic through pressures and slopes at the two nodes
+ * around it. Beyond the first or last node it returns the pressure of this node. `q`: on entry 0,
+ * or the result of a call for a smaller X; on return the node before the place. */
 static double pressure_at(const double *x, const double *pressure, const double *slope, size_t num,
                           double place, size_t *q) {
     while (*q + 2 < num && x[*q + 1] <= place)
@@ -96,7 +96,7 @@ static double pressure_at(const double *x, const double *pressure, const double 
     return pressure[a] + t * rise + t * (1 - t) * ((1 - t) * bend_a + t * bend_b);
 }
 
-/* Returns the coordinate of start_shift.h at X, in spacings of the profile. */
+/* Returns the coordinate (start_shift.h) of a place X, in spacings of the profile. */
 static double point_of(const start_shift *self, double x, double spike) {
     return (x < spike ? x / spike : 1 + x - spike) / self->spacing;
 }
@@ -104,7 +104,7 @@ static double point_of(const start_shift *self, double x, double spike) {
 /* A place in a profile, for the cubic of values and slopes at the points k and k + 1. */
 typedef struct profile_place {
     size_t k;
-    double weight[4]; // of value and slope at k, then at k + 1
+    double weight[4]; // weights of value and slope at k, then at k + 1
 } profile_place;
 
 static profile_place place_at(const start_shift *self, double point) {
@@ -182,7 +182,7 @@ ehd_status start_shift_build(reduced_model *model, ehd_error *error) {
     if (self->num_nodes == 0) return EHD_OK;
     // the grid does not resolve details below half of its step
     self->spacing = model->grid.step / 2;
-    // for the longest profile: from X = 0 to the last node for a state whose spike lies at X = 0
+    // the longest profile is that of a spike at X = 0; it ends at the last node
     const size_t last = model->rows.needed_node[model->rows.num_needed - 1];
     self->num_points = (size_t)((1 + grid_x(&model->grid, last)) / self->spacing) + 2;
     double *gram = arena_array(&work, n * n, sizeof(double));
@@ -201,7 +201,7 @@ ehd_status start_shift_build(reduced_model *model, ehd_error *error) {
 
 // ---- the sum
 
-/* Returns at a node the sum along the coordinate minus the sum at the same X. */
+/* Returns, at a node, the sum at the same coordinate minus the sum at the same X. */
 static double change_at(const start_shift *self, size_t q, double spike, const size_t *states,
                         const double *weights, size_t count) {
     const profile_place at = place_at(self, point_of(self, self->x[q], spike));

@@ -14,8 +14,8 @@
  * pressure. EHD_MEMORY. */
 ehd_status start_shift_build(reduced_model *model, ehd_error *error);
 
-/* Changes the coordinates of a weighted sum of states. They become the coordinates of the sum
- * along the coordinate above, by least squares at the needed nodes. */
+/* Changes the coordinates of a weighted sum of states. The new coordinates fit the sum with aligned
+ * spikes, by least squares at the needed nodes. */
 void start_shift_apply(
     // in and out:
     double *coordinates, // [num_pressure]

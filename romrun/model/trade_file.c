@@ -33,13 +33,13 @@ static const char *const deviation_fields[NUM_TRADE_QUANTITIES] = {
     "deviation_central_film_thickness", "deviation_minimum_film_thickness",
     "deviation_central_pressure", "deviation_pressure"};
 
-/* A member of trade_position that is a dataset of its own: size_t in `counts`, otherwise
- * double. */
+/* A member of trade_position with a dataset of its own: size_t in `counts`, double in the other
+ * lists. */
 typedef struct column {
     const char *field;
     size_t offset;
     const char *axis; // axis whose length limits a count of modes or rows; NULL: none
-    bool in_time;     // only where trajectories were measured
+    bool in_time;     // only if trajectories were measured
 } column;
 
 static const column counts[] = {
@@ -64,9 +64,10 @@ static const column reals[] = {
     {"position_step_iterations", offsetof(trade_position, step_iterations), NULL, true},
     {"position_step_seconds", offsetof(trade_position, step_seconds), NULL, true}};
 
-/* Columns of the error estimates, at least 0. Older files may lack all but the first. Without its
- * own factor the minimum film has the factor of the central film. Without largest residuals any
- * residual is accepted. Without their factors other quantities have no estimate. */
+/* Columns of the error estimates, at least 0. Older files may lack all but the first. If the factor
+ * of the minimum film is missing, it is that of the central film. If the largest residuals are
+ * missing, any residual is accepted. If the factors of other quantities are missing, these have no
+ * estimate. */
 static const column of_indicator[] = {
     {"indicator_factor", offsetof(trade_position, indicator_factor), NULL, false},
     {"indicator_factor_minimum", offsetof(trade_position, indicator_factor_minimum), NULL, false},
@@ -84,7 +85,7 @@ static const column of_indicator[] = {
 enum { NUM_OF_INDICATOR = sizeof of_indicator / sizeof *of_indicator };
 
 /* Columns of the error estimates in time. A file has all of them or none. Files before schema 2.9
- * lack the last one, which is then 0. */
+ * lack the last column, which is then 0. */
 static const column in_time[] = {
     {"indicator_factor_in_time", offsetof(trade_position, factor_in_time), NULL, true},
     {"indicator_factor_in_time_minimum", offsetof(trade_position, factor_in_time_minimum), NULL,
@@ -155,8 +156,8 @@ static const struct shape_field {
                     {"indicator_offset_share", offsetof(indicator_shape, offset_share)}};
 enum { NUM_SHAPE_FIELDS = sizeof shape_fields / sizeof *shape_fields };
 
-/* Returns the member at `offset` of the shape at `entry`, in a field with `num_bounded` shapes for
- * each position. */
+/* Returns the member at `offset` of shape number `entry`, in a dataset with `num_bounded` shapes
+ * for each position. */
 static double *shape_member(trade_table *table, size_t num_bounded, size_t entry, size_t offset) {
     trade_position *position = &table->positions[entry / num_bounded];
 
@@ -291,8 +292,8 @@ static ehd_status get_of_indicator(trade_table *table, double *values, const col
     return status;
 }
 
-/* Reads the shapes. A table without shapes has one factor for all bounds. An older table has
- * shapes for all quantities but friction. */
+/* Reads the shapes. In a table without shapes the estimate is the factor times the bound. An older
+ * table has shapes for all quantities but friction. */
 static ehd_status get_shapes(trade_table *table, artefact *file, ehd_error *error) {
     const size_t num_bounded = artefact_length(file, "bounded");
     const size_t count = table->num_positions * num_bounded;

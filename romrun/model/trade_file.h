@@ -16,7 +16,8 @@ enum trade_quantity {
     TRADE_CENTRAL_FILM,
     TRADE_MINIMUM_FILM,
     TRADE_CENTRAL_PRESSURE,
-    TRADE_PRESSURE, // largest difference of all nodes, in Hertz pressures; the others are relative
+    TRADE_PRESSURE, // largest difference over all nodes, in Hertz pressures; other quantities:
+                    // relative difference
     NUM_TRADE_QUANTITIES
 };
 enum trade_quantile { TRADE_MEDIAN, TRADE_95, TRADE_WORST, NUM_TRADE_QUANTILES };
@@ -24,7 +25,8 @@ extern const double trade_quantiles[NUM_TRADE_QUANTILES]; // 0.5, 0.95, 1
 enum trade_part { PART_5, PART_50, PART_90, PART_95, NUM_TRADE_PARTS };
 extern const double trade_parts[NUM_TRADE_PARTS]; // 0.05, 0.5, 0.9, 0.95
 enum { NUM_TIME_PARTS = 6 };
-extern const double trade_time_parts[NUM_TIME_PARTS]; // parts of the trajectories: 0.5, 0.6, ... 1
+extern const double trade_time_parts[NUM_TIME_PARTS]; // quantiles over trajectories: 0.5, 0.6, ...
+                                                      // 1
 
 /* Quantities with an error bound: both films, then the other quantities in the order of
  * indicated_quantity. */
@@ -46,31 +48,31 @@ extern const indicator_shape plain_shape;
  * unchanged. */
 double trade_indicated(double factor, indicator_shape shape, double bound);
 
-/* A size of the model, with accuracy and time on the scenes that it solved (NaN: none). */
+/* One model size, with accuracy and time on the scenes that it solved (NaN: none). */
 typedef struct trade_position {
-    model_sizes sizes; // a number is 0 only for the deformation modes of a coupled basis
+    model_sizes sizes; // only deformation_modes of a coupled basis is 0
     double deviation[NUM_TRADE_QUANTITIES][NUM_TRADE_QUANTILES];
     double mean_iterations, max_iterations; // Newton iterations of a scene
-    double seconds;                         // of a solution, median
+    double seconds;                         // median time of a solution
     size_t num_failures;                    // scenes that did not converge or are not trusted
     // error estimates of the films
     double indicator_factor; // central film; 0: not calibrated, the members below are unknown
     double indicator_factor_minimum;     // minimum film
-    double indicated[NUM_TRADE_PARTS];   // larger estimate of both films, quantiles over all
-                                         // scenes; infinite: not solved
+    double indicated[NUM_TRADE_PARTS];   // quantiles over all scenes of the larger estimate of both
+                                         // films; infinite: not solved
     double effectivity[NUM_TRADE_PARTS]; // estimate over error, the smaller ratio of both films
     double largest_residual;             // residual of the least squares; infinite: not known
     double other_factor[NUM_INDICATED];  // factors of the other quantities; 0: not known
     indicator_shape shape[NUM_BOUNDED];  // shapes of the estimates with these factors
     // trajectories that were repeated with the steps of the full model
     double worst_in_time[TRADE_PRESSURE]; // largest error over all steps; without TRADE_PRESSURE
-    double step_iterations, step_seconds; // of a step, mean
-    double factor_in_time;         // of the estimate in time, central film; 0: not calibrated
-    double factor_in_time_minimum; // of errors that arise at the minimum film
+    double step_iterations, step_seconds; // means over steps
+    double factor_in_time;         // factor of the central film's estimate; 0: not calibrated
+    double factor_in_time_minimum; // factor of errors that arise at the minimum film
     double floor_in_time;          // added to the estimate of the central film; 0 before schema 2.9
     double floor_in_time_minimum;  // added to the estimate of the minimum film
-    // quantiles over the trajectories of the largest estimate of both films; lost trajectories
-    // count as 1
+    // quantiles over the trajectories of the largest estimate of both films, which is 1 if a
+    // trajectory was lost
     double indicated_in_time[NUM_TIME_PARTS];
     size_t num_lost; // trajectories with a step that did not converge or is not trusted
 } trade_position;

@@ -32,16 +32,15 @@ ehd_status weighting_plain(double *factors, const double *sampled, size_t num_ro
 }
 
 /* Solves min w^T C w / 2 - g^T w with w >= min_weight by projected Gauss-Seidel, which converges
- * since the problem is convex. On the examples' models the worst film changes by less than 1 % of
- * its error from ten sweeps on. The loop ends after 20 to 600 sweeps; one selection (112 rows of a
- * line by `exits`) would take 5000.
- * w: start and solution. `slope`: C w - g, updated so that rows that stay at the bound cost
- * nothing. */
+ * since the problem is convex. On the examples' models, more than ten sweeps change the worst film
+ * by less than 1 % of its error. The loop ends after 20 to 600 sweeps; one selection (112 rows of a
+ * line contact, method `exits`) would take 5000. w: start and solution. `slope`: C w - g, kept up
+ * to date, so that rows that stay at the bound cost nothing. */
 static void solve_bounded(double *w, double *slope, const double *matrix, size_t size,
                           double min_weight) {
-    // Change of a weight over the largest weight at which the sweeps end, and largest number of
-    // sweeps. With 0.1, or with two sweeps, the result is not the minimum (test_weighting.c,
-    // weights_are_those_of_the_minimum).
+    // enough: change of a weight over the largest weight at which the sweeps end. max_sweeps: their
+    // largest number. With 0.1, or with two sweeps, the result is not the minimum
+    // (test_weighting.c, weights_are_those_of_the_minimum).
     const double enough = 1e-6;
     const size_t max_sweeps = 2000;
     double change = INFINITY, largest = 0;
@@ -63,8 +62,9 @@ static void solve_bounded(double *w, double *slope, const double *matrix, size_t
 
 ehd_status weighting_quadrature(double *factors, const double *sampled, size_t num_rows,
                                 size_t num_modes, ehd_error *error) {
-    // Smallest weight. It is above 0, since the exit may deactivate other rows. With 1e-6 to 0.2
-    // the worst error is the same in four digits (test_weighting.c, weights_stay_positive).
+    // Smallest weight. It is above 0, since a row is needed when the exit deactivates other rows.
+    // With 1e-6 to 0.2 the worst error is the same in four digits (test_weighting.c,
+    // weights_stay_positive).
     const double min_weight = 0.05;
     double *gram = malloc(num_rows * num_rows * sizeof *gram);
     double *slope = malloc(num_rows * sizeof *slope);

@@ -10,7 +10,7 @@
 #include <stddef.h>
 
 /* Computes one positive factor for each row. `sampled`: the leading modes of the weighted Jacobian
- * products at the rows, as many as unknowns. Over all nodes these modes are orthonormal.
+ * products at the rows, as many modes as unknowns. Over all nodes these modes are orthonormal.
  * EHD_MEMORY. */
 typedef ehd_status weighting_function(
     // output:
