@@ -21,7 +21,8 @@ static double value_at(const band *self, size_t node) {
     return self->values->at(self->values->context, node);
 }
 
-/* Returns the smallest value near a node, by ever shorter strides around the best one so far. */
+/* Returns the smallest value near a node. Searches around the best node so far, with ever shorter
+ * strides. */
 static candidate refine_minimum(const band *self, candidate best, size_t stride) {
     while (stride > 1) {
         stride = (stride + 2) / 4;

@@ -8,7 +8,7 @@
 #include <stddef.h>
 
 /* Values at the nodes of a band. `at` returns the value at a node. `around` returns the minimum
- * between the nodes around one that is lower than those beside it; NULL: the node's value. */
+ * between nodes around a node that is lower than its neighbours; NULL: the node's value. */
 typedef struct band_values {
     double (*at)(const void *context, size_t node);
     double (*around)(const void *context, size_t node);
@@ -17,8 +17,8 @@ typedef struct band_values {
 
 /* Returns the least of `values` over first <= node <= last, and its node. It searches coarsely at
  * about 25 nodes, then finely in each local minimum. In time a film may have several minima, and
- * the smallest node need not lie in the deepest one. A minimum narrower than a coarse stride, a
- * 24th of the band, may be missed. */
+ * the lowest node need not lie in the deepest one. A minimum that is narrower than a coarse stride
+ * (a 24th of the band) may be missed. */
 double band_minimum(size_t *node, const band_values *values, size_t first, size_t last);
 
 #endif

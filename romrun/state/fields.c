@@ -15,8 +15,8 @@ static int compare_sizes(const void *a, const void *b) {
     return p < q ? -1 : p > q;
 }
 
-/* Finds the median of the trained exits on each line, since a state's own exits are fewest nodes
- * away from it. */
+/* Finds the median of the trained exits on each grid line. Between the median and a state's own
+ * exit lie the fewest nodes on average. */
 static ehd_status find_cut_exits(size_t *cut_exits, const reduced_model *model, ehd_error *error) {
     const reduced_states *states = &model->states;
     const size_t num = states->num_states, num_lines = model->band.num_lines;
@@ -100,7 +100,7 @@ void field_modes_flat(flat *file, field_modes *self, const reduced_model *model,
 
 // ---- fields
 
-/* Computes sums of modes at the nodes of all lines. */
+/* Computes sums of modes at all nodes. */
 static void sum_modes(double *field, const double *modes, size_t column, size_t line,
                       const reduced_model *model, const double *coordinates) {
     const size_t width = grid_width(&model->grid);
@@ -111,7 +111,8 @@ static void sum_modes(double *field, const double *modes, size_t column, size_t 
                     coordinates);
 }
 
-/* Adds to the film the deflection by the pressures between a line's exit and cut_exits. */
+/* Adds to the film the deflection by the pressures between the exit of a grid line and its
+ * cut_exits. */
 static void deflect_run(double *film, const reduced_model *model, size_t line, size_t exit,
                         size_t cut_exit, const double *pressure) {
     const size_t width = grid_width(&model->grid), first = exit < cut_exit ? exit : cut_exit;

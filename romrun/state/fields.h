@@ -10,15 +10,16 @@
 #include "romrun/model/flat.h"
 #include "romrun/state/reduced_state.h"
 
-/* Modes on the whole grid. Read-only once made; several threads may use them. */
+/* Modes on the whole grid. Nothing changes them once they are made, so several threads may use
+ * them. */
 typedef struct field_modes {
-    const double *pressure; // [num_nodes, num_pressure] the caller's, not cut
+    const double *pressure; // [num_nodes, num_pressure] uncut; owned by the caller
     size_t *cut_exits;      // [num_lines], medians of the trained exits
-    // deflections of the modes cut at cut_exits, [num_pressure] per node, with the distances to the
-    // next column and line
+    // deflections of the modes cut at cut_exits, [num_pressure] for each node; then the distances
+    // in this table to the next column and to the next line
     const double *deflection;
     size_t column, line;
-    double *own; // the deflections, if they have no other owner
+    double *own; // the deflections, if this object owns them; else NULL
 } field_modes;
 
 /* Initialises without deflections, which another table may hold already. `pressure_basis` must
@@ -34,23 +35,24 @@ void field_modes_free(field_modes *self);
 ehd_status field_modes_deflect(field_modes *self, const reduced_model *model, ehd_error *error);
 
 /* Writes the modes to a flat file (romrun/model/flat.h), or reads them from it in place of both
- * functions above. `own`: whether the file has deflections, which it owns. Free with
- * field_modes_free in either case. */
+ * functions above. `own`: the file has deflections, and owns them. Free with field_modes_free in
+ * either case. */
 void field_modes_flat(flat *file, field_modes *self, const reduced_model *model,
                       const double *pressure_basis, bool own);
 
 /* Computes the deflections of the modes cut at cut_exits. Errors: EHD_MEMORY. */
 ehd_status field_modes_fill(
     // output:
-    double *table, // sets the first num_pressure numbers of each node; nodes are `column` apart
+    double *table, // the first num_pressure numbers of each node are set; nodes are `column`
+                   // numbers apart
     size_t column,
     // input:
     const ehd_grid *grid, // the model's, with `margin` nodes before it and `side` lines beside it
     size_t margin, size_t side, const field_modes *self, const reduced_model *model,
     ehd_error *error);
 
-/* Computes P and H at all nodes, [num_nodes]; H follows from P for either basis. Cannot fail, and
- * allocates nothing. */
+/* Computes P and H at all nodes, [num_nodes]; H follows from P for both kinds of bases. Cannot
+ * fail, and allocates nothing. */
 void reduced_fields(
     // output:
     double *pressure, double *film,

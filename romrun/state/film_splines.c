@@ -15,7 +15,7 @@
 
 // ---- tables
 
-/* Makes a table of zeros, with room behind it for the work of fill_curvatures. */
+/* Makes a table of zeros, followed by work memory for fill_curvatures. */
 static ehd_status make_table(double **table, const spline_layout *layout, ehd_error *error) {
     const size_t work = layout->num_columns + layout->num_lines;
 
@@ -86,9 +86,9 @@ static ehd_status make_kernel_table(film_splines *self, const contact_kind *kind
 
 // ---- the modes
 
-/* Extends the model's grid before the contact and at its sides, since nodes of a frame that has
- * grown lie farther out in a previous one. It is wide enough for a load that has become 2.25 times
- * as large. */
+/* Extends the model's grid before the contact and at its sides. If the frame has grown with the
+ * load, its nodes lie farther out in a previous frame. The grid is wide enough for a load that has
+ * become 2.25 times as large. */
 static void widen_grid(film_splines *self, const reduced_model *model) {
     const ehd_grid *grid = &model->grid;
     const contact_kind *kind = model->kind;
@@ -104,7 +104,7 @@ static void widen_grid(film_splines *self, const reduced_model *model) {
                            grid->inner_x + self->margin, grid->inner_lines + lines + self->side);
 }
 
-/* Extrapolates modes to a node from the next two inwards. */
+/* Extrapolates modes to a node from the next two nodes further inwards. */
 static void extrapolate_linearly(double *node, ptrdiff_t inwards, size_t width) {
     const double *next = node + inwards, *second = next + inwards;
 
@@ -167,7 +167,7 @@ static ehd_status make_pressure_table(film_splines *self, const reduced_model *m
     return status;
 }
 
-/* Sets grid and layouts, which follow from the model. */
+/* Sets the grid and the layouts from the model. */
 static void lay_out(film_splines *self, const reduced_model *model) {
     widen_grid(self, model);
     self->layout = layout_of_modes(&self->grid, is_coupled(model) ? model->num_pressure
@@ -176,7 +176,7 @@ static void lay_out(film_splines *self, const reduced_model *model) {
     self->kernel_layout = layout_of_kernel(&self->grid);
 }
 
-/* Lets fields use the deflections in the film's table, which it has for a coupled basis. */
+/* For a coupled basis, lets `fields` use the deflections in the table of films. */
 static void share_deflections(film_splines *self) {
     const spline_layout *layout = &self->layout;
     field_modes *fields = &self->fields;
@@ -239,7 +239,7 @@ void film_splines_flat_free(film_splines *self) {
 
 // ---- filtered modes
 
-/* Makes a table from the values of another one, filtered along the lines of its grid. */
+/* Makes a table from the values of another table, filtered along its grid lines. */
 static ehd_status filter_table(double **filtered, const double *table, const spline_layout *layout,
                                const ehd_grid *grid, double smoothing, ehd_error *error) {
     path_filter filter;
@@ -337,8 +337,8 @@ void previous_film_free(previous_film *self) {
     memset(self, 0, sizeof *self);
 }
 
-/* Returns a row of the modes' table times the coordinates. The filter's share of it comes from the
- * filtered table. */
+/* Returns a row of the modes' table times the coordinates. A fraction `share` of it uses the
+ * filtered table instead. */
 static double sum_row(const node_sums *self, size_t at, size_t width) {
     double sum = 0;
 
@@ -347,8 +347,8 @@ static double sum_row(const node_sums *self, size_t at, size_t width) {
     return sum;
 }
 
-/* Returns the value (or, at an offset, the curvature) of the pressure at a node. Along the path it
- * is that of the base plus the filtered difference from it. */
+/* Returns the value (or, at an offset, the curvature) of the pressure at a node. With transport
+ * along the path it is the base's value plus the filtered difference from the base. */
 static double sum_modes(const previous_film *self, const path_films *path,
                         const film_splines *splines, size_t offset, size_t node) {
     const size_t width = splines->pressure_layout.width;
@@ -359,8 +359,8 @@ static double sum_modes(const previous_film *self, const path_films *path,
            dot(splines->pressure + at, path->base->state.coordinates, width);
 }
 
-/* Prepares the pressure's spline near the exit of a line contact. Its values are zero from the exit
- * on. At the window's first node its curvature is that of the modes. */
+/* Prepares the pressure's spline near the exit of a line contact. The values are zero from the exit
+ * on. At the window's first node the curvature is that of the modes. */
 static void prepare_window(previous_film *self, const path_films *path, const reduced_model *model,
                            const film_splines *splines) {
     size_t num_nodes = model->grid.num_nodes;
@@ -379,7 +379,7 @@ static void prepare_window(previous_film *self, const path_films *path, const re
     spline_curvatures(self->curvature, factor, self->window, size, 1, 1, false);
 }
 
-/* Finds the nodes by which the state's exits differ from cut_exits, and P there. */
+/* Finds the nodes between the state's exits and cut_exits, and P at these nodes. */
 static void prepare_cut(previous_film *self, const reduced_model *model,
                         const film_splines *splines) {
     const size_t num_runs = is_coupled(model)
@@ -399,7 +399,7 @@ static void prepare_cut(previous_film *self, const reduced_model *model,
     }
 }
 
-/* Sets what is to be summed, and discards earlier sums. */
+/* Sets what to sum, and discards earlier sums. */
 static void prepare_sums(node_sums *self, const double *table, const double *filtered, double share,
                          const double *coordinates) {
     self->table = table;
@@ -441,8 +441,8 @@ double path_filter_change(const previous_film *self, size_t node, const reduced_
 
 // ---- evaluation
 
-/* Snaps a point to a node that it misses by round-off only. Most weights are then zero, which saves
- * a point contact most of the work while the frame keeps its width. */
+/* Moves a point to a node if they differ only by round-off. Most weights are then zero, which saves
+ * most of the work for a point contact while the frame keeps its width. */
 static double round_to_node(double nodes) {
     return fabs(nodes - round(nodes)) < ROUNDING ? round(nodes) : nodes;
 }
@@ -492,8 +492,8 @@ static void add_cut(double *sum, const previous_film *self, size_t line, size_t 
     *(vector *)sum += total;
 }
 
-/* Returns values and curvatures of a state at a node. `cut`: NULL, or the state whose cut is
- * added. */
+/* Returns values and curvatures of a state at a node. `cut`: NULL, or the state whose deflection of
+ * add_cut is added. */
 static const double *sums_at(const node_sums *self, const previous_film *cut, size_t line,
                              size_t column, const film_splines *splines) {
     const spline_layout *layout = self->layout;
@@ -508,8 +508,8 @@ static const double *sums_at(const node_sums *self, const previous_film *cut, si
     return sum;
 }
 
-/* Evaluates a state's spline at a point from the nodes around it. Nodes without weight, as for a
- * point on a grid line, are skipped. */
+/* Evaluates a state's spline at a point from the nodes around it. Skips nodes without weight, for
+ * example if the point lies on a grid line. */
 static double evaluate(const node_sums *self, const previous_film *cut, const spline_point *along,
                        const spline_point *across, const film_splines *splines) {
     const bool line_contact = self->layout->num_lines == 1;
@@ -530,8 +530,8 @@ static double evaluate(const node_sums *self, const previous_film *cut, const sp
     return sum;
 }
 
-/* Returns P by the uncut modes. Along the path, if `path` is not NULL, it is P of the base plus the
- * filtered modes' difference from it. */
+/* Returns P of the uncut modes. With transport along the path (`path` not NULL) it is P of the base
+ * plus the difference by the filtered modes. */
 static double uncut_pressure(const previous_film *self, const spline_point *along,
                              const spline_point *across, const film_splines *splines,
                              const path_films *path) {
@@ -547,7 +547,7 @@ static double uncut_pressure(const previous_film *self, const spline_point *alon
 /* Returns P of a line contact; `path` as in uncut_pressure. */
 static double window_pressure(const previous_film *self, const spline_point *along,
                               const film_splines *splines, const path_films *path) {
-    enum { MARGIN = 4 }; // nodes at either end of the window that are not used
+    enum { MARGIN = 4 }; // number of nodes at each end of the window that are not used
     const double *u = along->weight;
     size_t node = along->node;
 
@@ -561,7 +561,7 @@ static double window_pressure(const previous_film *self, const spline_point *alo
            u[3] * self->curvature[i + 1];
 }
 
-/* Returns the column of the exit line between two lines. A boundary line takes its neighbour's
+/* Returns the column of the exit line between two grid lines. A boundary line has its neighbour's
  * exit. */
 static double exit_between(const size_t exits[2], const double *across) {
     size_t own = exits[0] > 1 ? exits[0] : exits[1], next = exits[1] > 1 ? exits[1] : exits[0];
@@ -569,7 +569,7 @@ static double exit_between(const size_t exits[2], const double *across) {
     return across[0] * (double)own + across[2] * (double)next;
 }
 
-/* Returns P of a point contact: uncut before the exit line, zero behind it. */
+/* Returns P of a point contact: P of the uncut modes before the exit line, zero behind it. */
 static double pressure_before_exit(const previous_film *self, const spline_point *along,
                                    const spline_point *across, const film_splines *splines,
                                    const path_films *path) {
@@ -590,7 +590,7 @@ static double pressure_at(const previous_film *self, const spline_point *along,
     u.node -= splines->margin;
     if (num_lines == 1) return window_pressure(self, &u, splines, path);
     spline_point v = *across;
-    v.node -= splines->side; // wraps to a large number before the first line
+    v.node -= splines->side; // becomes a large unsigned number before the first line
     return v.node < num_lines - 1 ? pressure_before_exit(self, &u, &v, splines, path) : 0;
 }
 
@@ -690,7 +690,8 @@ static double base_film(const path_films *path, const spline_point *along,
            contact_gap(&splines->grid.shape, x, y);
 }
 
-/* Places of a node in the states' frames: by the frames alone, or by the path of the fluid too. */
+/* Places of a node in the states' frames. They follow the path of the fluid, or only the change of
+ * frame. */
 typedef struct path_points {
     double x[BDF_PREVIOUS], y[BDF_PREVIOUS];
     spline_point along[BDF_PREVIOUS], across[BDF_PREVIOUS];
@@ -726,7 +727,7 @@ void path_film_masses(double *mass, const previous_film *const *films, size_t nu
                         evaluate_one(path->base_cut, &path->base_layout, along, across);
         double stays =
             base_film(path, &here.along[i], &here.across[i], here.x[i], here.y[i], splines);
-        if (compressible) { // otherwise the base's films at the earlier place cancel
+        if (compressible) { // else the base's films at the earlier place cancel
             const double film = base_film(path, along, across, before.x[i], before.y[i], splines);
             const double of_base = density_at(base, along, across, splines, path, reference);
             const double own = density_at(self, along, across, splines, path, reference);

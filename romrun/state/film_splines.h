@@ -16,30 +16,31 @@
 
 /* Natural cubic splines of `width` functions on a grid; for a point contact, tensor products. Each
  * node has the values and their curvatures along x (second derivatives times step^2 / 6). For a
- * point contact it also has the curvatures of both across. All distances count numbers in the
- * table. */
+ * point contact it also has the curvatures across of both. All distances are numbers of doubles in
+ * the table. */
 typedef struct spline_layout {
     size_t num_columns, num_lines, width;
-    bool even_x, even_y;             // mirrored at the first column, line
+    bool even_x, even_y;             // mirrored at the first column; at the first line
     size_t column, line;             // distance to the next column, to the next line
     size_t x_curvature, y_curvature; // distance from a value to its curvatures
 } spline_layout;
 
-/* Tables by node, read-only once made. Their size is proportional to the number of nodes: 90 MB for
- * half a point contact of 129 nodes a line with 120 modes. */
+/* Tables by node, which nothing changes once they are made. Their memory is proportional to the
+ * number of nodes: 90 MB for half a point contact with 129 nodes on a line and 120 modes. */
 typedef struct film_splines {
-    ehd_grid grid; // the model's grid, widened by `margin` columns and lines at the sides
+    ehd_grid grid; // the model's grid, widened by `margin` columns in front and by lines at the
+                   // sides
     size_t margin;
     size_t side;          // number of lines before the model's first one
     spline_layout layout; // layout of `film`
     double *film;         // [num_nodes of grid, 2 or 4, width] coupled: deflection of the pressure
                           // modes cut at fields.cut_exits
     spline_layout kernel_layout;
-    double *kernel; // [lines, columns, 2 or 4] by distance; for a half grid twice the lines, for
+    double *kernel; // [lines, columns, 2 or 4] by distance; a half grid has twice the lines, for
                     // mirrored nodes
     spline_layout pressure_layout;
     double *pressure;   // [num_nodes of the model, 2 or 4, num_pressure] uncut
-    field_modes fields; // for whole fields; coupled: `film` holds their deflections
+    field_modes fields; // modes for whole fields; coupled: their deflections are in `film`
 } film_splines;
 
 /* Builds the tables. `pressure_basis` [num_nodes, num_pressure] and, for an independent basis,
@@ -61,18 +62,20 @@ void film_splines_flat_free(film_splines *splines);
 struct previous_film;
 
 /* Additional data to carry films along the path of the fluid (common/time/README.md). All steps
- * have the same base, so its film is summed over the modes once: it has splines of one function. */
+ * have the same base. Its film is therefore summed over the modes once, into splines of one
+ * function. */
 typedef struct path_films {
     double *film,
         *pressure;                    // tables of the filtered modes; `pressure`: compressible only
     const struct previous_film *base; // the start, prepared and owned by the caller
     spline_layout base_layout, base_pressure_layout;
     double *base_film;     // [num_nodes of the splines' grid, 2 or 4] H0 and deflection
-    double *base_cut;      // part of base_film by the pressures that its own exits cut
-    double *base_pressure; // [num_nodes of the model, 2 or 4] uncut; compressible only
+    double *base_cut;      // part of base_film that comes from add_cut
+    double *base_pressure; // [num_nodes of the model, 2 or 4] uncut P; compressible only
 } path_films;
 
-/* Filters the modes. If incompressible, the tables of pressure stay NULL. Errors: EHD_MEMORY. */
+/* Filters the modes. If the lubricant is incompressible, the tables of pressure stay NULL. Errors:
+ * EHD_MEMORY. */
 ehd_status path_films_init(
     // output:
     path_films *self, // free with path_films_free
@@ -85,34 +88,37 @@ void path_films_free(path_films *self);
 void path_films_set_base(path_films *self, const struct previous_film *base,
                          const reduced_model *model, const film_splines *splines);
 
-/* Values and curvatures of a state at nodes, summed from those of the modes. */
+/* Values and curvatures of a state at nodes: sums over the modes. */
 typedef struct node_sums {
     const spline_layout *layout;
     const double *table, *coordinates; // table of the modes, and the state's coordinates
-    const double *filtered;            // table of the filtered modes, along the path; else NULL
-    double share;                      // share of the filter that is applied to the state
+    const double *filtered;            // table of the filtered modes, with transport along the
+                                       // path; else NULL
+    double share;                      // weight of the filtered table, 0 to 1
     double *sum;                       // [num_nodes of the layout, 2 or 4]
-    size_t *of_state;                  // [num_nodes of the layout] number of the summed state
+    size_t *of_state;                  // [num_nodes of the layout] number of the state whose sum is
+                                       // stored
     size_t state;                      // number of this state, from 1 on
 } node_sums;
 
-enum { EXIT_WINDOW = 64 }; // nodes around an exit in which the pressure's spline is cut
+enum { EXIT_WINDOW = 64 }; // number of nodes around an exit with a spline of the cut pressure
 
 /* An accepted state, prepared for evaluation. */
 typedef struct previous_film {
     contact_frame frame;
     reduced_state state;
     reduced_values values;   // at the needed nodes
-    double *difference;      // [num_unknowns] along the path: coordinates minus those of the base
-    cut_run *runs;           // [num_lines] runs between fields.cut_exits and its exit line
+    double *difference;      // [num_unknowns] coordinates minus those of the base, with transport
+                             // along the path
+    cut_run *runs;           // [num_lines] runs between fields.cut_exits and the state's exit line
     size_t num_cut;          // number of nodes in the runs
     grid_position *cut_node; // [num_cut] the runs' nodes in the splines' grid
     double *cut_pressure;    // [num_cut] P at the runs' nodes, uncut, with the run's sign
-    node_sums film;          // deflection, with the cut at its own exits; without H0
+    node_sums film;          // deflection by the pressures cut at its own exits, without H0
     node_sums pressure;      // uncut; compressible only
     // line contacts only:
     size_t window_begin, window_size;                   // first node of the window, and its size
-    double window[EXIT_WINDOW], curvature[EXIT_WINDOW]; // P there, cut; compressible only
+    double window[EXIT_WINDOW], curvature[EXIT_WINDOW]; // cut P in the window; compressible only
 } previous_film;
 
 /* Allocates a state of the model. Errors: EHD_MEMORY. */
@@ -124,19 +130,19 @@ void previous_film_free(previous_film *self);
 void previous_film_prepare(previous_film *self, const reduced_model *model,
                            const film_splines *splines, const ehd_contact *reference);
 
-/* Prepares a state to be carried along the path with a share of the filter (frame_step_share). */
+/* Prepares a state for transport along the path, with a share of the filter (frame_step_share). */
 void previous_film_prepare_path(previous_film *self, const path_films *path, double share,
                                 const reduced_model *model, const film_splines *splines,
                                 const ehd_contact *reference);
 
-/* Returns the change of the film by its share of the filter at a node of its own frame, for a state
- * from previous_film_prepare_path. */
+/* Returns how much the filter's share changes the film, at a node of the state's own frame. The
+ * state comes from previous_film_prepare_path. */
 double path_filter_change(const previous_film *self, size_t node, const reduced_model *model,
                           const film_splines *splines);
 
 /* Computes rho H of up to BDF_PREVIOUS states, mass[num_films], at node `node` of frame `now`. The
- * density of a point contact follows from the uncut modes before the exit line, which is linear
- * between grid lines. */
+ * density of a point contact follows from the uncut modes before the exit line. This line is
+ * straight between grid lines. */
 void previous_film_masses(double *mass, const previous_film *const *films, size_t num_films,
                           size_t node, const contact_frame *now, const reduced_model *model,
                           const film_splines *splines, const ehd_contact *reference);
@@ -147,9 +153,9 @@ double previous_film_thickness(const previous_film *self, size_t node, const red
 double previous_film_pressure(const previous_film *self, size_t node, const reduced_model *model,
                               const film_splines *splines);
 
-/* Computes rho H along the path at node `node` of frame `now`, mass[num_films]. The films are
- * prepared for the path. What they have in common with the base stays at its places; the rest comes
- * from where the fluid was. */
+/* Computes rho H at node `node` of frame `now`, mass[num_films], with transport along the path. The
+ * films are prepared for this transport. The base's part of a film stays in place; the difference
+ * comes from where the fluid was. */
 void path_film_masses(double *mass, const previous_film *const *films, size_t num_films,
                       size_t node, const contact_frame *now, const reduced_model *model,
                       const film_splines *splines, const path_films *path,

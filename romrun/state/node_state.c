@@ -128,7 +128,7 @@ void nodes_expand_runs(node_state *self, const double *z) {
 }
 
 /* Returns the modes of the films from a node of the band on, [nodes, *width]; for a coupled basis
- * without the runs. */
+ * without the deflection by the runs. */
 static const double *band_film_modes(size_t *width, const node_state *self, size_t node) {
     const reduced_model *model = self->model;
     const bool coupled = model->deformation == DEFORMATION_COUPLED;
@@ -219,16 +219,16 @@ static double film_in_band(const void *context, size_t node) {
     return banded ? film_at(context, node) : NAN;
 }
 
-/* Returns the minimum between the nodes around a node of the band. At the band's first nodes, which
- * lack neighbours in it, it is the node's film. */
+/* Returns the minimum between the nodes around a node of the band. The band's first nodes lack
+ * neighbours; there it returns the node's film. */
 static double film_around_band(const void *context, size_t node) {
     const film_of_state *self = context;
 
     return minimum_around(&self->nodes->model->grid, node, film_in_band, self);
 }
 
-/* Returns the film around a needed node of a line: the minimum of the parabola through the node and
- * its neighbours, if both of these are higher. */
+/* Returns the minimum film around a needed node of a line contact. It is the minimum of the
+ * parabola through the node and its needed neighbours if both are higher, else the node's film. */
 static double film_around(const node_state *self, size_t q) {
     const size_t *node = self->model->rows.needed_node;
     const double *film = self->now.film;
@@ -240,8 +240,8 @@ static double film_around(const node_state *self, size_t q) {
     return fall > 0 && rise > 0 ? film[q] - slope * slope / (4 * curvature) : film[q];
 }
 
-/* Returns the minimum around a needed node with the films of the nodes in between, as the full
- * model has it. */
+/* Returns the minimum around a needed node, as in the full model. Uses the films of the nodes
+ * between this node and its needed neighbours. */
 static double film_between(size_t *node, const node_state *self, size_t q, film_function *film,
                            const void *context) {
     const size_t *needed = self->model->rows.needed_node;
@@ -257,8 +257,8 @@ static double film_between(size_t *node, const node_state *self, size_t q, film_
     return minimum_around(&self->model->grid, *node, film, context);
 }
 
-/* Returns the lowest needed node of a line with pressure before the band, without the last needed
- * node; 0: none. */
+/* Returns the lowest needed node of a line contact that has pressure and lies before the band.
+ * Excludes the last needed node. 0: none. */
 static size_t lowest_before_band(const node_state *self) {
     const reduced_model *model = self->model;
     size_t best = 0;
@@ -272,7 +272,7 @@ static size_t lowest_before_band(const node_state *self) {
     return best;
 }
 
-enum { MINIMUM_REACH = 2 }; // nodes on either side that minimum_around uses
+enum { MINIMUM_REACH = 2 }; // number of nodes on each side that minimum_around uses
 
 bool nodes_have_dip(const node_state *self) {
     const exit_band *band = &self->model->band;
@@ -286,16 +286,16 @@ bool nodes_have_dip(const node_state *self) {
     return false;
 }
 
-/* Checks whether a needed node with pressure is as low as its neighbours. */
+/* Checks whether a needed node has pressure and is no higher than its needed neighbours. */
 static bool is_dip(const node_state *self, size_t q) {
     const double *film = self->now.film;
 
     return q > 0 && self->pressurised[q] && film[q] <= film[q - 1] && film[q] <= film[q + 1];
 }
 
-/* Returns the smallest film of the needed nodes with pressure, and its node, since in time a
- * minimum also passes through the front of the contact. For a line with the accurate rows it is the
- * minimum between the nodes, in each dip before the band, as in the full model. */
+/* Returns the smallest film of the needed nodes with pressure, and its node. In time a minimum may
+ * pass the contact before the band. For a line contact with the accurate rows the result includes
+ * the minimum between nodes in each dip before the band, as in the full model. */
 static double smallest_needed(size_t *node, const node_state *self, film_function *film,
                               const void *context) {
     const row_set *rows = &self->model->rows;

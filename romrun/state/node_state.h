@@ -13,15 +13,15 @@
 
 /* Fields of coordinates at the present exit line. */
 typedef struct node_fields {
-    reduced_values values;   // at the exit's checkpoint; not filled if the caller has them
-    double *pressure, *film; // [num_needed] P, zero behind the exit; H, for a step without gap
+    reduced_values values;   // values at the exit's checkpoint; not filled if the caller has them
+    double *pressure, *film; // [num_needed] P, zero behind the exit; H, for a step without the gap
     double *cut;             // [rows of the cut table] the cut table times z
 } node_fields;
 
 typedef struct node_state {
     const reduced_model *model;
     size_t *exit;      // [num_lines] present exit line; 0: none yet
-    bool *pressurised; // [num_needed] whether the node lies before the exit
+    bool *pressurised; // [num_needed] true: the node lies before the exit
     size_t checkpoint; // checkpoint nearest to the exit
     cut_run *runs;     // [num_lines] runs between the checkpoint's exit line and the present one
     size_t num_runs;
@@ -34,19 +34,19 @@ typedef struct node_state {
 /* Initialises with memory from an arena; the model must outlive it. */
 void nodes_init(node_state *self, const reduced_model *model, arena *memory);
 
-/* Sets the present exit line, and with it the nodes before it, its checkpoint and runs. */
+/* Sets the present exit line, the nodes before it, its checkpoint and its runs. */
 void nodes_move_exit(node_state *self, const size_t *exit);
 
 /* Returns the cut table of the exit's checkpoint, [rows of the cut table, num_pressure]. */
 const double *nodes_checkpoint_table(const node_state *self);
 
 /* Computes P and H without gap at the needed nodes, and the cut table times z: Maier et al. (2015),
- * eq. 36, applied to a vector. `known`: values of z, or NULL; used if they have the same
- * checkpoint. */
+ * eq. 36, applied to a vector. `known`: values of z, used if they have the same checkpoint; or
+ * NULL. */
 void nodes_expand(node_fields *fields, node_state *self, const reduced_values *known,
                   const double *z);
 
-/* Computes the fields of nodes_expand for the present state, H with gap, into self->now. */
+/* Computes the fields of nodes_expand for the present state into self->now. H includes the gap. */
 void nodes_expand_state(node_state *self, const reduced_values *known, const double *z);
 
 /* Adds `factor` times the step to self->now.values, which must have been filled. */
@@ -58,34 +58,35 @@ double nodes_at_centre(const reduced_model *model, const double *values);
 /* Returns the load of the present state, the integral of P. */
 double nodes_load(const node_state *self);
 
-/* Compute P at `count` band nodes from index `first` on; for a line contact, from node `from` to
- * before `to`; and at the nodes of the runs. */
+/* Compute P at nodes of the band: at `count` nodes from index `first` on; for a line contact, from
+ * node `from` to before `to`; at the nodes of the runs. */
 void nodes_expand_range(node_state *self, const double *z, size_t first, size_t count);
 void nodes_expand_band(node_state *self, const double *z, size_t from, size_t to);
 void nodes_expand_runs(node_state *self, const double *z);
 
-/* Compute H at `count` neighbouring nodes of a line of the band, and at one node. For the coupled
- * basis nodes_expand_runs or nodes_expand_band must have filled the pressures of the runs. */
+/* Compute H in the band: at `count` neighbouring nodes of a grid line, and at one node. For the
+ * coupled basis nodes_expand_runs or nodes_expand_band must have filled the pressures of the
+ * runs. */
 void nodes_band_films(double *film, const node_state *self, const double *z, size_t node,
                       size_t count);
 double nodes_band_film(const node_state *self, const double *z, size_t node);
 
-/* Adds the sum of factors[i] dH/dz at `count` neighbouring nodes of a line of the band to
- * [num_unknowns], without the rigid approach. */
+/* Adds the sum of factors[i] dH/dz, over `count` neighbouring nodes of a grid line in the band, to
+ * `target`, [num_unknowns], without the rigid approach. */
 void nodes_add_band_films(double *target, const double *factors, const node_state *self,
                           size_t node, size_t count);
 
 /* Returns the smallest H of the present state in the band and at the needed nodes, and its node.
- * For a line contact it is the minimum between the nodes, over all dips. */
+ * For a line contact it is the lowest minimum between nodes of all dips. */
 double nodes_minimum_film(size_t *node, node_state *self, const double *z);
 
-/* Returns the minimum film again, after nodes_minimum_film. In dips before the band, and at its
- * first nodes, it also uses the nodes between the needed ones, whose films `film` returns. */
+/* Returns a more accurate minimum film, after nodes_minimum_film. In dips before the band and at
+ * its first nodes it also uses the films between the needed nodes, which `film` returns. */
 double nodes_minimum_between(size_t *node, const node_state *self, film_function *film,
                              const void *context);
 
-/* Checks whether the film of a line has a dip at its needed nodes before the band or at its first
- * nodes. */
+/* Checks whether the film of a line contact has a dip at the needed nodes before the band or at the
+ * band's first nodes. */
 bool nodes_have_dip(const node_state *self);
 
 /* Returns the scalars of the present state, whose exit is at X = exit_position. */
@@ -96,10 +97,11 @@ contact_scalars nodes_scalars(node_state *self, const double *z, double exit_pos
  * the band. */
 reduced_pressures nodes_pressure_range(node_state *self, const double *z);
 
-/* Adds a row of the cut table of the present exit, times a factor, to [num_pressure]. */
+/* Adds `factor` times a row of the present exit's cut table to `target`, [num_pressure]. */
 void nodes_add_cut_row(double *target, double factor, const node_state *self, size_t row);
 
-/* Adds dH/dz at a needed node, times a factor, to [num_unknowns], without the rigid approach. */
+/* Adds `factor` times dH/dz at a needed node to `target`, [num_unknowns], without the rigid
+ * approach. */
 void nodes_add_film_row(double *target, double factor, const node_state *self, size_t needed);
 
 /* Returns the change of H at X = 0 by a step of the coordinates. */

@@ -7,7 +7,7 @@
 #include <stdbool.h>
 #include <string.h>
 
-/* Computes the pressures of the band before the exits and of the runs. Returns int P X. */
+/* Computes the pressures of the runs and, before the exits, of the band. Returns int P X. */
 static double moment_of(node_state *self, const double *z) {
     const reduced_model *model = self->model;
     const ehd_grid *grid = &model->grid;
@@ -27,8 +27,9 @@ static double moment_of(node_state *self, const double *z) {
     return moment;
 }
 
-/* Returns the deflection at a column by the pressures of `count` columns of a line from `first` on.
- * `kernel`: influence by the distance of columns, for the distance of both lines. */
+/* Returns the deflection at a column by the pressures of `count` columns of a grid line from
+ * `first` on. `kernel`: influence by distance in columns, for the distance between both grid
+ * lines. */
 static double deflection_by(const double *kernel, size_t column, size_t first, size_t count,
                             const double *pressure) {
     size_t before = column > first ? column - first : 0;
@@ -39,8 +40,8 @@ static double deflection_by(const double *kernel, size_t column, size_t first, s
     return dot_reversed(falling, pressure, before) + dot(rising, pressure + before, count - before);
 }
 
-/* Returns H at a node of the cubature; the band's pressures are known. It sums one node by many,
- * for which reduced_model_deflect takes three times as long. */
+/* Returns H at a node of the cubature; the band's pressures are known. It sums many pressures for
+ * one node, for which reduced_model_deflect takes three times as long. */
 static double film_at(const node_state *self, const double *z, size_t q, grid_position at) {
     const reduced_model *model = self->model;
     const row_set *set = &model->cubature.nodes;
@@ -79,8 +80,8 @@ static bool expand_node(double *pressure, double *film, const node_state *self, 
 }
 
 /* dP/dX at a node of the cubature, and its derivatives by the pressures at the two neighbours along
- * X. `beside` holds the places of the neighbours in the cubature, or NO_NODE where the pressure is
- * zero. Only thinned flows need it, because the gradient changes their shear stress; their models
+ * X. `beside`: indices of the neighbours in the cubature; NO_NODE: the neighbour's pressure is
+ * zero. Only thinned flows need the gradient, because it changes their shear stress; their models
  * keep the neighbours. */
 typedef struct node_gradient {
     double value;
@@ -103,7 +104,7 @@ static node_gradient gradient_at(const node_state *self, const double *z, size_t
     const bool behind = q + 1 < set->num_needed && set->needed_node[q + 1] == node + 1;
     node_gradient gradient = {.beside = {NO_NODE, NO_NODE}, .by = {-per_pressure, per_pressure}};
 
-    // the gradient is not known in a model that has not kept the neighbours
+    // the gradient stays 0 if the model has not kept the neighbours
     if (!(before || at.column == 1) || !(behind || at.column + 1 >= self->exit[at.line]))
         return gradient;
     if (before) gradient.beside[0] = q - 1;
@@ -114,14 +115,14 @@ static node_gradient gradient_at(const node_state *self, const double *z, size_t
     return gradient;
 }
 
-/* Checks whether a node has a weight of its own. A node that is kept for its neighbour has none. */
+/* Checks whether a node has a weight. A node that is kept only as a neighbour has none. */
 static bool has_weight(const node_cubature *cubature, size_t q) {
     return cubature->friction[q] != 0 || cubature->dry[q] != 0;
 }
 
-/* Returns the stress at a node before the exit, and keeps the largest one. Far out in the inlet
- * truncated modes have pressures below zero where the full model's are hardly above. The fluid is
- * the same there. */
+/* Returns the stress at a node before the exit, and updates the largest stress. Far out in the
+ * inlet truncated modes have pressures slightly below zero, and the full model's are slightly
+ * above. The fluid is the same at both pressures. */
 static double stress_at(double *largest, const ehd_contact *contact, double pressure, double film,
                         double gradient) {
     const double stress = contact_shear_stress(contact, pressure, film, gradient);
@@ -130,10 +131,10 @@ static double stress_at(double *largest, const ehd_contact *contact, double pres
     return stress;
 }
 
-/* Part of the largest pressure from which on needed nodes count in the search for the largest
- * stress. The stress falls with the pressure more than it rises with a thinner film. If the
- * pressure gradient thins the flow, only nodes of the rows count, since the gradient needs the
- * pressures beside them (romrun/solve/README.md, Traction). */
+/* The largest stress is searched for at needed nodes with more than this fraction of the largest
+ * pressure. The stress falls with the pressure more than it rises with a thinner film. If the
+ * pressure gradient thins the flow, only the nodes of the rows are searched, since the gradient
+ * needs the pressures of their neighbours (romrun/solve/README.md, Traction). */
 static const double NEAR_LARGEST = 0.7;
 
 static void look_at_needed(double *largest, const node_state *self, const ehd_contact *contact) {
@@ -160,14 +161,14 @@ static void look_at_needed(double *largest, const node_state *self, const ehd_co
 /* End of the pressure on a grid line. */
 typedef struct line_end {
     size_t node;     // last node with pressure
-    double weight;   // weight of its cell in sums
+    double weight;   // weight of the node in sums over the grid
     double pressure; // pressure at the node
     double gradient; // gradient of the pressure, which is zero at the next node
-    double film[2];  // at the node and at the next one
+    double film[2];  // film at the node and at the next node
 } line_end;
 
-/* Finds the end of the pressure on a line. Returns false if none of its nodes in the band has
- * pressure. */
+/* Finds the end of the pressure on a grid line. Returns false if none of the line's nodes in the
+ * band has pressure. */
 static bool find_line_end(line_end *end, const node_state *self, const double *z, size_t line) {
     const reduced_model *model = self->model;
     const band_line *band = &model->band.lines[line];
@@ -207,7 +208,7 @@ contact_traction nodes_traction(node_state *self, const double *z, const ehd_con
         if (!find_line_end(&end, self, z, l)) continue;
         const double stress =
             stress_at(&sums.largest_stress, contact, end.pressure, end.film[0], end.gradient);
-        // adds the difference of the cell behind the last node from the sum over nodes
+        // corrects the sum over nodes for the cell behind the last node with pressure
         sums.friction += end.weight / model->grid.step *
                          contact_traction_behind(contact, &model->grid, end.node, stress, end.film,
                                                  on_line ? scalars->exit_position : NAN);
@@ -215,15 +216,15 @@ contact_traction nodes_traction(node_state *self, const double *z, const ehd_con
     const traction_sums beyond = contact_traction_beyond(contact, scalars);
     sums.friction += beyond.friction;
     sums.moment -= beyond.rolling;
-    // an even kernel does no net work along X: int H dP/dX = -int P X
+    // since the kernel is even, the deflection does no net work along X: int H dP/dX = -int P X
     sums.rolling = -sums.moment;
     return contact_traction_from(contact, &sums, scalars->load);
 }
 
 // ---- derivatives of the friction
 
-/* Adds factor times the deflection at a node by a pressure of 1 at each band node before the
- * exits. */
+/* Adds, for each band node before the exits, factor times the deflection at node `at` by a pressure
+ * of 1 at the band node. */
 static void add_band_influence(double *influence, double factor, const node_state *self,
                                grid_position at) {
     const reduced_model *model = self->model;

@@ -12,14 +12,15 @@
 contact_traction nodes_traction(node_state *self, const double *z, const ehd_contact *contact,
                                 const contact_scalars *scalars); // scalars of the state
 
-/* Adds the derivatives of int tau dA by the coordinates to [num_unknowns], except those of the cell
- * behind the last node with pressure, where the fluid is thin. */
+/* Adds the derivatives of int tau dA by the coordinates to [num_unknowns]. Neglects the cell behind
+ * the last node with pressure, where the viscosity is low. */
 void nodes_add_friction(double *target,
                         double *influence, // [nodes of the band] work
                         node_state *self, const double *z, const ehd_contact *contact);
 
-/* Returns the change of int tau dA by exits that are a node off. The change of a line is the part
- * of its last node times its risk; the lines are taken as independent. */
+/* Returns the change of int tau dA by exits that are wrong by one node. On each grid line it is
+ * the contribution of the last node with pressure, times the risk; the lines are taken as
+ * independent. */
 double nodes_friction_of_exits(node_state *self, const double *z, const ehd_contact *contact,
                                const double *risk); // [num_lines]
 

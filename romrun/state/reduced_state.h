@@ -11,10 +11,11 @@
 /* A reduced state: z = (a, d, H0) and the exit line (eq. 39). */
 typedef struct reduced_state {
     double *coordinates; // [num_unknowns]
-    size_t exit;         // column on the line Y = 0; for a line contact a grid node
-    size_t *exits;       // [num_lines] columns on all lines of the grid; NULL on a line contact
-    // distance of the exit from the node before `exit`, in steps, 0 to 1, if it lies within a node;
-    // in time as in exit_place. NaN: it lies at a node, or is not known yet.
+    size_t exit;         // column of the exit on the line Y = 0; for a line contact a grid node
+    size_t *exits;       // [num_lines] columns of the exit on all grid lines; NULL: line contact
+    // distance of the exit from the node before `exit`, in grid steps, 0 to 1, if the exit lies
+    // within a node; in time as in exit_place. NaN: the exit is a node, or the distance is not
+    // known yet.
     double exit_offset;
 } reduced_state;
 
@@ -26,8 +27,8 @@ void reduced_state_free(reduced_state *state);
 void reduced_state_copy(reduced_state *target, const reduced_state *source,
                         const reduced_model *model);
 
-/* Return and set the exit line, [num_lines], at nodes. An exit outside of the model's band, as in a
- * training solution without an exit, is moved to the nearest column of the band. */
+/* Return and set the exit line as nodes, [num_lines]. An exit outside of the model's band is moved
+ * to the band's nearest column; training solutions without an exit have such exits. */
 const size_t *reduced_state_exits(const reduced_state *state);
 void reduced_state_set_exits(reduced_state *state, const reduced_model *model, const size_t *exits);
 
@@ -36,7 +37,8 @@ void reduced_state_set_exits(reduced_state *state, const reduced_model *model, c
 bool reduced_exit_divides(const reduced_state *state, const reduced_model *model);
 double reduced_exit_position(const reduced_state *state, const reduced_model *model);
 
-/* Values of a state at the needed nodes. At one checkpoint they are linear in the coordinates. */
+/* Values of a state at the needed nodes. For the same checkpoint they are linear in the
+ * coordinates. */
 typedef struct reduced_values {
     size_t checkpoint; // checkpoint of the exit (reduced_model_checkpoint)
     double *pressure;  // [num_needed] P, uncut
@@ -48,7 +50,7 @@ ehd_status reduced_values_init(reduced_values *values, const reduced_model *mode
                                ehd_error *error);
 void reduced_values_free(reduced_values *values);
 
-/* Compute the values of coordinates at a checkpoint, and at that of an exit line. */
+/* Compute the values of coordinates: at a checkpoint, and at the checkpoint of an exit line. */
 void reduced_values_at(reduced_values *values, const reduced_model *model,
                        const double *coordinates, size_t checkpoint);
 void reduced_values_of(reduced_values *values, const reduced_model *model,

@@ -13,10 +13,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { BLOCK = 32 }; // most quantities whose errors are computed at once
+enum { BLOCK = 32 }; // largest number of quantities whose errors are computed together
 
-/* Changes of a film by an error of 1 in each row. They stay the same as long as gradient and matrix
- * do, as over many steps with kept factors. */
+/* Changes of a film by an error of 1 in each row. They are valid while gradient and matrix stay the
+ * same, often over many steps with kept factors. */
 typedef struct film_moves {
     size_t matrix_number; // 0: none
     double *gradient;     // [num_unknowns]
@@ -26,8 +26,8 @@ typedef struct film_moves {
 struct functionals {
     const reduced_model *model;
     solved_system solved;   // the last solution
-    double *left, *unknown; // [system_max_rows] residual that the last step leaves, and its square
-                            // with that of the iterations that were not made
+    double *left, *unknown; // [system_max_rows] residual after the last step; its square plus that
+                            // of the iterations that were not made
     double *square;         // [system_max_rows] sum of the squares of all residuals
     double *gradients;      // [BLOCK, num_unknowns]
     double *moves;          // [BLOCK, system_max_rows]
@@ -79,7 +79,7 @@ void functionals_moves(double *moves, double *gradient, least_squares *factors,
     add_product(moves, matrix, num_columns, num_rows, num_columns, gradient);
 }
 
-/* Takes the last solution of a solver, and computes its residuals if it is a new one. */
+/* Takes the last solution of a solver. Computes its residuals if this solution is new. */
 static const solved_system *take_solution(functionals *self, reduced_solver *solver) {
     solved_system *solved = &self->solved;
     const size_t known = solved->solution_number;
@@ -120,7 +120,7 @@ static void find_errors(double *errors, functionals *self, size_t num, const dou
 
 // ---- gradients
 
-/* Returns a gradient of zeros among those of the next call of find_errors. */
+/* Sets a gradient for the next call of find_errors to zero and returns it. */
 static double *clear_gradient(functionals *self, size_t number) {
     const size_t n = self->model->num_unknowns;
 
@@ -148,7 +148,7 @@ static void add_central_pressure(double *gradient, const node_state *nodes) {
                           num_pressure);
 }
 
-/* Adds the derivatives of the load over the reference. */
+/* Adds the derivatives of the load divided by the reference load. */
 static void add_load(double *gradient, const node_state *nodes, const reduced_state *state,
                      const ehd_contact *contact) {
     const reduced_model *model = nodes->model;
@@ -213,8 +213,8 @@ double functionals_film_error(double *influence, functionals *self, reduced_solv
 
 // ---- other quantities
 
-/* Returns the largest error of P or H at the node of a row before the exit. All needed nodes are
- * near such a node. */
+/* Returns the largest error of P or H over the nodes of the rows before the exit. All needed nodes
+ * are near such a node. */
 static double largest_field_error(functionals *self, bool of_film, const double *added) {
     const reduced_model *model = self->model;
     const node_state *nodes = self->solved.nodes;
@@ -284,9 +284,9 @@ double functionals_peak_error(functionals *self, reduced_solver *solver, const d
 
 // ---- friction
 
-/* Finds self->exit_risk. For a line of a point contact it is the error of the pressure at the last
- * node over the margin of the exit (exits_margins), at most 1. For a line contact, whose exit is
- * found by its flux, it is 1. */
+/* Finds self->exit_risk. For each grid line of a point contact it is the error of the pressure at
+ * the last node with pressure, divided by the margin of the exit (exits_margins), at most 1. For a
+ * line contact, whose exit follows from the flux, it is 1. */
 static void find_exit_risks(functionals *self, const reduced_state *state,
                             const ehd_contact *contact, const double *added) {
     const reduced_model *model = self->model;
@@ -309,7 +309,7 @@ static void find_exit_risks(functionals *self, const reduced_state *state,
         if (count == 0 || (count < BLOCK && l + 1 < num_lines)) continue;
         find_errors(errors, self, count, added);
         for (size_t k = 0; k < count; k++)
-            // an error is NaN if residuals are NaN, and then the bound is too
+            // an error is NaN if residuals are NaN; the bound is then NaN anyway
             risk[line[k]] = errors[k] < risk[line[k]] ? errors[k] / risk[line[k]] : 1;
         count = 0;
     }

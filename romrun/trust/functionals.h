@@ -15,17 +15,17 @@
 
 typedef enum reduced_film {
     REDUCED_CENTRAL_FILM,
-    REDUCED_MINIMUM_FILM, // at the lowest needed node with pressure
+    REDUCED_MINIMUM_FILM, // film at the lowest needed node with pressure
     NUM_REDUCED_FILMS
 } reduced_film;
 
-/* Work arrays, and what is kept from one call to the next. All calls are with the same solver. */
+/* Work arrays, and results that later calls use again. All calls must use the same solver. */
 typedef struct functionals functionals;
 functionals *functionals_create(const reduced_model *model); // NULL: no memory
 functionals *functionals_free(functionals *self);            // accepts and returns NULL
 
-/* Returns how far the residuals of the least squares move a film of the last solution. NaN: no node
- * has pressure. */
+/* Returns the change of a film of the last solution by the residuals of the least squares. NaN: no
+ * node has pressure. */
 double functionals_film_error(
     // output:
     double *influence, // [rows of the model] change of the film by an error of 1 in a weighted row;
@@ -35,9 +35,9 @@ double functionals_film_error(
     // input:
     reduced_film film);
 
-/* Errors of other quantities of the last stationary solution: P at X = 0, the exit in half widths
- * (NaN: exits are nodes), the load over the reference, and the largest error of P and H at the node
- * of any row before the exit. */
+/* Errors of other quantities of the last stationary solution: of P at X = 0, of the exit in half
+ * widths (NaN: exits are nodes), of the load divided by the reference load, and the largest errors
+ * of P and H over the nodes of the rows before the exit. */
 typedef struct reduced_errors {
     double central_pressure, exit_position, load, pressure, film;
 } reduced_errors;
@@ -46,15 +46,16 @@ reduced_errors functionals_other_errors(
     functionals *self, reduced_solver *solver,
     // input:
     const reduced_state *state, const ehd_contact *contact,
-    const double *added); // [rows of the model] squares of other residuals, counted in this row
+    const double *added); // [rows of the model] squares of other residuals, added to those of the
+                          // row
 
-/* Returns the error of P at the row's node where P is largest. It costs one quantity in place of
- * one per node. */
+/* Returns the error of P at that node of a row where P is largest. It computes one quantity instead
+ * of one for each node. */
 double functionals_peak_error(functionals *self, reduced_solver *solver, const double *added);
 
-/* Returns the error of the friction of the last stationary solution over the reference load. Where
- * exits are nodes, it adds the effect of an exit that is a node off. The model has a cubature.
- * `contact`: the contact of the solution, with sliding of any kind. */
+/* Returns the error of the friction of the last stationary solution, divided by the reference load.
+ * If exits are nodes, it adds the effect of exits that are wrong by one node. The model has a
+ * cubature. `contact`: the contact of the solution, with any sliding. */
 double functionals_friction_error(functionals *self, reduced_solver *solver,
                                   const reduced_state *state, const ehd_contact *contact,
                                   const double *added);
@@ -69,7 +70,7 @@ void functionals_moves(
     // input:
     const double *matrix, size_t num_rows, size_t num_columns); // J
 
-/* Computes the residuals that a step leaves, right + J step. */
+/* Computes the residuals after a step, right + J step. */
 void functionals_left(double *left, const double *right, const double *matrix, const double *step,
                       size_t num_rows, size_t num_columns);
 

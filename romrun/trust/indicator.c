@@ -16,16 +16,18 @@ struct indicator {
     functionals *functionals;
     double *pressure, *film; // [num_needed] at the needed nodes of the control rows
     double *fluid_memory;    // [NUM_FLUID_ARRAYS, num_needed]
-    far_field outer;         // boundary nodes among the needed ones
-    double *band_pressure;   // [nodes of the band] P where the exit differs from its checkpoint's
+    far_field outer;         // far field at the boundary nodes among the needed ones
+    double *band_pressure;   // [nodes of the band] P at the nodes between the exit and its
+                             // checkpoint
     cut_run *runs;           // [num_lines]
     reynolds_row *rows;      // [num_rows] the control rows
     double *residual;        // [num_rows] residuals of the control rows, weighted
-    double *influence;       // [rows of the model] of rows on a film
-    size_t *nearest;         // [num_rows] row of the model whose influence a control row has
-    size_t *nearest_of_all;  // [num_rows] nearest row, also if it has no influence
-    double *added; // [rows of the model] sums of the squares of the control rows' residuals, by
-                   // nearest row
+    double *influence;       // [rows of the model] influence of rows on a film
+    size_t *nearest;         // [num_rows] row of the model whose influence stands for that of the
+                             // control row
+    size_t *nearest_of_all;  // [num_rows] nearest row, even without influence
+    double *added; // [rows of the model] sum of the squared residuals of the control rows nearest
+                   // to each row
     arena memory;  // memory of all arrays
 };
 
@@ -115,7 +117,7 @@ const double *indicator_control_residuals(indicator *self, const reduced_state *
     const reduced_model *model = self->model;
     const row_set *control = &model->control;
     size_t num_needed = control->num_needed;
-    // a node that the exit divides has another row
+    // the Reynolds row does not hold at the node of the exit's cell
     const size_t cell_node = reduced_exit_divides(state, model) ? state->exit - 1 : NO_NODE;
     reynolds_fluid fluid = reynolds_fluid_in(self->fluid_memory, num_needed, contact);
 
@@ -135,8 +137,8 @@ const double *indicator_control_residuals(indicator *self, const reduced_state *
     return self->residual;
 }
 
-/* Returns the bound of the film whose influence is self->influence. `own_rows`: change of the film
- * by the residual that least squares leave. */
+/* Returns the bound for the film whose influence is self->influence. `own_rows`: change of the film
+ * by the residual of the least squares. */
 static double bound(const indicator *self, double own_rows, double thickness) {
     double sum = own_rows * own_rows;
 
@@ -145,7 +147,7 @@ static double bound(const indicator *self, double own_rows, double thickness) {
         sum += moved * moved;
     }
     const double relative = sqrt(sum) / thickness;
-    // at a control row the pressure may lie beyond the limit of the viscosity law
+    // NaN: at a control row the pressure may exceed the limit of the viscosity law
     return isnan(relative) ? INFINITY : relative;
 }
 

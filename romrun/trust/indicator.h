@@ -23,10 +23,10 @@ const double *indicator_control_residuals(indicator *self, const reduced_state *
                                           const ehd_contact *contact);
 
 /* Returns the bound of the relative error of the central film, without the factor of a calibration
- * (trade_indicator_factor). It is the root of the sum, over selected and control rows, of the
- * squares of the change of the film by their residuals. A control row has the influence of the
- * nearest selected one. `solver` has just solved `state` for the stationary `contact`, with the
- * outcome `scalars`. */
+ * (trade_indicator_factor). The bound is the root of a sum of squares over the selected and control
+ * rows. Each square is that of the change of the film by the row's residual. A control row has the
+ * influence of the nearest selected row. `solver` has just solved `state` for the stationary
+ * `contact`, with the outcome `scalars`. */
 double indicator_bound(indicator *self, reduced_solver *solver, const reduced_state *state,
                        const ehd_contact *contact, const contact_scalars *scalars);
 
@@ -36,22 +36,22 @@ double indicator_bound_minimum(indicator *self, reduced_solver *solver,
                                const contact_scalars *scalars);
 
 /* Computes the bounds of the other quantities, by indicated_quantity, for the solution that
- * indicator_bound was just called for. Because of the fields it takes twice as many instructions as
- * a solution. The bound of a field is the largest one at the node of any row. NaN: the quantity has
- * none. */
+ * indicator_bound was just called for. The bounds of the fields make it take twice as many
+ * instructions as a solution. The bound of a field is the largest bound over the rows' nodes. NaN:
+ * the quantity has no bound. */
 void indicator_bound_others(double bounds[NUM_INDICATED], indicator *self, reduced_solver *solver,
                             const reduced_state *state, const ehd_contact *contact,
                             const contact_scalars *scalars);
 
 /* Returns the bound of the error of the largest pressure, in Hertz pressures, for the solution that
- * indicator_bound was just called for. It is INDICATED_PRESSURE of indicator_bound_others, at the
- * node of this pressure alone, and takes a hundredth of the time. */
+ * indicator_bound was just called for. Like INDICATED_PRESSURE of indicator_bound_others, but only
+ * at the node of this pressure, in a hundredth of the time. */
 double indicator_bound_peak(indicator *self, reduced_solver *solver);
 
 /* Returns the bound of the relative error of the friction force, for the solution that
  * indicator_bound was just called for. The model has a cubature. The bound uses the derivatives of
- * its sum of shear stresses, and adds the error of this sum in training. `contact` is that of the
- * solution, but slides with any law and ratio. */
+ * the cubature's sum of shear stresses, and adds the error that this sum had in training.
+ * `contact`: the contact of the solution, with any law and ratio of sliding. */
 double indicator_bound_friction(indicator *self, reduced_solver *solver, const reduced_state *state,
                                 const ehd_contact *contact,
                                 double friction); // contact_traction.friction for `contact`

@@ -10,26 +10,27 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Differences of two lubricants at the same alpha p: of ln(viscosity) over alpha p, at the Hertz
- * pressure and at half of it, and of ln(density) at the Hertz pressure. */
+/* Differences of two lubricants at the same alpha p: of ln(viscosity) / (alpha p) at the Hertz
+ * pressure, of the same at half the Hertz pressure, and of ln(density) at the Hertz pressure. */
 enum { OF_VISCOSITY, OF_VISCOSITY_HALF, OF_DENSITY, NUM_DIFFERENCES };
 _Static_assert((int)NUM_DIFFERENCES <= (int)HULL_AXES, "the hull has no room for the differences");
 
-/* Difference below which two lubricants count as the same. Measured with a model of a point
- * contact with one oil, on 30 oils with alpha +-8 % and eta0 +-20 %. For differences up to 0.03
- * the error estimate is at least 1.2 times the error, from 0.03 to 0.05 at least 0.64 times
- * (README.md, Lubricants; test_known_lubricants.c, one_lubricant_is_known_alone). */
+/* Largest difference of two lubricants that are taken as the same. Measured with a model of a point
+ * contact trained with one oil, on 30 oils with alpha +-8 % and eta0 +-20 %. The error estimate is
+ * at least 1.2 times the error for differences up to 0.03, and at least 0.64 times the error from
+ * 0.03 to 0.05 (README.md, Lubricants; test_known_lubricants.c, one_lubricant_is_known_alone). */
 static const double TOLERANCE = 0.01;
 
-/* Smallest alpha p by which differences of viscosity are divided. Below it the viscosity is
- * nearly that of zero pressure, for any law. With 100 a lubricant between known ones is not
- * judged rightly (test_known_lubricants.c, lubricants_between_are_known). */
+/* Smallest alpha p by which differences of viscosity are divided. At smaller alpha p any law gives
+ * nearly the viscosity of zero pressure. With 100 a lubricant between known ones is judged wrongly
+ * (test_known_lubricants.c, lubricants_between_are_known). */
 static const double LEAST_ALPHA_P = 1;
 
 struct known_lubricants {
     size_t count;
     shown_lubricant *of; // [count]
-    bool *in_both;       // [count] lubricants of the training, which count in time and stationary
+    bool *in_both;       // [count] true: lubricant of the training, known both in time and for
+                         // stationary contacts
 };
 
 known_lubricants *known_lubricants_free(known_lubricants *self) {
@@ -71,7 +72,7 @@ struct lubricant_memory {
     hull_space *hull;
     double *differences; // [NUM_DIFFERENCES, count]
     char reason[128];
-    // last check, so that steps of a march, and cases of one lubricant, are compared once:
+    // the last check: if the lubricant is the same again, as in a march, its answer is reused
     bool has_last, in_time;
     ehd_lubricant last;
     const char *answer;
@@ -121,9 +122,8 @@ static double length_of(const double differences[NUM_DIFFERENCES]) {
     return sqrt(square);
 }
 
-/* Lists the differences from each known lubricant, as columns. Columns that are left over repeat
- * the first one. Returns how many lubricants were compared, or `like` if one of them is taken for
- * the same. */
+/* Lists the differences from each known lubricant, as columns. Unused columns repeat the first one.
+ * Returns how many lubricants were compared, or `like` if one of them is taken as the same. */
 static size_t list(double *columns, const known_lubricants *self, const ehd_lubricant *lubricant,
                    bool in_time, size_t like) {
     const size_t stride = self->count;
@@ -144,8 +144,8 @@ static size_t list(double *columns, const known_lubricants *self, const ehd_lubr
     return count;
 }
 
-/* Checks whether zero lies in the hull of the differences, of `num` kinds of them from `first`
- * on. */
+/* Checks whether zero lies in the convex hull of the differences. Uses `num` kinds of differences
+ * from `first` on. */
 static bool is_between(const known_lubricants *self, lubricant_memory *memory, int first, int num) {
     const double none[NUM_DIFFERENCES] = {0};
 

@@ -11,17 +11,17 @@
  * Error estimates in time). */
 enum { NUM_INLET = 12, NUM_INSIDE = 12, MOST_NODES = NUM_INLET + NUM_INSIDE };
 
-// Places X of the control nodes, half widths. Films form between FAR_INLET and ENTRY. They are
-// then carried unchanged up to CONSTRICTION, and settle anew behind it. DENSER: exponent that
-// makes nodes denser towards the entry, where a residual enters with a larger share (README.md,
-// Error estimates in time).
+// Places X of the control nodes, half widths. Films form between FAR_INLET and ENTRY. They are then
+// carried unchanged to CONSTRICTION, and adjust again behind it. DENSER: exponent that makes nodes
+// denser towards the entry, where a larger share of a residual enters the contact (README.md, Error
+// estimates in time).
 static const double FAR_INLET = -2.6, ENTRY = -0.85, CONSTRICTION = 0.6, DENSER = 1.7;
-// Distances within which the largest error of films counts, half widths: before and behind the
-// centre, and before the minimum. Short waves behind a front move more slowly than the fluid. The
-// largest error of the central film was compared with its bound. In 20 histories
-// (scenes/studies/silent-in-time, calibration seed 1000007) the error is 5.7 times the bound with
-// 0.1 behind the centre, and 1.4 times from 0.3 on. In 75 other histories it is 1.4 times from
-// 0.4 on (README.md, Error estimates in time).
+// The estimate is the largest carried error within these distances, half widths: before the centre,
+// behind the centre, and before the minimum. They are needed since short waves behind a front move
+// more slowly than the fluid. The largest error of the central film was compared with its bound. In
+// 20 histories (scenes/studies/silent-in-time, calibration seed 1000007) the error is 5.7 times the
+// bound with 0.1 behind the centre, and 1.4 times with 0.3 or more. In 75 other histories it is 1.4
+// times with 0.4 or more (README.md, Error estimates in time).
 static const double CENTRE = 0.1, BEHIND_CENTRE = 0.4, ARRIVING = 0.3;
 
 void time_indicator_free(time_indicator *self) {
@@ -30,10 +30,10 @@ void time_indicator_free(time_indicator *self) {
 
 // ---- control nodes
 
-/* Adds the node of the central line nearest to X, if it lies behind the last one. */
+/* Adds the node of the central grid line nearest to X, if it lies behind the last added node. */
 static void add_node(time_indicator *self, double x) {
     const ehd_grid *grid = &self->model->grid;
-    enum { MARGIN = 4 }; // columns that the stencils reach
+    enum { MARGIN = 4 }; // number of columns that a stencil reaches on each side
     const size_t begin = grid_central_line(grid), last = grid_width(grid) - 1 - MARGIN;
     const double columns = round((x - grid_x(grid, begin)) / grid->step);
     const size_t column = (size_t)fmin(fmax(columns, (double)MARGIN), (double)last);
@@ -73,14 +73,15 @@ static size_t index_of(size_t node, const size_t *nodes, size_t num) {
     return found ? (size_t)(found - nodes) : NO_NODE;
 }
 
-/* Returns the index of a needed node among the model's, or NO_NODE. */
+/* Returns the index of a needed node among the model's needed nodes, or NO_NODE. */
 static size_t find_among(const time_indicator *self, size_t q) {
     const row_set *rows = &self->model->rows;
 
     return index_of(self->needed_node[q], rows->needed_node, rows->num_needed);
 }
 
-/* Lists the nodes of all stencils in needed_node, and fills the stencils with indices in it. */
+/* Lists the nodes of all stencils in needed_node, and fills the stencils with indices into this
+ * list. */
 static void list_needed(time_indicator *self) {
     size_t num = 0, *needed = self->needed_node;
 
@@ -105,8 +106,8 @@ static void list_needed(time_indicator *self) {
 
 // ---- around the exit
 
-/* Returns the number of nodes on either side of the exit: as many as it may have moved since the
- * Jacobian was made, and one. */
+/* Returns the number of nodes on each side of the exit: one more than the nodes that the exit may
+ * have moved since the Jacobian was made. */
 static size_t reach_at_exit(const reduced_model *model) {
     return kept_factors_reach(model) + 1;
 }
@@ -183,7 +184,7 @@ ehd_status time_indicator_init(time_indicator *self, const reduced_model *model,
 
 // ---- residuals
 
-/* Computes P and H at the needed nodes; the solver has those of its rows. */
+/* Computes P and H at the needed nodes; takes those of the solver's rows from the solver. */
 static void expand(time_indicator *self, const previous_film *state, const reduced_solver *solver,
                    const film_splines *splines) {
     const reduced_model *model = self->model;
@@ -205,8 +206,8 @@ static void expand(time_indicator *self, const previous_film *state, const reduc
 }
 
 /* Finds the share of a source of fluid that flows on into the contact, at each node of the inlet. A
- * source raises the pressure on both sides of it. The pressure is an integral of 1/H^3, and the
- * share is the part of this integral before the source. */
+ * source raises the pressure on both of its sides. This pressure is an integral of 1/H^3, and the
+ * share is the fraction of the integral that lies before the source. */
 static void find_shares(time_indicator *self) {
     double before = 0;
 
@@ -243,8 +244,8 @@ void time_indicator_evaluate(time_indicator *self, const previous_film *state,
         const bool before =
             reduced_model_column(model, node) < exit[reduced_model_line(model, node)];
         const bool at_exit = i >= self->num_nodes;
-        // without pressure, behind the exit or where all modes end before it, the multiplier is
-        // -residual, and only fluid that is left over is an error
+        // at a node without pressure, behind the exit or behind the end of all modes, the
+        // multiplier is -residual: only an excess of fluid is an error
         const bool full = at_exit ? self->pressure[self->stencils[i].node[NODE_HERE]] > 0 : before;
         self->residual[i] = full ? fabs(residual) : at_exit ? fmax(residual, 0) : 0;
     }
@@ -253,15 +254,16 @@ void time_indicator_evaluate(time_indicator *self, const previous_film *state,
 
 // ---- effect of the residuals on the films
 
-/* Returns an error of the film at a control node. It is at most the film, also if it is not a
- * number. */
+/* Returns the smaller of an error and the film at a control node. An error of NaN gives the
+ * film. */
 static double at_most_all(const time_indicator *self, size_t i, double error) {
     const double film = self->film[self->stencils[i].node[NODE_HERE]];
 
     return error < film ? error : film;
 }
 
-/* Returns the error of rho H with which films enter: the fluid that the inlet's residuals add. */
+/* Returns the error of rho H of films that enter, caused by the fluid that the inlet's residuals
+ * add. */
 static double entering(const time_indicator *self, double entrainment) {
     const size_t last = self->num_inlet - 1;
     double added = 0;
@@ -274,9 +276,9 @@ static double entering(const time_indicator *self, double entrainment) {
 
 void time_indicator_carry(time_indicator *self, const contact_frame *then, const contact_frame *now,
                           double entrainment, double step) {
-    const size_t first = self->num_inlet - 1; // at the entry
+    const size_t first = self->num_inlet - 1; // node at the entry
     const double share = frame_step_share(then, step, &self->model->grid);
-    const double entered = self->errors.kept[0]; // error with which the last films entered
+    const double entered = self->errors.kept[0]; // error of the films that entered last
     double inside[MOST_NODES];
 
     film_errors_carry(&self->errors, then, now);
@@ -320,7 +322,7 @@ double time_indicator_at_exit(const time_indicator *self, const double *influenc
     return sqrt(sum);
 }
 
-/* Returns the octave of a distance. The last one ends at two half widths. */
+/* Returns the octave of a distance. The last octave ends at two half widths. */
 static size_t octave(double length) {
     int exponent;
 
@@ -352,7 +354,7 @@ void time_indicator_add_local(time_indicator *self, const double errors[NUM_REDU
     for (int q = 0; q < NUM_REDUCED_FILMS; q++) {
         const double error = local->of_film[q][here] + errors[q];
         local->of_film[q][here] =
-            error < films[q] ? error : films[q]; // at most the film, also if not a number
+            error < films[q] ? error : films[q]; // at most the film; the film if the error is NaN
     }
 }
 

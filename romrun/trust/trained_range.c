@@ -14,7 +14,7 @@
 _Static_assert((int)RANGE_AXES <= (int)HULL_AXES, "axes of a hull");
 
 void trained_place(double place[RANGE_AXES], contact_place of) {
-    // Smallest alpha p_H that is distinguished. Below it the viscosity rises by less than a
+    // Smaller alpha p_H are taken as this value. Below it the viscosity rises by less than a
     // thousandth (README.md, Results that are rejected).
     const double least = 1e-3;
 
@@ -39,7 +39,7 @@ static double turn(point a, point b, point c) {
     return (b.M - a.M) * (c.pressure - a.pressure) - (b.pressure - a.pressure) * (c.M - a.M);
 }
 
-/* Finds the convex hull by the monotone chain, counter-clockwise. `hull` has room for num + 1
+/* Finds the convex hull by the monotone chain, counter-clockwise. `hull` has space for num + 1
  * points. Returns the number of its corners. */
 static size_t convex_hull(point *hull, point *points, size_t num) {
     size_t count = 0;
@@ -75,16 +75,18 @@ typedef struct thinning_range {
 struct trained_range {
     hull_edge *edges; // [count], counter-clockwise, in units of `extent`
     size_t count;
-    // limits of all points, in units of `extent`: round-off turns lines into slivers, which have no
-    // end
+    // limits of all points, in units of `extent`. If all points lie on a straight line, round-off
+    // may make their hull a sliver without ends
     point low, high;
     point extent;
-    double slack;     // how far outside of the hull still counts as inside, in units of `extent`
-    frame_rates most; // fastest change
-    // for thinned flows, if the training has any
+    double slack;     // distance outside of the hull that is accepted as inside, in units of
+                      // `extent`
+    frame_rates most; // largest trained rates of change
+    // limits of the thinning
     thinning_range by[NUM_THINNED];
     size_t num_points, num_outer;
-    double *points; // [RANGE_AXES, num_points] in parts of the extents; NULL: all are Newtonian
+    double *points; // [RANGE_AXES, num_points] divided by the extents; NULL: all flows are
+                    // Newtonian
     double *outer;  // [RANGE_AXES, num_outer] points that lie farthest out in some direction
     known_lubricants *lubricants;
 };
@@ -144,12 +146,12 @@ static void find_extent(trained_range *self, const reduced_states *states) {
     self->extent.pressure = high.pressure > low.pressure ? high.pressure - low.pressure : 1;
     self->low = in_units(low, self);
     self->high = in_units(high, self);
-    // training points count as inside. So do points between the few states that are kept of a
-    // trajectory, which is a curve
+    // accepts the training points themselves. Also accepts points of a trajectory, which is a
+    // curve, between the few states that are kept of it
     self->slack = stationary ? ROUNDING : 2e-3;
 }
 
-/* Writes a place, in parts of the extents, as a column. */
+/* Writes a place, divided by the extents, as a column. */
 static void put_column(double *column, size_t stride, const double place[RANGE_AXES],
                        const trained_range *self) {
     const point here = in_units(point_of(place), self);
@@ -180,9 +182,9 @@ static size_t farthest(const trained_range *self, const int direction[RANGE_AXES
 }
 
 /* Fills self->outer with the points farthest out along the axes and the diagonals. A point may
- * occur several times. Most places inside of the range are already inside of the hull of these few:
- * for a model of 188 states a check of all takes 293 thousand instructions. Returns false without
- * memory. */
+ * occur several times. Most places inside of the range lie inside of the hull of these few points.
+ * For a model of 188 states a check with all points takes 293 thousand instructions. Returns false
+ * without memory. */
 static bool list_outer(trained_range *self) {
     size_t num = 1, count = 0;
 
@@ -261,8 +263,8 @@ trained_range *trained_range_create(const reduced_model *model) {
     return self;
 }
 
-/* Returns the distance of a point to the right of an edge or, for a hull of two points, beyond its
- * ends. */
+/* Returns how far a point lies to the right of an edge or, for a hull of two points, beyond the
+ * edge's end. */
 static double outside_edge(const hull_edge *edge, point wanted, bool line) {
     point from = {wanted.M - edge->start.M, wanted.pressure - edge->start.pressure};
     double across = from.M * edge->direction.pressure - from.pressure * edge->direction.M;
@@ -305,8 +307,8 @@ range_memory *range_memory_create(const trained_range *of) {
 }
 
 static bool is_faster(double rate, double trained) {
-    // `slack`: factor on the trained rate, which is a mean between two states. `least`: rate per
-    // unit of T at which any contact may change (README.md, Error estimates in time).
+    // `slack`: factor on the trained rate, since this is a mean between two states. `least`: rate
+    // per unit of T that is accepted for any contact (README.md, Error estimates in time).
     const double slack = 1.05, least = 1e-3;
 
     return rate > fmax(slack * trained, least);
@@ -332,7 +334,7 @@ static const char *check(const trained_range *self, range_memory *memory, contac
         return "outside of the trained range of M and alpha p_H";
     if (self->points) {
         put_column(here, 1, place, self);
-        // places that adaptive training leaves outside of its corners count as inside
+        // accepts places that adaptive training leaves outside of its corners
         const double slack = fmax(self->slack, 1e-8);
         if (!(hull_distance_in(memory->hull, self->outer, self->num_outer, RANGE_AXES, here) <=
               slack) &&
@@ -385,7 +387,7 @@ double trained_range_outside(const trained_range *self, range_memory *memory, co
     trained_place(place, of);
     const double of_plane = outside_plane(self, place);
     if (!trained_range_check(self, memory, of, NULL)) return fmin(of_plane, 0);
-    // outside of the hull but in its box: in parts of the extents, of which the smaller one counts
+    // outside of the hull but in its box: converts the distance by the smaller extent
     const double beside = fmin(self->extent.M, self->extent.pressure) * of_plane;
     return fmax(fmax(outside_box(self, place), beside), DBL_MIN);
 }

@@ -11,9 +11,9 @@
 #include "romrun/model/reduced_model.h"
 
 /* Computes the coordinates of a contact in the trained range: ln M, ln(alpha p_H), and the
- * logarithms of the thinning of the flow by sliding and by the gradient (contact_place.h). Regions
- * of load, speed, sliding and Eyring's stress, or of M and L, are polytopes in these coordinates.
- * Contacts that differ in one of these alone lie on a straight line. */
+ * logarithms of the thinning of the flow by sliding and by the gradient (contact_place.h). A region
+ * of load, speed, sliding and Eyring's stress, or of M and L, is a polytope in these coordinates.
+ * Contacts that differ only in one of these quantities lie on a straight line. */
 enum { RANGE_AXES = 4 };
 void trained_place(double place[RANGE_AXES], contact_place of);
 
@@ -23,22 +23,23 @@ typedef struct trained_range trained_range;
 trained_range *trained_range_create(const reduced_model *model); // NULL: no memory
 trained_range *trained_range_free(trained_range *range);         // accepts and returns NULL
 
-/* Memory of one thread for checks of a range and for the texts of their reasons.
+/* Work memory of one thread for checks of a range, including the texts of reasons.
  * range_memory_create returns NULL without memory. */
 typedef struct range_memory range_memory;
 range_memory *range_memory_create(const trained_range *range);
 range_memory *range_memory_free(range_memory *memory); // accepts and returns NULL
 
 /* Returns why a contact lies outside of the range, or NULL. The text is valid until the next check
- * with this memory. `memory` NULL: the check takes memory of its own and does not name a lubricant.
- * `rates`: rates of change of the contact; NULL: it is stationary. If `place` has no lubricant, any
- * lubricant counts as inside. */
+ * with this memory. `memory` NULL: the check allocates its own memory and does not name a
+ * lubricant. `rates`: rates of change of the contact; NULL: it is stationary. If `place` has no
+ * lubricant, lubricants are not checked. */
 const char *trained_range_check(const trained_range *range, range_memory *memory,
                                 contact_place place, const frame_rates *rates);
 
-/* Returns how far outside of the range a contact lies, to choose among the parts of a model. Inside
- * it is at most 0, and the less the deeper, in parts of the range's extent. Outside it is above 0:
- * a distance in the coordinates themselves, which all ranges share. */
+/* Returns how far outside of the range a contact lies, to choose among the parts of a model.
+ * Inside, the result is at most 0, and smaller the deeper the contact lies; it is divided by the
+ * range's extent. Outside, it is above 0: a distance in the coordinates themselves, which all
+ * ranges share. */
 double trained_range_outside(const trained_range *range, range_memory *memory, contact_place place);
 
 #endif
