@@ -3,7 +3,7 @@
 
 #include <math.h>
 
-/* All members are doubles. */
+/* Number of doubles in frame_quantities. All of its members are doubles. */
 enum { NUM_QUANTITIES = sizeof(frame_quantities) / sizeof(double) };
 _Static_assert(sizeof(frame_quantities) == NUM_QUANTITIES * sizeof(double), "doubles alone");
 
@@ -67,7 +67,8 @@ ehd_status frame_tangent_slow(contact_scalars *found, double *bound, reduced_tan
     const ehd_status status =
         reduced_tangent_slow(&slow, bound, tangent, change, here.contact, &motion, error);
     if (status) return status;
-    // both are linear in the coordinates, except for the small load beyond a point contact's grid
+    // approach and load are linear in the coordinates, except for the small load beyond a point
+    // contact's grid
     const frame_quantities behind = quantities_at(tangent, &slow, 0.5, &here, at, reference);
     const frame_quantities before = quantities_at(tangent, &slow, -0.5, &here, at, reference);
     *bound *= at->film_scale;

@@ -9,14 +9,15 @@
 #include "common/time/frame.h"
 #include "romrun/online/reduced_tangent.h"
 
-/* Returns the equations in a frame. `side` (0 or 1) selects the memory that they may use. */
+/* Returns the equations in a frame. `side` (0 or 1) selects the work memory that the function may
+ * use. */
 typedef struct frame_equations {
     void *context;
     reduced_equations (*in_frame)(void *context, const contact_frame *frame, ehd_contact *contact,
                                   int side);
 } frame_equations;
 
-/* Scalars in the reference frame, and the other results. */
+/* Scalars in the reference frame, and other results. */
 typedef struct frame_quantities {
     contact_scalars scalars;
     double peak_pressure, half_width;
@@ -42,7 +43,7 @@ ehd_status frame_tangent(
     const frame_equations *equations, ehd_error *error);
 
 /* Computes derivatives by s, in 1/T, for s -> 0, if the parameter of the last frame_tangent varies
- * with T as exp(sT). For stationary contacts only. */
+ * as exp(sT). For stationary contacts only. */
 ehd_status frame_tangent_slow(
     // output:
     contact_scalars *slow, // rigid_approach and load in the reference frame

@@ -16,15 +16,15 @@
 struct online_model {
     char *path;
     part_list list; // files that the model consists of
-    flat *files;    // [list.num] their tables, if they are flat
+    flat *files;    // [list.num] tables of the flat ones among these files
     size_t num_parts;
-    model_part parts[MAX_PARTS]; // all of one kind, discretisation and carriage
+    model_part parts[MAX_PARTS]; // all have the same kind, discretisation and carriage
 };
 
 struct online_solver {
     const online_model *model;
     part_solver *parts; // [model->num_parts]
-    part_solver *used;  // part of the last solution
+    part_solver *used;  // part that made the last solution
 };
 
 // ---- models
@@ -33,7 +33,7 @@ static bool same_size(size_t wanted, size_t own) {
     return wanted == 0 || wanted == own;
 }
 
-/* Opens the parts of a flat file, which follow one another. */
+/* Opens the parts of a flat file; they follow one another in the file. */
 static ehd_status open_flat(online_model *self, size_t index, const model_sizes *sizes,
                             ehd_error *error) {
     const char *path = self->list.paths[index];
@@ -83,15 +83,15 @@ static ehd_status open_file(online_model *self, size_t index, const model_sizes 
     return part_open(&self->parts[self->num_parts++], path, sizes, error);
 }
 
-/* Checks whether parts can be in one list: contacts of one kind with the same discretisation and
- * boundary; point contacts and ellipses on one grid. */
+/* Checks whether parts can be in one list: they need the same kind of contact, discretisation and
+ * boundary. Point contacts and ellipses also need the same grid. */
 static bool alike(const reduced_model *a, const reduced_model *b) {
     return a->kind == b->kind && a->grid.discretization == b->grid.discretization &&
            a->grid.boundary == b->grid.boundary &&
            (a->kind->dimensions == 1 || grid_same(&a->grid, &b->grid));
 }
 
-/* Checks whether all parts are alike and carry films alike. */
+/* Checks whether all parts can be in one list and carry films in the same way. */
 static ehd_status check_alike(const online_model *self, ehd_error *error) {
     const reduced_model *first = &self->parts[0].reduced;
 
@@ -290,8 +290,8 @@ ehd_status online_prepare_transient(online_model *self, ehd_error *error) {
     return status;
 }
 
-/* Returns the part in whose trained range a contact lies deepest, or the nearest one. If any parts
- * are on the grid that the contact gives, only these count. */
+/* Returns the part in whose trained range a contact lies deepest, or else the nearest part. If any
+ * parts have the grid that the contact gives, it chooses among these only. */
 static size_t part_for(const online_model *self, const part_solver *solvers,
                        const ehd_contact *contact) {
     const contact_place place = contact_place_of(contact);
@@ -443,30 +443,30 @@ void online_exits(double *positions, const online_solver *solver) {
 
 // ---- in time
 
-/* State of the accepted contact besides its march. All members are doubles, so that the struct can
- * be saved as such. */
+/* Data of the last accepted state that its march does not hold. All members are doubles, so that
+ * the struct can be saved as an array. */
 typedef struct accepted_moment {
     double time;
-    load_forecast forecast; // scales the next frame if the approach is given
-    double path, speed;     // path and speed of the fluid
+    load_forecast forecast; // if the approach is given: load that scales the next frame
+    double path, speed;     // path that the fluid has travelled, and its speed
 } accepted_moment;
 
 struct online_transient {
     const online_model *model;
     ehd_contact reference;
     parts_march *march;
-    apart_march contact; // `march` for a contact that may be lost
+    apart_march contact; // `march` extended by bodies that separate
     march_solver solver; // solver of `contact`
-    bool started;        // there is an accepted state
-    bool solved;         // there is a step that can be accepted
+    bool started;        // true: there is an accepted state
+    bool solved;         // true: there is a step that can be accepted
     march_step last;     // the last solved step
     accepted_moment now;
     // conditions of the last step, which begins at `now`, or of the start
     online_conditions conditions;
-    bool at_start;            // no step was taken since the start
-    size_t of;                // part of the tangent
+    bool at_start;            // true: no step was taken since the start
+    size_t of;                // index of the tangent's part
     reduced_tangent *tangent; // NULL: not needed yet
-    bool linearised;          // the tangent is linearised at its solution
+    bool linearised;          // true: the tangent is linearised at the present solution
 };
 
 /* Creates a march for each part. */
@@ -544,8 +544,8 @@ void online_march_effort(double *rows, double *linear, double *exit, const void 
     *exit = effort.seconds_exit;
 }
 
-/* Returns the march of the solved step that is not accepted yet. Without such a step, returns that
- * of the last accepted state. */
+/* Returns the march of the solved step that is not accepted yet. Without such a step, returns the
+ * march of the last accepted state. */
 static reduced_march *march_of_attempt(const online_transient *self) {
     return parts_march_part(self->march, self->solved ? parts_march_attempted(self->march)
                                                       : parts_march_accepted(self->march));
@@ -738,8 +738,8 @@ static bool is_apart(const online_transient *self) {
     return self->solved ? self->last.apart : self->contact.now.apart == 1;
 }
 
-/* Returns the place of the last step among the states of its march: 0 for an attempt, 1 for a
- * start, which is accepted at once. */
+/* Returns the place of the last step among the states of its march: 0 for an attempt, 1 for a start
+ * (a start is accepted at once). */
 static size_t steps_before(const online_transient *self) {
     return self->solved && !self->last.begins ? 0 : 1;
 }
@@ -784,25 +784,26 @@ size_t online_transient_part(const online_transient *self) {
 typedef struct solved_frame {
     const ehd_contact *reference;
     reduced_state state;
-    online_conditions at; // its load scales the frame
-    bool by_approach;     // the approach was given, not the load
+    online_conditions at; // conditions; the load scales the frame
+    bool by_approach;     // true: the approach was given, not the load
     bool exit_at_node;
     void (*set_frame)(contact_frame *frame, const void *context,
                       const online_conditions *conditions);
     const void *context; // argument of set_frame
     frame_equations equations;
     reduced_tangent *tangent;
-    bool *linearised; // the tangent is at this solution: directions share the factors
+    bool *linearised; // true: the tangent is linearised at this solution, for all directions
 } solved_frame;
 
-/* Distance between the conditions of a central difference, relative to the values in distance_of.
- * Only the residuals of the rows are differenced, at fixed coordinates. The derivatives of
- * central and minimum film by load and speed were computed for the line of scenes/examples. With
- * 2e-3 to 2e-5 they change by less than 1e-6, with 2e-2 by 6e-4 and with 2e-7 by 6e-5
+/* Relative distance between the two sets of conditions of a central difference (distance_of). Only
+ * the residuals of the rows are differenced, at fixed coordinates. The derivatives of central and
+ * minimum film by load and speed were computed for the line contact of scenes/examples. With 2e-3
+ * to 2e-5 they change by less than 1e-6, with 2e-2 by 6e-4 and with 2e-7 by 6e-5
  * (test_derivatives.c, derivatives_of_lines_are_those_of_differences). */
 static const double DISTANCE = 2e-4;
 
-/* Returns the distance between the conditions along a direction; 0: the direction is zero. */
+/* Returns how far apart both sets of conditions of a central difference lie, in units of
+ * `direction`; 0: the direction is zero. */
 static double distance_of(const solved_frame *of, const online_direction *direction) {
     const online_conditions *at = &of->at;
     const double rates[] = {
@@ -818,7 +819,7 @@ static double distance_of(const solved_frame *of, const online_direction *direct
     return fastest > 0 ? DISTANCE / fastest : 0;
 }
 
-/* Sets the frame of the conditions at a distance along a direction. */
+/* Sets the frame for conditions that lie `distance` along a direction. */
 static void set_frame_at_distance(contact_frame *frame, const solved_frame *of,
                                   const online_direction *direction, double distance) {
     online_conditions at = of->at;
@@ -859,7 +860,7 @@ static ehd_status linearise(const solved_frame *of, ehd_error *error) {
     return status;
 }
 
-/* Frames half a distance before and behind along a direction. */
+/* The frames at -distance/2 and +distance/2 along a direction. */
 typedef struct frame_pair {
     contact_frame side[2];
     double distance; // 0: the direction is zero
@@ -873,8 +874,8 @@ static frame_pair frames_around(const solved_frame *of, const online_direction *
     return found;
 }
 
-/* Computes derivatives along a direction, which has the load or the approach that the solution was
- * given. */
+/* Computes derivatives along a direction of the quantity (load or approach) that was given for the
+ * solution. */
 static ehd_status derivatives_along(frame_quantities *found, const solved_frame *of,
                                     const online_direction *direction, ehd_error *error) {
     const frame_pair frames = frames_around(of, direction);
@@ -886,17 +887,18 @@ static ehd_status derivatives_along(frame_quantities *found, const solved_frame 
                          &of->equations, error);
 }
 
-/* Returns the unit direction of the given load or approach. The other conditions are held. */
+/* Returns the direction in which the given load or approach changes by 1. The other conditions stay
+ * constant. */
 static online_direction direction_of_given(const solved_frame *of) {
     return of->by_approach ? (online_direction){.load = NAN, .approach = 1}
                            : (online_direction){.load = 1, .approach = NAN};
 }
 
-/* Corrects `found` for a direction in the quantity that was an outcome, load or approach. Adds a
- * multiple of the derivatives by the given quantity, so that the outcome changes as in the
- * direction. Another closure in the solution's own frame would be another problem. A frame that
- * does not follow the load needs pressures that the modes lack: the stiffness of the point contact
- * of scenes/examples would be 13 % off, that of the line 0.4 %. */
+/* Corrects `found` if the direction prescribes the quantity (load or approach) that was an outcome.
+ * Adds a multiple of the derivatives by the given quantity, so that the outcome changes as the
+ * direction prescribes. To exchange the closure in the solution's own frame instead would be wrong:
+ * a frame that does not follow the load needs pressures that the modes lack. The stiffness would
+ * then be 13 % off for the point contact of scenes/examples, and 0.4 % for the line contact. */
 static void correct_outcome(frame_quantities *found, const frame_quantities *by_given,
                             const solved_frame *of, const online_direction *direction) {
     const double *add = (const double *)by_given;
@@ -931,9 +933,9 @@ static ehd_status differentiate(online_derivatives *derivatives, const solved_fr
     return EHD_OK;
 }
 
-/* Computes stiffness and damping. Load F and approach H0 vary by 1 + s F1 and A + s H1, so
- * dF/dH0 = 1/A - s (H1 - A F1)/A^2. F1, and the difference of the load at s = 0 from 1, come from
- * the residual that least squares leave in the load balance. */
+/* Computes stiffness and damping. Load F and approach H0 vary by 1 + s F1 and A + s H1, so dF/dH0 =
+ * 1/A - s (H1 - A F1)/A^2. Because the least squares leave a residual in the load balance, F1 is
+ * not 0 and the load at s = 0 is not exactly 1. */
 static ehd_status respond(online_response *response, const solved_frame *of, ehd_error *error) {
     const online_direction by_load = {.load = 1, .approach = NAN};
     const frame_pair frames = frames_around(of, &by_load);
@@ -972,8 +974,8 @@ static void set_stationary_frame(contact_frame *frame, const void *context,
     *frame = frame_at(reference->kind, 0, values, conditions->approach);
 }
 
-/* Returns the equations of the scene with these conditions. The speed is in lambda, so that rows
- * have the same weights. */
+/* Returns the equations of the scene under a frame's conditions. The speed is a factor of lambda,
+ * so that the rows keep their weights. */
 static reduced_equations stationary_equations(void *context, const contact_frame *frame,
                                               ehd_contact *contact, int side) {
     const ehd_contact *reference = context;

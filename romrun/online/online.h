@@ -45,32 +45,33 @@ typedef struct online_solver online_solver;
 
 /* Sizes and kind of a model, for information. */
 typedef struct online_properties {
-    size_t num_inner;                         // n, nodes of the full grid
-    size_t num_nodes;                         // including the boundary nodes
-    size_t num_lines;                         // lines across, both sides of a mirror; 1 for a line
-                                              // contact
+    size_t num_inner;                         // number of inner nodes of the full grid
+    size_t num_nodes;                         // number of nodes including the boundary nodes
+    size_t num_lines;                         // number of grid lines, on both sides of a mirror; 1
+                                              // for a line contact
     double x_min, step;                       // first inner node and step of the grid, half widths
     const char *discretization;               // "accurate" or "published"
     const char *boundary;                     // "open" or "zero"; "zero" for line contacts
     const char *deformation;                  // "independent" or "coupled"
-    const char *transport;                    // carriage of films in time: "path" or "upwind"
-    size_t pressure_modes, deformation_modes; // in use
-    size_t unknowns;                          // size of the reduced system
-    size_t rows;                              // selected Reynolds rows in use
-    size_t needed_nodes;                      // nodes of the rows' stencils and around X = 0
-    size_t states;                            // training solutions
-    size_t parts; // models for parts of a region; sizes are those of the largest one
-    // whether the sizes in use were calibrated (deimselect, romrun --calibrate) on stationary
-    // scenes, and on trajectories. If not, no error is estimated, and a result with EHD_OK may have
-    // any error.
+    const char *transport;                    // transport of films in time: "path" or "upwind"
+    size_t pressure_modes, deformation_modes; // numbers in use
+    size_t unknowns;                          // number of unknowns of the reduced system
+    size_t rows;                              // number of selected Reynolds rows in use
+    size_t needed_nodes;                      // nodes in the rows' stencils and around X = 0
+    size_t states;                            // number of training solutions
+    size_t parts; // number of models for parts of a region; the numbers above are those of the
+                  // largest part
+    // true: the sizes in use were calibrated (deimselect, romrun --calibrate) on stationary scenes;
+    // on trajectories. Otherwise no error is estimated, and a result with EHD_OK may have any
+    // error.
     bool checked, checked_in_time;
 } online_properties;
 
 /* One solution. Numbers are dimensionless unless a unit is given. */
 typedef struct online_result {
-    // EHD_OK. EHD_NOT_CONVERGED, also if the pressure cannot be that of a contact. EHD_UNTRUSTED:
-    // solved, but outside of the trained range, or probably a false solution by its residual or
-    // iterations.
+    // EHD_OK. EHD_NOT_CONVERGED, also for a pressure that is impossible in a contact.
+    // EHD_UNTRUSTED: solved, but outside of the trained range, or with so large a residual or so
+    // many iterations that the solution is probably false.
     ehd_status status;
     const char *reason;      // reason of a status other than EHD_OK, or ""; valid until the next
                              // solution
@@ -80,17 +81,17 @@ typedef struct online_result {
     size_t part;             // index of the part of the model that solved the contact
     size_t iterations;
     double residual;          // norm of the weighted least-squares residual
-    double bound;             // bound of the relative error, central film, without its factor
-    double bound_minimum;     // likewise for the minimum film
-    double indicated;         // estimated relative error, central film; NaN: not calibrated
-    double indicated_minimum; // likewise for the minimum film
-    double seconds;           // total time; the next three are parts of it
+    double bound;             // bound of the relative error of the central film, without its factor
+    double bound_minimum;     // the same for the minimum film
+    double indicated;         // estimated relative error of the central film; NaN: not calibrated
+    double indicated_minimum; // the same for the minimum film
+    double seconds;           // total time; the next three times are included
     double seconds_rows;      // rows and reduced Jacobian
     double seconds_linear;    // least squares
     double seconds_exit;      // exit boundary and its updates
 } online_result;
 
-/* Sizes of the model or, for a list, of each of its files. */
+/* Numbers of modes and rows of a model or, for a list, of each of its files. */
 typedef struct part_sizes {
     model_sizes of[MAX_PARTS];
 } part_sizes;
@@ -102,41 +103,42 @@ ehd_status online_open(online_model **model, const char *path, const part_sizes 
                        ehd_error *error);
 online_model *online_close(online_model *model); // accepts and returns NULL
 
-/* Replaces the lubricants on which the error estimates of each part were calibrated, before a
- * calibration on `shown`. Call it before any solver is created. Errors: EHD_MEMORY. */
+/* Before a calibration on `shown`: replaces the lubricants on which each part's error estimates
+ * were calibrated. Call it before any solver is created. Errors: EHD_MEMORY. */
 ehd_status online_show(online_model *model, const shown_lubricants *shown, ehd_error *error);
 
-/* Closes the model's file, which is open for online_prepare_fields, online_prepare_transient and
- * online_export. Afterwards these work only for what was prepared before; otherwise they return
- * EHD_INTERNAL. HDF5 is not called again, not even by online_close. */
+/* Closes the model's file, which stays open for online_prepare_fields, online_prepare_transient and
+ * online_export. Afterwards these functions work only if the data was prepared before; otherwise
+ * they return EHD_INTERNAL. HDF5 is not called again, not even by online_close. */
 void online_release_file(online_model *model);
 online_properties online_describe(const online_model *model);
 
-/* Returns why no result of this model is trusted, stationary or in time: its sizes were not
- * calibrated. Returns NULL if they were. */
+/* Returns NULL if the sizes in use were calibrated. Otherwise returns why no result is trusted
+ * (`in_time`: in time). */
 const char *online_unchecked(const online_properties *model, bool in_time);
 
 /* Checks whether a file begins like a flat model. Errors: EHD_NOINPUT, EHD_IO, EHD_MEMORY. */
 ehd_status online_is_flat(bool *is, const char *path, ehd_error *error);
 
-/* Prepares a model for everything that it can do, and writes it as a flat file. The results of the
- * flat model have the same bits. EHD_CANTCREATE: the file exists, and `force` is false. Other
- * errors: EHD_DATA, EHD_IO, EHD_MEMORY. */
+/* Prepares a model for everything that it can do, and writes it as a flat file. The flat model
+ * gives bit-identical results. EHD_CANTCREATE: the file exists, and `force` is false. Other errors:
+ * EHD_DATA, EHD_IO, EHD_MEMORY. */
 ehd_status online_export(online_model *model, const char *path, bool force, ehd_error *error);
 
 /* Default limit of the estimated relative film errors. A result with a larger estimate is not
  * trusted (romrun/calibrate/README.md, Calibration and the accuracy dial). */
 extern const double online_accuracy;
 
-/* Return the kind of contact and the grid of the model. Line contacts may have parts on different
- * grids: the grid is then the one with most nodes. All parts have the same discretisation. */
+/* Return the kind of contact and the grid of the model. Parts of line contacts may have
+ * different grids: online_grid then returns the grid with most nodes. All parts have the same
+ * discretisation. */
 const contact_kind *online_kind(const online_model *model);
 const ehd_grid *online_grid(const online_model *model);
-/* Returns the grid of the part that solves a stationary contact: of the parts on the grid that the
- * contact gives, the one in whose trained range it lies deepest. */
+/* Returns the grid of the part that solves a stationary contact. Among the parts with the grid that
+ * the contact gives, it is the part in whose trained range the contact lies deepest. */
 const ehd_grid *online_grid_for(const online_model *model, const ehd_contact *contact);
 /* Checks whether the model solves contacts in time. The discretisation must allow it, and all parts
- * must be on one grid. EHD_DATA: it does not; the text holds the reason. */
+ * must be on one grid. EHD_DATA: it does not; the text gives the reason. */
 ehd_status online_check_in_time(const online_model *model, ehd_error *error);
 /* Returns the path from which the model was opened. */
 const char *online_path(const online_model *model);
@@ -148,82 +150,82 @@ ehd_status online_solver_create(online_solver **solver, const online_model *mode
                                 ehd_error *error);
 online_solver *online_solver_free(online_solver *solver); // accepts and returns NULL
 
-/* Sets the relative tolerance of online_solve, by default 1e-8. The iteration ends when another
- * iteration is expected to change the central film by a smaller part. A looser tolerance saves one
- * iteration of three. */
+/* Sets the relative tolerance of online_solve, by default 1e-8. The iteration ends when the next
+ * iteration is expected to change the central film by less, relatively. A looser tolerance may save
+ * one iteration in three. */
 void online_solver_set_tolerance(online_solver *solver, double tolerance);
 
 /* Solves one contact, starting from the trained solutions. result->status reports a solution that
- * is not converged or not trusted. The grid is the model's, also if M and L alone would choose
- * another one. Returns EHD_OK, or EHD_DATA if grid, discretisation or boundary of the scene differ
+ * is not converged or not trusted. The grid is the model's, even if M and L would give another
+ * default grid. Returns EHD_OK, or EHD_DATA if grid, discretisation or boundary of the scene differ
  * from the model's. A scene that names no discretisation has the accurate one; a model of a version
  * before 0.3.0 has the published one. */
 ehd_status online_solve(online_result *result, online_solver *solver, const ehd_contact *contact,
                         ehd_error *error);
 
 /* Judges the pressures of a result on the whole grid, [num_nodes] from online_fields, as
- * online_solve judges those at its nodes. Sets result->status to EHD_NOT_CONVERGED in two cases: a
- * pressure is more negative than round-off and truncation explain, or beyond the limit of the
- * viscosity law. */
+ * online_solve judges the pressures at its nodes. Sets result->status to EHD_NOT_CONVERGED in two
+ * cases: a pressure is more negative than round-off and truncation explain, or above the limit of
+ * the viscosity law. */
 void online_judge_pressure(online_result *result, const ehd_contact *contact,
                            const double *pressure, size_t num_nodes);
 
 /* Error estimates of other quantities of the last solution. */
 typedef struct online_indications {
     double bound[NUM_INDICATED];     // bound of the error, without its calibrated factor
-    double deviation[NUM_INDICATED]; // estimated error; NaN: not calibrated, or the quantity has
-                                     // none
+    double deviation[NUM_INDICATED]; // estimated error; NaN: not calibrated, or there is no
+                                     // estimate
 } online_indications;
 
 /* Estimates the errors of the other quantities. It takes twice as long as a solution, so it is a
- * separate call. `contact`: the contact of the last online_solve. If its load is given, the
- * deviation of the load is the known difference of the result's load. */
+ * separate call. `contact`: the contact of the last online_solve. If the load is given, the
+ * deviation of the load is the known difference between the result's load and the given load. */
 online_indications online_indicate(online_solver *solver, const ehd_contact *contact);
 
 /* Returns the estimated error of the largest pressure of the last solution, in Hertz pressures.
  * NaN: not calibrated. At a spike it is about the estimate of the pressure from online_indicate. It
- * costs as little as the estimate of a film. */
+ * takes no longer than the estimate of a film. */
 double online_indicate_peak(online_solver *solver);
 
 /* Returns error estimates of central and minimum film due to the grid of the model's training: by
- * its step, and by the length of its inlet. A solution of the model does not show these errors.
- * They are interpolated between the estimates of the training points (film_effects.h). NaN: the
- * model has none. Infinite: its grid is too coarse for an estimate. Takes about ten microseconds,
- * in any number of threads. */
+ * its step, and by the length of its inlet. A solution of the model does not show these errors. The
+ * estimates are interpolated between those of the training points (film_effects.h). NaN: the model
+ * has no estimates. Infinite: the grid is too coarse for an estimate. Takes about ten microseconds.
+ * Any number of threads may call it. */
 film_effects online_effects(const online_model *model, const ehd_contact *contact);
 
-/* Returns whether the model computes tractions as sums over few nodes. A model from a training of
- * this version does. */
+/* Returns whether the model computes tractions as sums over few nodes. Models trained with this
+ * version do. */
 bool online_has_traction(const online_model *model);
 
-/* Returns the traction of the last solution, or NaN for all values if that did not converge. The
- * model must have traction. Allocates nothing, and its cost does not grow with the grid. `contact`:
- * the contact of the last online_solve, with sliding. */
+/* Returns the traction of the last solution, or NaN for all values if the solution did not
+ * converge. The model must have traction. Allocates nothing, and its cost does not grow with the
+ * grid. `contact`: the contact of the last online_solve, with sliding. */
 contact_traction online_traction(online_solver *solver, const ehd_contact *contact);
 
-/* Return the bound of the relative error of a friction force from online_traction, and its error
- * estimate. NaN: the model has no traction, or no factor for it. Each takes an eighth of a
- * solution. `contact`: as in online_traction, but its law of shear stress and its sliding may
- * differ from those of the solution. */
+/* Return the bound of the relative error of a friction force from online_traction, and the error
+ * estimate. NaN: the model has no traction, or no factor for its error. Each call takes an eighth
+ * of the time of a solution. `contact`: as in online_traction, but its law of shear stress and its
+ * sliding may differ from those of the solution. */
 double online_friction_bound(online_solver *solver, const ehd_contact *contact, double friction);
 double online_indicate_friction(online_solver *solver, const ehd_contact *contact, double friction);
 
-/* Reads and computes what fields need: memory of twice [num_nodes, pressure_modes] numbers. Call it
- * once for a model, in one thread at a time; a second call does nothing. Errors: EHD_NOINPUT,
+/* Reads and computes the data for fields: two tables of [num_nodes, pressure_modes] numbers. Call
+ * it once for a model, in one thread at a time; a second call does nothing. Errors: EHD_NOINPUT,
  * EHD_DATA, EHD_MEMORY. */
 ehd_status online_prepare_fields(online_model *model, ehd_error *error);
 
 /* Returns the grid of the last solution. */
 const ehd_grid *online_solved_grid(const online_solver *solver);
 
-/* Computes P and H of the last solution on the whole grid, [num_nodes] with boundary nodes; for a
- * half grid, the half. No other call for a stationary contact has a cost that grows with the grid.
- * Any number of threads may call it, each with its own solver. EHD_INTERNAL: neither fields nor
- * transient scenes are prepared. */
+/* Computes P and H of the last solution on the whole grid, [num_nodes] with boundary nodes; on a
+ * half grid the nodes of this half. Of all calls for stationary contacts, only the cost of this one
+ * grows with the grid. Any number of threads may call it, each with its own solver. EHD_INTERNAL:
+ * neither fields nor transient scenes are prepared. */
 ehd_status online_fields(double *pressure, double *film, const online_solver *solver,
                          ehd_error *error);
 
-/* Writes X of the last solution's exit on each of num_lines lines. */
+/* Writes X of the last solution's exit on each of the num_lines grid lines. */
 void online_exits(double *positions, const online_solver *solver);
 
 // ---- in time: a contact whose load, speed, radius or modulus vary
@@ -247,8 +249,8 @@ typedef struct online_transient online_transient;
 
 /* Conditions at the end of a step, relative to the reference. */
 typedef struct online_conditions {
-    /* Given load, if the approach is NaN. Otherwise the load is an outcome, and this is any value
-     * near it, which scales the frame. NaN: extrapolated from the last steps. */
+    /* If the approach is NaN: the given load. Otherwise the load is an outcome, and this is a value
+     * near it that scales the frame; NaN: extrapolated from the last steps. */
     double load;
     /* H0 in the reference frame; NaN: the load is given. For a line contact H0 is measured from
      * approach_length, which has to lie outside of the pressurised zone (else EHD_DATA). */
@@ -263,18 +265,17 @@ typedef struct online_state {
     double time;             // T
     contact_scalars scalars; // in the reference frame; the load is relative to the reference load
     double half_width;       // half width of the frame, relative to the reference; 0: bodies apart
-    double local_error;      // error of the film in this step, relative to the central film; 0: not
-                             // known yet
-    // Estimated relative errors of the films, against the full model with the same steps. The fluid
-    // carries an error along: it stays until that film has left the contact. NaN: not calibrated in
-    // time.
+    double local_error;      // error that this step causes in the film, relative to the central
+                             // film; 0: not known yet
+    // Estimated relative errors of the films, compared with the full model with the same steps. The
+    // fluid carries an error along until it has left the contact. NaN: not calibrated in time.
     double indicated, indicated_minimum;
     size_t iterations;
     double residual;
 } online_state;
 
-/* Reads and computes what transient scenes and fields need. Call it once for a model, in one thread
- * at a time. */
+/* Reads and computes the data for transient scenes and fields. Call it once for a model, in one
+ * thread at a time. */
 ehd_status online_prepare_transient(online_model *model, ehd_error *error);
 
 /* Creates a contact in time. The model must outlive it. EHD_DATA: the grid or discretisation
@@ -283,9 +284,10 @@ ehd_status online_transient_create(online_transient **transient, const online_mo
                                    const ehd_contact *reference, ehd_error *error);
 online_transient *online_transient_free(online_transient *transient); // accepts and returns NULL
 
-/* Sets the error that the steps may cause in the central film, as transient.tolerance. Along the
- * path the iterations then leave a tenth of a step's share of it, which saves a fifth of the
- * iterations. By default a step is iterated with the tolerance of online_solve. */
+/* Sets the error that the steps may cause in the central film, as transient.tolerance. With
+ * transport along the path, the tolerance of the iterations is then a tenth of the step's share of
+ * this error, which saves a fifth of the iterations. By default steps have the tolerance of
+ * online_solve. */
 void online_transient_set_tolerance(online_transient *transient, double tolerance);
 
 /* Allows steps that are much shorter than the grid's step (reduced_march_allow_short_steps). */
@@ -296,10 +298,9 @@ void online_transient_allow_short_steps(online_transient *transient);
 ehd_status online_transient_start(online_state *state, online_transient *transient,
                                   const online_conditions *conditions, ehd_error *error);
 
-/* Solves the state that is `step` (in T) after the last accepted one. Allocates memory only if
- * another part of the model takes the contact over, at a cost that grows with the grid
- * (EHD_MEMORY). EHD_DATA as in online_transient_start; EHD_INTERNAL: neither started nor
- * restored. */
+/* Solves the state that is `step` (in T) after the last accepted one. Allocates memory (EHD_MEMORY)
+ * only if another part of the model takes the contact over; the cost of this grows with the grid.
+ * EHD_DATA as in online_transient_start; EHD_INTERNAL: neither started nor restored. */
 ehd_status online_step(online_state *state, online_transient *transient,
                        const online_conditions *conditions, double step, ehd_error *error);
 
@@ -307,13 +308,13 @@ ehd_status online_step(online_state *state, online_transient *transient,
  * accepted. */
 void online_accept(online_transient *transient);
 
-/* Restarts after a jump of the conditions: the next step is of first order, from the last state
+/* Restarts after a jump of the conditions: the next step is of first order and uses the last state
  * alone. */
 void online_restart(online_transient *transient);
 
 /* Save the accepted state, [online_saved_size] numbers, and restore it in any object of the same
- * model and reference. The steps that follow are the same to the last bit. EHD_DATA: `saved` is not
- * a saved state; the object must then be started or restored anew. */
+ * model and reference. The following steps are bit-identical. EHD_DATA: `saved` is not a saved
+ * state; the object must then be started or restored anew. */
 size_t online_saved_size(const online_transient *transient);
 void online_save(double *saved, const online_transient *transient);
 ehd_status online_restore(online_transient *transient, const double *saved, ehd_error *error);
@@ -324,8 +325,8 @@ ehd_status online_transient_fields(double *pressure, double *film, online_transi
                                    ehd_error *error);
 
 /* Returns the traction of the last attempt, or of the start, in its own frame
- * (online_attempt_frame). It is NaN for a model without traction. `contact` and `scalars` are those
- * in that frame; the contact slides. The call does not change the bits of the steps that follow. */
+ * (online_attempt_frame). It is NaN for a model without traction. `contact` and `scalars` belong to
+ * the same frame; the contact slides. The call does not change the following steps. */
 contact_traction online_attempt_traction(online_transient *transient, const ehd_contact *contact,
                                          const contact_scalars *scalars);
 contact_frame online_attempt_frame(const online_transient *transient);
@@ -338,12 +339,12 @@ double online_transient_peak(const online_transient *transient);
 contact_frame online_transient_frame(const online_transient *transient);
 
 /* Returns the part that solved the last step, or the start. A contact stays with its part while it
- * lies in the trained range, and is then handed to another part. The error estimates include the
- * error of the change. */
+ * lies in the part's trained range. Then another part takes it over. The error estimates include
+ * the error made thereby. */
 size_t online_transient_part(const online_transient *transient);
 
-/* Return a solver for march_run, which chooses the steps itself, and its effort so far in seconds.
- * Use either march_run or the calls above, not both in turn. */
+/* Return a solver for march_run, and its effort so far in seconds. march_run chooses the steps
+ * itself. Use either march_run or the calls above, not both in turn. */
 march_solver online_march(online_transient *transient);
 void online_march_effort(double *rows, double *linear, double *exit, const void *solver);
 
@@ -355,35 +356,37 @@ typedef online_conditions online_direction;
 
 /* Rates of change of the results along a direction, relative to the reference. */
 typedef struct online_derivatives {
-    // In the reference frame; the approach of a line contact is measured from approach_length. The
-    // exit is NaN if only its node is known. minimum_position has no meaning.
+    // Derivatives of the scalars in the reference frame; a line contact's approach is measured from
+    // approach_length. The exit is NaN if only its node is known. minimum_position has no meaning.
     contact_scalars scalars;
-    double peak_pressure; // largest over the nodes, in Hertz pressures of the reference
+    double peak_pressure; // of the largest pressure at the nodes, in Hertz pressures of the
+                          // reference
     double half_width;
 } online_derivatives;
 
-/* Computes derivatives of the last stationary solution. That solution is the reference: all factors
- * are 1, and the approach is its own. `contact`: the contact of the last online_solve, whose
- * approach_length counts. Exact except for the residual that least squares leave
- * (romrun/library/README.md). Takes as long as an iteration. EHD_DATA: the direction is not finite,
- * or the approach is measured from too near; EHD_INTERNAL: there is no solution. */
+/* Computes derivatives of the last stationary solution. This solution is the reference: all
+ * factors are 1, and the approach is the solution's. `contact`: the contact of the last
+ * online_solve; its approach_length is used. The derivatives are exact except for the effect of
+ * the residual that least squares leave (romrun/library/README.md). The call takes as long as an
+ * iteration. EHD_DATA: the direction is not finite, or approach_length is too short;
+ * EHD_INTERNAL: there is no solution. */
 ehd_status online_differentiate(online_derivatives *derivatives, online_solver *solver,
                                 const ehd_contact *contact, const online_direction *direction,
                                 ehd_error *error);
 
-/* Response of the load to a small slow change of the approach of a stationary contact at constant
- * speed: dF = -(stiffness + s damping) dH0 for s -> 0, s in 1/T. */
+/* Response of a stationary contact's load to a small slow change of the approach at constant speed:
+ * dF = -(stiffness + s damping) dH0 for s -> 0, s in 1/T. */
 typedef struct online_response {
     double stiffness, damping;
-    // Change of the damping by the residual that least squares leave of the squeeze term. For ten
+    // Effect on the damping of the residual that least squares leave of the squeeze term. For ten
     // models the error of the damping was 2 to 8 times this bound (romrun/library/README.md).
     double damping_bound;
 } online_response;
 ehd_status online_respond(online_response *response, online_solver *solver,
                           const ehd_contact *contact, ehd_error *error);
 
-/* Computes derivatives of the last step that is not accepted yet, by the conditions at its end; or
- * of the start, as long as no step was taken. EHD_INTERNAL: there is neither. */
+/* Computes derivatives of the last step, not accepted yet, by the conditions at its end. Before the
+ * first step: of the start. EHD_INTERNAL: there is neither. */
 ehd_status online_transient_differentiate(online_derivatives *derivatives,
                                           online_transient *transient,
                                           const online_direction *direction, ehd_error *error);

@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Reads the calibrated factors of the model's sizes; 0: there are none. */
+/* Reads the calibrated factors for the model's numbers of modes and rows; 0: there are none. */
 static ehd_status read_factors(model_part *self, ehd_error *error) {
     const reduced_model *model = &self->reduced;
     const model_sizes own = {model->num_pressure, model->num_deformation, model->rows.num_rows};
@@ -132,8 +132,8 @@ void part_close(model_part *self) {
     field_modes_free(&self->own_fields);
 }
 
-/* Reads the modes on the whole grid that are not there yet. `deformation`: also those of an
- * independent basis. */
+/* Reads the modes on the whole grid unless they are present. `deformation`: also reads the
+ * deformation modes of an independent basis. */
 static ehd_status read_bases(model_part *self, bool deformation, ehd_error *error) {
     double **const pressure_basis = self->pressure_basis ? NULL : &self->pressure_basis;
     double **const deformation_basis =
@@ -237,9 +237,9 @@ static void indicate(online_result *result, part_solver *solver, const ehd_conta
     if (model->indicator_factor > 0) {
         result->indicated =
             trade_indicated(model->indicator_factor, model->shape[OF_CENTRAL_FILM], result->bound);
-        // at least the central film's estimate. Of 452 scenes inside, with 78 of 110 modes, the
-        // estimate of the minimum film alone is below the error in 16, with it in 1 (0.96 of the
-        // error)
+        // at least the central film's estimate. In 452 scenes inside the trained range, with 78 of
+        // 110 modes, the minimum film's own estimate is below the error in 16. The larger of both
+        // is below it in 1 (0.96 of the error)
         result->indicated_minimum =
             fmax(trade_indicated(model->indicator_factor_minimum, model->shape[OF_MINIMUM_FILM],
                                  result->bound_minimum),
@@ -249,24 +249,24 @@ static void indicate(online_result *result, part_solver *solver, const ehd_conta
 }
 
 /* Multiple of the calibration's largest residual above which a result is not trusted. A false
- * solution, with a spike where none is, has a residual of 0.95; the scenes of the calibration have
- * 3e-3 at most. The limit does not flag additional good results with untrained lubricants
- * (scenes/studies/silent-failures, seed 22). */
+ * solution with a spike that the contact does not have has a residual of 0.95; the scenes of the
+ * calibration have at most 3e-3. The limit does not flag additional good results with untrained
+ * lubricants (scenes/studies/silent-failures, seed 22). */
 static const double MAX_RESIDUAL_OVER_CALIBRATION = 100;
 
-/* Multiple of the most iterations in the calibration above which a result is not trusted.
- * Measured on 1700 random scenes with two trainings of lines and 60 scenes of the calibration.
- * Scenes inside, with the trained density, take at most 1.9 times the most iterations.
- * Incompressible scenes of these compressible trainings take up to 8 times as many. One in twenty
- * of these scenes, although good, takes more than 5 times as many (romrun/trust/README.md, Results
- * that are rejected). */
+/* Multiple of the calibration's largest number of iterations above which a result is not trusted.
+ * Measured on 1700 random scenes with two trainings of line contacts and 60 scenes of the
+ * calibration. Scenes inside the trained range, with the trained density, take at most 1.9 times
+ * this number. If scenes are incompressible but the training was compressible, they take up to 8
+ * times this number. One in twenty of such scenes takes more than 5 times this number although the
+ * result is good (romrun/trust/README.md, Results that are rejected). */
 static const double MAX_ITERATIONS_OVER_CALIBRATION = 5;
 
-/* Largest size of a negative pressure of a solution, Hertz pressures. Of 1000 solutions with
- * trained lubricants, in 18 sizes of three trainings from 14 modes on, none goes below -3e-4. Of
- * lines with any lubricant that the whole model solves to 1 %, none goes below -4e-4. Where
- * solutions go below -1e-3, the errors of the fields are 0.01 to 4 Hertz pressures
- * (scenes/studies/silent-failures; test_online.c, the_library_says_what_it_solved). */
+/* Largest accepted magnitude of a negative pressure, Hertz pressures. Of 1000 solutions with
+ * trained lubricants, in 18 model sizes (14 modes or more) of three trainings, none has a pressure
+ * below -3e-4. Of line contacts with any lubricant that the whole model solves to 1 %, none goes
+ * below -4e-4. Solutions with pressures below -1e-3 have errors of the fields of 0.01 to 4 Hertz
+ * pressures (scenes/studies/silent-failures; test_online.c, the_library_says_what_it_solved). */
 static const double MOST_NEGATIVE = 1e-3;
 
 /* Marks a result as not converged if its pressures cannot be those of a solution. */
@@ -292,8 +292,8 @@ void online_judge_pressure(online_result *result, const ehd_contact *contact,
 }
 
 /* Marks a converged result as untrusted if it lies outside of the trained range or is far from
- * solving its rows. For a result that has not converged, the reason begins with the range if the
- * contact lies outside. */
+ * solving its rows. If a result has not converged and the contact lies outside of the range, the
+ * reason begins with the range. */
 static void judge(online_result *result, part_solver *solver, const ehd_contact *contact) {
     const model_part *model = solver->model;
     const char *reason =
@@ -392,7 +392,7 @@ contact_traction part_traction(part_solver *solver, const ehd_contact *contact) 
 }
 
 double part_friction_bound(part_solver *solver, const ehd_contact *contact, double friction) {
-    if (friction == 0) return 0; // nothing slides, in any model
+    if (friction == 0) return 0; // without sliding the friction is 0 in any model
     if (!solver->solved || !part_has_traction(solver->model)) return NAN;
     return indicator_bound_friction(solver->indicator, solver->reduced, &solver->state, contact,
                                     friction);

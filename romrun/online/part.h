@@ -20,21 +20,22 @@ typedef struct model_part {
     reduced_model reduced;
     const char *path; // path of its file, for error messages
     bool flat;        // a flat file owns the tables and outlives the part
-    bool shows;       // the part owns the lubricants of part_show, also if it is flat
-    artefact *source; // file of further data; NULL: flat, or released
+    bool shows;       // true: the part owns the lubricants of part_show, even if it is flat
+    artefact *source; // file with the modes; NULL: flat, or released
     trained_range *range;
-    double indicator_factor; // 0: not calibrated at these sizes
+    double indicator_factor; // factor of the central film; 0: not calibrated at these sizes
     double indicator_factor_minimum;
-    double largest_residual; // largest of the calibration's scenes; infinite: not known
+    double largest_residual; // largest one in the calibration's scenes; infinite: not known
     bool checked_in_time;
-    double most_iterations;             // most of the calibration's scenes; infinite: not known
+    double most_iterations;             // largest number in the calibration's scenes; infinite: not
+                                        // known
     double other_factor[NUM_INDICATED]; // 0: not calibrated
     indicator_shape shape[NUM_BOUNDED]; // shapes of the factors
     film_factors in_time;               // NaN: not calibrated at these sizes
-    double *pressure_basis;             // read once fields or transient scenes are prepared
+    double *pressure_basis;             // NULL until fields or transient scenes are prepared
     const field_modes *fields;          // NULL: not prepared
     field_modes own_fields;             // memory for `fields`, unless the splines hold it
-    // for transient scenes, once prepared
+    // transient scenes: true once prepared
     bool transient;
     film_splines splines;
     double *deformation_basis;
@@ -46,7 +47,7 @@ ehd_status part_open(model_part *self, const char *path, const model_sizes *size
                      ehd_error *error);
 /* Writes the part to a flat file, or reads it. file->status holds errors. */
 void part_walk(flat *file, model_part *self);
-/* Computes what follows from the data, after reading. Errors: EHD_MEMORY. */
+/* After reading: computes the data that follow from the file's. Errors: EHD_MEMORY. */
 ehd_status part_finish(model_part *self, ehd_error *error);
 /* See online_show. */
 ehd_status part_show(model_part *self, const shown_lubricants *shown, ehd_error *error);
@@ -64,12 +65,12 @@ typedef struct part_solver {
     reduced_solver *reduced;
     indicator *indicator;
     reduced_state state;
-    bool solved;                // the last solution converged
+    bool solved;                // true: the last solution converged
     contact_scalars scalars;    // scalars of the last solution
     reduced_tangent *tangent;   // NULL: not needed yet
-    bool linearised;            // the tangent is linearised at the last solution
+    bool linearised;            // true: the tangent is linearised at the last solution
     range_memory *range_memory; // for checks of the trained range
-    char reason[192];           // reason of the last result, if composed of several
+    char reason[192];           // reason of the last result if it combines several reasons
 } part_solver;
 
 /* Initialises a solver. `self` is zero; free with part_solver_free, also after a failure. Errors:

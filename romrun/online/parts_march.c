@@ -10,11 +10,11 @@
 struct parts_march {
     size_t num_parts;
     reduced_march *parts[MAX_PARTS];
-    bool holds[MAX_PARTS]; // whether the part has the accepted states
+    bool holds[MAX_PARTS]; // true: the part has the accepted states
     size_t accepted;       // part that solved the last accepted state
-    size_t attempted;      // part of the last attempt
+    size_t attempted;      // part that solved the last attempt
     size_t num_handed;
-    hand_over work; // empty if there is one part
+    hand_over work; // work memory to hand states over; empty if there is one part
 };
 
 parts_march *parts_march_free(parts_march *self) {
@@ -115,8 +115,8 @@ static size_t part_for(const parts_march *self, size_t part, const contact_frame
     return covers(self, other, frame) ? other : part;
 }
 
-/* Returns the part for a solved step. If the approach is given, the load of the frame was a guess,
- * so the range is checked again under the load found. */
+/* Returns the part for a solved step. If the approach is given, the load of the frame was a guess.
+ * The range is therefore checked again with the computed load. */
 static size_t part_of_outcome(const parts_march *self, const march_step *outcome,
                               const contact_frame *frame) {
     const contact_kind *kind = reduced_march_steps(self->parts[0])->reference->kind;
@@ -126,7 +126,7 @@ static size_t part_of_outcome(const parts_march *self, const march_step *outcome
     return part_for(self, self->attempted, &loaded);
 }
 
-/* Makes a part the only one with accepted states. */
+/* Marks a part as the only one with accepted states. */
 static void hold_alone(parts_march *self, size_t part) {
     self->accepted = self->attempted = part;
     memset(self->holds, 0, sizeof self->holds);
@@ -140,7 +140,7 @@ reduced_march *parts_march_choose(parts_march *self, const contact_frame *frame)
 
 // ---- as a solver
 
-/* Returns the solver of the part of the last accepted state. */
+/* Returns the solver of the part that solved the last accepted state. */
 static march_solver last_solver(const parts_march *self) {
     return reduced_march_solver(self->parts[self->accepted]);
 }
@@ -211,8 +211,8 @@ static ehd_status touching(double *approach, double *load, void *solver, const c
     return of.touching(approach, load, of.self, frame, error);
 }
 
-/* Returns the size of a saved state. For several parts it has the index of the part, its own saved
- * state, and zeros up to the longest one. */
+/* Returns the size of a saved state. With several parts it holds the index of the part, this part's
+ * saved state, and zeros up to the longest saved state. */
 static size_t saved_size(const void *solver) {
     const parts_march *self = solver;
     size_t longest = 0;

@@ -23,14 +23,15 @@ parts_march *parts_march_free(parts_march *self); // accepts and returns NULL
 /* Returns the march as a solver for march_run. */
 march_solver parts_march_solver(parts_march *self);
 
-/* Return the index of the part of the last attempt (or of the start), that of the last accepted
- * state, and the march of a part. */
+/* Return the index of the part that solved the last attempt (or the start), the index of the part
+ * that solved the last accepted state, and the march of a part. */
 size_t parts_march_attempted(const parts_march *self);
 size_t parts_march_accepted(const parts_march *self);
 reduced_march *parts_march_part(const parts_march *self, size_t part);
 
-/* Chooses the part for a contact in a frame and returns its march, to which states of another
- * solver are then handed (bdf_march_take_over). From now on only this part has accepted states. */
+/* Chooses the part for a contact in a frame and returns its march. The caller then hands the states
+ * of another solver to this march (bdf_march_take_over). From now on only this part has accepted
+ * states. */
 reduced_march *parts_march_choose(parts_march *self, const contact_frame *frame);
 
 /* Returns how often a contact was handed from one part to another so far, including attempts that

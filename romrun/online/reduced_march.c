@@ -17,34 +17,36 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Weighted sums of rho H of the accepted states in the frame of the attempt. They are at the
- * nodes of the rows and, on demand, at the nodes of the band. */
+/* Weighted sums of rho H of the accepted states, in the frame of the attempt. They are evaluated at
+ * the nodes of the rows and, on demand, of the band. */
 typedef struct previous_sums {
     size_t *ascending;             // [num_rows] rows in the order of their nodes
-    double *sum;                   // [num_rows] sum with the weights of the formula
-    size_t attempt, *band_attempt; // number of the attempt; [nodes of the band] attempt of band_sum
-    double *band_sum;              // [nodes of the band] `sum` there, evaluated on demand
+    double *sum;                   // [num_rows] sum with the weights of the BDF formula
+    size_t attempt, *band_attempt; // number of the attempt; [nodes of the band] number of the
+                                   // attempt that set band_sum
+    double *band_sum;              // [nodes of the band] the sum, evaluated on demand
 } previous_sums;
 
 /* Data for the local error of an attempt. */
 typedef struct error_estimate {
     double *pressure; // [num_rows] P at the rows' nodes
     size_t *end;      // [num_lines] columns before which the error is estimated
-    // along the path: places on the central line from the edge of the dry contact to the centre
+    // with transport along the path: places on the central grid line from the edge of the dry
+    // contact to the centre
     size_t num_way;
     size_t *way;     // [num_way] nodes
     size_t *way_row; // [num_way] row at the node, or NO_ROW
-    double *x;       // [num_way] X there
+    double *x;       // [num_way] X of the place
     double *missed;  // [num_way] error of rho H in the attempt, without the formula's factor
     // [num_way] change of the last accepted rho H by the filter, and the places X to which the
     // fluid has carried this change
     double *changed, *changed_x;
-    double *way_mass; // [num_way] rho H there; infinite where no error is estimated
+    double *way_mass; // [num_way] rho H at the place; infinite where no error is estimated
 } error_estimate;
 
 static const size_t NO_ROW = SIZE_MAX;
 
-/* Equations of conditions beside those of the attempt. */
+/* Equations for conditions that differ a little from those of the attempt. */
 typedef struct march_beside {
     reduced_march *march;
     contact_frame frame;
@@ -72,23 +74,23 @@ struct reduced_march {
     reduced_solver *solver;
     double start_tolerance;               // tolerance of the start
     double tolerance;                     // tolerance of the steps; NaN: not set
-    previous_film states[NUM_BDF_PLACES]; // at the places of `bdf`
+    previous_film states[NUM_BDF_PLACES]; // states at the places of `bdf`
     previous_sums previous;
-    // along the path: the base, and d/dX of its rho H as in the rows
+    // with transport along the path: the base, and d/dX of its rho H as the rows evaluate it
     path_films path;
     double *entrained, *band_entrained; // [num_rows], [nodes of the band]
     error_estimate estimate;
-    film_errors taken_up; // errors along the path
+    film_errors taken_up; // errors that films have accumulated with transport along the path
     time_indicator indicator;
     film_factors of_films; // factors of the indicator; NaN: no estimates
     film_bounds bounds;    // bounds of the attempt
     functionals *functionals;
     double *influence; // [num_rows] influence of rows on a film
-    // path of the fluid up to which the contact has a film that formed in an untrusted step: for
-    // the attempt, and for the last accepted state
+    // The contact contains a film from an untrusted step until the fluid has travelled this path:
+    // for the attempt, and for the last accepted state
     double doubtful, last_doubtful;
     factors_origin factors;
-    // frames scaled by the load of the solution: of the attempt, of the last accepted state, and of
+    // frames scaled by the solutions' loads: for the attempt, for the last accepted state, and for
     // the state from which rates are measured. If the approach is given, they differ from the
     // frames in which the states were solved
     contact_frame load_frame, last_load_frame, rate_frame;
@@ -151,14 +153,14 @@ static bool is_along_path(const reduced_march *self) {
     return bdf_march_along_path(&self->bdf);
 }
 
-/* Returns whether errors in time of the minimum film are estimated. The minimum film of a point
- * contact lies beside the central line. */
+/* Returns whether errors in time of the minimum film are estimated. They are not for a point
+ * contact, whose minimum film lies beside the central grid line. */
 static bool estimates_minimum(const reduced_march *self) {
     return is_along_path(self) && self->model->band.num_lines == 1;
 }
 
-/* Finds the places on the way to the centre: nodes of rows on the central line, and nodes between
- * them if these are farther apart than `widest`. */
+/* Finds the places on the way to the centre: nodes of rows on the central grid line and, if two of
+ * them are farther apart than `widest`, nodes between them. */
 static bool find_way(reduced_march *self) {
     const double widest = 0.05; // half widths; see common/time/README.md, Along the path
     const reduced_model *model = self->model;
@@ -197,7 +199,7 @@ static bool find_way(reduced_march *self) {
     return true;
 }
 
-/* Prepares the data of films along the path. */
+/* Prepares the data for transport along the path. */
 static ehd_status prepare_path(reduced_march *self, ehd_error *error) {
     const ehd_contact *reference = &self->reference;
     const ehd_status status =
@@ -216,10 +218,10 @@ static bool is_of_stationary_scenes(const reduced_states *states) {
     return i == states->num_states;
 }
 
-/* Checks that films are carried as on the trajectories of the training. */
+/* Checks that films are carried as in the trajectories of the training. */
 static ehd_status check_carriage(const reduced_model *model, const ehd_contact *reference,
                                  ehd_error *error) {
-    // values that the scene does not give are those of the training
+    // values that the scene does not give are taken from the training
     const ehd_carriage carriage = {reference->transport, reference->smoothing};
     const ehd_status status =
         carriage_check(&carriage, NULL, &model->carriage, "the model's training", error);
@@ -231,10 +233,10 @@ static ehd_status check_carriage(const reduced_model *model, const ehd_contact *
     return status;
 }
 
-/* Data that is saved behind the accepted states: the frames under the load of the last state and
- * of the state from which rates are measured, the path up to which films are doubtful, and the
- * errors that rows cause in the films. `valid`: 1 if there are kept factors; `rate` and `frame`
- * belong to them. The state of the factors and the errors of the indicator follow this struct. */
+/* Data that is saved behind the accepted states. `load_frame` (last state), `rate_frame` and
+ * `doubtful` are as in reduced_march; `local` are the errors that rows cause in the films. `valid`:
+ * 1 if there are kept factors; `rate` and `frame` belong to these factors. The state of the factors
+ * and the errors of the indicator follow this struct. */
 typedef struct saved_rest {
     contact_frame load_frame, rate_frame;
     double doubtful;
@@ -248,8 +250,8 @@ _Static_assert(sizeof(saved_rest) == NUM_REST * sizeof(double), "these are doubl
 
 static const bdf_model model_in_time;
 
-/* Connects the states to the march of BDF2 steps. Along the path, the errors that films have
- * taken up stand in front of the states in saved data. */
+/* Connects the states to the march of BDF2 steps. With transport along the path, saved data begin
+ * with the errors that films have accumulated. */
 static void set_bdf_march(reduced_march *self) {
     const reduced_model *model = self->model;
     bdf_march *bdf = &self->bdf;
@@ -270,7 +272,7 @@ ehd_status reduced_march_create(reduced_march **created, const reduced_model *mo
                                 const reduced_settings *settings, ehd_error *error) {
     reduced_settings in_time = *settings;
 
-    in_time.exit_at_node = true; // also at the start, as in the full model
+    in_time.exit_at_node = true; // holds for the start too, as in the full model
     *created = NULL;
     ehd_status status = check_carriage(model, reference, error);
     if (!status) status = discretization_check_in_time(model->grid.discretization, error);
@@ -338,9 +340,9 @@ static void add_effort(reduced_march *self, const reduced_info *info) {
 
 // ---- trust
 
-/* Checks whether an exit lies at the edge of its range. The grid's end does not count, since the
- * full model of the training had the exit there too: after a step up of the load the whole outlet
- * is full for a moment. */
+/* Checks whether an exit lies at the edge of its range. An exit at the end of the grid is accepted:
+ * the exit of the training's full model is there for a moment after a step up of the load, when the
+ * whole outlet is full. */
 static bool is_at_edge(const reduced_model *model, const reduced_state *state) {
     const size_t *exit = reduced_state_exits(state), end = grid_width(&model->grid) - 2;
 
@@ -354,8 +356,8 @@ static bool is_at_edge(const reduced_model *model, const reduced_state *state) {
     return false;
 }
 
-/* Marks steps as untrusted as long as the contact has a film that formed in an untrusted step. Such
- * a film goes from the edge of the contact to the exit. */
+/* Marks steps as untrusted while the contact contains a film that formed in an untrusted step. Such
+ * a film has to travel from the edge of the contact to the exit. */
 static void judge_films(march_step *outcome, reduced_march *self, const contact_frame *frame) {
     const double exit = outcome->scalars.exit_position;
 
@@ -367,17 +369,17 @@ static void judge_films(march_step *outcome, reduced_march *self, const contact_
     }
 }
 
-/* Checks whether the gap closes behind the exit, so that a second zone of pressure there carries a
- * part of the load. A reduced model has one zone per line. */
+/* Checks whether the gap behind the exit closes so fast that a second zone of pressure carries a
+ * part of the load. A reduced model has only one zone on each grid line. */
 static bool lacks_zone(const reduced_march *self) {
     if (self->bdf.ring.num_previous < 2) return false; // a jump is over in one step
     return frame_closing_gap(&self->load_frame, &self->last_load_frame, &self->reference, 1).load >
            frame_most_cut_load;
 }
 
-/* Returns the rates of change in the attempt. A load that is an outcome has noise. In short steps
- * its change is therefore measured from an earlier state; until there is one, it is multiplied by
- * frame_step_share. */
+/* Returns the rates of change in the attempt. A load that is an outcome has noise. Over short
+ * steps, the change of the load is therefore measured from an earlier state. Until there is such a
+ * state, it is multiplied by frame_step_share. */
 static frame_rates rates_of_step(const reduced_march *self) {
     const contact_frame *now = &self->load_frame, *last = &self->rate_frame;
     frame_rates rates = frame_rates_between(now, &self->last_load_frame);
@@ -390,8 +392,8 @@ static frame_rates rates_of_step(const reduced_march *self) {
     return rates;
 }
 
-/* Measures the next rates from the accepted state if it is far enough from the previous one, or the
- * first after a jump. */
+/* From now on measures rates from the accepted state, if it is far enough from the present
+ * rate_frame or is the first state after a jump. */
 static void move_rate_frame(reduced_march *self) {
     const contact_frame *now = &self->load_frame, *last = &self->rate_frame;
 
@@ -400,19 +402,19 @@ static void move_rate_frame(reduced_march *self) {
         self->rate_frame = *now;
 }
 
-/* Returns why the model does not cover a state, or NULL if it does. Reasons are a thinned flow
- * that the equations do not cover, a film that ruptures in the inlet, where the model has no
- * exit, a second zone of pressure, an exit at the edge of its range, and a contact outside of the
- * trained range. */
+/* Returns why the model does not cover a state, or NULL if it does. Reasons: a thinned flow that
+ * the equations do not cover; a film that ruptures in the inlet, where the model has no exit; a
+ * second zone of pressure; an exit at the edge of its range; a contact outside of the trained
+ * range. */
 static const char *why_not_to_trust(reduced_march *self, const reduced_state *state) {
     // Pressure below which the film ruptures, Hertz pressures. Truncation alone causes a tenth of
-    // it (romrun/trust/README.md, Results that are rejected).
+    // this pressure (romrun/trust/README.md, Results that are rejected).
     const double rupture = -1e-3;
     const reduced_model *model = self->model;
     ehd_contact contact;
 
     frame_contact(&contact, &self->load_frame, &self->reference);
-    // a jump is over in one step, however long that is
+    // a jump takes one step of any length, so its rates are not checked
     frame_rates rates = {0};
     if (self->bdf.ring.num_previous > 1) rates = rates_of_step(self);
     if (reduced_doubts_flow(self->solver, state, &contact)) return flow_doubt_reason;
@@ -428,7 +430,8 @@ static const char *why_not_to_trust(reduced_march *self, const reduced_state *st
 static void judge(march_step *outcome, reduced_march *self, const reduced_state *state,
                   const contact_frame *frame) {
     self->load_frame = isnan(frame->approach)
-                           ? *frame // a given load, which least squares meet only nearly
+                           ? *frame // the load is given; the least squares meet it only
+                                    // approximately
                            : frame_of_load(self->reference.kind, frame, outcome->scalars.load);
     if (outcome->status == EHD_NOT_CONVERGED) return;
     if (outcome->status == EHD_OK) march_distrust(outcome, why_not_to_trust(self, state));
@@ -459,11 +462,11 @@ static ehd_status solve_under_load(reduced_info *info, reduced_march *self,
     return solve(info, self, &contact, NULL, error);
 }
 
-/* Rescales the frame until its load is that of the solution at the given approach, by a fixed-point
- * iteration over stationary solutions. The iteration may end in a cycle, within the tolerance of
- * these solutions or between two exits. For example, the line of scenes/examples/oscillator at
- * 0.952 of its load alternates between loads 64e-9 too high and 64e-9 too low. Any frame of such a
- * cycle will do. */
+/* Rescales the frame until its load equals the load of the solution at the given approach: a
+ * fixed-point iteration over stationary solutions. It may end in a cycle, within the tolerance of
+ * these solutions or between two exits. For example, the line contact of scenes/examples/oscillator
+ * at 0.952 of its load alternates between loads that are 64e-9 too high and too low. Any frame of
+ * such a cycle will do. */
 static ehd_status find_load(reduced_info *info, reduced_march *self, contact_frame *frame,
                             ehd_error *error) {
     // Largest number of rescalings, and largest relative error of the load in a cycle
@@ -496,9 +499,9 @@ static ehd_status find_load(reduced_info *info, reduced_march *self, contact_fra
  * film. Then find_load takes over. */
 static ehd_status walk_to_approach(reduced_info *info, reduced_march *self, contact_frame *frame,
                                    ehd_error *error) {
-    // `near`: error of the approach from which on find_load is used, in central films.
-    // `max_loads`: largest number of loads. Strides: changes of ln(load)
-    // (test_online_transient.c, a_start_from_an_approach_finds_its_load).
+    // `near`: largest error of the approach for find_load, in central films. `max_loads`: largest
+    // number of loads. Strides: changes of ln(load) (test_online_transient.c,
+    // a_start_from_an_approach_finds_its_load).
     const size_t max_loads = 30;
     const double near = 0.1, first_stride = 0.05, longest_stride = 0.2;
     double stride = 0, before = 0;
@@ -507,7 +510,7 @@ static ehd_status walk_to_approach(reduced_info *info, reduced_march *self, cont
         const ehd_status status = solve_under_load(info, self, frame, error);
         if (status || info->status == EHD_NOT_CONVERGED) return status;
         const contact_scalars found = frame_to_reference(&info->scalars, frame, &self->reference);
-        const double off = found.rigid_approach - frame->approach; // falls as the load rises
+        const double off = found.rigid_approach - frame->approach; // decreases as the load rises
         if (fabs(off) <= near * found.central_film_thickness)
             return find_load(info, self, frame, error);
         stride = i == 0 ? copysign(first_stride, off) : stride * off / (before - off);
@@ -548,8 +551,8 @@ static ehd_status touching(double *approach, double *load, void *solver, const c
     return EHD_OK;
 }
 
-/* Returns d/dX of the base's rho H at a node, as its row has it: the part of the row by a unit of
- * entrainment without pressure flow. */
+/* Returns d/dX of the base's rho H at a node as its row evaluates it: the row at an entrainment of
+ * 1 without pressure flow. */
 static double entrain(const reduced_march *self, size_t node) {
     const reduced_model *model = self->model;
     reynolds_stencil stencil = reynolds_stencil_at(&model->grid, node);
@@ -570,7 +573,8 @@ static double entrain(const reduced_march *self, size_t node) {
     return -row.residual;
 }
 
-/* Prepares the base, once its state is set. Previous states are stored as differences from it. */
+/* Prepares the base after its state is set. Previous states are stored as differences from the
+ * base. */
 static ehd_status use_base(void *solver, ehd_error *error) {
     reduced_march *self = solver;
     const reduced_model *model = self->model;
@@ -635,7 +639,7 @@ static void set_indicated(march_step *outcome, reduced_march *self, const ehd_co
     outcome->indicated = factors->central * self->bounds.central + factors->central_floor;
     outcome->indicated_minimum = factors->central * self->bounds.arriving +
                                  factors->minimum * self->bounds.arising + factors->minimum_floor;
-    // an iterate was beyond the limit of the viscosity law
+    // NaN: an iterate exceeded the limit of the viscosity law
     if (isnan(outcome->indicated)) outcome->indicated = INFINITY;
     if (isnan(outcome->indicated_minimum)) outcome->indicated_minimum = INFINITY;
 }
@@ -713,7 +717,7 @@ static void add_times(double *target, double factor, const double *source, size_
     axpy(target, factor, source, count);
 }
 
-/* Extrapolates coordinates and values at the needed nodes in time; the exit line stays. */
+/* Extrapolates in time the coordinates and the values at the needed nodes. Keeps the exit line. */
 static void predict(reduced_march *self) {
     const reduced_model *model = self->model;
     previous_film *next = state_before(self, 0);
@@ -753,7 +757,7 @@ static void masses_at(double *mass, const previous_film *const *films, size_t nu
                              &self->reference);
 }
 
-/* Returns the weighted sum over the states of a formula. The function dot() is made for longer
+/* Returns the weighted sum over the states of a BDF formula. The function dot() is made for longer
  * vectors. */
 static double history_sum(const double *weights, const double *values, size_t count) {
     double sum = 0;
@@ -783,7 +787,7 @@ static void sum_at_rows(double *sum, double *const *masses, const reduced_march 
     }
 }
 
-/* Prepares an accepted state. Along the path it applies `share` of the filter. */
+/* Prepares an accepted state. With transport along the path it applies `share` of the filter. */
 static void prepare(void *solver, size_t place, double share) {
     reduced_march *self = solver;
     previous_film *film = &self->states[place];
@@ -818,7 +822,7 @@ static double sum_at(const reduced_march *self, size_t node) {
     return sum_in_frame(self, node, &self->states[bdf_march_place(&self->bdf, 0)].frame);
 }
 
-/* Returns sum_at plus the entrainment of the base at a node of the band. It is evaluated once per
+/* Returns sum_at plus the entrainment of the base at a node of the band. Evaluates it once per
  * attempt. */
 static double previous_at(void *solver, size_t node) {
     reduced_march *self = solver;
@@ -833,8 +837,8 @@ static double previous_at(void *solver, size_t node) {
 }
 
 /* Returns the distance before the exit at which the estimate of the local error ends. It is at
- * least some nodes long: with truncated modes a node gets a finite pressure at once when the exit
- * passes it. */
+ * least some nodes long, because with truncated modes a node's pressure jumps to a finite value
+ * when the exit passes it. */
 static double exit_margin(const ehd_grid *grid) {
     // Smallest margin in nodes. With 1 to 10 all steps of scenes/examples/line-in-time are the
     // same.
@@ -843,9 +847,8 @@ static double exit_margin(const ehd_grid *grid) {
     return fmax(march_exit_margin, min_nodes * grid->step);
 }
 
-/* Sets, for all lines, the column before which the local error is estimated. The margin comes
- * before this column. The column is the first exit among the states of the step and the lines
- * within the margin. */
+/* Sets estimate.end for all grid lines: the first exit among the states of the step and the lines
+ * within the margin. The local error is estimated up to the margin before this column. */
 static void find_error_end(reduced_march *self) {
     const reduced_model *model = self->model;
     size_t margin = (size_t)ceil(exit_margin(&model->grid) / model->grid.step);
@@ -892,8 +895,8 @@ static double hertz_density(const ehd_contact *contact, double x) {
                              contact->hertz_pressure * sqrt(fmax(1 - x * x, 0)));
 }
 
-/* Computes bdf_march_missed at the places on the way to the centre. The state of the attempt must
- * be prepared. */
+/* Computes bdf_march_missed at the places before the centre. The state of the attempt must be
+ * prepared. */
 static void miss_on_the_way(reduced_march *self) {
     error_estimate *estimate = &self->estimate;
 
@@ -911,10 +914,10 @@ static void miss_on_the_way(reduced_march *self) {
     }
 }
 
-/* Returns the sum of the missed rho H that a film takes up on its way to the centre, as the full
- * model does. The sum is taken along the central line and is linear between the places. If the
- * step is shorter than frame_shortest_step, the sum is divided by the path of
- * frame_shortest_step, since noise does not shrink further. */
+/* Returns the error of rho H that a film accumulates until it reaches the centre, divided by the
+ * path of the step, as the full model does. The error is an integral along the central grid line,
+ * linear between the places. If the step is shorter than frame_shortest_step, it is divided by the
+ * path of the latter, since noise does not shrink further. */
 static double error_on_the_way(void *solver) {
     const reduced_march *self = solver;
     const error_estimate *estimate = &self->estimate;
@@ -932,8 +935,8 @@ static double error_on_the_way(void *solver) {
             fmax(self->bdf.entrainment, 1));
 }
 
-/* Marks the rows before the exit. Along the path it also computes the local error on the way to
- * the centre. */
+/* Marks the rows before the exit. With transport along the path it also computes the local errors
+ * before the centre. */
 static void mark(void *solver) {
     reduced_march *self = solver;
     const bdf_masses *masses = &self->bdf.masses;
@@ -944,7 +947,8 @@ static void mark(void *solver) {
     if (is_along_path(self)) miss_on_the_way(self);
 }
 
-/* Returns the largest error of films on their way, relative to the film there. */
+/* Returns the largest accumulated error of the films before the centre, relative to the film at the
+ * same place. */
 static double largest_taken_up(const reduced_march *self) {
     const error_estimate *estimate = &self->estimate;
     double largest = 0;
@@ -956,8 +960,8 @@ static double largest_taken_up(const reduced_march *self) {
     return largest;
 }
 
-/* Adds the filter's change of the last accepted film, at the places to which the fluid has carried
- * it. */
+/* Adds to the errors the filter's change of the last accepted film, at the places to which the
+ * fluid has carried this film. */
 static void add_filter_errors(reduced_march *self, const contact_frame *now) {
     const previous_film *last = state_before(self, 1);
     const double shift = frame_shift(now, &last->frame), stretch = frame_stretch(now, &last->frame);
@@ -975,9 +979,9 @@ static void add_filter_errors(reduced_march *self, const contact_frame *now) {
                     estimate->changed, estimate->changed_x, estimate->num_way);
 }
 
-/* Carries the errors of the films along, and adds those of the attempt. Sets the relative changes
- * of the films by ever smaller steps, as in the full model. These are not known if the rows carry
- * the films. */
+/* Carries the errors of the films along, and adds the errors of the attempt. Sets the relative
+ * changes of the films that ever smaller steps would cause, as in the full model. They are not
+ * known with upwind transport. */
 static void set_effects(march_step *outcome, reduced_march *self, const ehd_contact *contact) {
     const contact_scalars *scalars = &outcome->scalars;
     const previous_film *next = state_before(self, 0);
@@ -1023,7 +1027,7 @@ static void indicate(march_step *outcome, reduced_march *self, const ehd_contact
 /* Returns whether a step whose exit did not settle is repeated with a shorter step. It is not
  * repeated if it is already much shorter than the step before. */
 static bool shorter_may_settle(const reduced_march *self) {
-    // Length of the step over the length of the step before, above which the step is repeated. In
+    // Length of the step over that of the previous step, above which the step is repeated. In
     // scenes/examples/line-in-time all exits settle, so no step reaches this limit.
     const double much_shorter = 0.05;
     const size_t *index = self->bdf.ring.place;
@@ -1047,15 +1051,15 @@ static double film_of_attempt(const void *context, size_t node) {
                                    self->splines);
 }
 
-/* Returns the tolerance of the iterations: a tenth of the error that a step of its length may
- * cause in the film. Period 1/2 of the line in scenes/studies/transient-load (120 modes, 140
- * rows, error control) then takes 1897 iterations instead of 2118. If pressures were solved to
- * three times KEPT_TOLERANCE, the errors of short steps would be noise. The minimum film would
- * then be 1.0 % from the full model's instead of 0.4 %. */
+/* Returns the tolerance of the iterations: a tenth of the error that a step of this length may
+ * cause in the film. The line contact of scenes/studies/transient-load, period 1/2 (120 modes, 140
+ * rows, error control), then takes 1897 iterations instead of 2118. If pressures were solved to
+ * three times KEPT_TOLERANCE, the errors of short steps would be noise. The minimum film would then
+ * differ from the full model's by 1.0 % instead of 0.4 %. */
 static double iteration_tolerance(const reduced_march *self) {
-    // `part`: tolerance over the error of the step. `most`: largest tolerance. A model of
-    // scenes/examples/line-in-time takes 232 iterations. With a tenth of `most` it takes 254, and
-    // the largest film changes by 4e-4 (test_path_march.c,
+    // `part`: tolerance divided by the allowed error of the step. `most`: largest tolerance. A
+    // model of scenes/examples/line-in-time takes 232 iterations. With a tenth of `most` it takes
+    // 254, and the largest film changes by 4e-4 (test_path_march.c,
     // a_tolerance_of_the_steps_saves_iterations).
     const double part = 0.1, most = 1.5e-6;
     const double path = self->bdf.step * fmax(self->bdf.entrainment, 1);
@@ -1114,7 +1118,7 @@ static double beside_previous_at(void *context, size_t node) {
            beside->entrainment * self->band_entrained[reduced_model_band_index(self->model, node)];
 }
 
-/* Checks whether films carried into both frames are the same. */
+/* Checks whether films are carried into both frames with the same result. */
 static bool carries_alike(const contact_frame *a, const contact_frame *b) {
     return a->half_width == b->half_width && a->film_scale == b->film_scale &&
            a->hertz_pressure == b->hertz_pressure && a->path == b->path && a->speed == b->speed;
@@ -1160,13 +1164,13 @@ static bool same_exits(const reduced_state *a, const reduced_state *b, const red
                   model->band.num_lines * sizeof(size_t)) == 0;
 }
 
-/* Returns whether the kept factors stay for the next step, from their convergence in this step.
+/* Returns whether to keep the factors for the next step, judged by the convergence in this step.
  * Keeping them longer does not save time. */
 static bool factors_are_current(const reduced_march *self, const reduced_state *solved) {
-    // `max_iterations`: most iterations, and `max_rate_change`: largest relative change of the
-    // rate, with which the factors stay. A model of scenes/examples/line-in-time (step 0.02)
-    // takes 232 iterations. With at most 1 iteration it takes 194, with 10 it takes 271. With a
-    // rate of 0.05 it takes 216, with 2 it takes 232.
+    // The factors are kept up to `max_iterations` iterations and up to a relative change
+    // `max_rate_change` of the rate. A model of scenes/examples/line-in-time (step 0.02) takes 232
+    // iterations. With at most 1 iteration it takes 194, with 10 it takes 271. With a rate of 0.05
+    // it takes 216, with 2 it takes 232.
     const size_t max_iterations = 3;
     const double max_rate_change = 0.25;
 
@@ -1242,8 +1246,8 @@ reduced_state reduced_march_state_before(const reduced_march *self, size_t steps
     return found->state;
 }
 
-/* Computes pressure, film and exits of a state, without its frame, for `given`. `given->exits`
- * may be NULL. */
+/* Computes pressure, film and exits of a state, but not its frame, for `given`. `given->exits` may
+ * be NULL. */
 static void give(handed_state *given, const void *solver, size_t place) {
     const reduced_march *self = solver;
     const reduced_state *state = &self->states[place].state;
@@ -1271,8 +1275,8 @@ double reduced_march_outside(const reduced_march *self, const contact_frame *fra
     return trained_range_outside(self->range, self->range_memory, contact_place_of(&contact));
 }
 
-/* Computes how far the film of a handed state lies above that of its projection, weighted by the
- * pressure. */
+/* Computes the pressure-weighted mean of the film of a handed state minus the film of its
+ * projection. */
 static ehd_status mean_lift(double *lift, const reduced_march *self, const handed_state *state,
                             const reduced_state *projected, ehd_error *error) {
     const size_t num_nodes = self->model->grid.num_nodes;
@@ -1294,8 +1298,8 @@ static ehd_status mean_lift(double *lift, const reduced_march *self, const hande
 
 /* Projects a handed state: finds the coordinates of its pressure and, for an independent basis, of
  * its deflection in the orthonormal modes, and the nearest exits that the model has. The approach
- * keeps the mean film, since pressures that the modes lack would lift or lower all of it. Errors:
- * EHD_MEMORY. */
+ * is set so that the mean film stays the same, since pressures outside of the modes would lift or
+ * lower the whole film. Errors: EHD_MEMORY. */
 static ehd_status project(reduced_state *target, const reduced_march *self,
                           const handed_state *state, ehd_error *error) {
     const reduced_model *model = self->model;
@@ -1358,12 +1362,12 @@ static void take_errors(void *solver, const double errors[NUM_ERROR_PLACES],
 
 static contact_frame load_frame(const void *solver, size_t place) {
     const reduced_march *self = solver;
-    (void)place; // it is the last accepted one
+    (void)place; // `place` is always the last accepted state
 
     return self->last_load_frame;
 }
 
-/* The errors do not include the model's factors, so they are converted by the ratio of both
+/* The errors are stored without the models' factors, so they are converted by the ratio of both
  * factors. If one factor is not known, nothing is estimated, and no result of such a model is
  * trusted. */
 void reduced_march_take_indicated(reduced_march *self, const reduced_march *from,
@@ -1489,7 +1493,7 @@ static contact_traction traction(void *solver, const ehd_contact *contact,
     return reduced_traction(self->solver, &state, contact, scalars);
 }
 
-/* Writes one exit per line; the other entries are NaN. */
+/* Writes one exit for each grid line; other entries are NaN. */
 static void exits(double *positions, const void *solver) {
     const reduced_march *self = solver;
     const reduced_state state = reduced_march_state(self, NULL);

@@ -14,8 +14,8 @@
 typedef struct reduced_march reduced_march;
 
 /* Creates a march. All inputs must outlive it; threads may share model and splines. EHD_DATA:
- * transport or smoothing differ from those of the training, or the discretisation does not allow
- * time. EHD_MEMORY. */
+ * transport or smoothing differ from the training's, or the discretisation is only for stationary
+ * contacts. EHD_MEMORY. */
 ehd_status reduced_march_create(
     // output:
     reduced_march **self, // free with reduced_march_free
@@ -25,8 +25,8 @@ ehd_status reduced_march_create(
 reduced_march *reduced_march_free(reduced_march *self); // accepts and returns NULL
 
 /* Factors and floors of the error estimates, relative to the films. The estimate of the central
- * film is central * bounds.central + central_floor, and that of the minimum film is central *
- * bounds.arriving + minimum * bounds.arising + minimum_floor, with film_bounds below. */
+ * film is central * bounds.central + central_floor, and the estimate of the minimum film is central
+ * * bounds.arriving + minimum * bounds.arising + minimum_floor, with film_bounds below. */
 typedef struct film_factors {
     double central, minimum;
     double central_floor, minimum_floor;
@@ -36,21 +36,22 @@ typedef struct film_factors {
  * estimates. Call it before the start. */
 void reduced_march_indicate(reduced_march *self, film_factors factors);
 
-/* Bounds of the relative film errors of the last attempt, without the factors: of the central film;
- * and of the minimum film, what arrives with the fluid (it has the central film's factor) and what
- * arises there (it has a factor of its own). */
+/* Bounds of the relative film errors of the last attempt, without the factors. The minimum film has
+ * two: errors that arrive with the fluid (with the central film's factor), and errors that arise at
+ * the minimum (with their own factor). */
 typedef struct film_bounds {
     double central, arriving, arising;
 } film_bounds;
 film_bounds reduced_march_bounds(const reduced_march *self);
 
-/* Sets the error that the steps may cause in the central film along the path (transient.tolerance).
- * The iterations leave a part of it. NaN, the default: steps have the tolerance of the settings, as
- * the start always has. */
+/* Sets the error that steps may cause in the central film with transport along the path
+ * (transient.tolerance). The iterations' tolerance is a fraction of this error. NaN, the default:
+ * steps have the tolerance of the settings, which the start always has. */
 void reduced_march_set_tolerance(reduced_march *self, double tolerance);
 
-/* Lets accepted states along the path be passing (bdf.h) if steps are short, as steps of an
- * external integrator may be. A march with its own histories (march.h) does not need this. */
+/* With transport along the path, lets accepted states be passing (bdf.h) if steps are short, as
+ * those of an external integrator may be. A march with its own histories (march.h) does not need
+ * this. */
 void reduced_march_allow_short_steps(reduced_march *self);
 
 /* Returns the solver of the march, for an observer. */
@@ -60,7 +61,7 @@ reduced_solver *reduced_march_inner(reduced_march *self);
  * speed, a fit through the trained states around it. */
 march_solver reduced_march_solver(reduced_march *self);
 
-/* Returns M of the lightest contact of the training. */
+/* Returns the smallest M of the training. */
 double reduced_march_least_M(const reduced_march *self);
 
 /* Returns the last accepted state and its frame. */
@@ -68,11 +69,12 @@ reduced_state reduced_march_state(const reduced_march *self, contact_frame *fram
 
 // ---- handing states from and to another model
 
-/* Returns the march of BDF2 steps inside this march, which hands states over. Its reference has
- * the smoothing of the model. */
+/* Returns the march of BDF2 steps inside this march, for handing states over. Its reference contact
+ * has the smoothing of the model. */
 bdf_march *reduced_march_steps(reduced_march *self);
 
-/* Returns the accepted state `steps` before the next one: 1 is the last one, 0 the last attempt. */
+/* Returns the state `steps` before the next one: 1 is the last accepted state, 0 the last
+ * attempt. */
 reduced_state reduced_march_state_before(const reduced_march *self, size_t steps,
                                          contact_frame *frame);
 
@@ -84,19 +86,21 @@ const char *reduced_march_check_range(const reduced_march *self, const contact_f
 /* Returns trained_range_outside of a frame. */
 double reduced_march_outside(const reduced_march *self, const contact_frame *frame);
 
-/* Takes over the error estimates of the films whose states were taken, converted to this model's
- * factors. `from`: the march of these states; NULL: the full model, whose films have no estimates.
- * `change`, [NUM_ERROR_PLACES]: error of H made by taking the last state, which is added. */
+/* After states were taken over: takes over the error estimates of their films, converted to this
+ * model's factors. `from`: the march of these states; NULL: the full model, whose films have no
+ * estimates. `change`, [NUM_ERROR_PLACES]: error of H caused by taking over the last state; it is
+ * added. */
 void reduced_march_take_indicated(reduced_march *self, const reduced_march *from,
                                   const double *change);
 
-/* Returns the equations of conditions beside those of the last attempt, or of the start if that
- * came last. The state is reduced_march_state_before at 0; after a start, at 1. */
+/* Returns equations for conditions that differ a little from those of the last attempt, or of the
+ * start if no attempt followed. Their state is reduced_march_state_before at 0; after a start, at
+ * 1. */
 frame_equations reduced_march_equations(reduced_march *self);
 
 typedef struct reduced_march_effort {
     double seconds_rows, seconds_linear, seconds_exit;
-    double seconds_previous; // to carry previous states over
+    double seconds_previous; // time to carry previous states into the frame
     size_t iterations;
 } reduced_march_effort;
 reduced_march_effort reduced_march_effort_of(const reduced_march *self);

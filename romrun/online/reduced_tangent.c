@@ -15,11 +15,12 @@ struct reduced_tangent {
     node_state nodes;
     row_system system;
     exit_search exits;
-    reduced_state state; // state at which it is linearised
-    bool with_cell;      // the exit lies within a node and has a row
-    bool at_place;       // the exit is at a node; its place within follows from the flux
+    reduced_state state; // state at which the equations are linearised
+    bool with_cell;      // true: the exit lies within a node and has a row
+    bool at_place;       // true: the equations set the exit to a node; its place in the cell behind
+                         // follows from the flux
     size_t num_rows;
-    double *rights;       // [2, system_max_rows] right sides of the equations beside
+    double *rights;       // [2, system_max_rows] right sides of both neighbouring equations
     double *along, *slow; // [num_unknowns] changes
     double *coordinates;  // [num_unknowns] work
     arena memory;
@@ -64,8 +65,8 @@ static ehd_status singular(ehd_error *error) {
 
 // ---- the equations
 
-/* Evaluates the rows at the linearised state and its exit line, and the cell of an exit within a
- * node. Returns whether there is such a cell. */
+/* Evaluates the rows at the linearised state and its exit line and, if the exit lies within a node,
+ * its cell. Returns whether there is such a cell. */
 static bool evaluate(reduced_tangent *self, const reduced_equations *of, bool with_cell) {
     reduced_state *state = &self->state;
     const double approach = state->coordinates[self->model->num_unknowns - 1];
@@ -80,7 +81,7 @@ static bool evaluate(reduced_tangent *self, const reduced_equations *of, bool wi
     return has_cell;
 }
 
-/* Expands the state `distance` along a change at the nodes. Its coordinates go into
+/* Computes the state moved by `distance` times a change, at the nodes. Stores its coordinates in
  * self->coordinates. */
 static void move_along(reduced_tangent *self, const reduced_change *change, double distance) {
     const size_t n = self->model->num_unknowns;
@@ -91,8 +92,8 @@ static void move_along(reduced_tangent *self, const reduced_change *change, doub
 }
 
 /* Fills the right side of the least squares and returns its number of rows. The place of an exit
- * within a node is held. Its necessary change is eliminated from the right side as from the matrix
- * (exit.h). */
+ * within a node stays fixed. The necessary change of the place is eliminated from the right side as
+ * from the matrix (exit.h). */
 static size_t fill_right(reduced_tangent *self, const reduced_equations *of) {
     const size_t num_rows =
         system_fill_right(&self->system, &self->nodes, self->state.coordinates, self->system.active,
@@ -155,8 +156,8 @@ ehd_status reduced_tangent_along(reduced_change *change, reduced_tangent *self,
     return status;
 }
 
-/* Computes self->system.right += factor * D rho H at the active rows' nodes, `distance` along a
- * change. */
+/* Computes self->system.right += factor * D rho H at the active rows' nodes, for the state moved by
+ * `distance` times a change. */
 static void add_mass(reduced_tangent *self, const reduced_change *change, double distance,
                      const ehd_contact *contact, double factor) {
     const row_set *set = &self->model->rows;
@@ -190,7 +191,7 @@ static void add_slope(reduced_tangent *self, const ehd_contact *contact, double 
     }
 }
 
-/* Returns the error of the approach of a change by the residual that least squares leave, as
+/* Returns how far the residual that least squares leave moves the approach of a change, as
  * functionals_film_error does for a film. The change solves self->system.right. */
 static double bound_of_approach(reduced_tangent *self, const reduced_change *change) {
     const row_system *system = &self->system;

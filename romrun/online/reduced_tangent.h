@@ -9,8 +9,8 @@
 
 typedef struct reduced_tangent reduced_tangent;
 
-/* Creates a tangent. It has its own memory, so that a solver's last solution stays as it is. The
- * model must outlive it. Errors: EHD_MEMORY. */
+/* Creates a tangent. It has its own memory and does not change a solver's last solution. The model
+ * must outlive it. Errors: EHD_MEMORY. */
 ehd_status reduced_tangent_create(
     // output:
     reduced_tangent **self, // free with reduced_tangent_free
@@ -35,15 +35,15 @@ ehd_status reduced_tangent_at(
 
 /* A change of the solution. */
 typedef struct reduced_change {
-    const double *coordinates; // [num_unknowns] memory of the tangent; one per function below
-    double exit_offset;        // change of an exit within a node, steps; 0 where exits are nodes
+    const double *coordinates; // [num_unknowns] owned by the tangent; each function below has its
+                               // own array
+    double exit_offset;        // move of an exit within a node, in grid steps; 0 if exits are nodes
 } reduced_change;
 
-/* Computes the change of the solution per unit of a parameter, from the equations half a distance
- * before and behind: (J^T J) dz = -J^T dr. The Gauss-Newton part suffices: the second derivatives
- * that it lacks are multiplied by the residual of the rows. They change derivatives by a tenth to a
- * hundredth of the effect of the truncated modes (romrun/library/README.md). EHD_NOT_CONVERGED as
- * above. */
+/* Computes the change of the solution per unit of a parameter, from the equations at -distance/2
+ * and +distance/2: (J^T J) dz = -J^T dr. Second derivatives, multiplied by the residual of the
+ * rows, are neglected. They would change the result by a tenth to a hundredth of the effect of the
+ * truncated modes (romrun/library/README.md). EHD_NOT_CONVERGED as above. */
 ehd_status reduced_tangent_along(
     // output:
     reduced_change *change,
@@ -52,22 +52,22 @@ ehd_status reduced_tangent_along(
     // input:
     const reduced_equations beside[2], double distance, ehd_error *error);
 
-/* Motion of the frame of the equations: contacts half a distance before and behind, and their
- * scales over those in the middle. */
+/* Motion of the frame of the equations: the contacts at -distance/2 and +distance/2, and their
+ * scales divided by those in the middle. */
 typedef struct reduced_motion {
     const ehd_contact *contacts; // [2]
     double film_scale[2], half_width[2];
     double distance;
 } reduced_motion;
 
-/* Computes the derivative by s, at s = 0, of the change of the solution for a parameter that varies
- * with T as exp(sT). `change`: the change at s = 0, from reduced_tangent_along. In the moving frame
- * the squeeze term takes d(rho H)/dT + rho H d(ln film scale)/dT - X d(rho H)/dX d(ln a)/dT. For
+/* Computes the derivative by s, at s = 0, of the change of the solution if a parameter varies as
+ * exp(sT). `change`: the change at s = 0, from reduced_tangent_along. In the moving frame the
+ * squeeze term takes d(rho H)/dT + rho H d(ln film scale)/dT - X d(rho H)/dX d(ln a)/dT. For
  * stationary solutions only. */
 ehd_status reduced_tangent_slow(
     // output:
     reduced_change *slow,
-    double *bound, // change of the approach of `slow` by the residual that least squares leave,
+    double *bound, // how far the residual that least squares leave moves the approach of `slow`,
                    // with the rows taken as independent
     // in and out:
     reduced_tangent *self,
@@ -77,12 +77,12 @@ ehd_status reduced_tangent_slow(
 
 /* Scalars of a solution and its largest pressure, in the contact's frame. */
 typedef struct reduced_quantities {
-    contact_scalars scalars; // the exit is NaN if only its node is known
+    contact_scalars scalars; // NaN for the exit if only its node is known
     double peak_pressure;    // largest P at the needed nodes, in the band and at X = 0
 } reduced_quantities;
 
-/* Returns the quantities for the equations `beside`, whose solution lies `distance` along a
- * change. */
+/* Returns the quantities for the equations `beside`, whose solution is the state moved by
+ * `distance` times a change. */
 reduced_quantities reduced_tangent_quantities(reduced_tangent *self, const reduced_change *change,
                                               double distance, const reduced_equations *beside);
 
