@@ -30,8 +30,9 @@ static void explain(accuracy_choice *choice, const trade_table *table,
 
 ehd_status accuracy_choose(accuracy_choice *choice, const trade_table *table, double accuracy,
                            bool in_time, const char *name, ehd_error *error) {
-    // Factor on the smallest accuracy that the message prints. Its three digits are rounded, and
-    // --accuracy must accept the printed value (test_trade.c, accuracy_names_what_it_can_give).
+    // Factor for the smallest possible accuracy, which the message prints. The message rounds to
+    // three digits, and --accuracy must accept the printed value (test_trade.c,
+    // accuracy_names_what_it_can_give).
     const double rounding = 1.006;
     size_t num_measured = in_time ? table->num_trajectories : table->num_scenes;
     size_t chosen = trade_cheapest(table, accuracy, in_time);
@@ -50,7 +51,8 @@ ehd_status accuracy_choose(accuracy_choice *choice, const trade_table *table, do
     const trade_position *most_accurate = &table->positions[best];
     trade_name(sizes, &most_accurate->sizes);
     choice->most_accurate = most_accurate->sizes;
-    // each step has its own error estimate, which may be smaller than those of the calibration
+    // each step has its own error estimate, which may be smaller than the estimates in the
+    // calibration
     if (chosen == table->num_positions && in_time && most_accurate->factor_in_time > 0) {
         choice->fastest = most_accurate->sizes;
         snprintf(choice->note, sizeof choice->note,
@@ -72,9 +74,9 @@ ehd_status accuracy_choose(accuracy_choice *choice, const trade_table *table, do
 }
 
 double accuracy_tolerance(double accuracy) {
-    // Relative tolerances of the central film: smallest one, and the tolerance as a part of the
-    // accuracy. With 0.02 the iterations add less than a fiftieth of the accuracy to the error
-    // (README.md, Calibration and the accuracy dial; test_trade.c,
+    // Relative tolerance of the central film: a `part` of the accuracy, at least
+    // `full_convergence`. With 0.02 the iterations add less than a fiftieth of the accuracy to the
+    // error (README.md, Calibration and the accuracy dial; test_trade.c,
     // a_promise_is_kept_or_the_result_flagged).
     const double full_convergence = 1e-8, part = 0.02;
 
@@ -179,7 +181,7 @@ void accuracy_judge_rolling(run_result *result, const accuracy_limits *limits) {
     const double minimum = result->indicated_deviation_minimum;
     double films = isnan(central + minimum) ? NAN : fmax(central, minimum);
 
-    // a result of the full model has only the error of its grid
+    // a result of the full model has only the error by its grid
     if (result->solved_by == SOLVED_BY_FULL) films = 0;
     const double found = result->traction && result->effects && !isnan(films)
                              ? film_effects_of_rolling(result->effects) + films

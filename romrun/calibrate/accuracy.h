@@ -13,15 +13,15 @@
 
 enum { ACCURACY_NOTE = 320 };
 typedef struct accuracy_choice {
-    model_sizes fastest;       // the fastest sizes that meet the accuracy in the calibration
-    model_sizes most_accurate; // solve again what the fastest sizes do not solve accurately enough
-    char note[ACCURACY_NOTE];  // the fastest sizes and their measured accuracy
+    model_sizes fastest;       // fastest model size that meets the accuracy in the calibration
+    model_sizes most_accurate; // solves what `fastest` does not solve accurately enough
+    char note[ACCURACY_NOTE];  // text about `fastest` and its measured accuracy
 } accuracy_choice;
 
-/* Chooses the sizes for a relative accuracy of both films; in time, without an error estimate, of
- * the central film alone. In time, with an error estimate, chooses the most accurate sizes if none
- * meet the accuracy, because each step has its own error estimate. `name`: of the model, for error
- * messages. EHD_DATA: the model is not calibrated in this regime, or no sizes meet the accuracy. */
+/* Chooses the model size for a relative accuracy of both films; in time, without an error estimate,
+ * for the central film alone. If no size meets the accuracy in time, but steps have error
+ * estimates, chooses the most accurate size. `name`: name of the model, for error messages.
+ * EHD_DATA: the model is not calibrated in this regime, or no size meets the accuracy. */
 ehd_status accuracy_choose(
     // output:
     accuracy_choice *choice,
@@ -41,10 +41,10 @@ double accuracy_limit(double accuracy);
 void accuracy_judge(run_result *result, double accuracy);
 
 /* Sets EHD_UNTRUSTED if the error estimate of the largest pressure exceeds trade_pressures_allowed
- * times the accuracy, in Hertz pressures. The caller then solves the contact with a more accurate
- * size. */
+ * times the accuracy, in Hertz pressures. The caller then solves the contact again with a more
+ * accurate model size. */
 void accuracy_judge_peak(run_result *result, double accuracy,
-                         double peak); // of online_indicate_peak; NaN: not known, which changes
+                         double peak); // result of online_indicate_peak; NaN: not known, changes
                                        // nothing
 
 /* Limits of --accuracy-of, indexed by indicated_quantity; 0: no limit. */
@@ -68,8 +68,8 @@ void accuracy_write_limits(const accuracy_limits *limits, FILE *stream);
 void accuracy_judge_others(run_result *result, const accuracy_limits *limits);
 
 /* Sets EHD_UNTRUSTED if the error estimate of the rolling resistance exceeds its limit, or is not
- * known although a limit is set. The estimate is that of the grid (result->effects) plus, for a
- * reduced result, the larger estimate of both films. */
+ * known although a limit is set. The estimate is that for the grid (result->effects). A reduced
+ * result adds the larger estimate of both films. */
 void accuracy_judge_rolling(run_result *result, const accuracy_limits *limits);
 
 #endif

@@ -16,7 +16,7 @@ static void print_deviation(const char *name, double reduced, double full) {
                (reduced / full - 1) * 1e3);
 }
 
-/* Interpolation along an axis from up to four neighbouring nodes. */
+/* Nodes and weights of an interpolation along an axis, from up to four neighbouring nodes. */
 typedef struct stencil {
     size_t first, count;
     double weights[4];
@@ -38,15 +38,15 @@ static stencil stencil_at(double place, size_t num_nodes) {
     return self;
 }
 
-/* Returns the place of a coordinate in steps from the first node of an axis. Rounds to a node if
- * the difference is only round-off. */
+/* Returns the distance of a coordinate from the first node of an axis, in steps. Rounds to a node
+ * if the difference is only round-off. */
 static double place_of(double coordinate, double first, double step) {
     const double place = (coordinate - first) / step, nearest = round(place);
 
     return fabs(place - nearest) < 1e-6 ? nearest : place;
 }
 
-/* Interpolates a field to a point. Returns NaN outside of the grid. */
+/* Interpolates a field at a point. Returns NaN outside of the grid. */
 static double field_at(const double *inner, const ehd_grid *grid, double x, double y) {
     const double along = place_of(x, grid->x_min, grid->step);
     const double across = place_of(y, grid->inner_lines > 1 ? -grid_extent_of(grid).y_max : 0,
@@ -79,8 +79,8 @@ double against_difference(const double *nodes, const ehd_grid *grid, const doubl
     return largest;
 }
 
-/* Checks whether both grids have equal nodes. A grid without nodes is compared by its first node
- * and step alone. */
+/* Checks whether both grids have equal nodes. If a grid has no list of nodes, compares only first
+ * node and step. */
 static bool same_nodes(const ehd_grid *grid, const ehd_grid *other) {
     ehd_grid like = *other;
 
@@ -121,7 +121,7 @@ static void print_heading(const char *path, const ehd_grid *grid, const ehd_grid
 ehd_status against_check(double moes_M, double alpha_p_H, double hertz_pressure,
                          flow_thinning thinning, const ehd_grid *grid, const char *path,
                          const ehd_contact *contact, ehd_error *error) {
-    // Relative tolerance of the conditions: scenes are written with as many digits (reduced.bats,
+    // Relative tolerance of the conditions. Scenes are written with this many digits (reduced.bats,
     // "--against prints the deviations").
     const double slack = 1e-6;
     const ehd_status status = grid_check_shape(grid, path, &contact->grid, "the scene", error);
@@ -175,10 +175,11 @@ void against_print(const run_result *result, const stored_result *stored, const 
 typedef struct time_deviation {
     double largest;     // relative
     double at;          // time T of the largest deviation
-    double sum, length; // integral over T of the relative size, and the time that it covers
+    double sum, length; // integral over T of the magnitude of the relative deviation; length of T
+                        // covered
 } time_deviation;
 
-/* Relative difference up to which two times are equal. It allows for the round-off of summed
+/* Two times are equal up to this relative difference, which allows for the round-off of summed
  * steps (scenes.bats, "deviations over time are exact"). */
 static const double SAME_TIME = 1e-12;
 
@@ -187,14 +188,14 @@ static const double SAME_TIME = 1e-12;
 static double value_at(double time, const double *other_time, const double *other_values,
                        const spline *between, size_t *near) {
     *near = spline_interval(between, time, *near);
-    // no interpolation if the times are equal, as with fixed steps
+    // does not interpolate if the times are equal, as with fixed steps
     for (size_t i = *near; i <= *near + 1; i++)
         if (fabs(time - other_time[i]) <= SAME_TIME * fmax(fabs(time), 1)) return other_values[i];
     return spline_value(between, time, *near);
 }
 
-/* Adds the deviations between a part of the first run and a part of the second one. The second
- * part has at least 3 times. */
+/* Adds the deviations between a section of the first run and a section of the second run. The
+ * second section has at least 3 times. */
 static ehd_status add_deviations(time_deviation *deviation, const double *time,
                                  const double *values, size_t num_times, const double *other_time,
                                  const double *other_values, size_t num_other, ehd_error *error) {
@@ -222,13 +223,13 @@ static ehd_status add_deviations(time_deviation *deviation, const double *time,
     return EHD_OK;
 }
 
-/* Entries from `begin` to before `end`, in all of which the bodies are in contact. */
+/* Entries from `begin` to before `end`. The bodies are in contact in all of them. */
 typedef struct contact_period {
     size_t begin, end;
 } contact_period;
 
-/* Finds the next period of contact: entries for which `sign` is not 0. Returns false after the
- * last. */
+/* Finds the next period of contact: entries for which `sign` is not 0. Returns false after the last
+ * period. */
 static bool next_period(contact_period *period, const double *sign, size_t count) {
     period->begin = period->end;
     while (period->begin < count && sign[period->begin] == 0)
@@ -243,7 +244,7 @@ static bool next_period(contact_period *period, const double *sign, size_t count
 static ehd_status compare_contacts(time_deviation *deviation, const time_trace *trace,
                                    const double *reduced, const time_series *full,
                                    const double *other, ehd_error *error) {
-    enum { MIN_SPLINE = 3 }; // times of the full run between which it is interpolated
+    enum { MIN_SPLINE = 3 }; // number of times of the full run that an interpolation needs
     contact_period now = {0, 0}, then = {0, 0};
     bool more = next_period(&now, trace->central_pressure, trace->count) &&
                 next_period(&then, full->load, full->num_times);

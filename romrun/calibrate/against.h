@@ -16,9 +16,9 @@ ehd_status against_check(double moes_M, double alpha_p_H, double hertz_pressure,
                          flow_thinning thinning, const ehd_grid *grid, const char *path,
                          const ehd_contact *contact, ehd_error *error);
 
-/* Returns the largest difference of a field on a grid from a field on another, whole grid. The
- * other field is interpolated with four nodes along each axis. Only nodes inside both grids
- * count. */
+/* Returns the largest difference between a field on a grid and a field on another, whole grid.
+ * Interpolates the other field with four nodes along each axis. Compares only nodes inside both
+ * grids. */
 double against_difference(const double *nodes, // [num_nodes] of `grid`
                           const ehd_grid *grid,
                           const double *inner, // [num_inner] of `other`
@@ -30,7 +30,7 @@ void against_print(const run_result *result, const stored_result *stored, const 
                    const ehd_contact *contact);
 
 /* Prints the largest and the mean deviation over the times at which the bodies are in contact in
- * both. EHD_MEMORY. */
+ * both runs. EHD_MEMORY. */
 ehd_status against_print_in_time(const time_trace *trace, const time_series *full, const char *path,
                                  const ehd_grid *grid, // grid of the trace
                                  ehd_error *error);

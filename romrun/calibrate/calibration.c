@@ -16,10 +16,10 @@
 enum { REPEATS = 3 }; // number of solutions of each scene; the time is their median
 
 /* A shear law and the ratio of the Newtonian stress at P = 0 and H = 1 to the stress of the law, as
- * in deimselect/cubature.c. The friction of each scene is measured for all `slidings`, whatever its
- * own law is. With the Eyring fluid of ratio 1e-1 stresses are high in all of the contact, so the
- * errors by few nodes and by an exit that is a node off are largest. With 1e-2 in its place, the
- * estimates of 2 of 2235 unseen frictions are below the errors, 0.4 times. */
+ * in deimselect/cubature.c. The friction of each scene is measured for all `slidings`, whatever the
+ * scene's own law is. The Eyring fluid of ratio 1e-1 has high stresses in the whole contact. The
+ * errors by few nodes, and by exits that are wrong by one node, are then largest. With 1e-2 in
+ * place of 1e-1, the estimates of 2 of 2235 unseen frictions are only 0.4 times the errors. */
 typedef struct sliding {
     const lubricant_law *law;
     double ratio;
@@ -32,8 +32,8 @@ static const sliding slidings[] = {{&shear_newtonian, 1},
                                    {&shear_limiting, 1e-2}};
 enum { NUM_SLIDINGS = sizeof slidings / sizeof *slidings };
 
-/* Returns a copy of a contact that slides with another shear law. The units of stress cancel, so
- * the contact may be dimensionless or in SI units. */
+/* Returns a copy of a contact, sliding with another shear law. The units of stress cancel, so the
+ * contact may be dimensionless or in SI units. */
 static ehd_contact slide(const ehd_contact *contact, const sliding *how) {
     ehd_contact own = *contact;
     const double isoviscous = contact->lambda / 12 * contact->far_speed;
@@ -48,18 +48,21 @@ static ehd_contact slide(const ehd_contact *contact, const sliding *how) {
 
 /* Measurements on the scenes that the reduced model solved, and work arrays for fields. */
 typedef struct samples {
-    size_t count; // number of solved scenes
+    size_t count; // number of scenes that the model solved
     bool exits_are_nodes;
     double *deviation[NUM_TRADE_QUANTITIES]; // [count]
     double *bound, *bound_minimum;           // [count] bounds of the central and minimum film
-    double *indicated;                       // [count + failures] larger estimate of both films
-    double *effectivity;                     // [count] smaller estimate over error
+    double *indicated;                       // [count + failures] the larger of both films'
+                                             // estimates
+    double *effectivity;                     // [count] estimate over error, the smaller ratio of
+                                             // both films
     double *off[NUM_INDICATED];              // [count] deviations of the other quantities
     double *other_bound[NUM_INDICATED];      // [count]
     double *friction_off, *friction_bound;   // [num_frictions]
     size_t num_frictions;                    // 0 if the model has no traction nodes
     double *seconds;                         // [count * REPEATS]
-    double iterations, max_iterations;       // sum, and largest of a scene
+    double iterations, max_iterations;       // sum over the scenes, and largest number for one
+                                             // scene
     double largest_residual;
     double *pressure, *film; // [num_nodes]
     double *full_film;       // [num_nodes]
@@ -127,7 +130,8 @@ static double relative(double reduced, double full) {
     return fabs(reduced / full - 1);
 }
 
-/* Stores the errors of the other quantities. Films count only where the full model has pressure. */
+/* Stores the errors of the other quantities. Compares films only where the full model has
+ * pressure. */
 static void add_others(samples *self, const contact_scalars *reduced, const solved_scene *solved) {
     const contact_scalars *full = &solved->scalars;
     const ehd_grid *grid = &solved->contact->grid;
@@ -211,7 +215,7 @@ static ehd_status measure_scene(trade_position *position, samples *self, online_
 }
 
 /* Fits factor and shape of the error estimate of a quantity. If exits are nodes, the shape has an
- * offset: an exit that is a node off changes films by an amount that no residual shows. */
+ * offset: an exit that is wrong by one node changes films by an amount that no residual shows. */
 static ehd_status fit_one(double *factor, indicator_shape *shape, const samples *self,
                           const double *deviations, const double *bounds, size_t count,
                           ehd_error *error) {
@@ -241,8 +245,8 @@ static ehd_status fit_factors(trade_position *position, const samples *self, ehd
     return status ? status : fit_friction(position, self, error);
 }
 
-/* Fits the error estimates and evaluates their quantiles. Must be called before the deviations are
- * sorted, while they have the order of the bounds. */
+/* Fits the error estimates and evaluates their quantiles. Call it before the deviations are sorted:
+ * deviations and bounds must have the same order. */
 static ehd_status fit_indicator(trade_position *position, samples *self, ehd_error *error) {
     const double *central = self->deviation[TRADE_CENTRAL_FILM];
     const double *minimum = self->deviation[TRADE_MINIMUM_FILM];
@@ -259,9 +263,9 @@ static ehd_status fit_indicator(trade_position *position, samples *self, ehd_err
         const double of_minimum =
             trade_indicated(position->indicator_factor_minimum, position->shape[OF_MINIMUM_FILM],
                             self->bound_minimum[i]);
-        // Sizes are chosen by factors that hold for all bounds. With few modes, lubricants outside
-        // of the calibration have errors up to four times the estimate by the shapes: 3 of 431
-        // exceeded 1 % without a warning.
+        // For the choice of a model size, estimates use constant factors without shapes. With few
+        // modes, lubricants outside of the calibration have errors up to four times the estimate
+        // with shapes: 3 of 431 exceeded 1 % without a warning.
         self->indicated[i] = fmax(position->indicator_factor * self->bound[i],
                                   position->indicator_factor_minimum * self->bound_minimum[i]);
         self->effectivity[i] = fmin(of_central / central[i], of_minimum / minimum[i]);
@@ -352,8 +356,8 @@ static ehd_status repeat_step(march_step *outcome, const march_solver *solver,
     return EHD_OK;
 }
 
-/* Repeats a trajectory. *lost: a step did not converge or was not trusted. The bounds of the steps
- * before are stored nevertheless. */
+/* Repeats a trajectory. *lost: a step did not converge or was not trusted. The bounds of the
+ * earlier steps are stored nevertheless. */
 static ehd_status repeat(bool *lost, repetition *sum, step_samples *steps,
                          const online_model *model, const recording *wanted, ehd_error *error) {
     online_transient *in_time = NULL;

@@ -15,12 +15,12 @@ typedef struct solved_scene {
     contact_scalars scalars;
 } solved_scene;
 
-/* Measures errors and time on stationary scenes. Solves each scene several times on one thread, in
- * the way of romrun. `model` is opened at the sizes of the position. Errors of online_solve;
+/* Measures errors and time on stationary scenes. Solves each scene several times on one thread, as
+ * romrun does. `model` is opened with the sizes of the position. Errors of online_solve;
  * EHD_INTERRUPTED with an empty text. */
 ehd_status calibration_measure(
     // output:
-    trade_position *position, // only its members for scenes
+    trade_position *position, // only the members for scenes are set
     // input:
     const online_model *model, const solved_scene *scenes, size_t num_scenes, ehd_error *error);
 
@@ -28,7 +28,7 @@ ehd_status calibration_measure(
  * Prepares the model for transient scenes. Errors as calibration_measure. */
 ehd_status calibration_measure_in_time(
     // output:
-    trade_position *position, // only its members for trajectories
+    trade_position *position, // only the members for trajectories are set
     // in and out:
     online_model *model,
     // input:

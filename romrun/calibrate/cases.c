@@ -12,9 +12,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { NUM_SIZES = 2 }; // the chosen sizes, and the most accurate ones
+enum { NUM_SIZES = 2 }; // two model sizes: the chosen and the most accurate one
 
-/* A model at some sizes. */
+/* A model opened with certain sizes. */
 typedef struct sized_model {
     online_model *model; // NULL: not used
     const char *unchecked;
@@ -43,7 +43,7 @@ typedef struct batch {
 typedef struct worker {
     online_solver *solvers[NUM_SIZES];
     ehd_contact contact;
-    bool with_effects; // estimate the errors by the grid too
+    bool with_effects; // true: estimate the errors by the grid
     struct batch *shared;
     struct worker *next;
 } worker;
@@ -100,8 +100,8 @@ static ehd_status make_contact(ehd_contact *contact, bool *with_effects, const b
     return status == EHD_DATA ? case_list_fail(self->list, texts->line, error) : status;
 }
 
-/* Adds the traction of a sliding scene to a row; nothing without sliding. Models of earlier
- * versions have no traction nodes. */
+/* Adds the traction of a scene to a row if its surfaces slide. Models of earlier versions have no
+ * traction nodes. */
 static void add_traction(case_row *row, contact_traction found, online_solver *solver,
                          const ehd_contact *contact) {
     if (!contact_has_traction(contact)) return;
@@ -115,7 +115,8 @@ static void add_traction(case_row *row, contact_traction found, online_solver *s
     row->indicated_deviation_friction = online_indicate_friction(solver, contact, found.friction);
 }
 
-/* Solves a case with one of the models. *trusted: no other model is needed. */
+/* Solves a case with one of the models. *trusted: the result is accepted, so no other model size is
+ * needed. */
 static ehd_status solve_with(bool *trusted, const batch *self, const worker *own, int m,
                              case_row *row, ehd_error *error) {
     const cases_task *task = self->task;
@@ -146,7 +147,7 @@ static ehd_status solve_with(bool *trusted, const batch *self, const worker *own
         accuracy_judge_peak(&peak, task->accuracy, online_indicate_peak(own->solvers[m]));
         *trusted = !peak.status;
     }
-    result_judge_grid(&result, &contact->grid); // another size has the same grid
+    result_judge_grid(&result, &contact->grid); // other model sizes have the same grid
     const double before = isnan(row->solve_seconds) ? 0 : row->solve_seconds;
     *row = case_row_of(contact);
     row->status = result_stored_status(result.status);
@@ -193,7 +194,7 @@ static ehd_status make_worker(worker **made, const batch *self, ehd_error *error
     return status;
 }
 
-/* Takes a worker of an earlier batch, or makes one. */
+/* Takes a worker of an earlier batch, or creates one. */
 static ehd_status begin(void **made, void *shared, ehd_error *error) {
     batch *self = shared;
 
@@ -246,7 +247,7 @@ static ehd_status finish(void *shared, void *made, size_t point, size_t parent, 
 
 // ---- all
 
-/* Returns a row with a value in each column that the solution of the contact may fill. */
+/* Returns a row with a value in each column that a solution of the contact may fill. */
 static case_row expected_row(const batch *self, const ehd_contact *contact) {
     case_row row = case_row_of(contact);
 
@@ -329,8 +330,8 @@ static ehd_status read_batch(size_t *count, batch *self, ehd_error *error) {
     return status;
 }
 
-/* Writes the solved rows of a batch. If the batch was interrupted, writes only those before the
- * first unsolved one. */
+/* Writes the solved rows of a batch. If the batch was interrupted, writes only the rows before the
+ * first unsolved row. */
 static ehd_status write_batch(batch *self, size_t count, cases_summary *summary, ehd_error *error) {
     size_t num_solved = 0;
 

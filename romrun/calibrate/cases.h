@@ -10,12 +10,12 @@
 
 typedef struct cases_task {
     const program *caller; // arguments[0] is the scene
-    const char *model;     // path
+    const char *model;     // path of the model
     part_sizes sizes;
-    part_sizes most_accurate; // solve again what `sizes` do not solve well; without modes: not used
+    part_sizes most_accurate; // solves cases that `sizes` do not solve well; 0 modes: not used
     double accuracy;          // 0: not given
     const accuracy_limits *limits;
-    size_t num_jobs; // threads
+    size_t num_jobs; // number of threads
     const char *settings_text;
     const char *const *inputs;
     bool resume; // continue an interrupted run, if there is one
@@ -23,15 +23,15 @@ typedef struct cases_task {
 
 typedef struct cases_summary {
     size_t num_cases, num_unsolved, num_untrusted;
-    size_t first;      // line of the first case of the worst status; 0: all are trusted
+    size_t first;      // line of the first case with the worst status; 0: all are trusted
     size_t num_solved; // number of cases solved by this run
-    double seconds;    // elapsed time of these
+    double seconds;    // elapsed time of these cases
 } cases_summary;
 
 /* Solves all cases and writes their table (case_table.h). The rows do not depend on num_jobs, and
  * the memory does not depend on the number of cases. A case that does not converge or is not
  * trusted is a row with its status. Errors: EHD_DATA (before any case is solved: a row is no
- * stationary contact or not on the grid of the model); EHD_INTERRUPTED (the solved cases are
+ * stationary contact, or has another grid than the model); EHD_INTERRUPTED (the solved cases are
  * written, and a run with `resume` continues); errors of online_open. */
 ehd_status cases_solve(
     // output:

@@ -7,18 +7,18 @@
 
 #include <stdlib.h>
 
-/* Limits of the number of stationary check scenes, percentage of scenes that are far from one
- * another, and largest number of trajectories. Scenes far from one another lie mostly at the edge
- * of the region and find the largest errors. The other scenes represent the usual errors. The
- * factors of the estimates were compared with the factors that cover all of 118 and 149 random
- * scenes (both loaded regions). With 20 scenes far from one another and 10 others they are at
- * least 1.6 times as large. With 20 scenes along the walk alone they are as low as 0.65 times
- * (deimselect/README.md, The check). */
+/* Smallest and largest number of stationary check scenes, percentage of scenes that are far apart,
+ * and largest number of trajectories. Scenes far apart lie mostly at the edge of the region and
+ * find the largest errors. The other scenes represent the usual errors. The factors of the
+ * estimates were compared with the factors that cover all errors of 118 and 149 random scenes (both
+ * loaded regions). With 20 scenes far apart and 10 others the factors are at least 1.6 times as
+ * large. With 20 scenes along the walk alone they are as low as 0.65 times (deimselect/README.md,
+ * The check). */
 enum { MIN_SCENES = 10, MAX_SCENES = 30, PERCENT_SPREAD = 67, MAX_TRAJECTORIES = 3 };
 
 static const shard all = {1, 1};
 
-/* Makes the scenes of a plan on the grid of the model. */
+/* Creates the scenes of a plan on the grid of the model. */
 static ehd_status make_set(training_set *set, const plan *of, const reduced_model *model,
                            const char *name, ehd_error *error) {
     ehd_status status = training_set_init(set, of, name, all, error);
@@ -30,7 +30,7 @@ static ehd_status make_set(training_set *set, const plan *of, const reduced_mode
     return status;
 }
 
-/* Keeps the points that the model was trained on, without those that failed or were not solved.
+/* Keeps only the points that the model was trained on; points that failed or were not solved go.
  * Keeps all trajectories. */
 static ehd_status keep_trained(training_set *set, const reduced_model *model, const char *name,
                                ehd_error *error) {
@@ -91,7 +91,7 @@ size_t check_scenes_count(size_t num_trained, const training_set *set) {
     return smaller(larger(num_trained / 2, MIN_SCENES), most);
 }
 
-/* Chooses among the candidates. Only these remain in the plan `between`. */
+/* Chooses among the candidates. Only the chosen ones remain in the plan `between`. */
 static ehd_status choose(plan *between, const training_set *candidates, const training_set *trained,
                          const char *name, ehd_error *error) {
     const size_t num_points = candidates->num_points;

@@ -16,12 +16,12 @@ size_t check_scenes_count(size_t num_trained, const training_set *set);
  * the grid of the model. All are inside of the trained range, and none is a training point.
  *
  * - Stationary scenes: half as many as training points, at least 10, and at most 30 for each pair
- *   of a viscosity law and a density law. Some are far from one another, with at least one of each
- *   lubricant and group. The others are an even sample of the region.
+ *   of a viscosity law and a density law. Some are far apart, with at least one of each lubricant
+ *   and group. The others are an even sample of the region.
  * - Trajectories: half as many as were trained, 1 to 3.
  *
- * EHD_DATA: the text is no plan, the plan has another grid, or no scene lies between. EHD_NOINPUT:
- * a table of the plan is missing. Other errors: EHD_MEMORY. */
+ * EHD_DATA: the text is no plan, the plan has another grid, or no scene lies between training
+ * points. EHD_NOINPUT: a table of the plan is missing. Other errors: EHD_MEMORY. */
 ehd_status check_scenes_choose(
     // output:
     training_set *set, // free with training_set_free

@@ -19,7 +19,7 @@ ehd_status fallback_load(full_state *state, online_solver *solver, const online_
     const double last = (double)(grid_width(grid) - 1);
     ehd_status status = online_fields(state->pressure, state->film, solver, error);
 
-    // the exit may lie within a node; take the node at or behind it
+    // takes the node at or behind the exit, since the exit may lie between nodes
     const double column = (result->scalars.exit_position - grid->x_min) / grid->step;
     const double exit = fmin(fmax(ceil(column - 1e-6) + 1, 2), last);
     state->rigid_approach = result->scalars.rigid_approach;
@@ -27,8 +27,8 @@ ehd_status fallback_load(full_state *state, online_solver *solver, const online_
     return status;
 }
 
-/* Checks whether a state is physical: finite pressures, positive films, and no pressure beyond the
- * viscosity law. */
+/* Checks whether a state is physical: finite pressures within the limit of the viscosity law, and
+ * positive films. */
 static bool is_plausible(const full_state *state, const ehd_contact *contact) {
     for (size_t k = 0; k < contact->grid.num_nodes; k++)
         if (!isfinite(state->pressure[k]) || !(state->film[k] > 0 && isfinite(state->film[k])))
@@ -36,8 +36,8 @@ static bool is_plausible(const full_state *state, const ehd_contact *contact) {
     return isfinite(state->rigid_approach) && !full_beyond_law(state, contact);
 }
 
-/* Solves from the state `first`, unless that is NULL. Solves again from a cold start if this gives
- * no usable solution. */
+/* Solves from the state `first`. If `first` is NULL or leads to no usable solution, solves from a
+ * cold start. */
 static ehd_status solve_once(fallback *self, full_solver *solver, const full_state *first,
                              const ehd_contact *contact, ehd_error *error) {
     const double before = program_seconds();
@@ -75,7 +75,7 @@ static int compare_seconds(const void *left, const void *right) {
     return (a > b) - (a < b);
 }
 
-/* Solves `repeats` times. self->info becomes that of the run with the median time. */
+/* Solves `repeats` times. self->info is that of the run with the median time. */
 static ehd_status solve(fallback *self, full_solver *solver, const full_state *first,
                         const ehd_contact *contact, size_t repeats, ehd_error *error) {
     full_info *runs = calloc(repeats, sizeof *runs);
@@ -93,7 +93,7 @@ static ehd_status solve(fallback *self, full_solver *solver, const full_state *f
     return status;
 }
 
-/* Sets self->exits, X of the exit on each line. */
+/* Sets self->exits: X of the exit on each grid line. */
 static ehd_status make_exits(fallback *self, const ehd_grid *grid, ehd_error *error) {
     size_t *columns = calloc(grid_lines(grid), sizeof *columns);
 
@@ -112,9 +112,9 @@ static ehd_status make_exits(fallback *self, const ehd_grid *grid, ehd_error *er
 ehd_status fallback_solve(fallback *self, online_solver *solver, const online_result *result,
                           const ehd_contact *contact, size_t repeats, ehd_error *error) {
     const full_settings settings = full_default_settings();
-    // A start from a reduced solution that has converged but is not trusted takes 15 ms in the
-    // mean, a cold start 29 ms. From a reduced solution that has not converged it takes 153 ms, a
-    // cold start 36 ms (150 random scenes in and around a training, M 3 to 200, L 0.5 to 16).
+    // Mean times: if a reduced solution has converged but is not trusted, a start from it takes 15
+    // ms, a cold start 29 ms. If it has not converged, a start from it takes 153 ms, a cold start
+    // 36 ms (150 random scenes in and around a training, M 3 to 200, L 0.5 to 16).
     const bool converged = result->status != EHD_NOT_CONVERGED;
     full_solver *full = NULL;
     full_state first = {0};

@@ -13,24 +13,24 @@
 /* Solution of the full model. */
 typedef struct fallback {
     full_state state;
-    full_info info;    // of the run with the median time
+    full_info info;    // info of the run with the median time
     bool from_reduced; // true: started from the reduced solution; false: cold start
     double *exits;     // [lines of the whole grid] X of the exit
-    ehd_status status; // of full_judge: EHD_OK, EHD_NOT_CONVERGED or EHD_UNTRUSTED
+    ehd_status status; // outcome of full_judge: EHD_OK, EHD_NOT_CONVERGED or EHD_UNTRUSTED
     char reason[JUDGE_REASON];
 } fallback;
 
 void fallback_free(fallback *self); // also accepts a zero struct
 
-/* Makes a full state from the last solution of `solver`, which is the `result` of the stationary
- * `contact`. `state` is allocated. Errors of online_fields. */
+/* Fills a full state from the last solution of `solver`, which is the `result` of the stationary
+ * `contact`. `state` must be allocated. Errors of online_fields. */
 ehd_status fallback_load(full_state *state, online_solver *solver, const online_result *result,
                          const ehd_contact *contact, ehd_error *error);
 
 /* Solves the stationary contact with the full model, `repeats` times. Starts from the last solution
  * of `solver`, which is the `result` of this contact. Starts cold if that solution did not
- * converge, is not physical, or leads to no solution. No convergence is an outcome in self->status.
- * Errors of online_fields and full_solve. */
+ * converge, is not physical, or leads to no solution. If no solution converges, self->status
+ * reports it. Errors of online_fields and full_solve. */
 ehd_status fallback_solve(
     // output:
     fallback *self, // free with fallback_free, also after a failure

@@ -9,16 +9,17 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Data that are saved beside the states. All members are doubles, so the struct is saved as an
- * array of numbers. */
+/* Data that are saved in addition to the states. All members are doubles, so the struct is saved as
+ * an array of numbers. */
 typedef struct standing {
     double full;        // 1 while the full model takes the steps, else 0
     double full_states; // 1 if the full model holds the last accepted states, else 0
-    // pause: full steps between two tries of the reduced model; left: full steps until the next try
+    // pause: number of full steps between two tries of the reduced model; left: number until the
+    // next try
     double pause, left;
     double held; // number of reduced steps since the last return to the reduced model
-    // Newton iterations: useful, of accepted steps; wasted, of attempts that became no step; open,
-    // of the attempt that is neither accepted nor rejected yet
+    // numbers of Newton iterations. useful: of accepted steps; wasted: of attempts that became no
+    // step; open: of the attempt that is neither accepted nor rejected yet
     double useful, wasted, open;
     double full_steps, since, seconds_full, seconds_reduced; // as in time_run_share
 } standing;
@@ -28,8 +29,8 @@ _Static_assert(sizeof(standing) == NUM_STANDING * sizeof(double), "these are dou
 
 struct fallback_march {
     ehd_contact reference;
-    // limit of the error estimates of the films of a reduced step, and of the `deviation` of its
-    // films from the full ones
+    // limit of the films' error estimates of a reduced step, and of their `deviation` from the full
+    // model's films
     double limit;
     const char *distrust; // why the full model takes all steps; NULL: it takes single steps
     parts_march *reduced;
@@ -39,10 +40,11 @@ struct fallback_march {
     char reason[MARCH_REASON]; // reason of the first full step
     // state of the attempt:
     bool by_full;      // the full model solved the step
-    bool tried;        // the reduced model got the states of the full one
-    bool returns;      // it solved the step as well as the full one, and takes the next steps
+    bool tried;        // the reduced model got the full model's states
+    bool returns;      // the reduced model solved the step as the full model did, and takes the
+                       // next steps
     const char *doubt; // why the reduced model does not take the step
-    bool base_taken;   // the reduced model has the base of the full one
+    bool base_taken;   // the reduced model has the full model's base
     hand_over work;
 };
 
@@ -56,10 +58,10 @@ fallback_march *fallback_march_free(fallback_march *self) {
 
 ehd_status fallback_march_create(fallback_march **created, parts_march *reduced, double start_film,
                                  double accuracy, const char *distrust, ehd_error *error) {
-    // Limit of the estimated film errors, as a part of the accuracy. Measured with an accuracy of
-    // 1 % and an untrained load of +-30 %. With 1 the error of the minimum film is 25 %, and the
-    // full model takes 330 of 640 steps. With 0.1 the error is 0.57 %, and the full model takes
-    // 348 steps (README.md, Fallback to the full model).
+    // Limit of the estimated film errors, as a fraction of the accuracy. Measured with an accuracy
+    // of 1 % and an untrained load of +-30 %. With 1 in place of 0.1 the error of the minimum film
+    // is 25 %, and the full model takes 330 of 640 steps. With 0.1 the error is 0.57 %, and the
+    // full model takes 348 steps (README.md, Fallback to the full model).
     const double part = 0.1;
     const full_settings settings = full_default_settings();
     const ehd_contact *reference = reduced_march_steps(parts_march_part(reduced, 0))->reference;
@@ -107,10 +109,10 @@ static contact_frame load_frame(const fallback_march *self, size_t steps) {
     return full->model->load_frame(full, bdf_march_accepted(full, steps));
 }
 
-/* Returns the largest difference between the films of a reduced and a full state, over the larger
- * of the full film and the central film. Returns infinity if a film is not a number. All nodes
- * before the exits of the full state count. Nodes without pressure count too, because the fluid
- * carries their film on. `steps`: number of steps from the state to the attempt. */
+/* Returns the largest difference between the films of a reduced and a full state, divided by the
+ * larger of the full film and the central film. Returns infinity if a film is not a number.
+ * Compares all nodes before the exits of the full state, even nodes without pressure, because the
+ * fluid carries their film on. `steps`: number of steps from the state to the attempt. */
 static double deviation(fallback_march *self, reduced_march *part, size_t steps,
                         double central_film) {
     const ehd_grid *grid = &self->reference.grid;
@@ -129,9 +131,9 @@ static double deviation(fallback_march *self, reduced_march *part, size_t steps,
     return largest;
 }
 
-/* Gives the states of the full model to a part of the reduced model, which projects them onto its
- * modes. *off is the largest difference of its films. The difference at the last state becomes part
- * of the error estimate. */
+/* Hands the states of the full model to a part of the reduced model, which projects them onto its
+ * modes. *off: largest difference of the films by this projection. The difference at the last state
+ * enters the error estimate. */
 static ehd_status to_reduced(double *off, fallback_march *self, reduced_march *part,
                              double central_film, ehd_error *error) {
     const bdf_march *full = full_march_steps(self->full);
@@ -147,23 +149,23 @@ static ehd_status to_reduced(double *off, fallback_march *self, reduced_march *p
     return EHD_OK;
 }
 
-/* Marks a reduced step as not trusted if the error estimate of a film exceeds the limit, because
- * the full model would take over the error with the film. */
+/* Marks a reduced step as not trusted if the error estimate of a film exceeds the limit: otherwise
+ * the full model would later take over a film with this error. */
 static void judge_indicated(march_step *outcome, const fallback_march *self) {
     if (!outcome->status && fmax(outcome->indicated, outcome->indicated_minimum) > self->limit)
         march_distrust(outcome, "a film indicated to deviate by more than a tenth of the accuracy");
 }
 
 /* Checks whether attempts that became no step have taken more iterations than the accepted steps.
- * The full model then takes all steps until they have not. A march therefore takes at most twice
- * the iterations of its steps, plus those of one attempt. */
+ * While they have, the full model takes all steps. A march therefore needs at most twice the
+ * iterations of its steps, plus those of one attempt. */
 static bool is_budget_spent(const fallback_march *self) {
     return self->now.wasted > self->now.useful;
 }
 
 /* Tries to return to the reduced model. The reduced model gets the projected states of the full
  * model and solves the step that the full model has just solved. It takes the next steps if this
- * step is trusted and its films are equal to the full ones within the limit. Film features outside
+ * step is trusted and its films agree with the full model's within the limit. Film features outside
  * of the reduced basis have then left the contact. */
 static ehd_status try_to_return(fallback_march *self, const march_step *solved,
                                 const contact_frame *frame, double step, ehd_error *error) {
@@ -210,7 +212,7 @@ static ehd_status start(march_step *outcome, void *solver, const contact_frame *
         if (!outcome->status) return EHD_OK;
     }
     begun = program_seconds();
-    if (isnan(self->now.since)) { // otherwise the contact was lost and is found again
+    if (isnan(self->now.since)) { // since is not NaN if the contact was lost and found again
         snprintf(self->reason, sizeof self->reason, "%s",
                  self->distrust ? self->distrust : outcome->reason);
         self->now.since = frame->time;
@@ -238,7 +240,7 @@ static ehd_status attempt_reduced(march_step *outcome, fallback_march *self,
     return EHD_OK;
 }
 
-/* Adds the iterations of the last attempt to a sum. */
+/* Moves the iterations of the last attempt from `open` to a sum. */
 static void close_attempt(fallback_march *self, double *sum) {
     *sum += self->now.open;
     self->now.open = 0;
@@ -273,8 +275,8 @@ static ehd_status attempt(march_step *outcome, void *solver, const contact_frame
 }
 
 /* Sets the number of full steps before the next try of the reduced model. A failed try doubles the
- * pause, and so does a return that lasted shorter than the pause before it. Failures thus cost
- * little. */
+ * pause. A return doubles it if the reduced model then took fewer steps than the pause before it
+ * had. Failures thus cost little. */
 static void set_pause(fallback_march *self) {
     standing *now = &self->now;
 
@@ -321,8 +323,8 @@ static void restart(void *solver) {
     if (self->now.full != 1) self->of_reduced.restart(self->of_reduced.self);
 }
 
-/* Finds the lightest contact by the full model, which also solves lighter contacts than those of
- * the training. */
+/* Finds the lightest contact with the full model, which can solve lighter contacts than the
+ * training has. */
 static ehd_status touching(double *approach, double *load, void *solver, const contact_frame *frame,
                            ehd_error *error) {
     const fallback_march *self = solver;
@@ -330,9 +332,9 @@ static ehd_status touching(double *approach, double *load, void *solver, const c
     return self->of_full.touching(approach, load, self->of_full.self, frame, error);
 }
 
-/* Returns the number of saved doubles: the struct standing, the reason, the states of the reduced
- * model, and the states of the full one. Zeros stand for the states of a model that does not hold
- * the last ones. */
+/* Returns the number of saved doubles: struct standing, the reason, the states of the reduced
+ * model, and the states of the full model. A model that does not hold the last states saves
+ * zeros. */
 static size_t saved_size(const void *solver) {
     const fallback_march *self = solver;
 

@@ -12,7 +12,7 @@ typedef struct recorder {
     const program *caller;
     const training_set *set;
     recording *recordings;     // [num_trajectories]
-    ehd_histories **histories; // [num_trajectories], read before the threads start, because HDF5 is
+    ehd_histories **histories; // [num_trajectories]; read before the threads start, because HDF5 is
                                // not thread-safe
     size_t num_done;
     progress progress;
@@ -48,7 +48,7 @@ static ehd_status store_step(void *sink, const march_step *step, size_t index, e
                                                   : frame_of_load(target->reference->kind,
                                                                   &step->frame, step->scalars.load),
         .step = step->step,
-        // the march resets the forecast at a jump
+        // at a jump the march resets the forecast
         .jump = index > 0 && self->march.state.forecast.last_step == 0,
         .scalars = frame_to_reference(&step->scalars, &step->frame, target->reference)};
     return EHD_OK;
@@ -79,7 +79,7 @@ static ehd_status record_trajectory(void *shared, void *worker, size_t number, s
     trajectory_run self = {.target = &owner->recordings[number]};
     (void)worker, (void)parent;
 
-    settings.tolerance = 1e-12; // as in training
+    settings.tolerance = 1e-12; // tolerance of the training
     self.target->reference = &given->contact;
     ehd_status status = full_march_create(&full, &given->contact, &settings,
                                           given->scene.transient.start_film, error);

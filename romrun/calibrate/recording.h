@@ -23,15 +23,16 @@ typedef struct recorded_step {
 
 typedef struct recording {
     const ehd_contact *reference;
-    recorded_step *steps; // [num_steps], the first is the start
+    recorded_step *steps; // [num_steps]; the first one is the start
     size_t num_steps, room;
     char reason[MARCH_REASON]; // why the march did not reach its end, or ""
 } recording;
 
 void recording_free(recording *self);
 
-/* Runs the trajectories of a set with the full model. A march that does not reach its end gets a
- * warning and a reason. Errors: EHD_INTERRUPTED, EHD_MEMORY, errors of reading histories. */
+/* Runs the trajectories of a set with the full model. If a march does not reach its end, prints
+ * a warning and stores the reason. Errors: EHD_INTERRUPTED, EHD_MEMORY, errors of reading
+ * histories. */
 ehd_status recordings_make(
     // output:
     recording *recordings, // [set->num_trajectories], zero before the call; free each with
@@ -39,7 +40,7 @@ ehd_status recordings_make(
     // input:
     const program *caller, const training_set *set, size_t num_workers, ehd_error *error);
 
-/* Returns the reason if a step lies outside of the trained range of a model, otherwise NULL. */
+/* If a step lies outside of the trained range of a model, returns the reason; otherwise NULL. */
 const char *recording_check(const recording *self, const trained_range *range);
 
 #endif

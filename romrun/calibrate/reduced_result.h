@@ -9,7 +9,7 @@
 #include "romrun/calibrate/accuracy.h"
 #include "romrun/online/online.h"
 
-/* Returns a solution as a result without fields, exits and error estimates of other quantities. */
+/* Converts a solution to a result without fields, exits and error estimates of other quantities. */
 run_result reduced_result(const online_result *solution);
 
 /* Sets EHD_UNTRUSTED if the error estimate of a film exceeds accuracy_limit(accuracy), the model

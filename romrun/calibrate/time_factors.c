@@ -7,7 +7,7 @@
 
 const double time_margin = 3;
 
-/* Returns the error estimate of a film of a step, without an upper limit. */
+/* Returns the error estimate of a film in a step, not limited to 1. */
 static double estimate(const film_factors *factors, const film_bounds *bounds, reduced_film film) {
     return film == REDUCED_CENTRAL_FILM
                ? factors->central * bounds->central + factors->central_floor
@@ -15,8 +15,9 @@ static double estimate(const film_factors *factors, const film_bounds *bounds, r
                      factors->minimum_floor;
 }
 
-/* Returns the factors with another floor of a film. The factor of this film becomes the smallest
- * one, from `least` on, with which each estimate is at least time_margin times the error. */
+/* Changes the floor of a film and returns the new factors. The factor of this film becomes the
+ * smallest value, not below `least`, with which each estimate is at least time_margin times the
+ * error. */
 static film_factors with_floor(film_factors factors, const step_samples *steps, reduced_film film,
                                double least, double floor) {
     const bool central = film == REDUCED_CENTRAL_FILM;
@@ -34,7 +35,7 @@ static film_factors with_floor(film_factors factors, const step_samples *steps, 
     return factors;
 }
 
-/* Returns the sum of the largest estimates of a film, one of each trajectory that was not lost. */
+/* Returns the sum, over the trajectories that were not lost, of the largest estimate of a film. */
 static double sum_of_largest(film_factors factors, const step_samples *steps, reduced_film film,
                              const bool *lost) {
     double sum = 0, largest = 0;
@@ -51,13 +52,14 @@ static double sum_of_largest(film_factors factors, const step_samples *steps, re
     return sum + largest;
 }
 
-/* Returns the factors with the floor of a film for which sum_of_largest is smallest. The sum is a
+/* Returns the factors with that floor of a film for which sum_of_largest is smallest. The sum is a
  * convex function of the floor, so a ternary search finds its minimum. */
 static film_factors with_best_floor(film_factors factors, const step_samples *steps,
                                     reduced_film film, const bool *lost, double *errors) {
-    // Quantile of the errors at which the search begins (time_factors_fit), and width of the last
-    // interval over the width of the first. With 0.5 for either constant, a single step decides a
-    // factor (test_time_factors.c, test_a_step_with_a_tiny_bound_decides_no_factor).
+    // `usual`: quantile of the errors at which the search begins (time_factors_fit). `precision`:
+    // width of the last interval over the width of the first. With 0.5 for either constant, a
+    // single step decides a factor (test_time_factors.c,
+    // test_a_step_with_a_tiny_bound_decides_no_factor).
     const double usual = 0.95, precision = 1e-3;
 
     for (size_t i = 0; i < steps->count; i++)

@@ -18,30 +18,29 @@ typedef struct step_sample {
 } step_sample;
 
 typedef struct step_samples {
-    size_t trajectory; // of the steps that are added next
+    size_t trajectory; // trajectory of the steps that are added next
     size_t count;
-    step_sample *samples; // [count]; the steps of a trajectory follow each other
+    step_sample *samples; // [count]; the steps of a trajectory stand together
 } step_samples;
 
 /* Smallest ratio of error estimate to error over the steps of a calibration. With 2 in place of 3
- * one of 800 runs of scenes/studies/silent-in-time (seeds 41 and 51) had an error of 1.0005e-3
- * without a warning, at an accuracy of 1e-3. The estimate was 0.75e-3. */
+ * one of 800 runs of scenes/studies/silent-in-time (seeds 41 and 51) exceeded an accuracy of 1e-3
+ * without a warning. Its error was 1.0005e-3, and the estimate 0.75e-3. */
 extern const double time_margin;
 
 /* Fits factors and floors: the estimate of each step is at least time_margin times its error. With
- * a floor of 0 a step whose bound is lost in noise decides the factor alone. So the fit takes the
- * floor for which the mean over the trajectories of their largest estimate is smallest, and with it
- * the smallest factor, from time_margin on. If the central film needs no larger factor than
- * time_margin with a floor of 0, the floor stays 0. Without steps all are 0.
+ * a floor of 0, a single step whose bound is lost in noise would decide the factor. The fit
+ * therefore takes the floor for which the largest estimate, averaged over the trajectories, is
+ * smallest. With this floor it takes the smallest factor, at least time_margin. If a floor of 0 and
+ * the factor time_margin suffice for the central film, the floor stays 0. Without steps all are 0.
  *
  * A floor is at least time_margin times the error that 95 % of the steps do not exceed. With
- * smaller floors and a margin of 2 the estimates of 3 of 106 steps of
- * tests/pipeline/calibrate.bats, "step by step", were below the errors; with a margin of 3 none
- * was. */
+ * smaller floors and a margin of 2, 3 of 106 steps of tests/pipeline/calibrate.bats, "step by
+ * step", had estimates below the errors. With a margin of 3 none had. */
 film_factors time_factors_fit(
     // input:
     const step_samples *steps,
-    const bool *lost, // [number of trajectories]; the mean leaves these out
+    const bool *lost, // [number of trajectories]; true: not part of the mean
     // work:
     double *errors); // [count]
 

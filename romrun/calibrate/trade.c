@@ -8,13 +8,13 @@
 
 // ---- the ladder
 
-/* Sizes of the ladder. MIN_MODES: fewest modes. STRIDE: ratio of successive numbers of modes; two
- * strides double the modes. HALVED: number of strides at the end, among the accurate sizes, that
- * are halved (README.md, Calibration and the accuracy dial; test_trade.c,
+/* Numbers of modes in the ladder. MIN_MODES: smallest number. STRIDE: ratio of successive numbers;
+ * two strides double the number. HALVED: how many strides at the end, among the accurate sizes, are
+ * halved (README.md, Calibration and the accuracy dial; test_trade.c,
  * the_ladder_goes_from_ten_modes_to_all). */
 static const double MIN_MODES = 10, STRIDE = 1.4142;
 static const size_t HALVED = 2;
-static const double ROWS_PER_MODE[] = {1.2, 1.5, 2, 3, INFINITY}; // at most the stored number
+static const double ROWS_PER_MODE[] = {1.2, 1.5, 2, 3, INFINITY}; // INFINITY: all stored rows
 enum { NUM_ROWS_PER_MODE = sizeof ROWS_PER_MODE / sizeof *ROWS_PER_MODE };
 
 static size_t num_strides(size_t max_modes) {
@@ -80,7 +80,7 @@ double trade_indicator_factor(const double *deviations, const double *bounds, si
     return trade_margin * largest;
 }
 
-/* Ratios of deviation to bound, above which a shape must lie. */
+/* Ratios of deviation to bound. The shape of an estimate must lie above all of them. */
 typedef struct ratios {
     double *bound, *ratio; // [count]
     size_t count;
@@ -109,7 +109,7 @@ static void ratios_free(ratios *self) {
     free(self->ratio);
 }
 
-/* Returns the sum of the logarithms of the estimates of all scenes, with the largest ratio as the
+/* Returns the sum over the scenes of the estimates' logarithms, with the largest ratio as the
  * factor. */
 static double indicated_sum(const ratios *self, indicator_shape shape) {
     double sum = 0;
@@ -127,9 +127,9 @@ static size_t smallest_bound(const ratios *self) {
     return smallest;
 }
 
-/* Returns the best line above the ratios: an edge of their upper hull, or the constant largest
- * ratio. The hull begins at a bound of zero with the ratio of the smallest bound, and ends at the
- * largest ratio. */
+/* Returns the best straight line above the ratios (ratio over bound): an edge of their upper hull,
+ * or the constant largest ratio. The hull begins at a bound of zero with the ratio of the smallest
+ * bound, and ends at the largest ratio. */
 static indicator_shape best_line(const ratios *self) {
     indicator_shape best = plain_shape;
     double least = indicated_sum(self, best), bound = 0;
@@ -155,10 +155,10 @@ static indicator_shape best_line(const ratios *self) {
     return best;
 }
 
-/* Fits an offset, which is the deviation of one of the scenes, and the share of the bound that is
- * added to it. To first order a deviation is one bound, so the share is at least 1, or the largest
- * ratio of deviation to bound if that is less. With a smaller share the offset alone might cover
- * all scenes of the calibration. Any other scene would then get the offset as its estimate,
+/* Fits an offset and the share of the bound that is added to it. The offset is the deviation of one
+ * of the scenes. To first order a deviation equals the bound, so the share is at least 1; if all
+ * ratios are below 1, it is at least the largest ratio. With a smaller share the offset alone might
+ * cover all scenes of the calibration. Any other scene would then get the offset as its estimate,
  * whatever its residual is. */
 static indicator_shape best_offset(const ratios *self, indicator_shape line) {
     const double first_order = fmin(1, self->largest);
@@ -213,14 +213,13 @@ trade_price trade_price_of(const trade_position *position, bool in_time) {
                          position->seconds, position->num_failures};
 }
 
-/* Checks whether a size may be chosen in spite of failures: in time, with error estimates, because
- * all sizes may be lost after jumps. */
+/* Checks whether a model size may be chosen in spite of failures. In time, with error estimates, it
+ * may, because after jumps all sizes may fail. */
 static bool may_fail(const trade_position *position, bool in_time) {
     return in_time && position->factor_in_time > 0;
 }
 
-/* Checks whether a size may be chosen for a deviation, without regard to the failures of other
- * sizes. */
+/* Checks whether a model size may be chosen for a deviation, whatever failures other sizes have. */
 static bool is_candidate(const trade_position *position, double deviation, bool in_time) {
     const trade_price price = trade_price_of(position, in_time);
 
@@ -255,7 +254,7 @@ static double field_deviation(const trade_table *table, size_t position) {
     return table->positions[position].deviation[TRADE_PRESSURE][TRADE_WORST];
 }
 
-/* Returns the fewest failures of any candidate for a deviation. */
+/* Returns the smallest number of failures among the candidates for a deviation. */
 static size_t least_failures(const trade_table *table, double deviation, bool in_time) {
     size_t least = SIZE_MAX;
 
@@ -300,9 +299,9 @@ size_t trade_cheapest(const trade_table *table, double deviation, bool in_time) 
     return best < table->num_positions ? best : smoothest;
 }
 
-/* Returns the measure that is least for the most accurate size: the deviation of trade_price_of, or
- * in time, with error estimates, the geometric mean of the estimates on the parts of the
- * trajectories. A lost trajectory counts as 1. */
+/* Returns the measure that is smallest for the most accurate model size: the deviation of
+ * trade_price_of. In time, with error estimates, it is the geometric mean of the quantiles of the
+ * estimates. A lost trajectory has the estimate 1. */
 static double inaccuracy(const trade_position *position, bool in_time) {
     double sum = 0;
 

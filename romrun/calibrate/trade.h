@@ -12,9 +12,10 @@
 #include <stddef.h>
 #include <stdio.h>
 
-/* Makes the ladder of sizes to measure. The numbers of pressure modes go from about 10 to all in
- * strides of about sqrt(2), with half strides at the end. Deformation modes are in proportion. The
- * numbers of rows are 1.2, 1.5, 2 and 3 times the pressure modes, and all. Errors: EHD_MEMORY. */
+/* Creates the ladder of model sizes to measure. The number of pressure modes grows from about 10 to
+ * all by factors of about sqrt(2), with half strides at the end. The number of deformation modes is
+ * in proportion. The numbers of rows are 1.2, 1.5, 2 and 3 times the number of pressure modes, and
+ * all. Errors: EHD_MEMORY. */
 ehd_status trade_ladder(
     // output:
     trade_table *table, // free with trade_free; only the sizes are filled
@@ -24,9 +25,9 @@ ehd_status trade_ladder(
 /* Returns a quantile of the values (nearest rank) and sorts them; NaN without values. */
 double trade_quantile_of(double *values, size_t count, double quantile);
 
-/* Checks whether a position is not Pareto-optimal: it may not be chosen, or another position is at
- * least as good in failures, time and deviation, and better in one of them. `in_time`, here and
- * below: by the measurements on trajectories. */
+/* Checks whether a position is not Pareto-optimal. Either it may not be chosen, or another position
+ * is at least as good in failures, time and deviation, and better in one of these. `in_time`, here
+ * and below: by the measurements on trajectories. */
 bool trade_is_dominated(const trade_table *table, size_t position, bool in_time);
 
 /* Returns the fastest position that meets a relative deviation of the films; num_positions if there
@@ -34,66 +35,65 @@ bool trade_is_dominated(const trade_table *table, size_t position, bool in_time)
  *
  * Stationary: candidates have no failures and film deviations of at most `deviation`
  * (trade_price_of). The worst pressure deviation, in Hertz pressures, must be at most
- * trade_pressures_allowed times that, because false spikes may occur where the films are right. If
- * no candidate has such pressures, the one with the best pressures is returned.
+ * trade_pressures_allowed times `deviation`, because false spikes may occur where the films are
+ * right. If no candidate has such pressures, the candidate with the best pressures is returned.
  *
  * In time, with error estimates: candidates have estimates within `deviation` on at least half of
- * the trajectories, since the estimates also mark the steps that exceed it. Of these, those with
- * the fewest lost trajectories are taken, of these those with the most trajectories within
- * `deviation`, and of these the fastest. Lost trajectories are allowed: on 5 of 20 random
- * histories, whose films rupture in the inlet after a jump or fill the outlet, all sizes fail
- * (scenes/studies/silent-in-time). */
+ * the trajectories, since the estimates mark the steps that exceed it. Three criteria decide in
+ * this order: fewest lost trajectories, most trajectories within `deviation`, shortest time. Lost
+ * trajectories are allowed: on 5 of 20 random histories, whose films rupture in the inlet after a
+ * jump or fill the outlet, all sizes fail (scenes/studies/silent-in-time). */
 size_t trade_cheapest(const trade_table *table, double deviation, bool in_time);
 
 /* Returns the position without failures that has the smallest deviation (trade_price_of);
- * num_positions if there is none. In time, with error estimates, returns the position with the
- * smallest geometric mean of the estimates on the parts of the trajectories, among those that solve
- * half of the trajectories. Lost trajectories count as 1. */
+ * num_positions if there is none. In time, with error estimates: among the positions that solve
+ * half of the trajectories, returns the one with the smallest geometric mean of the quantiles of
+ * the estimates. Lost trajectories have the estimate 1. */
 size_t trade_most_accurate(const trade_table *table, bool in_time);
 
-/* Deviation and time by which sizes are chosen. With error estimates, which mark the scenes that
- * deviate by more, it suffices that 90 % of the scenes are solved with estimates of at most the
- * wanted deviation. */
+/* Deviation and time by which model sizes are chosen. Error estimates mark the scenes that deviate
+ * by more. With them it suffices if 90 % of the scenes have estimates of at most the wanted
+ * deviation. */
 typedef struct trade_price {
-    // Of the films. Stationary: the worst, or with error estimates their 90 % quantile. In time:
-    // the worst of the central film alone, or with error estimates their median over the
-    // trajectories (infinite if more than half are lost).
+    // Stationary: the worst deviation of the films or, with error estimates, the estimates' 90 %
+    // quantile. In time: the worst deviation of the central film or, with error estimates, their
+    // median over the trajectories (infinite if more than half are lost).
     double deviation;
     double seconds;      // time of a solution or a step
-    size_t num_failures; // with error estimates 0 up to 10 % of the scenes; in time the number of
-                         // lost trajectories
+    size_t num_failures; // stationary with error estimates: 0 if up to 10 % of the scenes fail; in
+                         // time: number of lost trajectories
 } trade_price;
 trade_price trade_price_of(const trade_position *position, bool in_time);
 
-/* Returns the largest part of the trajectories (of trade_time_parts) whose error estimates are at
- * most `deviation`; 0 if this is less than half, or there are no error estimates. */
+/* Returns the largest fraction of the trajectories (from trade_time_parts) whose error estimates
+ * are at most `deviation`; 0 if it is less than half, or without error estimates. */
 double trade_part_in_time(const trade_position *position, double deviation);
 
 /* Writes the sizes as text, for example "80 pressure modes, 120 rows". */
 enum { TRADE_NAME = 96 };
 void trade_name(char name[TRADE_NAME], const model_sizes *sizes);
 
-/* Safety factor of error estimates. It allows for scenes that differ from the scenes of the
- * calibration (romrun/trust/README.md, Error estimates; scenes/studies/silent-failures;
- * test_trade.c, the_factor_leaves_a_margin). */
+/* Safety factor of error estimates, for scenes that differ from the scenes of the calibration
+ * (romrun/trust/README.md, Error estimates; scenes/studies/silent-failures; test_trade.c,
+ * the_factor_leaves_a_margin). */
 extern const double trade_margin;
 
-/* Allowed error of the pressure in Hertz pressures, over the allowed relative error of the films.
- * A spike of the pressure may be wrong where the films are right (romrun/calibrate/README.md,
+/* Allowed error of the pressure, in Hertz pressures, divided by the allowed relative error of the
+ * films. A pressure spike may be wrong where the films are right (romrun/calibrate/README.md,
  * Calibration and the accuracy dial; test_trade.c, pressures_may_be_off_three_times_as_much). */
 extern const double trade_pressures_allowed;
 
-/* Returns the factor of the error estimate of a film (indicator.h): the smallest with which the
- * estimate of each scene is at least trade_margin times its deviation. Returns 0 without scenes. */
+/* Returns the factor of the error estimate of a film (indicator.h): the smallest factor with which
+ * each scene's estimate is at least trade_margin times its deviation. Returns 0 without scenes. */
 double trade_indicator_factor(const double *deviations, const double *bounds, size_t count);
 
-/* Fits the dependence of the factor on the bound (romrun/trust/README.md, The factor grows with
- * the bound). The estimate of each scene is at least trade_margin times its deviation, as with the
- * constant factor. The fit is a line above the ratios of deviation to bound of all scenes, for
- * which the geometric mean of the estimates is least. At a bound of zero the line has at least the
- * ratio of the scene with the smallest bound. `with_offset`: also fits an offset and a share of the
- * bound, for which the lesser of both estimates is least. Without scenes the shape is plain_shape.
- * Errors: EHD_MEMORY. */
+/* Fits the dependence of the factor on the bound (romrun/trust/README.md, The factor grows with the
+ * bound). As with a constant factor, each scene's estimate is at least trade_margin times its
+ * deviation. The fit is the straight line above all scenes' ratios of deviation to bound with the
+ * smallest geometric mean of the estimates. At a bound of zero the line is not below the ratio of
+ * the scene with the smallest bound. `with_offset`: then fits an offset and a share of the bound.
+ * The estimate is the smaller of both; its geometric mean is minimised. Without scenes the shape is
+ * plain_shape. Errors: EHD_MEMORY. */
 ehd_status trade_indicator_shape(
     // output:
     indicator_shape *shape,

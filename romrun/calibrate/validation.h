@@ -13,18 +13,17 @@ typedef struct validation {
     training_set set;
     training solutions;       // solutions of the full model
     contact_scalars *scalars; // [set.num_points]
-    solved_scene *scenes;     // [num_scenes] scenes that converged
+    solved_scene *scenes;     // [num_scenes] scenes whose full solutions converged
     size_t num_scenes;
-    recording *recordings; // [set.num_trajectories], the usable ones first
-    size_t num_recordings; // number of usable ones, which reached their end inside of the trained
-                           // range
+    recording *recordings; // [set.num_trajectories]; usable recordings come first
+    size_t num_recordings; // number of usable recordings: complete, and inside of the trained range
     size_t num_failed;     // number of points and trajectories that the full model did not solve
 } validation;
 
 /* Frees all members, the set included. */
 void validation_free(validation *self);
 
-/* Solves the points and trajectories of the set with the full model. `name`: of the set, for
+/* Solves the points and trajectories of the set with the full model. `name`: name of the set, for
  * messages. EHD_NOT_CONVERGED: the full model solved none. EHD_DATA: there are only trajectories,
  * and none stays inside of the trained range. EHD_INTERRUPTED, with a text. */
 ehd_status validation_solve(
@@ -34,15 +33,15 @@ ehd_status validation_solve(
     const trained_range *range, const program *caller, const char *name, size_t num_workers,
     ehd_error *error);
 
-/* Measures each size of the ladder of a model. EHD_INTERRUPTED, with a text. */
+/* Measures each model size of the ladder. EHD_INTERRUPTED, with a text. */
 ehd_status validation_measure(
     // output:
     trade_table *table, // free with trade_free
     // input:
     const validation *scenes, const program *caller, const char *model_path, ehd_error *error);
 
-/* Finds the scene with the largest film error of the whole model, or one that the model does not
- * solve. *worst is NULL if there are no scenes. */
+/* Finds a scene that the whole model does not solve or else the scene with its largest film error.
+ * *worst is NULL if there are no scenes. */
 ehd_status validation_worst(const ehd_contact **worst, const validation *scenes,
                             const char *model_path, ehd_error *error);
 

@@ -11,9 +11,9 @@ typedef struct verification {
     double residual;         // largest scaled residual of all rows before the exit and of the load
                              // balance
     double tolerance;        // tolerance of fullrun
-    double residual_seconds; // O(n log n)
+    double residual_seconds; // time for the residual, O(n log n)
     // Relative change of the central film by one Newton step of the full model at a fixed exit. To
-    // first order it is minus the error of the film. NaN: no step was possible.
+    // first order it is the negative of the film's relative error. NaN: no step was possible.
     double film_change;
     double step_seconds;
 } verification;
