@@ -11,7 +11,7 @@
 
 static const char no_memory[] = "contact: out of memory";
 
-/* Sets the model's kind of contact and discretisation, by their names in scenes. */
+/* Sets the kind of contact and the discretisation to the model's, by their names in scenes. */
 static void take_from_model(scene *settings, const ehdrom_model *model) {
     const online_properties properties = online_describe(model->online);
     const contact_kind *kind = online_kind(model->online);
@@ -109,9 +109,9 @@ ehdrom_status ehdrom_contact_set(ehdrom_contact *self, const char *key, const ch
     return (ehdrom_status)status;
 }
 
-/* Updates the completed settings for a new number. If only numbers of the operating point are
- * replaced, the other completed settings stay valid. That saves 186 of 189 thousand instructions,
- * which matters for contacts that are solved in 50 microseconds. */
+/* Updates the completed settings after one setting has changed. If only numbers of the operating
+ * point change, the other completed settings stay valid. This saves 186 of 189 thousand
+ * instructions, which matters for contacts that are solved in 50 microseconds. */
 static void replace(ehdrom_contact *self, const char *key, const char *text) {
     const bool of_point = starts_with(key, "physical.") || starts_with(key, "moes.");
     const setting *row = setting_find(key);
@@ -125,7 +125,7 @@ static void replace(ehdrom_contact *self, const char *key, const char *text) {
     }
 }
 
-/* Checks whether a setting already has this text, so that setting it changes nothing. */
+/* Checks whether a setting already has this text. */
 static bool is_set_to(const scene *settings, const char *key, const char *text) {
     const setting *row = setting_find(key);
     char now[NUMBER_TEXT];
@@ -141,7 +141,7 @@ ehdrom_status ehdrom_contact_set_number(ehdrom_contact *self, const char *key, d
     if (!status) status = check_key(key, &self->error);
     if (status) return (ehdrom_status)status;
     const locale_t before = library_enter();
-    number_show(text, value); // all digits, so that the same bits come back
+    number_show(text, value); // with all digits, so that reading gives the same bits
     if (!is_set_to(&self->settings, key, text)) {
         status = scene_set(&self->settings, key, text, NULL, &self->error);
         if (!status) replace(self, key, text);
@@ -235,8 +235,8 @@ static void take_shape(scene *of, const ehdrom_contact *self) {
         of->ellipticity = online_grid(self->model->online)->shape.ellipticity;
 }
 
-/* Makes a scene of one regime from the settings, whatever their regime. It leaves out what the
- * caller gives instead of the scene (how conditions change in time) and what is written. */
+/* Makes a scene of one regime from settings of any regime. It omits the settings for output. It
+ * also omits how conditions change in time, which the caller gives instead of the scene. */
 static void take_regime(scene *of, const ehdrom_contact *self, bool in_time) {
     const online_properties properties = online_describe(self->model->online);
 
@@ -308,8 +308,8 @@ ehdrom_status ehdrom_contact_scales(ehdrom_contact *self, ehdrom_scales *scales)
     if (status) return (ehdrom_status)status;
     const locale_t before = library_enter();
     const bool dimensionless = self->dimensionless;
-    self->dimensionless = true; // a scene of M and L has no SI units, which is no error here
-    // scales are equal in both regimes, but scenes in time cannot have cross fluxes
+    self->dimensionless = true; // allows a scene of M and L, which has no SI units
+    // scales are equal in both regimes, but scenes in time do not allow every discretisation
     const bool in_time = !online_check_in_time(self->model->online, NULL);
     status = library_contact(&contact, &units, self, in_time, &self->error);
     self->dimensionless = dimensionless;

@@ -5,8 +5,8 @@
 #include <math.h>
 
 /* Returns the contact of the last ehdrom_solve. The approach of a line contact is measured from
- * approach_length, or from its default in scenes with a given approach, since its derivative has
- * no meaning with 1 half width. */
+ * approach_length, or else from the default for a given approach. Measured from 1 half width its
+ * derivative has no meaning. */
 static ehd_contact contact_from_afar(const ehdrom_contact *self) {
     const double length = self->settings.approach_length;
     ehd_contact contact = self->solved;
@@ -15,7 +15,7 @@ static ehd_contact contact_from_afar(const ehdrom_contact *self) {
     return contact;
 }
 
-/* Begins a call. EHD_INTERNAL: nothing to differentiate; `expected`: the calls that must come
+/* Begins a call. EHD_INTERNAL: there is no solution; `expected`: the calls that must come
  * before. */
 static ehd_status begin(ehdrom_contact *self, const char *what, const char *expected) {
     const ehd_status status = library_begin(self);
@@ -29,8 +29,8 @@ static const unit_factors *units_of_last(const ehdrom_contact *self) {
     return self->differentiable == OF_SOLUTION ? &self->solved_units : &self->reference_units;
 }
 
-/* Converts a direction. If neither load nor approach is given, the one that the solution was given
- * is held. */
+/* Converts a direction. If the direction has neither load nor approach, it holds the one that was
+ * given for the solution. */
 static ehd_status take_direction(online_direction *own, ehdrom_contact *self,
                                  const ehdrom_conditions *given) {
     const bool by_approach = self->differentiable != OF_SOLUTION && self->by_approach;

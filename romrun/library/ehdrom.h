@@ -76,10 +76,10 @@ enum {
 
 typedef struct ehdrom_model ehdrom_model;
 
-/* Which part of a model to load. */
+/* How much of a model to load. */
 typedef struct ehdrom_model_options {
     size_t size;              /* sizeof(ehdrom_model_options) */
-    size_t pressure_modes;    /* number of first modes; 0: all */
+    size_t pressure_modes;    /* number of modes, from the first one on; 0: all */
     size_t deformation_modes; /* 0: all */
     size_t rows;              /* 0: all */
     int stationary;           /* 1: without the data for steps in time */
@@ -107,23 +107,23 @@ EHDROM_API const char *ehdrom_model_error(const ehdrom_model *model);
 
 typedef struct ehdrom_model_info {
     size_t size;    /* sizeof(ehdrom_model_info) */
-    int dimensions; /* of the pressurised zone: 1 for a line contact, 2 for a point contact or
-                       ellipse */
+    int dimensions; /* dimensions of the pressurised zone: 1 for a line contact, 2 for a point
+                       contact or ellipse */
     /* Nodes along and across the whole contact; num_y is 1 for a line contact. For a list of
      * models on different grids, num_x, num_y, x_min and step are those of the grid with the most
      * nodes. */
     size_t num_x, num_y;
-    double x_min, y_min; /* the first node, half widths */
-    double step;         /* between nodes along, half widths; across times (b/a)^(-1/3) */
+    double x_min, y_min; /* first node, half widths */
+    double step;         /* distance of nodes along x, half widths; along y: times (b/a)^(-1/3) */
     size_t pressure_modes, deformation_modes, unknowns, rows, states;
-    int checked;         /* 1: these sizes were checked, so results have error estimates */
-    int checked_in_time; /* 1: they were checked on trajectories too */
-    int in_time;         /* 1: loaded for steps in time. 0 also for a list of models on different
-                            grids, which is possible for line contacts */
+    int checked;         /* 1: results have error estimates, since these sizes were checked */
+    int checked_in_time; /* 1: these sizes were also checked on trajectories */
+    int in_time;         /* 1: loaded for steps in time. Always 0 for a list of models on different
+                            grids, which only line contacts may have */
     double ellipticity;  /* b/a, half width across over half width along; 1 for a line or point
                             contact */
-    size_t parts; /* models in a list, for parts of a region; 1 for a single model. Sizes are those
-                     of the largest model, states of all */
+    size_t parts; /* number of models in a list; 1 for a single model. The sizes above are those of
+                     the largest model; `states` is the sum over all models */
 } ehdrom_model_info;
 #define EHDROM_MODEL_INFO_INIT                                                                     \
     { sizeof(ehdrom_model_info), 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0 }
@@ -158,32 +158,32 @@ EHDROM_API ehdrom_status ehdrom_contact_set(ehdrom_contact *contact, const char 
                                             const char *value);
 EHDROM_API ehdrom_status ehdrom_contact_set_number(ehdrom_contact *contact, const char *key,
                                                    double value);
-/* Writes the text of a setting to `text`, numbers with all digits; "" if it is not set. Defaults
- * that depend on other settings are not filled in. EHDROM_DATA: no such key, or the text does not
- * fit into `size` characters. */
+/* Writes the text of a setting to `text`; numbers have all digits. Writes "" if it is not set.
+ * Defaults that depend on other settings are not filled in. EHDROM_DATA: no such key, or the text
+ * does not fit into `size` characters. */
 EHDROM_API ehdrom_status ehdrom_contact_get(ehdrom_contact *contact, const char *key, char *text,
                                             size_t size);
 
 enum {
     EHDROM_SI = 0,
-    /* Film and approach over a^2/R, pressure over p_H, length over a, load over the load that is
-     * set, time over a/u, and conditions relative to the settings. A scene of moes.M and moes.L
-     * has only these units. */
+    /* Quantities are divided by scales: film and approach by a^2/R, pressure by p_H, length by a,
+     * load by the load in the settings, time by a/u, conditions by their settings. A scene of
+     * moes.M and moes.L has only these units. */
     EHDROM_DIMENSIONLESS = 1
 };
 EHDROM_API ehdrom_status ehdrom_contact_set_units(ehdrom_contact *contact, int units);
 
 /* Sets the accuracy; default 0.01. A result whose error estimate is larger is EHDROM_UNTRUSTED.
  * With INFINITY neither an error estimate nor a model that was never checked makes a result
- * untrusted. Results outside of the training are untrusted in any case, and so are steps of a
- * contact that changes faster than any in training. */
+ * untrusted. Results outside of the training, and steps of a contact that changes faster than any
+ * in training, are untrusted in any case. */
 EHDROM_API ehdrom_status ehdrom_contact_set_accuracy(ehdrom_contact *contact, double accuracy);
 
-/* Sets the tolerance of ehdrom_solve; default 1e-8. It iterates until the next iteration is
+/* Sets the tolerance of ehdrom_solve; default 1e-8. The iteration ends when the next one is
  * expected to change the central film by a smaller fraction. */
 EHDROM_API ehdrom_status ehdrom_contact_set_tolerance(ehdrom_contact *contact, double tolerance);
-/* Sets the relative error of the central film that all steps together may make. The iteration of a
- * step leaves a tenth of the step's share. By default steps iterate like ehdrom_solve. */
+/* Sets the relative error of the central film that all steps together may cause. The tolerance of a
+ * step's iterations is a tenth of its share. By default it is that of ehdrom_solve. */
 EHDROM_API ehdrom_status ehdrom_contact_set_step_tolerance(ehdrom_contact *contact,
                                                            double tolerance);
 
@@ -197,7 +197,7 @@ typedef struct ehdrom_scales {
     double load;              /* N/m or N */
     double speed;             /* u, m/s */
     double time;              /* a/u, s */
-    double moes_M, moes_L;    /* 1 */
+    double moes_M, moes_L;    /* dimensionless */
     double half_width_across; /* m: b of an ellipse, else a */
 } ehdrom_scales;
 #define EHDROM_SCALES_INIT                                                                         \
@@ -212,26 +212,28 @@ typedef struct ehdrom_result {
     int trusted;          /* 1 with EHDROM_OK */
     double time;          /* s; 0 for a stationary solution */
     double load;          /* N/m or N, force between the bodies */
-    /* m, H0 a^2/R: distance from touching undeformed. For a line contact ehdrom_solve measures it
-     * from 1 half width, steps in time from approach_length half widths (10 unless set). */
+    /* m, H0 a^2/R: distance of the undeformed bodies from touching. For a line contact ehdrom_solve
+     * measures it from 1 half width; steps in time measure it from approach_length half widths (10
+     * unless set). */
     double approach;
     double central_film_thickness; /* m */
     double minimum_film_thickness; /* m */
     double central_pressure;       /* Pa */
-    double peak_pressure;          /* Pa, largest at the nodes that the reduced model evaluates */
-    double exit_position;          /* m behind the centre, end of the pressure at y = 0 */
-    double half_width;             /* m, of the dry contact at this time */
+    double peak_pressure; /* Pa, largest pressure at the nodes that the reduced model evaluates */
+    double exit_position; /* m behind the centre: end of the pressure at y = 0 */
+    double half_width;    /* m, of the dry contact at this time */
     /* Relative error estimates of central and minimum film, against the full model with the same
-     * grid and steps; NaN: the model was not checked for that. */
+     * grid and steps; NaN: the model was not checked for this regime. */
     double indicated_deviation, indicated_deviation_minimum;
-    /* Local error of this step, relative to the central film; 0: not known yet. In a step shorter
-     * than the grid's step along the path: this step's share of the error of a longer step. */
+    /* Local error of this step, relative to the central film; 0: not known yet. With transport
+     * along the path, for steps shorter than the grid's step: this step's share of the error of a
+     * longer step. */
     double local_error;
     double residual; /* of the reduced equations */
     size_t iterations;
     /* Factor by which shear heating of the inlet thins the films, which are isothermal here.
      * ehdrom_solve sets it if lubricant.thermal_conductivity is set. NaN: not known, in time, or
-     * outside of the range of its formula. */
+     * outside of the formula's range. */
     double inlet_heating_factor;
 } ehdrom_result;
 #define EHDROM_RESULT_INIT                                                                         \
@@ -255,16 +257,16 @@ EHDROM_API ehdrom_status ehdrom_solve(ehdrom_contact *contact, ehdrom_result *re
  *         ehdrom_accept(contact);
  *     }
  *
- * A step is BDF2. The first step, and a step much longer than those before it, are BDF1. Steps may
- * have any lengths. The settings are the reference: a condition that is not given keeps the value
- * in the settings.
+ * Steps use BDF2 and may have any lengths. The first step, and any step much longer than the
+ * previous ones, use BDF1. The settings are the reference: a condition that is not given keeps the
+ * value in the settings.
  *
  * The approach of a line contact is measured from approach_length half widths, 10 unless set. If
  * the approach is given, approach_length must be at least half of the grid's length.
  *
- * If the approach is given, bodies may part: the load is then 0 and the film is their gap. The
- * result is untrusted if the neglected load may exceed 1 % of the reference load. With a given
- * load of 0 the bodies are apart too, and the film is NaN. */
+ * If the approach is given, the bodies may separate: the load is then 0 and the film is the gap
+ * between them. The result is untrusted if the neglected load may exceed 1 % of the reference load.
+ * With a given load of 0 the bodies are apart too, and the film is NaN. */
 
 enum {
     EHDROM_LOAD = 1,
@@ -295,23 +297,24 @@ EHDROM_API ehdrom_status ehdrom_start(ehdrom_contact *contact, const ehdrom_cond
  * shorter step. */
 EHDROM_API ehdrom_status ehdrom_step(ehdrom_contact *contact, const ehdrom_conditions *conditions,
                                      double step, ehdrom_result *result);
-/* Steps `count` contacts of any models like ehdrom_step, one after the other in this thread.
- * `conditions`, [count], NULL: the conditions of the settings. Returns the largest status. Each
- * result has its own status and each contact its error text. After an error the other members of
- * its result are unchanged. A contact that fails does not affect the others. */
+/* Takes a step with each of `count` contacts, like ehdrom_step, one after the other in this thread.
+ * The contacts may have different models. `conditions`, [count], NULL: the conditions of the
+ * settings. Returns the largest status. Each result has its own status and each contact its error
+ * text. After an error the other members of its result are unchanged. A contact that fails does not
+ * affect the others. */
 EHDROM_API ehdrom_status ehdrom_step_many(ehdrom_contact *const *contacts,
                                           const ehdrom_conditions *conditions, double step,
                                           ehdrom_result *results, size_t count);
 /* Accepts the last step. EHDROM_INTERNAL: there is none, or it did not converge. */
 EHDROM_API ehdrom_status ehdrom_accept(ehdrom_contact *contact);
-/* Makes the next step first order, from the last state alone. Call it after a jump of the
- * conditions. */
+/* Makes the next step first order: it uses only the last accepted state. Call it after a jump of
+ * the conditions. */
 EHDROM_API ehdrom_status ehdrom_restart(ehdrom_contact *contact);
 
-/* Save and restore the accepted state, in any contact of the same model and settings, also in
- * another process. Steps that follow are equal to the last bit. EHDROM_DATA: not as many numbers,
- * no saved state, or a state of other settings; the contact must then be started or restored
- * anew. */
+/* Save and restore the accepted state, in any contact of the same model and settings, even in
+ * another process. The following steps are bit-identical. EHDROM_DATA: a wrong number of
+ * doubles, no saved state, or a state of other settings; the contact must then be started or
+ * restored anew. */
 EHDROM_API ehdrom_status ehdrom_state_size(ehdrom_contact *contact, size_t *count);
 EHDROM_API ehdrom_status ehdrom_state_save(ehdrom_contact *contact, double *state, size_t count);
 EHDROM_API ehdrom_status ehdrom_state_restore(ehdrom_contact *contact, const double *state,
@@ -332,30 +335,34 @@ EHDROM_API ehdrom_status ehdrom_state_restore(ehdrom_contact *contact, const dou
 typedef struct ehdrom_derivatives {
     size_t size; /* sizeof(ehdrom_derivatives) */
     double load;
-    /* For a line contact measured from approach_length half widths (10), after ehdrom_solve too.
-     * The result of ehdrom_solve has the approach from 1 half width, so differences of results are
-     * other numbers. */
+    /* For a line contact measured from approach_length half widths (10), even after ehdrom_solve.
+     * The result of ehdrom_solve measures the approach from 1 half width, so differences of results
+     * differ from this derivative. */
     double approach;
     double central_film_thickness;
     double minimum_film_thickness;
     double central_pressure;
-    double peak_pressure; /* at the node where it is largest */
-    double exit_position; /* NaN if the exit is known as a node only */
+    double peak_pressure; /* at the node with the largest pressure */
+    double exit_position; /* NaN if only the node of the exit is known */
     double half_width;
 } ehdrom_derivatives;
 #define EHDROM_DERIVATIVES_INIT                                                                    \
     { sizeof(ehdrom_derivatives), 0, 0, 0, 0, 0, 0, 0, 0 }
 
 /* Computes derivatives along a direction.
- * The bits in `given` of the direction select the conditions that change. Their members are the
- * rates of change, in the members' units. Other conditions are held.
- * Either the load or the approach belongs to the direction; the other one is an outcome. It is the
- * one whose bit is set, with the value 0 to hold it. If neither bit is set, the one that was given
- * for the solution is held.
+ *
+ * The bits in direction->given select the conditions that change. Their members are the rates of
+ * change, in the members' units. Other conditions stay constant.
+ *
+ * The direction prescribes either the load or the approach, whichever bit is set; the value 0 holds
+ * it constant. The other one is an outcome. If neither bit is set, the one that was given for the
+ * solution stays constant.
+ *
  * For a solution the derivatives are those of stationary solutions. For a step they are the
- * tangent at its end: the change with the conditions there, from the same accepted state.
+ * tangent at its end: the change with the conditions at the end, from the same accepted state.
+ *
  * The derivatives follow from the Jacobian of the reduced equations. The first direction takes the
- * time of about two iterations, further directions half of that. The contact is left as it is.
+ * time of about two iterations, further directions half of that. The contact does not change.
  * EHDROM_DATA: a direction that is not finite, both load and approach, or an approach of a line
  * contact that is measured from within the pressurised zone. EHDROM_INTERNAL: no solution, or a
  * start at rest. EHDROM_NOT_CONVERGED: a derivative is not finite. */
@@ -364,14 +371,15 @@ EHDROM_API ehdrom_status ehdrom_differentiate(ehdrom_contact *contact,
                                               ehdrom_derivatives *derivatives);
 
 /* Response of the force of a stationary contact to a small slow change of the approach, dF =
- * -(stiffness + s damping) dh for s -> 0, at constant speed. A step has none. */
+ * -(stiffness + s damping) dh for s -> 0, at constant speed. Steps have no response. */
 typedef struct ehdrom_response {
     size_t size;      /* sizeof(ehdrom_response) */
     double stiffness; /* -dF/dh, N/m^2 for a line contact, N/m for a point contact */
     double damping;   /* N s/m^2 or N s/m, by the squeeze term */
-    /* Unit as damping: change of the damping by the part of the squeeze term that the modes do not
-     * contain. For ten models the error of the damping was 2 to 8 times this. Modes of lines that
-     * were trained in time contain that part, modes of stationary solutions often do not. */
+    /* Unit as damping. The effect on the damping of that part of the squeeze term that the modes
+     * do not contain. For ten models the error of the damping was 2 to 8 times this value. Modes
+     * of line contacts trained in time contain this part, modes of stationary solutions often do
+     * not. */
     double damping_bound;
 } ehdrom_response;
 #define EHDROM_RESPONSE_INIT                                                                       \
@@ -387,49 +395,49 @@ EHDROM_API ehdrom_status ehdrom_respond(ehdrom_contact *contact, ehdrom_response
 typedef struct ehdrom_traction {
     size_t size;                 /* sizeof(ehdrom_traction) */
     double friction_coefficient; /* friction over load, with the sign of the sliding */
-    /* N/m or N, by the sliding: on surface 2 along x, on surface 1 against x */
+    /* N/m or N, force by the sliding: on surface 2 along x, on surface 1 against x */
     double friction_force;
-    double rolling_resistance;   /* N/m or N, on either surface against x */
-    double rolling_moment;       /* N or N m, of the pressures against the rolling */
+    double rolling_resistance;   /* N/m or N, acts on each surface against x */
+    double rolling_moment;       /* N or N m, moment of the pressures against the rolling */
     double power_loss;           /* W/m or W, power that both surfaces put into the film */
     double mean_shear_stress;    /* Pa, mean magnitude over the dry contact */
-    double largest_shear_stress; /* Pa, at the nodes that the reduced model evaluates */
-    /* Relative error estimate of the friction force, against the full model. NAN: of a step, not
-     * checked, or of a model from before version 0.3.0. */
+    double largest_shear_stress; /* Pa, largest at the nodes that the model evaluates */
+    /* Relative error estimate of the friction force, against the full model. NAN: for a step, an
+     * unchecked model, or a model from before version 0.3.0. */
     double indicated_deviation_friction;
 } ehdrom_traction;
 #define EHDROM_TRACTION_INIT                                                                       \
     { sizeof(ehdrom_traction), 0, 0, 0, 0, 0, 0, 0, 0 }
 
-/* Computes the traction of surfaces that slide at u1 - u2 = `sliding`, m/s. NAN: the ratio
- * slide_roll, or the ratio of both speeds, in the settings, times the mean speed. This setting and
- * the law, lubricant.shear, are those with which the contact was last solved or started. The
- * sliding does not change the films, except with lubricant.shear.in_film.
- * A model of this version sums over few nodes; for other models the cost grows with the grid.
- * EHDROM_DATA: a scene of moes.M and moes.L, no sliding, or with in_film another sliding than the
- * film's. EHDROM_INTERNAL: no solution before. */
+/* Computes the traction of surfaces that slide at u1 - u2 = `sliding`, m/s. NAN: the mean speed
+ * times slide_roll, or times the ratio of both speeds in the settings. This setting and the law,
+ * lubricant.shear, are those with which the contact was last solved or started. The sliding does
+ * not change the films, except with lubricant.shear.in_film. A model of this version sums over
+ * few nodes; with other models the cost grows with the grid. EHDROM_DATA: a scene of moes.M and
+ * moes.L, no sliding, or with in_film another sliding than the film's. EHDROM_INTERNAL: no
+ * solution before. */
 EHDROM_API ehdrom_status ehdrom_slide(ehdrom_contact *contact, double sliding,
                                       ehdrom_traction *traction);
 
-/* Like ehdrom_slide, for the last ehdrom_step, which need not be accepted. Steps that follow have
- * the same bits. EHDROM_DATA also for a model without nodes for traction. */
+/* Like ehdrom_slide, for the last ehdrom_step, which need not be accepted. It does not change the
+ * following steps. EHDROM_DATA also for a model without nodes for traction. */
 EHDROM_API ehdrom_status ehdrom_slide_step(ehdrom_contact *contact, double sliding,
                                            ehdrom_traction *traction);
 
 /* ---- fields, of the last solution or the accepted state, whichever came last */
 
-/* Returns the numbers of the solution's nodes along and across. They are as in ehdrom_model_info.
- * For a list of models on different grids they belong to the model that has solved the contact;
- * the arrays below then have NaN behind these nodes, up to the lengths of ehdrom_model_info.
- * Before a solution the numbers are as in ehdrom_model_info. Either pointer may be NULL. */
+/* Returns the numbers of the solution's nodes along and across. They are those of
+ * ehdrom_model_info, except after a solution with a list of models on different grids. Then they
+ * belong to the model that has solved the contact, and the arrays below are filled with NaN behind
+ * these nodes, up to the lengths of ehdrom_model_info. Either pointer may be NULL. */
 EHDROM_API ehdrom_status ehdrom_nodes(ehdrom_contact *contact, size_t *num_x, size_t *num_y);
 /* Returns the positions of the nodes, [num_x] and [num_y]. Either may be NULL. */
 EHDROM_API ehdrom_status ehdrom_axes(ehdrom_contact *contact, double *x, double *y);
 /* Returns pressure and film at all nodes, [num_y, num_x]. Either may be NULL. The cost grows with
- * the grid, also for ehdrom_shear_stresses. */
+ * the grid, as for ehdrom_shear_stresses. */
 EHDROM_API ehdrom_status ehdrom_fields(ehdrom_contact *contact, double *pressure, double *film);
 /* Returns the stresses of the fluid on surface 1 and on surface 2 along x, Pa, at all nodes,
- * [num_y, num_x]: -tau - h/2 dp/dx and tau - h/2 dp/dx, 0 where there is no pressure. `sliding`,
+ * [num_y, num_x]: -tau - h/2 dp/dx and tau - h/2 dp/dx; 0 where the pressure is zero. `sliding`,
  * settings and errors as ehdrom_slide. Either may be NULL. */
 EHDROM_API ehdrom_status ehdrom_shear_stresses(ehdrom_contact *contact, double sliding,
                                                double *stress_1, double *stress_2);

@@ -4,13 +4,13 @@
  * and artefact_close may be called. */
 #include "romrun/library/hdf5_calls.h"
 
-static const hdf5_calls *calls; // NULL: not needed yet, or not there
+static const hdf5_calls *calls; // NULL: not needed yet, or missing
 
 static ehd_status find_calls(const char *path, ehd_error *error) {
     return calls ? EHD_OK : hdf5_load(&calls, path, error);
 }
 
-/* Does not report a missing table, since artefact_open, which comes next, reports it. */
+/* Does not report a missing table: artefact_open, which comes next, does. */
 artefact_guest artefact_visit(void) {
     const artefact_guest none = {0};
 

@@ -25,13 +25,13 @@
 #define HDF5_MEMBER(name) __typeof__(name) *name;
 typedef struct hdf5_calls {
     size_t size;         // sizeof(hdf5_calls)
-    const char *version; // of the library that the table belongs to
+    const char *version; // version of the library that the table belongs to
     HDF5_CALLS(HDF5_MEMBER)
 } hdf5_calls;
 #undef HDF5_MEMBER
 
 #define HDF5_PLUGIN "libehdrom-hdf5.so.0"
-#define HDF5_TABLE  "ehdrom_hdf5" // the only name that the plug-in exports
+#define HDF5_TABLE  "ehdrom_hdf5" // only name that the plug-in exports
 
 /* Finds the table; one thread at a time. EHD_DATA: there is none. `path`: the model, for the
  * message. */

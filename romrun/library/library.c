@@ -26,7 +26,7 @@ const char *ehdrom_version(void) {
 // ---- for all calls
 
 locale_t library_enter(void) {
-    // the locale is glibc's own, which takes no memory
+    // this locale is built into glibc and takes no memory
     return uselocale(newlocale(LC_ALL_MASK, "C", (locale_t)0));
 }
 
@@ -117,7 +117,7 @@ static ehdrom_status make_model(ehdrom_model **model, const char *path,
     return (ehdrom_status)status;
 }
 
-/* Opens a model. It is the first call of every program, so the processor is checked here. */
+/* Opens a model. Checks the processor, since this is the first call of every program. */
 ON_ANY_PROCESSOR ehdrom_status ehdrom_model_open(ehdrom_model **model, const char *path,
                                                  const ehdrom_model_options *options) {
     *model = NULL;

@@ -24,7 +24,7 @@ static void judge(ehdrom_contact *self, ehdrom_result *result, const char **reas
     if (*reason) result->status = EHDROM_UNTRUSTED;
 }
 
-/* Fills in scalars in the caller's units. `width`: half width of the contact over the
+/* Fills in scalars in the caller's units. `width`: half width of the contact divided by the
  * reference's. */
 static void fill(ehdrom_result *result, const contact_scalars *scalars, double peak, double width,
                  const unit_factors *units) {
@@ -55,8 +55,8 @@ static ehd_status give(ehdrom_contact *self, ehdrom_result *target, ehdrom_resul
 
 // ---- stationary
 
-/* Sets EHD_UNTRUSTED if the grid of the training is too coarse to estimate its error, as romrun
- * does. */
+/* Sets EHD_UNTRUSTED, as romrun does, if the training's grid is too coarse to estimate the error by
+ * the grid. */
 static void judge_grid(online_result *found, const ehdrom_contact *self) {
     if (found->status) return;
     const film_effects effects = online_effects(self->model->online, &self->solved);
@@ -114,7 +114,7 @@ static void forget_time(ehdrom_contact *self) {
     self->started = self->can_accept = false;
 }
 
-/* Takes the settings as they are now as the reference. */
+/* Makes the present settings the reference. */
 static ehd_status take_reference(ehdrom_contact *self) {
     ehd_error *error = &self->error;
     ehd_status status = online_check_in_time(self->model->online, error);
@@ -137,7 +137,7 @@ static ehd_status take_reference(ehdrom_contact *self) {
     return EHD_OK;
 }
 
-/* Sets the tolerance of the steps, which may have changed since the last call. */
+/* Sets the tolerance of the steps again, since it may have changed after the last call. */
 static void use_step_tolerance(ehdrom_contact *self) {
     if (!isnan(self->step_tolerance))
         online_transient_set_tolerance(self->in_time, self->step_tolerance);
@@ -178,7 +178,7 @@ ehd_status library_conditions(online_conditions *own, const ehdrom_conditions *g
         if (given->size < (size_t)((const char *)(parts[i].value + 1) - (const char *)&all))
             return ehd_fail(error, EHD_DATA, "%s: found a struct that ends before it",
                             parts[i].name);
-        // checked here, where it is in the caller's units
+        // checks the value while it is in the caller's units
         if (!isfinite(value) || !(value > parts[i].above || (may_be_zero && value == 0)))
             return ehd_fail(error, EHD_DATA, "%s: found %g, expected a %s", parts[i].name, value,
                             !isfinite(value) ? "finite number"
@@ -291,8 +291,8 @@ ehdrom_status ehdrom_step(ehdrom_contact *self, const ehdrom_conditions *conditi
     return (ehdrom_status)status;
 }
 
-/* Walks through the arrays by the size of the caller's structs, which may differ from the
- * library's. */
+/* The size of the caller's structs may differ from the library's, so the arrays are indexed by
+ * it. */
 ehdrom_status ehdrom_step_many(ehdrom_contact *const *contacts, const ehdrom_conditions *conditions,
                                double step, ehdrom_result *results, size_t count) {
     const char *given = (const char *)conditions;
@@ -335,10 +335,10 @@ ehdrom_status ehdrom_restart(ehdrom_contact *self) {
 
 // ---- saved states
 
-/* Numbers in front of a saved state, which identify its model and settings. */
+/* Numbers that begin a saved state; they identify its model and settings. */
 enum { SAVED_MARK, SAVED_COUNT, SAVED_M, SAVED_L, SAVED_ALPHA, SAVED_LENGTH, NUM_SAVED };
 
-// Bounds of the states that are restored: version of this layout
+// `saved_mark`: version of this layout
 static const double saved_mark = 3004;
 
 static void head_of(double head[NUM_SAVED], const ehdrom_contact *self) {
@@ -383,8 +383,8 @@ ehdrom_status ehdrom_state_save(ehdrom_contact *self, double *state, size_t coun
     return EHDROM_OK;
 }
 
-/* Restores a state. It reuses the object for steps if the settings are unchanged, since creating
- * it takes four fifths of the time. */
+/* Restores a state. If the settings are unchanged, it reuses the object for steps, since creating
+ * this object takes four fifths of the time. */
 static ehd_status restore(ehdrom_contact *self, const double *state, size_t count) {
     double head[NUM_SAVED];
     ehd_status status = EHD_OK;
@@ -436,8 +436,8 @@ static ehd_status scales_of_fields(unit_factors *scales, const ehdrom_contact *s
     return EHD_OK;
 }
 
-/* Fills the caller's array with NaN behind `num` numbers. It is as long as the grid with the most
- * nodes needs. */
+/* Fills the caller's array with NaN behind `num` numbers. The array's length is that of the grid
+ * with the most nodes. */
 static void fill_behind(double *values, size_t num, size_t length) {
     for (size_t k = num; values && k < length; k++)
         values[k] = NAN;

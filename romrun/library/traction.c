@@ -12,9 +12,9 @@
 
 /* The state whose traction is computed. */
 typedef struct slid_state {
-    bool solved;           // stationary, else in time
-    bool attempted;        // it is a step that is not accepted yet
-    contact_frame frame;   // of this state
+    bool solved;           // true: stationary; false: in time
+    bool attempted;        // true: a step that is not accepted yet
+    contact_frame frame;   // frame of this state
     contact_scalars there; // scalars in the reference frame
 } slid_state;
 
@@ -32,8 +32,8 @@ static slid_state attempted_state(const ehdrom_contact *self) {
         .attempted = true, .frame = online_attempt_frame(self->in_time), .there = self->stepped};
 }
 
-/* Returns the contact of a state in its own frame, with the sliding, and its scalars there.
- * `sliding`: u1 - u2 over the reference's mean speed. */
+/* Returns the sliding contact of a state and its scalars, both in the state's own frame. `sliding`:
+ * u1 - u2 divided by the reference's mean speed. */
 static void take_state(ehd_contact *contact, contact_scalars *scalars, const ehdrom_contact *self,
                        const slid_state *of, double sliding) {
     const contact_frame *frame = &of->frame;
@@ -44,7 +44,7 @@ static void take_state(ehd_contact *contact, contact_scalars *scalars, const ehd
     } else {
         frame_contact(contact, frame, &self->reference);
         *scalars = frame_from_reference(&of->there, frame, &self->reference);
-        // for the reference's mean speed, since the present mean speed may be 0
+        // scaled by the reference's mean speed, since the present mean speed may be 0
         contact->far_speed = 1 / frame->half_width;
     }
     contact->grid = *library_grid(self); // a scene may leave the grid to the model
@@ -77,8 +77,8 @@ static ehd_status find_traction(contact_traction *found, ehdrom_contact *self, c
     return status;
 }
 
-/* Estimates the error of the friction of a stationary solution; else NaN. It is NaN, at no cost,
- * if the caller's struct has no member for it. */
+/* Estimates the error of the friction of a stationary solution. Returns NaN for other states, and
+ * at no cost if the caller's struct has no member for it. */
 static double indicated_friction(ehdrom_contact *self, const slid_state *of,
                                  const ehd_contact *contact, double friction,
                                  const ehdrom_traction *traction) {
@@ -91,7 +91,7 @@ static const unit_factors *units_of(const ehdrom_contact *self, const slid_state
     return of->solved ? &self->solved_units : &self->reference_units;
 }
 
-/* Checks the caller's u1 - u2, in the caller's units; replaces NaN by the value of the settings.
+/* Checks the caller's u1 - u2, in the caller's units. Replaces NaN by the value of the settings.
  * EHD_DATA. */
 static ehd_status find_sliding(double *sliding, ehdrom_contact *self, const slid_state *of) {
     const ehd_contact *reference = of->solved ? &self->solved : &self->reference;
