@@ -9,7 +9,8 @@
 
 const char fmu_identifier[] = "ehdrom_contact";
 
-// newest symbols of the shared object: hypot (2.35), with newer headers fmod and strtoull (2.38)
+// oldest glibc that has all symbols of the shared object: hypot (2.35); with newer headers fmod and
+// strtoull (2.38)
 #if __GLIBC_PREREQ(2, 38)
 #define NEEDED_GLIBC "2.38"
 #else
@@ -98,7 +99,7 @@ static const char *variability(const fmu_variable *variable) {
     return variable->type == FMU_REAL ? "continuous" : "discrete";
 }
 
-/* Writes the attributes of a variable that both versions share. */
+/* Writes those attributes of a variable that both versions of FMI have. */
 static void put_common(FILE *file, size_t reference) {
     const fmu_variable *variable = &fmu_variables[reference];
 
@@ -135,9 +136,10 @@ static void put_variables(FILE *file, const fmu_contents *contents, int fmi) {
     fputs("  </ModelVariables>\n", file);
 }
 
-/* Lists all outputs. They depend on all inputs and on the past, which is the default. */
+/* Lists all outputs. The default dependencies hold: each output depends on all inputs and on the
+ * past. */
 static void put_outputs(FILE *file, const fmu_contents *contents, int fmi, const char *element) {
-    size_t index = 0; // among all variables, from 1
+    size_t index = 0; // index among all variables, from 1
 
     for (size_t i = 0; i < FMU_NUM_VARIABLES; i++) {
         if (!contents->has[i]) continue;
@@ -160,7 +162,7 @@ static void put_structure(FILE *file, const fmu_contents *contents, int fmi) {
 
 // ---- the whole file
 
-/* Writes the abilities of the FMU, by the names of each version. */
+/* Writes the capabilities of the FMU, by their names in each version. */
 static void put_abilities(FILE *file, int fmi) {
     fputs("  <CoSimulation", file);
     put(file, "modelIdentifier", fmu_identifier);

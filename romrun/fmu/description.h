@@ -8,9 +8,9 @@
 
 typedef struct fmu_description {
     const fmu_contents *contents;
-    const char *name;      // of the model, for the user
+    const char *name;      // name of the model, for the user
     const char *generated; // "2026-01-31T12:00:00Z"; NULL: left out
-    double step, stop;     // s, of the default experiment
+    double step, stop;     // s, step and end of the default experiment
 } fmu_description;
 
 extern const char fmu_identifier[]; // name of the shared object

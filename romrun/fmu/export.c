@@ -19,7 +19,7 @@
 
 enum { MAX_ENTRIES = 64, NAME_SIZE = 320 };
 
-/* All that goes into one FMU, and the data to make it. */
+/* Contents of an FMU, and the data from which they are made. */
 typedef struct export_job {
     const program *caller;
     const fmu_request *request;
@@ -41,8 +41,7 @@ static const char shared_object[] = "fmu.so";
 
 // ---- paths
 
-/* Finds ../lib/ehdrom relative to the program, both in the build's folder and after
- * installation. */
+/* Finds ../lib/ehdrom relative to the program, in the build's folder or after installation. */
 static ehd_status find_installed(export_job *job, ehd_error *error) {
     char self[PATH_MAX], path[PATH_MAX];
     const ssize_t length = readlink("/proc/self/exe", self, sizeof self - 1);
@@ -69,8 +68,8 @@ static ehd_status path_in(char path[PATH_MAX], const char *folder, const char *n
 
 // ---- resources
 
-/* Replaces the speeds of both surfaces by their mean and slide_roll, from which the inputs
- * start. */
+/* Replaces the speeds of both surfaces by their mean and slide_roll. The inputs start from these
+ * values. */
 static scene with_mean_speed(const scene *given) {
     scene own = *given;
 
@@ -81,7 +80,7 @@ static scene with_mean_speed(const scene *given) {
     return own;
 }
 
-/* Keeps the settings of the contact only, without paths. */
+/* Copies only the settings of the contact, without paths. */
 static void strip(scene *settings, const scene *given) {
     *settings = with_mean_speed(given);
     for (const setting *row = scene_settings(); row->key; row++)
@@ -142,7 +141,7 @@ static ehd_status write_model(const export_job *job, ehd_error *error) {
     return status;
 }
 
-/* Makes a token from all data that decide what the FMU does. */
+/* Makes a token from all data on which the FMU's results depend. */
 static ehd_status make_token(export_job *job, ehd_error *error) {
     const char *const files[] = {"contact.yml", "model.ehdrom", shared_object};
     struct sha256_ctx context;
@@ -183,7 +182,7 @@ static ehd_status library_failed(const export_job *job, const ehdrom_contact *co
                     job->caller->arguments[0], ehdrom_contact_error(contact));
 }
 
-/* Starts the contact of the resources; takes its approach at the start and its time scale. */
+/* Starts the contact of the resources, and takes its approach at the start and its time scale. */
 static ehd_status ask_contact(export_job *job, ehdrom_contact *contact, ehd_error *error) {
     ehdrom_result result = EHDROM_RESULT_INIT;
     ehdrom_scales scales = EHDROM_SCALES_INIT;
@@ -220,7 +219,7 @@ static ehd_status find_approach(export_job *job, ehd_error *error) {
     return status;
 }
 
-/* Returns a number of the scene. */
+/* Returns the number that the scene has for a setting. */
 static double number_of(const setting *row, const scene *of) {
     double value = 0;
 
@@ -272,7 +271,7 @@ static void keep_failure(void *to, fmu_outcome of, const char *text) {
     if (of != FMU_DONE) ehd_fail(to, EHD_INTERNAL, "fmu: %s", text);
 }
 
-/* Uses the FMU like an importer, for one step. It reads files that were just written. */
+/* Takes one step with the FMU, as an importer does. Reads the files that were just written. */
 static ehd_status try_out(const export_job *job, ehd_error *error) {
     ehd_no_memory(error, "fmu");
     errno = 0;
@@ -339,7 +338,7 @@ static ehd_status add_licences(export_job *job, ehd_error *error) {
 static ehd_status source_date_epoch(time_t *when, ehd_error *error) {
     const char *text = getenv("SOURCE_DATE_EPOCH");
     size_t seconds = 0;
-    // the time of a zip ends in 2107
+    // a zip can store times up to 2107
     const ehd_status status = text ? parse_count(&seconds, text, 315532800, 4354819199,
                                                  "SOURCE_DATE_EPOCH", EHD_USAGE, error)
                                    : EHD_OK;

@@ -81,7 +81,7 @@ fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, f
     char folder[PATH_MAX];
     component *self = calloc(1, sizeof *self);
 
-    (void)visible; // there is nothing to show
+    (void)visible; // there is no window to show
     if (!self) return NULL;
     if (functions) {
         self->logger = functions->logger;
@@ -248,8 +248,8 @@ fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReferenc
                                   direction, derivative));
 }
 
-/* Returns the time of the last successful step. The other kinds do not apply: steps are over when
- * the call returns. */
+/* Returns the time of the last successful step. The other kinds do not apply, because a step is
+ * complete when its call returns. */
 fmi2Status fmi2GetRealStatus(fmi2Component c, fmi2StatusKind kind, fmi2Real *value) {
     if (kind != fmi2LastSuccessfulTime) return refuse(c, __func__);
     *value = fmu_time(contact_of(c));

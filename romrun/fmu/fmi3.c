@@ -49,7 +49,7 @@ fmi3InstantiateCoSimulation(fmi3String name, fmi3String token, fmi3String resour
                             fmi3LogMessageCallback log, fmi3IntermediateUpdateCallback update) {
     component *self = calloc(1, sizeof *self);
 
-    // nothing to show; no early return; no values between communication points
+    // unused: there is no window, no early return, and no value between communication points
     (void)name, (void)visible, (void)early_return, (void)intermediate, (void)num_intermediate;
     (void)update;
     if (!self) return NULL;
@@ -106,12 +106,12 @@ fmi3Status fmi3Reset(fmi3Instance instance) {
 
 // ---- variables
 
-/* Checks that there is one value for each reference, since no variable is an array. */
+/* Checks that there are as many values as references, since no variable is an array. */
 static bool same_length(fmi3Instance instance, size_t num_refs, size_t num_values) {
     return num_refs == num_values || fmu_refuse(contact_of(instance), "arrays");
 }
 
-/* Get and set variables of one type; `kind` is its name in instance.h. */
+/* Functions that get and set variables of one type; `kind`: name of the type in instance.h. */
 #define VARIABLES_OF(type, kind)                                                                   \
     FMI3_GET(type) {                                                                               \
         double value = 0;                                                                          \

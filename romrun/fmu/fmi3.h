@@ -135,8 +135,8 @@ FMI3_EXPORT fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 time, fmi3F
 #define FMI3_TYPES_NOT_OFFERED(F)                                                                  \
     F(Float32) F(Int8) F(UInt8) F(Int16) F(UInt16) F(UInt32) F(Int64) F(UInt64) F(String)
 
-/* List of the other functions with their arguments: clocks, arrays, events, derivatives in time,
- * configuration, model exchange, scheduled execution. */
+/* List of the other functions that are not offered, with their arguments: clocks, arrays, events,
+ * derivatives in time, configuration, model exchange, scheduled execution. */
 #define FMI3_NOT_OFFERED(F)                                                                        \
     F(fmi3EnterEventMode, (fmi3Instance instance))                                                 \
     F(fmi3GetBinary, (FMI3_REFERENCES, size_t sizes[], fmi3Binary values[], size_t num_values))    \

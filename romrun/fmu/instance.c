@@ -16,25 +16,25 @@ typedef enum fmu_mode {
     MODE_TERMINATED
 } fmu_mode;
 
-/* Inputs at a time, in the form for the contact. */
+/* Inputs at one time, in the contact's form. */
 typedef struct conditions {
     double given; // load or approach
     double speed, radius;
     double sliding; // speed of surface 1 minus speed of surface 2
 } conditions;
 
-/* The part of a saved state that is not the contact's own. */
+/* Data of a saved state that the contact itself does not save. */
 typedef struct moment {
     char mark[8];
     char token[FMU_TOKEN];
     fmu_mode mode;
     double time, stop;
     double values[FMU_NUM_VARIABLES];
-    bool solved;      // initialization: the outputs belong to the inputs
-    double pending;   // s, a step that the contact has taken and not accepted; 0: none
+    bool solved;      // during initialization: the outputs belong to the present inputs
+    double pending;   // s, length of a step that the contact has taken but not accepted; 0: none
     double last;      // s, length of the last internal step; 0: none
-    double noise;     // level of local errors that were recently taken for noise
-    bool noisy;       // it has been logged
+    double noise;     // size of recent local errors that were taken for noise
+    bool noisy;       // the noise has been logged
     conditions held;  // conditions of the contact's last accepted state
     conditions aimed; // conditions at the end of the pending step
 } moment;
@@ -46,12 +46,12 @@ struct fmu_instance {
     void *log_to;
     bool verbose;
     fmu_contents contents;
-    char *resources; // the folder
+    char *resources; // folder of the resources
     ehdrom_model *model;
     ehdrom_contact *contact;
-    ehdrom_contact *stationary; // for the stationary outputs; NULL: not read yet
+    ehdrom_contact *stationary; // contact for the stationary outputs; NULL: not read yet
     bool has_stationary;        // the stationary outputs are up to date
-    bool slid;                  // the friction belongs to the present outputs
+    bool slid;                  // the traction belongs to the present outputs
     void *before;               // saved state before a step
     moment now;
 };
@@ -273,7 +273,7 @@ static ehdrom_conditions for_library(const fmu_instance *self, const conditions 
     return whole;
 }
 
-/* Repeats the last step, or the start, from the same state with other inputs. */
+/* Repeats the last step (or the start) from the same state with other inputs. */
 static ehdrom_status repeat(fmu_instance *self, const conditions *at, ehdrom_result *result) {
     const ehdrom_conditions whole = for_library(self, at);
 
@@ -286,8 +286,8 @@ static bool took(const fmu_instance *self, ehdrom_status status) {
     return fail(self, "%s", ehdrom_contact_error(self->contact));
 }
 
-/* Checks the ratio of sliding to mean speed: a film that the sliding thins belongs to the scene's
- * slide_roll at any speed. `at`: conditions, or their rates of change. */
+/* Checks the ratio of sliding to mean speed. If the sliding thins the film, this ratio must be the
+ * scene's slide_roll at any speed. `at`: conditions, or their rates of change. */
 static bool keeps_ratio(const fmu_instance *self, const conditions *at, const char *what) {
     const double expected = self->contents.ratio * at->speed;
 
@@ -317,7 +317,8 @@ static void tell_trust(const fmu_instance *self, const ehdrom_result *result) {
             ehdrom_contact_error(self->contact));
 }
 
-/* Solves the stationary contact of the inputs, unless the outputs belong to them already. */
+/* Solves the stationary contact of the inputs, unless the outputs already belong to these
+ * inputs. */
 static bool start(fmu_instance *self) {
     moment *now = &self->now;
     ehdrom_result result = EHDROM_RESULT_INIT;
@@ -338,8 +339,7 @@ static bool start(fmu_instance *self) {
 
 // ---- the stationary response
 
-/* Sets the parameters and conditions in the stationary contact, with the force in place of the
- * approach. */
+/* Sets parameters and conditions in the stationary contact. The force replaces the approach. */
 static bool set_stationary(fmu_instance *self, const conditions *at, double force) {
     ehdrom_contact *contact = self->stationary;
     const struct {
@@ -355,7 +355,8 @@ static bool set_stationary(fmu_instance *self, const conditions *at, double forc
     return status ? fail(self, "%s", ehdrom_contact_error(contact)) : true;
 }
 
-/* Computes the stationary outputs; NaN if the contact rests or has no solution. */
+/* Computes the stationary outputs. They are NaN if the surfaces rest, without a force, or without a
+ * solution. */
 static bool respond(fmu_instance *self, const conditions *at, double force,
                     double values[FMU_NUM_VARIABLES]) {
     ehdrom_result result = EHDROM_RESULT_INIT;
@@ -390,11 +391,12 @@ static bool update_stationary(fmu_instance *self) {
 
 // ---- traction
 
-/* Computes the traction of the last step, or of the start, with the sliding at its end. */
+/* Computes the traction of the last step (or of the start) with the sliding at the step's end. */
 static bool slide(fmu_instance *self, const conditions *at, double values[FMU_NUM_VARIABLES]) {
     ehdrom_traction traction = EHDROM_TRACTION_INIT;
 
-    traction.size = offsetof(ehdrom_traction, indicated_deviation_friction); // not wanted
+    traction.size = offsetof(ehdrom_traction, indicated_deviation_friction); // the error estimate
+                                                                             // is not wanted
     if (!took(self, self->now.pending > 0 ? ehdrom_slide_step(self->contact, at->sliding, &traction)
                                           : ehdrom_slide(self->contact, at->sliding, &traction)))
         return false;
@@ -466,44 +468,44 @@ static bool accept(fmu_instance *self) {
     return true;
 }
 
-/* Largest number of halvings of a step that does not converge: down to a millionth of the
- * communication step. Then the communication step is discarded (fmu.bats, "a step that cannot be
- * done changes nothing"). */
+/* Largest number of halvings of a step that does not converge: to a millionth of the communication
+ * step. After these the communication step is discarded (fmu.bats, "a step that cannot be done
+ * changes nothing"). */
 enum { MOST_HALVINGS = 20 };
 
 /* A communication step is discarded if it hardly proceeds. This is checked after every
- * WATCHED_ATTEMPTS attempts. The step is discarded if the rest, at the rate of these attempts,
- * would take more than MOST_ATTEMPTS. Without this check one step of fmu.bats, "a step that cannot
- * be done changes nothing", took more than 17 minutes. The load there went to a value that no
- * contact has, and each millionth of a step may then converge. */
+ * WATCHED_ATTEMPTS attempts: at the rate of these attempts, the rest of the step may take at most
+ * MOST_ATTEMPTS. Without this check one step of fmu.bats, "a step that cannot be done changes
+ * nothing", took more than 17 minutes. The given load changed to a value that no contact has. Steps
+ * of a millionth may then still converge. */
 enum { WATCHED_ATTEMPTS = 100, MOST_ATTEMPTS = 100000 };
 
-/* Largest number of halvings of a step whose local error is too large. After these the error
- * counts as noise. A local error is proportional to the third power of the step. After a kink of
- * the inputs it is proportional to the second or first power. On the line of fmu.bats, "a
- * tolerance below the solver's noise", errors stop falling after 6 to 10 halvings, at 2e-8 to 8e-8
- * of the film. */
+/* Largest number of halvings of a step whose local error is too large. After these the error is
+ * taken as noise. A local error is proportional to the third power of the step; after a kink of the
+ * inputs, to the second or first power. For the line contact of fmu.bats, "a tolerance below the
+ * solver's noise", errors stop falling after 6 to 10 halvings, at 2e-8 to 8e-8 of the film. */
 enum { MOST_FOR_ERROR = 10 };
 
-// part of the noise level that is kept for the next step, as NOISE_KEPT in march.c (fmu.bats, "a
-// tolerance below the solver's noise is no error")
+// factor on the noise level from step to step, as NOISE_KEPT in march.c (fmu.bats, "a tolerance
+// below the solver's noise is no error")
 static const double NOISE_KEPT = 0.9;
 
-/* A communication step, in parts that are powers of 1/2, so that their sum is exact. */
+/* A communication step. It is divided into fractions that are powers of 1/2, so that their sum is
+ * exact. */
 typedef struct stretch {
     double step;         // s
-    conditions from, to; // at its beginning and end
-    double done, part;   // parts of the communication step: finished, and of the next attempt
+    conditions from, to; // inputs at its beginning and end
+    double done, part;   // fractions of the communication step: finished, and in the next attempt
     size_t steps, attempts;
     double mark; // `done` when the last WATCHED_ATTEMPTS began
-    // of the attempts since `done`:
+    // about the attempts after `done`:
     int halvings;
-    double error; // local error of the last attempt, twice as long; 0: it did not converge, or
-                  // none
+    double error; // local error of the last attempt, which was twice as long; 0: no attempt, or not
+                  // converged
     int idle;     // halvings in a row that hardly reduced the error
 } stretch;
 
-/* Checks whether a step of this part would be more than twice as long as the last one. */
+/* Checks whether the next attempt would be more than twice as long as the last step. */
 static bool grows_too_much(const moment *now, const stretch *of) {
     return now->last > 0 && of->part * of->step > 2 * now->last;
 }
@@ -515,11 +517,11 @@ static fmu_outcome halve(stretch *of) {
 }
 
 /* Checks whether a local error is noise of the solver, which shorter steps do not reduce. If so,
- * errors up to that level are accepted for some steps, as in march_run. */
+ * errors of this size are accepted for some steps, as in march_run. */
 static bool is_noise(fmu_instance *self, stretch *of, double error, double accuracy) {
     moment *now = &self->now;
 
-    // behind a kink of the inputs half a step has half the error, which is no noise
+    // after a kink of the inputs half of a step has half of the error; this is no noise
     of->idle = of->error > 0 && error > 0.75 * of->error ? of->idle + 1 : 0;
     of->error = error;
     if (of->idle < 2 && of->part > ldexp(1, -MOST_FOR_ERROR)) return false;
@@ -541,7 +543,7 @@ static void take_part(moment *now, stretch *of, const conditions *at) {
     of->steps++;
     of->halvings = of->idle = 0;
     of->error = 0;
-    // the next part may be twice as long if the rest is a multiple of it
+    // doubles the next part if the rest is a multiple of the doubled part
     if (fmod(of->done, 2 * of->part) == 0) of->part *= 2;
 }
 
@@ -554,7 +556,7 @@ static fmu_outcome go_on(fmu_instance *self, stretch *of, ehdrom_result *result)
     const ehdrom_status status = ehdrom_step(self->contact, &whole, of->step * of->part, result);
 
     if (EHDROM_FAILED(status)) {
-        // the importer may try other inputs: the step is discarded
+        // discards the step, since the importer may try other inputs
         const fmu_outcome outcome = status == EHDROM_DATA ? FMU_DISCARDED : FMU_FAILED;
         say(self, outcome, "step to %g s: %s", now->time + of->step,
             ehdrom_contact_error(self->contact));
@@ -602,7 +604,7 @@ static fmu_outcome cross(fmu_instance *self, stretch *of, ehdrom_result *result)
     return outcome;
 }
 
-/* Checks the times of a step. An importer that adds up steps has round-off in its times. */
+/* Checks begin and end of a step. Allows for round-off, since importers may add up steps. */
 static bool check_times(const fmu_instance *self, double time, double step) {
     const double slack = 1e-6 * step + 1e-12 * fabs(time);
 
@@ -655,7 +657,7 @@ double fmu_time(const fmu_instance *self) {
 /* Relative change of the inputs for central differences: see README.md. */
 static const double relative_change = 1e-3;
 
-/* Returns the scale of an input, for the size of its change. */
+/* Returns the scale of an input, to which its change is proportional. */
 static double scale_of(const fmu_instance *self, unsigned reference) {
     const double *values = self->now.values;
 
@@ -665,8 +667,8 @@ static double scale_of(const fmu_instance *self, unsigned reference) {
     return fabs(values[reference]);
 }
 
-/* Returns the length of the direction in which each difference goes. 0: the direction is zero; -1:
- * an input to change is at rest. */
+/* Returns the length of a difference, in units of the direction. 0: the direction is zero; -1: an
+ * input that should change has no scale. */
 static double reach(const fmu_instance *self, const unsigned knowns[], size_t num_knowns,
                     const double direction[]) {
     double most = 0;
@@ -712,7 +714,8 @@ static bool outputs_at(fmu_instance *self, double outputs[FMU_NUM_VARIABLES],
            (!stationary || respond(self, &at, result.load, outputs));
 }
 
-/* Fills in the derivatives that are NaN, by central differences of the repeated step, or start. */
+/* Fills in the derivatives that are NaN, by central differences: it repeats the last step (or the
+ * start). */
 static bool by_differences(fmu_instance *self, const unsigned unknowns[], size_t num_unknowns,
                            const unsigned knowns[], size_t num_knowns, const double direction[],
                            double derivative[]) {
@@ -729,7 +732,7 @@ static bool by_differences(fmu_instance *self, const unsigned unknowns[], size_t
     const bool found =
         outputs_at(self, behind, knowns, num_knowns, direction, length, stationary, friction) &&
         outputs_at(self, before, knowns, num_knowns, direction, -length, stationary, friction);
-    // and back, with equal bits
+    // goes back to the present inputs, with bit-identical outputs
     if (!took(self, repeat(self, &self->now.aimed, &result)) || !found) return false;
     for (size_t k = 0; k < num_unknowns; k++)
         if (isnan(derivative[k]))
@@ -738,8 +741,8 @@ static bool by_differences(fmu_instance *self, const unsigned unknowns[], size_t
     return true;
 }
 
-/* Computes the derivatives by the library's tangent. They are NaN for outputs without one, or if
- * it fails. */
+/* Computes the derivatives by the library's tangent. They are NaN for outputs without a tangent, or
+ * if the library fails. */
 static void by_tangent(fmu_instance *self, const unsigned unknowns[], size_t num_unknowns,
                        const unsigned knowns[], size_t num_knowns, const double direction[],
                        double derivative[]) {
@@ -754,7 +757,7 @@ static void by_tangent(fmu_instance *self, const unsigned unknowns[], size_t num
     }
 }
 
-/* Checks that these are outputs and inputs, and that there is a solution. */
+/* Checks that the unknowns are outputs, the knowns are inputs, and that there is a solution. */
 static bool can_derive(fmu_instance *self, const unsigned unknowns[], size_t num_unknowns,
                        const unsigned knowns[], size_t num_knowns, const double direction[]) {
     for (size_t k = 0; k < num_unknowns; k++) {
@@ -801,7 +804,7 @@ static bool count_numbers(fmu_instance *self, size_t *count) {
     return took(self, ehdrom_state_size(self->contact, count));
 }
 
-/* A saved state: the moment, and behind it the contact's own numbers. */
+/* A saved state: the moment, followed by the numbers that the contact saves. */
 typedef struct fmu_state {
     size_t size; // number of bytes
     unsigned char bytes[];
@@ -840,8 +843,8 @@ bool fmu_state_get(fmu_instance *self, void **state) {
     return count == 0 || took(self, ehdrom_state_save(self->contact, numbers_of(made), count));
 }
 
-/* Checks bytes from outside: they belong to this FMU and have numbers of a contact only if their
- * mode has one. */
+/* Checks bytes from outside: they must belong to this FMU, and contain numbers of a contact only if
+ * their mode has a contact. */
 static bool check_state(const fmu_instance *self, const void *bytes, size_t size) {
     moment of;
 
@@ -861,7 +864,7 @@ static bool restore(fmu_instance *self, fmu_state *state) {
     ehdrom_result result = EHDROM_RESULT_INIT;
 
     self->has_stationary = self->slid = false;
-    // repeats the step that was not accepted yet, or the start, with equal bits
+    // repeats the step that was not accepted yet (or the start), with bit-identical results
     return take_parameters(self, self->contact) &&
            took(self, ehdrom_state_restore(self->contact, numbers_of(state), count)) &&
            took(self, repeat(self, &self->now.aimed, &result));
@@ -874,7 +877,7 @@ bool fmu_state_set(fmu_instance *self, void *state) {
     memcpy(&self->now, saved->bytes, sizeof self->now);
     if (has_contact(&self->now)) return restore(self, saved);
     self->has_stationary = self->slid = false;
-    self->now.solved = false; // the contact itself may be at another time
+    self->now.solved = false; // the contact may now be at another time
     return true;
 }
 

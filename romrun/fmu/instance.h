@@ -22,25 +22,26 @@ typedef enum fmu_outcome {
 /* Log categories of these outcomes. */
 extern const char *const fmu_categories[];
 
-/* Receives why a call failed or was discarded, or, with FMU_DONE, a remark for the user. */
+/* Receives the reason why a call failed or was discarded or, with FMU_DONE, a remark for the
+ * user. */
 typedef void (*fmu_log)(void *to, fmu_outcome of, const char *text);
 
 typedef struct fmu_instance fmu_instance;
 
-/* Creates an instance; free with fmu_free. `resources`: the folder. NULL, with a message in the
- * log: no memory, another token, or files that are not as exported. */
+/* Creates an instance; free with fmu_free. `resources`: the folder. Returns NULL, with a message in
+ * the log: no memory, another token, or files that differ from the exported ones. */
 fmu_instance *fmu_create(const char *token, const char *resources, fmu_log log, void *log_to);
 /* Frees an instance. Accepts NULL. */
 void fmu_free(fmu_instance *self);
-/* Sets whether remarks are logged too; at first only errors are. */
+/* Sets whether to log remarks in addition to errors. By default only errors are logged. */
 void fmu_set_verbose(fmu_instance *self, bool verbose);
 
-/* All other functions return whether they succeeded; if not, the log has the reason. */
+/* All other functions return true on success; otherwise the log has the reason. */
 
 /* Refuses a call that this FMU does not offer. */
 bool fmu_refuse(fmu_instance *self, const char *function);
 
-/* Sets start, end and tolerance of the simulation. stop INFINITY: none; tolerance 0: none. */
+/* Sets start, end and tolerance of the simulation. `stop` INFINITY: no end; `tolerance` 0: none. */
 bool fmu_setup(fmu_instance *self, double start, double stop, double tolerance);
 bool fmu_enter_initialization(fmu_instance *self);
 bool fmu_exit_initialization(fmu_instance *self);
@@ -56,22 +57,22 @@ fmu_outcome fmu_step(fmu_instance *self, double time, double step);
 double fmu_time(const fmu_instance *self);
 
 /* Computes derivative[k] = sum over i of direction[i] d unknowns[k] / d knowns[i], of outputs by
- * inputs, at the end of the last internal step, or at the start for the stationary contact. It
- * uses the library's tangent. Outputs without a tangent are central differences: for all of them
- * together two more steps and one back. */
+ * inputs. It does so at the end of the last internal step or, at the start, for the stationary
+ * contact. It uses the library's tangent. Outputs without a tangent get central differences, which
+ * take three more steps for all of them together. */
 bool fmu_derivative(fmu_instance *self, const unsigned unknowns[], size_t num_unknowns,
                     const unsigned knowns[], size_t num_knowns, const double direction[],
                     double derivative[]);
 
-/* Saves the state as a block of bytes, for this FMU in any process. If *state is NULL, it is
- * allocated; otherwise it is overwritten. free() it. */
+/* Saves the state as a block of bytes, which this FMU can restore in any process. If *state is
+ * NULL, it is allocated; otherwise it is overwritten. free() it. */
 bool fmu_state_get(fmu_instance *self, void **state);
 bool fmu_state_set(fmu_instance *self, void *state);
 /* Returns the number of the state's bytes; 0: no state. */
 size_t fmu_state_size(const void *state);
-/* Copies the state's bytes to `bytes`, which has room for `size` bytes. */
+/* Copies the state's bytes to `bytes`, which holds `size` bytes. */
 bool fmu_state_write(fmu_instance *self, const void *state, void *bytes, size_t size);
-/* Makes a state from such bytes and checks it; *state as for fmu_state_get. */
+/* Makes a state from bytes of fmu_state_write and checks it; *state as for fmu_state_get. */
 bool fmu_state_read(fmu_instance *self, void **state, const void *bytes, size_t size);
 
 #endif

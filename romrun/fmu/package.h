@@ -15,9 +15,9 @@ typedef struct package_entry {
     const char *path; // file to pack; NULL: `bytes`
 } package_entry;
 
-/* Writes PATH.partial and renames it. The entries are in the order of their names and all have the
- * time `when` (UTC; 0: 1980, the first time of zips). EHD_CANTCREATE: PATH exists without `force`,
- * or cannot be created; EHD_NOINPUT, EHD_IO: the file of an entry; EHD_MEMORY. */
+/* Writes PATH.partial and renames it. The entries are sorted by name and all have the time `when`
+ * (UTC; 0: 1980, the earliest time in zips). EHD_CANTCREATE: PATH exists without `force`, or cannot
+ * be created; EHD_NOINPUT, EHD_IO: the file of an entry; EHD_MEMORY. */
 ehd_status package_write(const char *path, package_entry *entries, size_t num_entries, time_t when,
                          bool force, ehd_error *error);
 

@@ -4,7 +4,7 @@
  * this file. */
 #include "romrun/library/ehdrom.h"
 
-// clang, which reads this file for static analysis, does not have the name x86-64-v3
+// clang, used for static analysis, does not have the name x86-64-v3
 #ifdef __clang__
 #define HAS_V3 (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma"))
 #else

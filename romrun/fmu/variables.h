@@ -68,11 +68,12 @@ typedef struct fmu_variable {
     const char *name;
     fmu_role role;
     fmu_type type;
-    const char *unit, *unit_of_point; // for a line and for a point contact; NULL: none
-    fmu_when when;                    // which FMUs have it
+    const char *unit, *unit_of_point; // for a line contact, and for a point contact; NULL: none
+    fmu_when when;                    // which FMUs have the variable
     const char *key;                  // setting of its start value; NULL: none
-    size_t offset;                    // of an output in ehdrom_result; 0: not there
-    size_t derivative;                // of its derivative in ehdrom_derivatives; 0: not there
+    size_t offset;                    // offset of an output in ehdrom_result; 0: not a member
+    size_t derivative;                // offset of its derivative in ehdrom_derivatives; 0: not a
+                                      // member
     const char *help;
 } fmu_variable;
 
@@ -81,27 +82,27 @@ extern const fmu_variable fmu_variables[FMU_NUM_VARIABLES];
 /* The variables that an FMU has: the file resources/contact.txt. */
 enum { FMU_TOKEN = 40 };
 typedef struct fmu_contents {
-    char token[FMU_TOKEN]; // distinguishes this FMU from others
-    bool point;            // a point contact or an ellipse
+    char token[FMU_TOKEN]; // distinguishes this FMU from all others
+    bool point;            // true: a point contact or an ellipse
     bool ellipse;
-    bool approach_given; // otherwise the load is given
-    bool slides;         // the scene has slide_roll or both speeds
-    double ratio;        // slide_roll of a film that the sliding thins; NaN: the film does not
-                         // depend on the sliding
-    bool heated;         // the scene has the lubricant's thermal_conductivity
+    bool approach_given; // false: the load is given
+    bool slides;         // true: the scene has slide_roll or both speeds
+    double ratio;        // slide_roll if the sliding thins the film; NaN: the film does not depend
+                         // on the sliding
+    bool heated;         // true: the scene has the lubricant's thermal_conductivity
     bool has[FMU_NUM_VARIABLES];
-    double start[FMU_NUM_VARIABLES]; // of inputs and parameters
+    double start[FMU_NUM_VARIABLES]; // start values of inputs and parameters
 } fmu_contents;
 
-/* Checks whether an FMU of this kind may have the variable; one with a key only if the scene sets
- * it. */
+/* Checks whether an FMU with these contents has the variable. A variable with a key also needs this
+ * setting in the scene. */
 bool fmu_variable_fits(const fmu_variable *variable, const fmu_contents *contents);
 
 /* Returns the contact's name in scenes. */
 const char *fmu_contact(const fmu_contents *contents);
 
 void fmu_contents_write(FILE *file, const fmu_contents *contents);
-/* Reads such a file to its end. False: it has another content. */
+/* Reads resources/contact.txt to its end. Returns false if it has another content. */
 bool fmu_contents_read(fmu_contents *contents, FILE *file);
 
 #endif
