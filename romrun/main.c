@@ -35,25 +35,25 @@
 typedef struct romrun_options {
     const char *model;
     const char *against;    // NULL: no comparison
-    part_list models;       // files of the model: one, or those of a list
-    part_sizes sizes;       // of each of these files
-    double accuracy;        // of the films, chooses the sizes; 0: not given
-    accuracy_limits limits; // of other quantities
-    part_sizes fallback;    // most accurate sizes, used if the result of `sizes` is not accurate
+    part_list models;       // files of the model: one file, or the files of a list
+    part_sizes sizes;       // sizes for each of these files
+    double accuracy;        // accuracy of the films, by which the sizes are chosen; 0: not given
+    accuracy_limits limits; // limits of other quantities
+    part_sizes fallback;    // most accurate sizes, used if the result with `sizes` is not accurate
                             // enough
-    // why no reduced step is trusted; NULL: each step is judged by itself
+    // reason why no reduced step is trusted; NULL: each step is judged
     const char *distrust;
-    const char *fall_back; // "full": the full model solves where no size does; NULL or "none":
-                           // nothing
+    const char *fall_back; // "full": the full model solves what no model size solves; NULL or
+                           // "none": no fallback
     bool allow_untrusted, resume, verify;
-    size_t repeats;        // solutions in a row; their median time is reported
-    const char *calibrate; // plan; NULL: none
-    const char *cases;     // table of scenes; NULL: one scene
+    size_t repeats;        // number of solutions in a row; their median time is reported
+    const char *calibrate; // plan of a calibration; NULL: none
+    const char *cases;     // table of scenes; NULL: a single scene
     bool trade;
-    bool fmu;             // export an FMU
-    size_t fmi;           // 2 or 3; 0: not given
+    bool fmu;             // true: export an FMU
+    size_t fmi;           // version of the FMI: 2 or 3; 0: not given
     const char *exported; // model to write as a flat file; NULL: none
-    size_t num_jobs;      // 0: as many as processors
+    size_t num_jobs;      // 0: as many jobs as processors
 } romrun_options;
 
 // clang-format off
@@ -136,7 +136,7 @@ static bool falls_back(const romrun_options *options) {
     return options->fall_back && strcmp(options->fall_back, "full") == 0;
 }
 
-/* Returns which options would help if a result is not trusted. */
+/* Returns a text about options that help if a result is not trusted. */
 static const char *advice(const romrun_options *options) {
     return falls_back(options) ? ""
                                : " (--fallback full has the full model solve it, --allow-untrusted "
@@ -156,7 +156,7 @@ static ehd_status judge(const run_result *result, const romrun_options *options,
 
 enum { MAX_INPUTS = MAX_PARTS + 4 };
 
-/* Adds the model to the inputs, and the models of a list. */
+/* Adds the model, or the list and its models, to the inputs. */
 static size_t add_models(const char *inputs[MAX_INPUTS], size_t count,
                          const romrun_options *options) {
     count = inputs_add(inputs, count, options->model);
@@ -223,7 +223,7 @@ typedef struct attempt {
     online_solver *solver;
     online_result solution;
     online_indications others;
-    double first_seconds; // of an earlier attempt with other sizes
+    double first_seconds; // time of an earlier attempt with other sizes
 } attempt;
 
 static void attempt_free(attempt *self) {
@@ -242,8 +242,8 @@ static ehd_status attempt_solve(attempt *self, const romrun_options *options,
     return status ? status : online_solve(&self->solution, self->solver, contact, error);
 }
 
-/* Solves with the open model, of sizes options->sizes. If the result is not accurate enough,
- * solves again with the fallback sizes and sets options->sizes to them. */
+/* Solves with the open model, which has the sizes options->sizes. If the result is not accurate
+ * enough, solves again with the fallback sizes and sets options->sizes to them. */
 static ehd_status solve_scene(attempt *self, romrun_options *options, const program *caller,
                               const ehd_contact *contact, ehd_error *error) {
     ehd_status status = attempt_solve(self, options, contact, error);
@@ -283,13 +283,13 @@ typedef struct stationary_run {
     stored_result against; // result of --against
     attempt attempt;
     fallback full;             // zero unless the full model solves the scene
-    bool by_full_model;        // the result is the full model's
+    bool by_full_model;        // true: the full model solved the scene
     double *pressure, *film;   // [nodes of the grid], NULL unless fields or traction need them
     double *exits;             // [inner lines of the whole grid]
-    film_effects effects;      // of the model's grid
-    contact_traction traction; // if the surfaces slide
+    film_effects effects;      // errors by the model's grid
+    contact_traction traction; // set if the surfaces slide
     run_result result;         // points to the members above
-    char *text;                // settings
+    char *text;                // text of the settings
 } stationary_run;
 
 static void stationary_run_free(stationary_run *self) {
@@ -314,7 +314,7 @@ static ehd_status read_against(stationary_run *self, bool with_fields, ehd_error
                          against->thinning, &grid, path, self->contact, error);
 }
 
-/* Makes a result of the solution, with its exits and, if wanted, its fields and the errors of the
+/* Makes a result of the solution, with its exits and, if wanted, its fields and the errors by the
  * grid. */
 static ehd_status fill_result(stationary_run *self, bool with_fields, bool with_effects,
                               ehd_error *error) {
@@ -361,7 +361,7 @@ static ehd_status fill_result(stationary_run *self, bool with_fields, bool with_
     return status;
 }
 
-/* Adds the time of the reduced solution to the time of the full one. */
+/* Adds the time of the reduced solution to the time of the full solution. */
 static void add_seconds(run_result *full, const run_result *reduced) {
     full->seconds += reduced->seconds;
     full->seconds_rows += reduced->seconds_rows;
@@ -463,7 +463,7 @@ static ehd_status solve_and_show(stationary_run *self, const char *scene_lines, 
     return status;
 }
 
-/* Solves a stationary scene; closes the model. */
+/* Solves a stationary scene and closes the model. */
 static ehd_status run_stationary(const program *caller, romrun_options *options,
                                  online_model *model, const ehd_contact *contact,
                                  const scene *given, const char *scene_lines, ehd_error *error) {
@@ -477,7 +477,7 @@ static ehd_status run_stationary(const program *caller, romrun_options *options,
 
 // ---- in time
 
-/* Creates the full model beside the reduced one, for --fallback full. */
+/* Creates a march with both models, for --fallback full. */
 static ehd_status create_fallback(fallback_march **full, const program *self,
                                   const romrun_options *options, const ehd_contact *contact,
                                   online_transient *in_time, const scene *given,
@@ -492,7 +492,7 @@ static ehd_status create_fallback(fallback_march **full, const program *self,
                                           given->transient.start_film, accuracy, distrust, error);
 }
 
-/* Solves a scene in time; closes the model. */
+/* Solves a scene in time and closes the model. */
 static ehd_status run_transient(const program *self, const romrun_options *options,
                                 online_model *model, const ehd_contact *contact, const scene *given,
                                 const char *scene_lines, time_run_again again, ehd_error *error) {
@@ -557,7 +557,7 @@ static ehd_status run_transient(const program *self, const romrun_options *optio
     return status;
 }
 
-/* The parameters of run_transient, to run it again. */
+/* Parameters of run_transient, for running it again. */
 typedef struct transient_run {
     const program *caller;
     romrun_options *options;
@@ -579,16 +579,16 @@ static ehd_status march_with(const transient_run *self, const part_sizes *sizes,
                                   self->scene_lines, again, error);
 }
 
-/* Checks whether there are more accurate sizes to repeat a march with. With --fallback full the
- * full model solves single steps instead. */
+/* Checks whether a march may be repeated with more accurate sizes. It may not with --fallback full,
+ * where the full model solves single steps instead. */
 static bool has_other_sizes(const romrun_options *options) {
     return options->accuracy > 0 && !falls_back(options) &&
            memcmp(&options->sizes, &options->fallback, sizeof options->sizes) != 0;
 }
 
-/* Repeats a march that did not converge or is not trusted with the most accurate sizes. If these
- * do not converge and the first sizes did, marches with the first sizes again. An interrupted run
- * may already have been a repeated one. */
+/* Repeats a march that did not converge or is not trusted with the most accurate sizes. If these do
+ * not converge and the first sizes did, marches with the first sizes again. A run that was
+ * interrupted may already have been a repetition. */
 static ehd_status march_again(const transient_run *self, ehd_status first, ehd_error *error) {
     romrun_options *options = self->options;
     const bool poor = first == EHD_NOT_CONVERGED || first == EHD_UNTRUSTED;
@@ -626,7 +626,8 @@ static ehd_status choose_sizes_of(romrun_options *options, size_t index, const p
         program_note(self, "--accuracy %g: %s%s%s", options->accuracy, one ? "" : path,
                      one ? "" : ": ", choice.note);
     }
-    // single scenes may reach an accuracy that no size promises, and the full model reaches it
+    // goes on: a single scene may reach an accuracy that no size is measured to have, and else the
+    // full model solves it
     if (status == EHD_DATA && falls_back(options)) {
         if (in_time) options->distrust = "an --accuracy that the model was not measured to have";
         const size_t best = trade_most_accurate(&table, in_time);
@@ -774,8 +775,8 @@ static ehd_status check_regime(const romrun_options *options, bool transient, eh
     return EHD_OK;
 }
 
-/* Notes that changes of a file would not be noticed: its writer, another or an older program, has
- * left out the digest. */
+/* Prints a note if a file has no digest, so that changes of it cannot be noticed. Other programs
+ * and older versions write none. */
 static void note_content(const program *self, const char *model) {
     bool is_flat = true;
     if (online_is_flat(&is_flat, model, NULL) || is_flat ||
@@ -824,7 +825,7 @@ static ehd_status export_fmu(const program *self, const romrun_options *options,
     return status;
 }
 
-/* Checks each model of a list as a file of its own, and that the models fit together. Opening a
+/* Checks each model of a list like a single file, and whether the models fit together. Opening a
  * flat model reads and checks all of it. */
 static ehd_status check_models(const char *path, ehd_error *error) {
     online_model *model = NULL;
@@ -873,7 +874,7 @@ static ehd_status judge_cases(const cases_summary *found, const romrun_options *
 static void show_cases(const cases_summary *found, const program *self) {
     const size_t count = found->num_cases, bad = found->num_unsolved + found->num_untrusted;
 
-    if (!self->output) return; // the table is on stdout
+    if (!self->output) return; // the table goes to stdout
     printf("%-24s%zu: %zu good, %zu not to be trusted, %zu not converged\n", "cases", count,
            count - bad, found->num_untrusted, found->num_unsolved);
     if (found->num_solved > 0)
@@ -988,7 +989,8 @@ int main(int argc, char **argv) {
     const program_options options = {
         .options = own_options,
         .own = &own,
-        // at most 79 columns each: argp breaks longer ones, and help2man needs one line for each
+        // at most 79 columns for each usage: argp breaks longer ones, and help2man needs one line
+        // for each
         .arguments_doc = "SCENE.yml --model MODEL.h5 [-o RESULT.h5]\n"
                          "SCENE.yml --cases CASES.csv --model MODEL.h5\n"
                          "--fmu SCENE.yml --model MODEL.h5 -o CONTACT.fmu\n"
