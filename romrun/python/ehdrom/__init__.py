@@ -10,13 +10,14 @@
     print(result.central_film_thickness, "m", result.trusted, result.reason)
 
 Quantities are SI: loads in N/m for a line contact and in N for a point contact; m, s, m/s, Pa. With
-`dimensionless=True` they are those of the scenes.
+`dimensionless=True` they are the dimensionless quantities of scenes.
 
 Any number of contacts in any number of threads may use a model. One thread at a time may use a contact: a call during
-the call of another thread raises Error. Python's lock is not held while a call solves. close(), the end of a with
-statement, or the end of the last reference frees contacts and models.
+the call of another thread raises Error. Python's global lock is not held while a call solves. close(), the end of a
+with statement, or the end of the last reference frees contacts and models.
 
-The library is the file in the environment variable EHDROM_LIBRARY, or the one beside this package, or the system's.
+The library is the file in the environment variable EHDROM_LIBRARY, else the file beside this package, else the
+system's library.
 """
 from __future__ import annotations
 
@@ -63,14 +64,14 @@ def _text(characters):
 
 
 def _characters(text, what):
-    """Refuses bytes with a NUL character, at which the library would end the text."""
+    """Raises Error for bytes with a NUL character, because the library would end the text there."""
     if b"\0" in text:
         raise Error(_lib.EHDROM_DATA, f"{what}: found a NUL character, expected none")
     return text
 
 
 def _begun(kind):
-    """Makes a struct of the library and sets its size."""
+    """Creates a struct of the library and sets its size."""
     struct = _ffi.new(f"{kind} *")
     struct.size = _ffi.sizeof(kind)
     return struct
@@ -89,7 +90,7 @@ __version__ = version()
 
 
 class Error(Exception):
-    """A failed call. The text is what was found and what was expected; `status` is the exit code of romrun for it."""
+    """A failed call. The text: what was found and what was expected. `status`: the exit code of romrun for this error."""
 
     def __init__(self, status: int, text: str) -> None:
         super().__init__(status, text)
@@ -113,7 +114,7 @@ _FLAGS = {"trusted", "checked", "checked_in_time", "in_time"}
 
 @functools.lru_cache(maxsize=None)
 def _names_of(kind):
-    """Returns the names of a struct's members but the first one, its size."""
+    """Returns the names of a struct's members, except the first one (the size)."""
     return [name for name, _ in _ffi.typeof(kind).fields[1:]]
 
 
@@ -128,7 +129,7 @@ class _Handle:
     _handle: Any = None  # closed
 
     def close(self) -> None:
-        """Frees this memory now."""
+        """Frees the memory of this object now."""
         raise NotImplementedError
 
     def __enter__(self: _Own) -> _Own:
@@ -142,9 +143,9 @@ class _Handle:
 
 
 class Model(_Handle):
-    """A loaded model file. It is freed when it is closed or no longer used, and all its contacts are freed.
+    """A loaded model file. It is freed once it is closed or no longer used, and its contacts are freed.
 
-    pressure_modes, deformation_modes, rows: how many of the first ones to load (0: all).
+    pressure_modes, deformation_modes, rows: numbers to load, from the first one on (0: all).
     stationary: True loads no data for steps in time.
     info: the members of ehdrom_model_info in ehdrom.h: dimensions, num_x, num_y, x_min, y_min, step (half widths), …
     """
@@ -268,7 +269,7 @@ class Derivatives(_Numbers):
 
 
 def _alone(method: _Function) -> _Function:
-    """Wraps a method of a contact: an Error if another thread is in a call, or if the contact is closed."""
+    """Wraps a method of a contact. It raises Error if another thread is in a call, or if the contact is closed."""
 
     @functools.wraps(method)
     def call(self, *arguments, **named):
@@ -421,9 +422,9 @@ class Contact(_Handle):
                       radius: float | None = None, modulus: float | None = None) -> Derivatives:
         """Returns the derivatives of the results along a direction.
 
-        The arguments are the rates of change of the conditions, in their units; other conditions are held. approach=0
-        holds the approach and load=0 the load; with neither, the one that was given is held. With approach=1 `load` of
-        the Derivatives is dF/dh.
+        The arguments are the rates of change of the conditions, in their units; other conditions stay constant.
+        approach=0 keeps the approach constant, load=0 the load. Without both, the one that was given for the solution
+        stays constant. With approach=1, `load` of the Derivatives is dF/dh.
         After a solve or start these are the stationary derivatives. After a step, until it is accepted, they are the
         tangent at its end."""
         direction = self._conditions({"load": load, "approach": approach, "speed": speed, "radius": radius,
