@@ -52,17 +52,15 @@ typedef struct samples {
     bool exits_are_nodes;
     double *deviation[NUM_TRADE_QUANTITIES]; // [count]
     double *bound, *bound_minimum;           // [count] bounds of the central and minimum film
-    double *indicated;                       // [count + failures] the larger of both films'
-                                             // estimates
-    double *effectivity;                     // [count] estimate over error, the smaller ratio of
-                                             // both films
+    double *indicated;                       // [count + failures] the films' larger estimate
+    double *effectivity;                     // [count] estimate over error, the films' smaller
+                                             // ratio
     double *off[NUM_INDICATED];              // [count] deviations of the other quantities
     double *other_bound[NUM_INDICATED];      // [count]
     double *friction_off, *friction_bound;   // [num_frictions]
     size_t num_frictions;                    // 0 if the model has no traction nodes
     double *seconds;                         // [count * REPEATS]
-    double iterations, max_iterations;       // sum over the scenes, and largest number for one
-                                             // scene
+    double iterations, max_iterations;       // sum over scenes; largest number for a scene
     double largest_residual;
     double *pressure, *film; // [num_nodes]
     double *full_film;       // [num_nodes]

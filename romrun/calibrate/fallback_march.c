@@ -21,7 +21,7 @@ typedef struct standing {
     // numbers of Newton iterations. useful: of accepted steps; wasted: of attempts that became no
     // step; open: of the attempt that is neither accepted nor rejected yet
     double useful, wasted, open;
-    double full_steps, since, seconds_full, seconds_reduced; // as in time_run_share
+    double full_steps, since, seconds_full, seconds_reduced; // members of time_run_share
 } standing;
 
 enum { NUM_STANDING = sizeof(standing) / sizeof(double), AT_SOLVERS = NUM_STANDING + MARCH_REASON };

@@ -18,7 +18,7 @@ typedef struct recorded_step {
     contact_frame load_frame; // frame scaled by the load of the solution
     double step;              // 0 at the start
     bool jump;                // the conditions jump after this step
-    contact_scalars scalars;  // in the reference frame
+    contact_scalars scalars;  // scalars in the reference frame
 } recorded_step;
 
 typedef struct recording {

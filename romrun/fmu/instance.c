@@ -395,8 +395,7 @@ static bool update_stationary(fmu_instance *self) {
 static bool slide(fmu_instance *self, const conditions *at, double values[FMU_NUM_VARIABLES]) {
     ehdrom_traction traction = EHDROM_TRACTION_INIT;
 
-    traction.size = offsetof(ehdrom_traction, indicated_deviation_friction); // the error estimate
-                                                                             // is not wanted
+    traction.size = offsetof(ehdrom_traction, indicated_deviation_friction); // no error estimate
     if (!took(self, self->now.pending > 0 ? ehdrom_slide_step(self->contact, at->sliding, &traction)
                                           : ehdrom_slide(self->contact, at->sliding, &traction)))
         return false;

@@ -41,7 +41,7 @@ enum {
     FMU_STIFFNESS,
     FMU_DAMPING,
     FMU_DAMPING_BOUND,
-    // for the end of the last step, computed when they are read
+    // traction at the end of the last step, computed when it is read
     FMU_FRICTION,
     FMU_FRICTION_COEFFICIENT,
     FMU_POWER,
@@ -72,8 +72,7 @@ typedef struct fmu_variable {
     fmu_when when;                    // which FMUs have the variable
     const char *key;                  // setting of its start value; NULL: none
     size_t offset;                    // offset of an output in ehdrom_result; 0: not a member
-    size_t derivative;                // offset of its derivative in ehdrom_derivatives; 0: not a
-                                      // member
+    size_t derivative;                // offset of its derivative in ehdrom_derivatives; 0: none
     const char *help;
 } fmu_variable;
 

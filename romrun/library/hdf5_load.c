@@ -9,8 +9,8 @@
 #include <string.h>
 #include <unistd.h>
 
-/* Chooses the plug-in beside this library, or else the plug-in that the system finds by its name. A
- * RUNPATH does not suffice, since the dlopen of a sanitizer does not use it. */
+/* Chooses the plug-in beside this library, or else the plug-in that the system finds by name. A
+ * RUNPATH does not suffice, since the dlopen of a sanitizer ignores it. */
 static void choose_plugin(char *name, size_t size) {
     static const char here;
     Dl_info own;

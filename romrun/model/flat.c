@@ -25,7 +25,7 @@ typedef struct flat_header {
     char magic[8];
     uint32_t version, order; // a reader with another byte order finds a number other than ORDER
     uint64_t size;           // of the file, bytes
-    uint64_t checksum;       // of all bytes behind the header
+    uint64_t checksum;       // checksum of all bytes behind the header
     char rest[32];           // 0
 } flat_header;
 _Static_assert(sizeof(flat_header) == ALIGNMENT, "one block");

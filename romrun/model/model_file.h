@@ -20,8 +20,7 @@ typedef struct model_origin {
     const double *sigma_min_by_exit; // [num_states]
     // data for weights of a model that uses fewer rows or modes; `weights` NULL: not known
     const char *weights;          // name of the weighting
-    const double *factors;        // [num_rows] factors of the weighting; row_weight is D times
-                                  // these factors
+    const double *factors;        // [num_rows] factors; row_weight is D times these factors
     size_t num_jacobian_modes;    // number of modes of the Jacobian products
     const double *jacobian_modes; // [num_rows, num_jacobian_modes], orthonormal over all rows
 } model_origin;

@@ -30,8 +30,8 @@ typedef struct reduced_states {
     size_t num_unknowns;     // n_p + n_delta + 1
     double *coordinates;     // [num_states, num_unknowns]: pressure, deformation, rigid approach
     size_t num_lines;        // lines of the grid, including the boundary lines of a point contact
-    size_t *exit;            // [num_states, num_lines] first column without pressure, counted with
-                             // boundary nodes; for a line contact a grid node
+    size_t *exit;            // [num_states, num_lines] first column without pressure; boundary
+                             // nodes are counted; for a line contact a grid node
     double *moes_M;          // [num_states]
     double *alpha_p_H;       // [num_states]
     flow_thinning *thinning; // [num_states] thinning of the flow
@@ -104,9 +104,9 @@ typedef struct row_set {
                          // [num_needed, num_pressure]
 } row_set;
 
-/* Interpolation to the centre X = 0 on the line Y = 0. */
+/* Interpolation to the centre X = 0 on the grid line Y = 0. */
 typedef struct centre_nodes {
-    size_t index[4]; // in needed_node of the selected rows
+    size_t index[4]; // indices in needed_node of the selected rows
     double weight[4];
 } centre_nodes;
 
@@ -120,12 +120,12 @@ typedef struct band_line {
 /* The band: the nodes that contain the film minima and the exits. A line contact has one line,
  * whose columns are the grid's nodes. */
 typedef struct exit_band {
-    size_t num_lines;                   // of the grid
+    size_t num_lines;                   // lines of the grid
     band_line *lines;                   // [num_lines]
     size_t num_nodes;                   // sum over all lines
     size_t first_minimum, last_minimum; // lines between which trained film minima lie
     double *pressure;                   // [num_nodes, num_pressure]
-    double *film;                       // as in row_set, at the band's nodes
+    double *film;                       // film's basis as in row_set, at the band's nodes
 } exit_band;
 
 /* The cut table: linear maps of the pressure modes cut at the exit. For a coupled basis it contains
@@ -205,7 +205,7 @@ typedef struct reduced_model {
     start_shift shift;
     shown_lubricants shown; // lubricants of the calibration
     node_cubature cubature;
-    arena memory; // of all arrays except in `states` and `shown`
+    arena memory; // memory of all arrays except those in `states` and `shown`
 } reduced_model;
 
 /* Builds a model from a list of rows, given as grid nodes in the order of selection. `rows` NULL:

@@ -16,8 +16,7 @@ enum trade_quantity {
     TRADE_CENTRAL_FILM,
     TRADE_MINIMUM_FILM,
     TRADE_CENTRAL_PRESSURE,
-    TRADE_PRESSURE, // largest difference over all nodes, in Hertz pressures; other quantities:
-                    // relative difference
+    TRADE_PRESSURE, // largest difference, in Hertz pressures; the others are relative
     NUM_TRADE_QUANTITIES
 };
 enum trade_quantile { TRADE_MEDIAN, TRADE_95, TRADE_WORST, NUM_TRADE_QUANTILES };
@@ -25,8 +24,7 @@ extern const double trade_quantiles[NUM_TRADE_QUANTILES]; // 0.5, 0.95, 1
 enum trade_part { PART_5, PART_50, PART_90, PART_95, NUM_TRADE_PARTS };
 extern const double trade_parts[NUM_TRADE_PARTS]; // 0.05, 0.5, 0.9, 0.95
 enum { NUM_TIME_PARTS = 6 };
-extern const double trade_time_parts[NUM_TIME_PARTS]; // quantiles over trajectories: 0.5, 0.6, ...
-                                                      // 1
+extern const double trade_time_parts[NUM_TIME_PARTS]; // quantiles: 0.5, 0.6, ... 1
 
 /* Quantities with an error bound: both films, then the other quantities in the order of
  * indicated_quantity. */
@@ -58,8 +56,8 @@ typedef struct trade_position {
     // error estimates of the films
     double indicator_factor; // central film; 0: not calibrated, the members below are unknown
     double indicator_factor_minimum;     // minimum film
-    double indicated[NUM_TRADE_PARTS];   // quantiles over all scenes of the larger estimate of both
-                                         // films; infinite: not solved
+    double indicated[NUM_TRADE_PARTS];   // quantiles over all scenes of the films' larger estimate;
+                                         // infinite: not solved
     double effectivity[NUM_TRADE_PARTS]; // estimate over error, the smaller ratio of both films
     double largest_residual;             // residual of the least squares; infinite: not known
     double other_factor[NUM_INDICATED];  // factors of the other quantities; 0: not known

@@ -47,8 +47,8 @@ typedef struct online_solver online_solver;
 typedef struct online_properties {
     size_t num_inner;                         // number of inner nodes of the full grid
     size_t num_nodes;                         // number of nodes including the boundary nodes
-    size_t num_lines;                         // number of grid lines, on both sides of a mirror; 1
-                                              // for a line contact
+    size_t num_lines;                         // number of grid lines on both sides of a mirror;
+                                              // line contact: 1
     double x_min, step;                       // first inner node and step of the grid, half widths
     const char *discretization;               // "accurate" or "published"
     const char *boundary;                     // "open" or "zero"; "zero" for line contacts
@@ -75,8 +75,8 @@ typedef struct online_result {
     ehd_status status;
     const char *reason;      // reason of a status other than EHD_OK, or ""; valid until the next
                              // solution
-    contact_scalars scalars; // in the contact's frame; the load is relative to the frame's
-                             // reference load
+    contact_scalars scalars; // scalars in the contact's frame; the load is relative to the frame's
+                             // load
     double peak_pressure;    // largest P at the needed nodes and in the band
     size_t part;             // index of the part of the model that solved the contact
     size_t iterations;
@@ -173,8 +173,7 @@ void online_judge_pressure(online_result *result, const ehd_contact *contact,
 /* Error estimates of other quantities of the last solution. */
 typedef struct online_indications {
     double bound[NUM_INDICATED];     // bound of the error, without its calibrated factor
-    double deviation[NUM_INDICATED]; // estimated error; NaN: not calibrated, or there is no
-                                     // estimate
+    double deviation[NUM_INDICATED]; // estimated error; NaN: there is no estimate
 } online_indications;
 
 /* Estimates the errors of the other quantities. It takes twice as long as a solution, so it is a
@@ -263,7 +262,8 @@ typedef struct online_state {
     ehd_status status;       // EHD_OK; EHD_NOT_CONVERGED: try a shorter step; EHD_UNTRUSTED
     const char *reason;      // reason of a status other than EHD_OK, or ""
     double time;             // T
-    contact_scalars scalars; // in the reference frame; the load is relative to the reference load
+    contact_scalars scalars; // scalars in the reference frame; the load is relative to the
+                             // reference load
     double half_width;       // half width of the frame, relative to the reference; 0: bodies apart
     double local_error;      // error that this step causes in the film, relative to the central
                              // film; 0: not known yet

@@ -25,10 +25,9 @@ typedef struct model_part {
     trained_range *range;
     double indicator_factor; // factor of the central film; 0: not calibrated at these sizes
     double indicator_factor_minimum;
-    double largest_residual; // largest one in the calibration's scenes; infinite: not known
+    double largest_residual; // largest one in the calibration; infinite: not known
     bool checked_in_time;
-    double most_iterations;             // largest number in the calibration's scenes; infinite: not
-                                        // known
+    double most_iterations;             // largest one in the calibration; infinite: not known
     double other_factor[NUM_INDICATED]; // 0: not calibrated
     indicator_shape shape[NUM_BOUNDED]; // shapes of the factors
     film_factors in_time;               // NaN: not calibrated at these sizes
@@ -69,7 +68,7 @@ typedef struct part_solver {
     contact_scalars scalars;    // scalars of the last solution
     reduced_tangent *tangent;   // NULL: not needed yet
     bool linearised;            // true: the tangent is linearised at the last solution
-    range_memory *range_memory; // for checks of the trained range
+    range_memory *range_memory; // work memory for checks of the trained range
     char reason[192];           // reason of the last result if it combines several reasons
 } part_solver;
 

@@ -430,8 +430,7 @@ static const char *why_not_to_trust(reduced_march *self, const reduced_state *st
 static void judge(march_step *outcome, reduced_march *self, const reduced_state *state,
                   const contact_frame *frame) {
     self->load_frame = isnan(frame->approach)
-                           ? *frame // the load is given; the least squares meet it only
-                                    // approximately
+                           ? *frame // the load is given, and met approximately
                            : frame_of_load(self->reference.kind, frame, outcome->scalars.load);
     if (outcome->status == EHD_NOT_CONVERGED) return;
     if (outcome->status == EHD_OK) march_distrust(outcome, why_not_to_trust(self, state));

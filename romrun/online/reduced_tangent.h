@@ -35,8 +35,7 @@ ehd_status reduced_tangent_at(
 
 /* A change of the solution. */
 typedef struct reduced_change {
-    const double *coordinates; // [num_unknowns] owned by the tangent; each function below has its
-                               // own array
+    const double *coordinates; // [num_unknowns] owned by the tangent; one array for each function
     double exit_offset;        // move of an exit within a node, in grid steps; 0 if exits are nodes
 } reduced_change;
 

@@ -43,8 +43,8 @@ typedef struct exit_search {
     double small;                // limit for the change of the pressure (HELD_IN_CYCLE)
     double far;                  // change of the pressure above which the exits stay
     double *band_film;           // [nodes of the band] H, evaluated on demand
-    size_t search, *band_search; // number of this search; [nodes of the band] number of the search
-                                 // that set band_film
+    size_t search, *band_search; // number of the search; [nodes of the band] search of each
+                                 // band_film
     exit_cell cell;              // cell of an exit within a node
 } exit_search;
 

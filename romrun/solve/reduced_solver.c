@@ -31,7 +31,7 @@ struct reduced_solver {
     reduced_observer_end *observer_end;
     void *observer_context;
     double *observed; // [2, rows of the model]
-    double *joining;  // [nodes of a line's band, num_unknowns] work of join_nodes
+    double *joining;  // [nodes of a line contact's band, num_unknowns] work of join_nodes
     arena memory;     // memory of all arrays
 };
 
@@ -240,8 +240,9 @@ static iterate take_step(reduced_state *state, reduced_solver *self, const itera
 static const double PRESSURE_TOLERANCE = 1e-4, PRESSURE_OVER_FILM = 1e4;
 
 /* In time, an iteration that changes P by more than this is far from the solution, Hertz pressures.
- * With 5e-3 to 5e-2 the line under a load of period 1/2 (scenes/studies/transient-load) takes 1413
- * to 1445 iterations (tolerance 5e-3). If the exits move in every iteration, it takes 2210. */
+ * With 5e-3 to 5e-2 the line contact under a load of period 1/2 (scenes/studies/transient-load)
+ * takes 1413 to 1445 iterations (tolerance 5e-3). If the exits move in every iteration, it takes
+ * 2210. */
 static const double NEAR_CHANGE = 5e-3;
 
 /* Returns the estimated ratio of the next iteration's change to this one's. Convergence is taken as

@@ -66,8 +66,7 @@ typedef struct reduced_squeeze {
     double (*previous_at)(void *context, size_t node); // returns `previous` at a node of the band
     void *context;
     const reduced_values *start; // values of the start; NULL: not known
-    const double *last;          // [num_needed] P of the previous state, by uncut modes; NULL: not
-                                 // known
+    const double *last;          // [num_needed] uncut P of the previous state; NULL: not known
 } reduced_squeeze;
 
 typedef struct reduced_solver reduced_solver;

@@ -19,7 +19,7 @@ typedef struct row_system {
     far_field outer;         // far field at the boundary nodes among the needed ones
     double *pressure;        // [num_needed] P of the state, including the far field
     double *about;           // [num_needed] pressures of system_about
-    contact_closure closure; // at the state, including the load beyond the grid
+    contact_closure closure; // closure at the state, including the load beyond the grid
     size_t num_active;       // rows before the exit
     size_t num_cells;        // 1 if the exit lies within a node (the cell's row is then the last
                              // row), else 0

@@ -14,13 +14,13 @@
  * within a node, the row of its cell. */
 typedef struct solved_system {
     const reduced_model *model;
-    node_state *nodes; // at the solution
+    node_state *nodes; // nodes at the solution
     exit_search *exits;
-    size_t num_rows;            // of the matrix
+    size_t num_rows;            // rows of the matrix
     size_t num_reynolds;        // Reynolds rows
     const size_t *row;          // [num_reynolds] indices in the model
     const double *matrix;       // [num_rows, num_unknowns] D J, of this or of an earlier step
-    least_squares *factors;     // of the matrix
+    least_squares *factors;     // factors of the matrix
     const double *right, *step; // [num_rows] D f before the last step; [num_unknowns] the last step
     double remaining;           // estimated ratio of the next step's change to the last step's
     const double *offset;       // [num_unknowns] gradient of the exit's offset within its node;

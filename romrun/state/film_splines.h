@@ -26,7 +26,8 @@ typedef struct spline_layout {
 } spline_layout;
 
 /* Tables by node, which nothing changes once they are made. Their memory is proportional to the
- * number of nodes: 90 MB for half a point contact with 129 nodes on a line and 120 modes. */
+ * number of nodes: 90 MB for half of a point contact, with 129 nodes on a grid line and 120
+ * modes. */
 typedef struct film_splines {
     ehd_grid grid; // the model's grid, widened by `margin` columns in front and by lines at the
                    // sides
@@ -92,12 +93,11 @@ void path_films_set_base(path_films *self, const struct previous_film *base,
 typedef struct node_sums {
     const spline_layout *layout;
     const double *table, *coordinates; // table of the modes, and the state's coordinates
-    const double *filtered;            // table of the filtered modes, with transport along the
-                                       // path; else NULL
+    const double *filtered;            // table of the filtered modes; NULL: no transport along the
+                                       // path
     double share;                      // weight of the filtered table, 0 to 1
     double *sum;                       // [num_nodes of the layout, 2 or 4]
-    size_t *of_state;                  // [num_nodes of the layout] number of the state whose sum is
-                                       // stored
+    size_t *of_state;                  // [num_nodes of the layout] number of the summed state
     size_t state;                      // number of this state, from 1 on
 } node_sums;
 
@@ -107,7 +107,7 @@ enum { EXIT_WINDOW = 64 }; // number of nodes around an exit with a spline of th
 typedef struct previous_film {
     contact_frame frame;
     reduced_state state;
-    reduced_values values;   // at the needed nodes
+    reduced_values values;   // values at the needed nodes
     double *difference;      // [num_unknowns] coordinates minus those of the base, with transport
                              // along the path
     cut_run *runs;           // [num_lines] runs between fields.cut_exits and the state's exit line

@@ -50,7 +50,8 @@ ehd_status reduced_values_init(reduced_values *values, const reduced_model *mode
                                ehd_error *error);
 void reduced_values_free(reduced_values *values);
 
-/* Compute the values of coordinates: at a checkpoint, and at the checkpoint of an exit line. */
+/* Compute the values of coordinates at a given checkpoint, and at the checkpoint of an exit
+ * line. */
 void reduced_values_at(reduced_values *values, const reduced_model *model,
                        const double *coordinates, size_t checkpoint);
 void reduced_values_of(reduced_values *values, const reduced_model *model,
