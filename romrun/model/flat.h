@@ -32,8 +32,8 @@ ehd_status flat_is(bool *is, const char *path, ehd_error *error);
  * EHD_NOINPUT, EHD_DATA, EHD_IO, EHD_MEMORY. */
 void flat_begin(flat *self, const char *path, ehd_error *error);
 ehd_status flat_read(flat *self, const char *path, ehd_error *error);
-/* Writes all blocks to the file. The file gets its name when it is complete. EHD_CANTCREATE: it
- * exists, and `force` is false; EHD_IO. */
+/* Writes all blocks to the file. The file gets its name when it is complete. EHD_CANTCREATE: the
+ * file exists, and `force` is false; EHD_IO. */
 ehd_status flat_write(flat *self, bool force);
 void flat_free(flat *self);
 

@@ -464,7 +464,7 @@ struct online_transient {
     // conditions of the last step, which begins at `now`, or of the start
     online_conditions conditions;
     bool at_start;            // true: no step was taken since the start
-    size_t of;                // index of the tangent's part
+    size_t of;                // index of the part to which the tangent belongs
     reduced_tangent *tangent; // NULL: not needed yet
     bool linearised;          // true: the tangent is linearised at the present solution
 };

@@ -736,7 +736,7 @@ static void predict(reduced_march *self) {
         add_times(values->pressure, factor, previous->values.pressure, model->rows.num_needed);
         add_times(values->cut, factor, previous->values.cut, model->cut.num_rows);
         if (previous->values.checkpoint != values->checkpoint && factor != 0)
-            values->checkpoint = model->checkpoints.num; // no checkpoint
+            values->checkpoint = model->checkpoints.num; // means: no checkpoint
     }
 }
 

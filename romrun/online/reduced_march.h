@@ -37,8 +37,8 @@ typedef struct film_factors {
 void reduced_march_indicate(reduced_march *self, film_factors factors);
 
 /* Bounds of the relative film errors of the last attempt, without the factors. The minimum film has
- * two: errors that arrive with the fluid (with the central film's factor), and errors that arise at
- * the minimum (with their own factor). */
+ * two bounds: of errors that arrive with the fluid (with the central film's factor), and of errors
+ * that arise at the minimum (with their own factor). */
 typedef struct film_bounds {
     double central, arriving, arising;
 } film_bounds;

@@ -7,11 +7,11 @@
 
 #include "romrun/solve/reduced_solver.h"
 
-/* Sets a start from the trained solutions nearest in (ln M, ln(1 + alpha p_H)/2): a quadratic fit,
- * an affine fit if the quadratic one would extrapolate, or the nearest solution if the affine one
- * would. Pressures are added with their spikes at the same place (start_shift.h). Lubricants are
- * compared at the same Hertz pressure: the more similar viscosity and density are, the nearer is
- * the state. The fit is linear in these differences, and in the difference of the thinning. */
+/* Sets a start from the trained solutions nearest in (ln M, ln(1 + alpha p_H)/2): a quadratic fit;
+ * if it would extrapolate, an affine fit; if this would extrapolate, the nearest solution.
+ * Pressures are added with their spikes at the same place (start_shift.h). Lubricants are compared
+ * at the same Hertz pressure: the more similar viscosity and density are, the nearer is the state.
+ * The fit is linear in these differences, and in the difference of the thinning. */
 void reduced_guess(reduced_state *state, const reduced_model *model, contact_place place);
 
 /* Solves from reduced_guess. If that does not converge, it starts from each of the nearest trained

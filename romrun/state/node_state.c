@@ -12,7 +12,7 @@
 
 static void fields_init(node_fields *fields, const reduced_model *model, arena *memory) {
     fields->values =
-        (reduced_values){.checkpoint = model->checkpoints.num, // no checkpoint
+        (reduced_values){.checkpoint = model->checkpoints.num, // means: no checkpoint
                          .pressure = arena_array(memory, model->rows.num_needed, sizeof(double)),
                          .cut = arena_array(memory, model->cut.num_rows, sizeof(double))};
     fields->pressure = arena_array(memory, model->rows.num_needed, sizeof(double));

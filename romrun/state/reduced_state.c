@@ -56,7 +56,7 @@ ehd_status reduced_values_init(reduced_values *values, const reduced_model *mode
                                ehd_error *error) {
     values->pressure = malloc(model->rows.num_needed * sizeof(double));
     values->cut = malloc(model->cut.num_rows * sizeof(double));
-    values->checkpoint = model->checkpoints.num; // no checkpoint
+    values->checkpoint = model->checkpoints.num; // means: no checkpoint
     if (values->pressure && values->cut) return EHD_OK;
     reduced_values_free(values);
     return ehd_no_memory(error, "online solver");
