@@ -309,7 +309,7 @@ ehdrom_status ehdrom_contact_scales(ehdrom_contact *self, ehdrom_scales *scales)
     const locale_t before = library_enter();
     const bool dimensionless = self->dimensionless;
     self->dimensionless = true; // allows a scene of M and L, which has no SI units
-    // scales are equal in both regimes, but scenes in time do not allow every discretisation
+    // scales are equal in both regimes, but scenes in time exclude the discretisation cross-flux
     const bool in_time = !online_check_in_time(self->model->online, NULL);
     status = library_contact(&contact, &units, self, in_time, &self->error);
     self->dimensionless = dimensionless;
