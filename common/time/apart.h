@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Lets a contact be lost and found again. Once nothing presses on the film, the bodies are apart:
  * they exert no force until they touch again (README.md, Bodies apart).
- * Called by common/output/time_run.c and romrun/online/online.c to wrap their solvers. */
+ * Called by common/output/time_run.c and romrun/online/online_transient.c to wrap their solvers. */
 #ifndef EHD_APART_H
 #define EHD_APART_H
 

@@ -5,7 +5,7 @@
  * file.
  * Reading and writing share one walk over an object: each call below either writes the value that
  * it is given, or returns the value in the file.
- * Called by flat_model.c, by romrun/state, and by online.c and part.c in romrun/online. */
+ * Called by flat_model.c, by romrun/state, and by online_model.c and part.c in romrun/online. */
 #ifndef EHD_FLAT_H
 #define EHD_FLAT_H
 

@@ -2,7 +2,7 @@
 /* Computes derivatives of a contact's results in the reference frame by its conditions. They
  * follow by the chain rule through the frame, which scales with load, radius and modulus
  * (romrun/library/README.md, The tangent).
- * Called by online.c for derivatives and responses. */
+ * Called by online_derivatives.c for derivatives and responses. */
 #ifndef EHD_FRAME_TANGENT_H
 #define EHD_FRAME_TANGENT_H
 

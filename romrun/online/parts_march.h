@@ -2,7 +2,7 @@
 /* Marches a model of parts. Each step is solved by the part in whose trained range the contact
  * lies. A contact that leaves this range is handed to another part (README.md, Models for parts of
  * a region). With a single part it is the march of that part.
- * Called by online.c, and by romrun/calibrate/fallback_march.c. */
+ * Called by online_transient.c, and by romrun/calibrate/fallback_march.c. */
 #ifndef EHD_PARTS_MARCH_H
 #define EHD_PARTS_MARCH_H
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Computes derivatives of a reduced solution, from the Jacobian of its least squares
  * (romrun/library/README.md, The tangent).
- * Called by online.c and frame_tangent.c. */
+ * Called by online_derivatives.c and frame_tangent.c. */
 #ifndef EHD_REDUCED_TANGENT_H
 #define EHD_REDUCED_TANGENT_H
 
