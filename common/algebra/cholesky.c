@@ -6,8 +6,8 @@
 
 #include <math.h>
 
-// rows of the factor in a block: one product subtracts the earlier blocks, and then the rows are
-// made one by one
+// rows of the factor in one block. One product subtracts the earlier blocks from a block. Then its
+// rows are computed one by one
 enum { BLOCK = 8 };
 
 /* Makes row p of the factor's transpose from the earlier rows of its block. Returns false if the
@@ -22,7 +22,7 @@ static bool finish_row(double *rows, size_t n, size_t first, size_t p) {
     return true;
 }
 
-/* L by columns is L^T by rows. */
+/* L stored by columns is L^T stored by rows. */
 bool cholesky_factorise(double *matrix, size_t size) {
     for (size_t first = 0; first < size; first += BLOCK) {
         const size_t end = first + BLOCK < size ? first + BLOCK : size;
@@ -35,8 +35,8 @@ bool cholesky_factorise(double *matrix, size_t size) {
     return true;
 }
 
-/* Takes two columns of L at a time. Two calls of cblas_dtrsv take 1.6 times the instructions (121
- * columns). */
+/* Uses two columns of L at a time. Two calls of cblas_dtrsv take 1.6 times as many instructions
+ * (121 columns). */
 void cholesky_solve(double *restrict x, const double *restrict factor, size_t size) {
     size_t j = 0;
 

@@ -8,9 +8,9 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/* Replaces the lower part of a matrix, by columns, by its factor L with L L^T = matrix. The part
- * above the diagonal is not read, and has no meaning afterwards. Returns false for a matrix that is
- * not positive definite, or not finite. */
+/* Replaces the lower part of a matrix, stored by columns, by its factor L with L L^T = matrix. The
+ * part above the diagonal is not read, and has no meaning afterwards. Returns false for a matrix
+ * that is not positive definite, or not finite. */
 bool cholesky_factorise(double *matrix, // [size, size]
                         size_t size);
 

@@ -22,7 +22,7 @@ double hull_distance(const double *points, // [num_axes, num_points]
 typedef struct hull_space hull_space;
 hull_space *hull_space_create(size_t max_points); // NULL when out of memory
 hull_space *hull_space_free(hull_space *space);   // accepts and returns NULL
-/* Like hull_distance, in memory that is kept. Infinite for more points than the memory holds. */
+/* Like hull_distance, but in memory that is kept. Infinite if the memory holds fewer points. */
 double hull_distance_in(hull_space *space, const double *points, size_t num_points, size_t num_axes,
                         const double *place);
 

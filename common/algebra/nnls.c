@@ -11,8 +11,8 @@
 #include <string.h>
 
 /* Smallest part of a column's length that is orthogonal to the columns in use. A column with a
- * smaller part counts as dependent on these columns. Round-off leaves 1e-16. No value from 0 to
- * 1e-2 changes a solution of test_nnls.c, columns_may_depend_on_each_other. */
+ * smaller part depends on these columns. Round-off leaves 1e-16. No value from 0 to 1e-2 changes a
+ * solution of test_nnls.c, columns_may_depend_on_each_other. */
 static const double DEPENDENT = 1e-10;
 
 /* Smallest cosine between a column and the residual at which the column reduces the residual. A
@@ -185,8 +185,8 @@ static void solve_used(active_set *self) {
     }
 }
 
-/* Goes to the least squares solution of the columns in use, and drops the columns whose x becomes
- * zero on the way. */
+/* Moves x to the least squares solution of the columns in use, and drops the columns whose x
+ * becomes zero on the way. */
 static void settle(active_set *self) {
     for (;;) {
         double part = 1;

@@ -23,11 +23,11 @@ ehd_status nnls_solve(
     const double *right,  // b [num_rows]
     size_t num_rows, size_t num_columns, double tolerance, ehd_error *error);
 
-/* Memory for nnls_solve_in with at most so many rows and columns. */
+/* Memory for nnls_solve_in with at most max_rows rows and max_columns columns. */
 typedef struct nnls_space nnls_space;
 nnls_space *nnls_space_create(size_t max_rows, size_t max_columns); // NULL when out of memory
 nnls_space *nnls_space_free(nnls_space *space);                     // accepts and returns NULL
-/* Like nnls_solve, in memory that is kept. EHD_INTERNAL also for a larger problem. */
+/* Like nnls_solve, but in memory that is kept. EHD_INTERNAL also if the memory is too small. */
 ehd_status nnls_solve_in(
     // output:
     double *x, // [num_columns]

@@ -11,15 +11,15 @@
 #include <stdbool.h>
 #include <string.h>
 
-// length of the inner index in one pass, so that a block's columns of B stay in the first cache
+// range of the inner index in one pass, so that a block's columns of B stay in the first cache
 enum { CHUNK = 256 };
 
 typedef struct block_size {
     size_t rows, columns;
 } block_size;
 
-/* Adds factor A B of one block to C. Rows and columns before `first` were done by the block
- * before. */
+/* Adds factor A B of one block to C. The block before has done the rows and columns before
+ * `first`. */
 typedef void block_function(double *product, size_t stride, double factor, strided left,
                             const double *right, size_t right_stride, size_t num_inner,
                             block_size first);
@@ -138,7 +138,7 @@ void gram_matrix(double *gram, const double *matrix, size_t num_rows, size_t num
 void add_product(double *y, const double *matrix, size_t stride, size_t num_rows,
                  size_t num_columns, const double *x) {
     const size_t whole = num_columns / 4 * 4, left = num_columns - whole;
-    vector tail = {0}; // last numbers of x, behind zeros
+    vector tail = {0}; // last numbers of x, after zeros
     size_t i = 0;
 
     for (size_t j = 4 - left; j < 4; j++)

@@ -20,7 +20,7 @@ reflection reflection_of(
     // input:
     const double *column, // [count]
     size_t count,
-    double length); // of the column, above 0
+    double length); // length of the column, above 0
 
 /* Applies a reflection to a column. */
 void reflect(double *column, const reflection *by, size_t count);

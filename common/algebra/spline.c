@@ -41,7 +41,7 @@ spline *spline_free(spline *self) {
     return NULL;
 }
 
-/* Returns the slope of the line between the nodes i and i + 1. */
+/* Returns the slope of the chord between the nodes i and i + 1. */
 static double chord(const spline *self, size_t i) {
     return (self->value[i + 1] - self->value[i]) / (self->x[i + 1] - self->x[i]);
 }
@@ -78,8 +78,8 @@ size_t spline_interval(const spline *self, double x, size_t near) {
     return low;
 }
 
-/* Computes the cubic of an interval in the distance from its first node: the coefficients from the
- * linear one on. */
+/* Computes the linear, quadratic and cubic coefficients of an interval's polynomial in the
+ * distance from the interval's first node. */
 static void coefficients(double of[3], const spline *self, size_t i) {
     const double width = self->x[i + 1] - self->x[i];
 

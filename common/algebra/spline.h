@@ -24,7 +24,7 @@ void spline_fit(spline *self, const double *x, const double *values);
  * extrapolated. */
 size_t spline_interval(const spline *self, double x, size_t near);
 
-/* Returns the value at a place in this interval. */
+/* Returns the value at the place x, which lies in this interval. */
 double spline_value(const spline *self, double x, size_t interval);
 
 /* Returns the values at the nodes, [num]. */

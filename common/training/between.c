@@ -11,12 +11,12 @@
 
 // ---- distances
 
-/* Points or trajectories of a set, with coordinates for their distances. */
+/* The stationary points or the trajectories of a set, with coordinates for their distances. */
 typedef struct crowd {
     size_t count, width;
     const tree_point *points; // [count]; NULL: trajectories
-    double scale[TREE_AXES];  // of the points' coordinates
-    double *places;           // [count, width] coordinates of trajectories, each over 0 … 1
+    double scale[TREE_AXES];  // divisors of the coordinates of points
+    double *places;           // [count, width] coordinates of trajectories, each from 0 to 1
     const training_set *set;
 } crowd;
 
@@ -31,7 +31,7 @@ static double number_of(const setting *row, const scene *of) {
     return value;
 }
 
-/* Checks whether two scenes differ in numbers only, which both give. */
+/* Checks whether two scenes differ only in numbers that both give. */
 static bool are_alike(const scene *left, const scene *right) {
     for (const setting *row = scene_settings(); row->key; row++) {
         if (setting_compare(row, left, right) == 0) continue;
@@ -42,7 +42,7 @@ static bool are_alike(const scene *left, const scene *right) {
     return true;
 }
 
-/* Returns the squared distance; infinite if the two have no middle. */
+/* Returns the squared distance of two scenes; infinite if there is no scene half-way. */
 static double square(const crowd *self, size_t i, size_t j) {
     double sum = 0;
 
@@ -59,8 +59,8 @@ static double square(const crowd *self, size_t i, size_t j) {
     return sum;
 }
 
-/* Fills a column with a setting of all trajectories, relative to its range, or to the range of its
- * logarithm if all are positive. A setting that is not given is 0. */
+/* Fills a column with a setting of all trajectories, relative to its range. If all values are
+ * positive, their logarithms are used. A setting that is not given is 0. */
 static void place_column(double *column, size_t width, const setting *row,
                          const training_set *set) {
     double low = INFINITY, high = -INFINITY;
@@ -108,7 +108,7 @@ static void crowd_free(crowd *self) {
 
 // ---- scenes in the middle
 
-/* Makes the scene in the middle. Returns false if there is no such contact. */
+/* Makes the scene half-way between two scenes. Returns false if there is no such contact. */
 static bool find_middle(scene *middle, const scene *left, const scene *right) {
     ehd_contact contact;
 
@@ -123,7 +123,7 @@ static bool find_middle(scene *middle, const scene *left, const scene *right) {
            scene_contact(&contact, middle, NULL) == EHD_OK;
 }
 
-/* Checks that no third scene sees two scenes at an obtuse angle. The scenes behind the first one in
+/* Checks that no third scene sees two scenes at an obtuse angle. The scenes that follow scene i in
  * the plan are checked first, because they mostly lie between the two. */
 static bool are_neighbours(const crowd *self, size_t i, size_t j) {
     const double distance = square(self, i, j);
@@ -137,7 +137,7 @@ static bool are_neighbours(const crowd *self, size_t i, size_t j) {
     return true;
 }
 
-/* Checks whether the plan has a scene already: both diagonals of a cell of a grid have the same
+/* Checks whether the plan already has a scene: both diagonals of a grid cell have the same
  * middle. */
 static bool is_known(const plan *between, const plan_point *added) {
     for (size_t i = 0; i < between->num_points; i++) {
@@ -154,7 +154,7 @@ static size_t number_at(const crowd *self, size_t i) {
     return self->points ? self->set->numbers[i] : self->set->trajectories[i].number;
 }
 
-/* Makes room for one more point. */
+/* Allocates memory for one more point. */
 static ehd_status reserve(plan *between, size_t *room, const char *name, ehd_error *error) {
     if (between->num_points < *room) return EHD_OK;
     const size_t more = 2 * *room + 64;
@@ -183,7 +183,7 @@ static ehd_status add_middles(plan *between, size_t *room, const plan *of, const
     return EHD_OK;
 }
 
-/* Halves the swing of all histories. Returns false if there is nothing to halve, as with tables. */
+/* Halves the swing of all histories. Returns false if no history has a swing, as with tables. */
 static bool halve_swing(scene *of) {
     bool changed = false;
 
@@ -201,8 +201,8 @@ static bool halve_swing(scene *of) {
     return changed && scene_validate(of, "", NULL) == EHD_OK;
 }
 
-/* Adds a scene with half the swing for each trajectory that differs from all others in more than
- * numbers. */
+/* Adds a scene with half the swing for each trajectory that differs from every other one in more
+ * than numbers. */
 static ehd_status add_halves(plan *between, size_t *room, const plan *of, const crowd *self,
                              const char *name, ehd_error *error) {
     for (size_t i = 0; i < self->count; i++) {
@@ -244,10 +244,10 @@ ehd_status between_neighbours(plan *between, const plan *of, const training_set 
 
 // ---- choices
 
-/* Chooses at most `count` scenes far from one another, but for points at least one of each kind. */
+/* Chooses at most `count` scenes far from one another, of points at least one of each kind. */
 static ehd_status spread(bool *chosen, const crowd *self, size_t count, ehd_error *error) {
     const bool each_kind = self->points != NULL;
-    // squared distance to the nearest chosen one
+    // squared distance to the nearest chosen scene
     double *nearest = malloc((self->count + 1) * sizeof *nearest);
     if (!nearest) return ehd_no_memory(error, "scenes");
 

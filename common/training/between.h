@@ -12,11 +12,11 @@
  * geometric mean if both are positive, so that ln M and ln(alpha p_H) of physical scenes are in the
  * middle too.
  *
- * Two points of one lubricant and group are neighbours if no third one sees them at an obtuse angle
- * (Gabriel's graph). In a grid these are the neighbours along its lines and its diagonals; the
- * common middle of two diagonals counts once. The same holds for two trajectories that differ in
- * numbers only. A trajectory that has no such other one gives a scene with half its own swing: half
- * the amplitudes, ramps and steps half-way.
+ * Two points of one lubricant and group are neighbours if no third point sees them at an obtuse
+ * angle (Gabriel's graph). In a grid these are the neighbours along its lines and its diagonals;
+ * the common middle of two diagonals is taken once. The same holds for two trajectories that
+ * differ only in numbers. A trajectory without such a partner gives a scene with half its own
+ * swing: half the amplitudes, and half of each ramp and step.
  *
  * Pairs are in the order of the plan. The result may have no points at all. O(num_points^3) at
  * worst. EHD_MEMORY. */
@@ -25,22 +25,22 @@ ehd_status between_neighbours(
     plan *between, // free with plan_free; groups and bounds are those of `of`
     // input:
     const plan *of,
-    const training_set *trained, // of that plan
-    const char *name,            // of the plan, for errors
+    const training_set *trained, // set of that plan
+    const char *name,            // name of the plan, for errors
     ehd_error *error);
 
-/* Chooses points far from one another: the first one, then always the one that is farthest from
- * those chosen, and of equals the first. Each lubricant and group gets one point before any gets a
- * second one. All of these get at least one, even if `count` is smaller. EHD_MEMORY. */
+/* Chooses points far from one another. It begins with the first point and adds the point that is
+ * farthest from those chosen, of equally far points the first. Each lubricant and group gets one
+ * point before any gets a second one, even if `count` is smaller. EHD_MEMORY. */
 ehd_status between_spread(
     // output:
     bool *chosen, // [num_points]
     // input:
     const training_set *set, size_t count, ehd_error *error);
 
-/* Chooses `count` more points evenly along the walk through the set's tree. A part of the region
- * gets as many as its share of the points. The result is a sample, whereas points far from one
- * another are mostly at the edge. EHD_MEMORY. */
+/* Chooses `count` more points evenly along the walk through the set's tree. Each part of the
+ * region gets its share of these points, so they are a sample. Points far from one another are
+ * mostly at the edge. EHD_MEMORY. */
 ehd_status between_sweep(
     // in and out:
     bool *chosen, // [num_points]

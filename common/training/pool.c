@@ -17,10 +17,10 @@ typedef struct pool {
     const pool_work *work;
     pthread_mutex_t lock; // guards everything below, and `start` and `finish` of the work
     pthread_cond_t changed;
-    size_t next;   // place in the order; all points before it that wait for none are taken
+    size_t next;   // place in the order; earlier points that wait for no other are taken
     size_t *ready; // [room] places of free points that waited for another: a heap, lowest first
     size_t num_ready;
-    size_t *place; // [num_points] of a point in the order; NULL: a point's number is its place
+    size_t *place; // [num_points] place of a point in the order; NULL: the point's number
     size_t *first_child, *next_sibling; // [num_points] points that wait for one; NO_PARENT: none
     size_t num_left;                    // points not taken
     size_t num_active;                  // workers that have not ended
@@ -164,7 +164,7 @@ static void *run_worker(void *argument) {
     ehd_status status = work->begin ? work->begin(&worker, work->shared, &error) : EHD_OK;
 
     pthread_mutex_lock(&self->lock);
-    // a worker that begins when all points are taken had nothing to do
+    // if all points are taken when a worker begins, it has no work, and its failure does no harm
     bool leaves = leaves_to_others(self, status) || (status == EHD_MEMORY && self->num_left == 0);
     if (status && !leaves) fail(self, status, &error);
     while (!leaves) {
@@ -187,8 +187,8 @@ static void *run_worker(void *argument) {
     return NULL;
 }
 
-/* Starts up to num_wanted threads and returns their number. The work is done with fewer threads
- * too. */
+/* Starts up to num_wanted threads and returns their number. If fewer start, they do all of the
+ * work. */
 static size_t start_threads(pthread_t *threads, size_t num_wanted, pool *self) {
     size_t started = 0;
 
@@ -200,10 +200,10 @@ static size_t start_threads(pthread_t *threads, size_t num_wanted, pool *self) {
     return started;
 }
 
-/* Returns how many of num_wanted threads have enough memory: worker_bytes, the heap that glibc sets
- * apart for a thread (HEAP_MAX_SIZE, 64-bit), and a buffer of OpenBLAS. A limit of the address
- * space (ulimit -v) counts all of it. Without this check 8 threads under a limit of 400 to 1000 MB
- * ran out of memory after work. */
+/* Returns how many of num_wanted threads have enough memory: worker_bytes, the heap that glibc
+ * reserves for a thread (HEAP_MAX_SIZE, 64-bit), and a buffer of OpenBLAS. A limit of the address
+ * space (ulimit -v) includes all of these. Without this check 8 threads under a limit of 400 to
+ * 1000 MB ran out of memory after work. */
 static size_t workers_with_memory(size_t num_wanted, double worker_bytes) {
     const double heap = 64 << 20; // Source: heap of a thread in glibc, as above; bytes
     size_t num = num_wanted;

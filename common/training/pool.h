@@ -16,25 +16,26 @@ typedef ehd_status pool_task(void *shared, void *worker, size_t point, size_t pa
 typedef struct pool_work {
     size_t num_points;
     const size_t *parent; // [num_points]; NULL: no point waits for another
-    const size_t *order;  // [num_points], in which points are taken (tree_order); NULL: as numbered
+    const size_t *order;  // [num_points], order in which points are taken (tree_order); NULL: by
+                          // number
     const bool *done;     // [num_points], finished in an earlier run; NULL: none
     size_t num_workers;   // threads at most
     void *shared;         // handed to all tasks
-    double worker_bytes;  // memory that a thread needs for itself; 0: little
-    // makes what a thread needs for itself, such as a solver; NULL: nothing
+    double worker_bytes;  // memory that one thread needs for its own data; 0: little
+    // makes the data of one thread, such as a solver; NULL: nothing
     ehd_status (*begin)(void **worker, void *shared, ehd_error *error);
     void (*end)(void *worker);
     bool repeatable;  // another attempt can follow a failed solve
-    pool_task *solve; // several at a time, after `finish` of the parent
+    pool_task *solve; // several run at a time, each after `finish` of its parent
     // only one `start` or `finish` runs at a time
-    pool_task *start;  // before solve, such as for progress; NULL: none
-    pool_task *finish; // after solve, such as writing to a file; NULL: none
+    pool_task *start;  // before solve, for example to show progress; NULL: none
+    pool_task *finish; // after solve, for example to write a file; NULL: none
 } pool_work;
 
 /* Runs the tasks of all points. Returns EHD_OK when all points are finished. After a failure the
- * points under way are completed, and the first error is returned. After a signal it is
+ * points under way are completed, and the first error is returned. After a signal this error is
  * EHD_INTERRUPTED with an empty text. A thread that is refused memory, by `begin` or by a
- * repeatable `solve`, ends and leaves its point to the others. If there are none, the result is
+ * repeatable `solve`, ends and leaves its point to the others. If no thread is left, the result is
  * EHD_MEMORY. */
 ehd_status pool_run(const pool_work *work, ehd_error *error);
 

@@ -29,7 +29,7 @@ static bool lies_within(const ehd_contact *contact, const plan_where *where) {
     return within;
 }
 
-/* Makes the contact of a point. `inside` is false if the bounds of the plan leave the point out. */
+/* Makes the contact of a point. `inside` is false if the plan's bounds exclude the point. */
 static ehd_status make_contact(ehd_contact *contact, bool *inside, const plan *of, size_t number,
                                const char *plan_path, ehd_error *error) {
     const plan_point *point = &of->points[number];
@@ -38,7 +38,7 @@ static ehd_status make_contact(ehd_contact *contact, bool *inside, const plan *o
     ehd_status status = scene_contact(contact, &point->scene, &cause);
     if (!status) status = scene_check_reducible(&point->scene, &cause);
 
-    // a point that is left out may lie where the lubricant's law does not hold
+    // at an excluded point the lubricant's law may not hold
     bool known = contact->alpha_p_H > 0 || !status;
     *inside = !known || lies_within(contact, &of->where[point->group]);
     if (!status || !*inside) return EHD_OK;
@@ -92,7 +92,7 @@ static ehd_status read_histories(training_set *set, const char *plan_path, ehd_e
     return status;
 }
 
-/* Checks that all trajectories carry films in the same way on their grid. */
+/* Checks that all trajectories have the same transport and, along the path, the same smoothing. */
 static ehd_status check_carriages(const training_set *set, const char *plan_path,
                                   ehd_error *error) {
     for (size_t t = 1; t < set->num_trajectories; t++) {
@@ -173,13 +173,13 @@ static ehd_contact *contact_at(const training_set *set, size_t i) {
                                : &set->trajectories[i - set->num_points].contact;
 }
 
-/* Returns the extent that contact i needs, with its histories. */
+/* Returns the grid extent that contact i needs, a trajectory at all times of its histories. */
 static grid_extent needed_at(const training_set *set, size_t i) {
     return i < set->num_points ? grid_extent_needed(&set->contacts[i])
                                : set->trajectories[i - set->num_points].needed;
 }
 
-/* Puts all contacts on the grid that they need together, as far as their scenes leave it open. */
+/* Puts all contacts on the grid that they need together, where their scenes leave it open. */
 static ehd_status set_common_grid(training_set *set, ehd_error *error) {
     grid_extent needed = needed_at(set, 0);
     ehd_status status = EHD_OK;
@@ -193,8 +193,8 @@ static ehd_status set_common_grid(training_set *set, ehd_error *error) {
     return status;
 }
 
-/* Returns the first contact whose scene leaves its grid open, or, if not `open`, gives all of it.
- * NULL: there is none. */
+/* Returns the first contact whose scene leaves the grid open (`open`) or gives all of it (not
+ * `open`). NULL: there is none. */
 static const ehd_contact *find_contact(const training_set *set, bool open) {
     for (size_t i = 0; i < num_contacts(set); i++)
         if (contact_has_chosen_grid(contact_at(set, i)) == open) return contact_at(set, i);
@@ -273,8 +273,8 @@ static ehd_status make_tree(training_set *set, const size_t *branch, const char 
 
 /* Returns the number of branches of a plan. It is about the root of the number of points, so that
  * both cold starts and long chains of neighbours are few. It is a multiple of four, so that four
- * shards have equally many. In the plan of stationary-line these branches take 597 Newton
- * iterations, one branch takes 915, and twice as many take 748. */
+ * shards have equal numbers of branches. In the plan of stationary-line these branches take 597
+ * Newton iterations, one branch takes 915, and twice as many branches take 748. */
 static size_t count_branches(size_t num_points) {
     size_t count = 4;
 
@@ -283,7 +283,7 @@ static size_t count_branches(size_t num_points) {
     return count < num_points ? count : num_points;
 }
 
-/* Removes the points for which `keep` is false, without a tree. */
+/* Removes the points for which `keep` is false. Leaves the tree as it is. */
 static void keep_points(training_set *set, const bool *keep) {
     size_t count = 0;
 
@@ -298,7 +298,7 @@ static void keep_points(training_set *set, const bool *keep) {
 }
 
 /* Cuts the points into branches, in the order of the plan, and keeps those of the shard. The tree
- * is that of all points, so neither the cuts nor the start of a point depend on the shards. */
+ * contains all points, so neither the cuts nor the start of a point depend on the shards. */
 static ehd_status keep_branches(training_set *set, const char *plan_path, shard piece,
                                 ehd_error *error) {
     const size_t num_points = set->num_points, num_branches = count_branches(num_points);
@@ -336,8 +336,8 @@ ehd_status training_set_keep(training_set *set, const bool *keep, const char *pl
     return set->num_points > 0 ? keep_branches(set, plan_path, whole, error) : EHD_OK;
 }
 
-/* Returns how many of the first shards have points. If branches are fewer than the shards, some
- * shards have none. */
+/* Returns how many of the first `first` shards have points. If there are fewer branches than
+ * shards, some shards have none. */
 static size_t shards_with_points(size_t first, size_t num_branches, size_t total) {
     size_t branches = num_branches * first / total;
 

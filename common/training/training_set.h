@@ -11,9 +11,9 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/* A piece of a plan: the k-th of N, 1/1 for all of it. */
+/* A piece of a plan: the k-th of N pieces; 1/1 is the whole plan. */
 typedef struct shard {
-    size_t number; // from 1
+    size_t number; // number of the shard, from 1
     size_t total;
 } shard;
 
@@ -21,20 +21,20 @@ typedef struct shard {
 typedef struct trajectory_scene {
     size_t number; // number of the point in the plan
     scene scene;
-    ehd_contact contact; // in its reference state
+    ehd_contact contact; // contact in its reference state
     grid_extent needed;  // extent of the grid for all times
 } trajectory_scene;
 
 typedef struct training_set {
     char *text;    // identifies plan and shard, for --resume
-    ehd_grid grid; // of all points: given by scenes, or else what all points need together
+    ehd_grid grid; // grid of all points: given by scenes, or else what all points need together
     const contact_kind *kind;
-    size_t num_points;     // stationary ones
+    size_t num_points;     // stationary points
     ehd_contact *contacts; // [num_points], in the order of the plan
-    size_t *numbers;       // [num_points], of the points in the plan
-    size_t *groups;        // [num_points], the plan's group of each
-    bool *estimated;       // [num_points], whether the error of the grid is estimated too
-    size_t *parent;        // [num_points], point from which each one starts; NO_PARENT: cold
+    size_t *numbers;       // [num_points], numbers of the points in the plan
+    size_t *groups;        // [num_points], group of each point in the plan
+    bool *estimated;       // [num_points], whether the error of the grid is estimated
+    size_t *parent;        // [num_points], point from which each point starts; NO_PARENT: cold
     size_t *order;         // [num_points], parents first (tree_order)
     size_t num_trajectories;
     trajectory_scene *trajectories; // [num_trajectories], in the order of the plan
@@ -42,16 +42,16 @@ typedef struct training_set {
 } training_set;
 
 /* Makes the contacts of a plan, and the tree in which each starts from a neighbour. Neighbours are
- * near in ln M, in the Moes number L that belongs to the Hertz pressure, and in the thinning. They
- * have the same group, lubricant and branch.
+ * near in ln M, in the Moes number L that belongs to the Hertz pressure, and in the thinning.
+ * Neighbours have the same group, lubricant and branch.
  *
  * Branches are pieces of the list of points and depend on the plan alone. A shard has whole
- * branches, so it needs no other shard, and each of its points has the same start as without
- * shards. All shards, one after another, have the points of the plan in its order. Trajectories are
+ * branches. Therefore it needs no other shard, and each of its points starts as it does without
+ * shards. One after another, the shards have the points in the order of the plan. Trajectories are
  * dealt out in turn, and no shard is empty.
  *
- * EHD_DATA: a point that is no contact, different grids, no point left. EHD_USAGE: more shards than
- * branches and trajectories. EHD_MEMORY. */
+ * EHD_DATA: a point that is not a contact, different grids, no point left. EHD_USAGE: more shards
+ * than branches and trajectories. EHD_MEMORY. */
 ehd_status training_set_init(
     // output:
     training_set *set, // free with training_set_free
@@ -74,7 +74,7 @@ ehd_status training_set_make_cold(training_set *set, const char *plan_path, ehd_
 void training_set_places(tree_point *places, const training_set *set);
 
 /* Removes the points for which `keep`, [num_points], is false. The branches are then those of a
- * plan with the other points alone. EHD_MEMORY. */
+ * plan with only the points that are left. EHD_MEMORY. */
 ehd_status training_set_keep(training_set *set, const bool *keep, const char *plan_path,
                              ehd_error *error);
 

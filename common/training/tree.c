@@ -85,7 +85,7 @@ static int compare_ranked(const void *left, const void *right) {
 }
 
 ehd_status tree_order(size_t *order, const size_t *parent, size_t num_points, ehd_error *error) {
-    // number of points on the longest way down
+    // number of points on the longest way down from a point
     ranked *heights = calloc(num_points, sizeof *heights);
     if (!heights) return ehd_no_memory(error, "order");
 
@@ -106,7 +106,7 @@ ehd_status tree_order(size_t *order, const size_t *parent, size_t num_points, eh
 }
 
 ehd_status tree_walk(size_t *walk, const size_t *parent, size_t num_points, ehd_error *error) {
-    size_t *first = malloc(num_points * sizeof *first);     // child
+    size_t *first = malloc(num_points * sizeof *first);     // first child of each point
     size_t *sibling = malloc(num_points * sizeof *sibling); // next child of the same parent
     size_t root = NO_PARENT, length = 0;
     ehd_status status = first && sibling ? EHD_OK : ehd_no_memory(error, "order");

@@ -15,7 +15,7 @@ enum { TREE_AXES = 4 };
 /* A point of the tree. Points of different families are never neighbours. */
 typedef struct tree_point {
     size_t family;
-    double place[TREE_AXES]; // Euclidean distances, after scaling each coordinate to its range
+    double place[TREE_AXES]; // coordinates; each is scaled to its range for Euclidean distances
     double effort;           // effort of a cold start, in any unit
 } tree_point;
 
@@ -26,17 +26,17 @@ void tree_scale(double scale[TREE_AXES], const tree_point *points, size_t num_po
 double tree_distance(const tree_point *left, const tree_point *right,
                      const double scale[TREE_AXES]);
 
-/* Builds minimum spanning trees, one a family, with the root where a cold start is easiest (Prim's
- * method). Of equal choices the first point wins, so the same points always give the same tree.
- * O(num_points^2). EHD_MEMORY. */
+/* Builds minimum spanning trees, one per family, with the root where a cold start is easiest
+ * (Prim's method). Of equal choices the first point wins, so the same points always give the same
+ * tree. O(num_points^2). EHD_MEMORY. */
 ehd_status tree_build(
     // output:
     size_t *parent, // [num_points], NO_PARENT at a root
     // input:
     const tree_point *points, size_t num_points, ehd_error *error);
 
-/* Orders the points: parents come first, and points on which the longest chains wait come before
- * others. EHD_MEMORY. */
+/* Orders the points: parents come before their children, and points on which the longest chains
+ * wait come first. EHD_MEMORY. */
 ehd_status tree_order(
     // output:
     size_t *order, // [num_points]
