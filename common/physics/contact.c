@@ -89,9 +89,9 @@ static double point_primitive(double a, double b) {
     return a * asinh(b / fabs(a)) + b * asinh(a / fabs(b));
 }
 
-/* Distance beyond which a series replaces the closed form, in sides of the cell. The closed form
- * takes thirty times as long. With 40 the truncation error of the series is below 1e-12 of the
- * integral. With 10 it is too large (test_ellipse.c, kernel_is_the_integral_over_a_cell). */
+/* Distance beyond which a series replaces the closed form, in side lengths of the cell. The closed
+ * form takes thirty times as long. With 40 the truncation error of the series is below 1e-12 of
+ * the integral. With 10 it is too large (test_ellipse.c, kernel_is_the_integral_over_a_cell). */
 static const double FAR_CELL = 40;
 
 /* Returns the integral of 1/r over a distant square cell, by a multipole expansion up to the fourth
@@ -104,7 +104,7 @@ static double far_cell(double x, double y, double step) {
     return cell / sqrt(square) * (1 + small * (1. / 24 + small * fourth));
 }
 
-/* Returns the integral of 1/r over a distant rectangular cell, by the same expansion. */
+/* Returns the integral of 1/r over a distant rectangular cell, by the expansion of far_cell. */
 static double far_rectangle(double x, double y, double along, double across) {
     const double square = x * x + y * y, u = x * x / square, v = y * y / square;
     const double a = along * along / square, b = across * across / square;
@@ -466,8 +466,8 @@ bool grid_same(const ehd_grid *a, const ehd_grid *b) {
            fabs(a->x_min - b->x_min) <= slack && fabs(a->step - b->step) <= slack;
 }
 
-/* Checks that the viscosity is within 1 % of the law's own at its temperature. If the law has none,
- * a viscosity must be given. */
+/* Checks that the viscosity is within 1 % of the law's viscosity at its temperature. If the law
+ * has none, a viscosity must be given. */
 static ehd_status check_viscosity(double viscosity, const ehd_lubricant *lubricant,
                                   ehd_error *error) {
     const double eta0 = lubricant->eta0; // NaN where the law has none

@@ -16,7 +16,7 @@
  * of contact). A function that depends on the shape of the contact has it as first argument. */
 typedef struct contact_kind {
     const char *name; // "line"
-    int dimensions;   // of the pressurised zone: 1 or 2
+    int dimensions;   // dimensions of the pressurised zone: 1 or 2
     double load;      // dimensionless: pi/2 (line), 2 pi/3 (point, ellipse)
     // Deflection at the distance (x, y) from the centre of a cell with unit pressure. The cell has
     // the length `step` along and shape->cell * step across.
@@ -42,7 +42,7 @@ typedef struct contact_kind {
     double (*half_width)(const contact_shape *shape, double load, double radius, double modulus);
 } contact_kind;
 
-/* Point contact and ellipse have the same functions. They differ in the shape alone. */
+/* Point contact and ellipse have the same functions. They differ only in the shape. */
 extern const contact_kind contact_line, contact_point, contact_ellipse;
 
 /* Returns the kind with this name, or NULL. */
@@ -88,7 +88,8 @@ bool transport_find(ehd_transport *transport, const char *name);
 /* How the films of a training are carried. */
 typedef struct ehd_carriage {
     ehd_transport transport;
-    double smoothing; // half widths, along the path (transient.smoothing); NaN: none, or not known
+    double smoothing; // half widths, with transport along the path (transient.smoothing); NaN:
+                      // none, or not known
 } ehd_carriage;
 
 /* Checks that two carriages agree. Otherwise returns EHD_DATA with a text that contains both. A NaN
@@ -118,7 +119,7 @@ typedef struct ehd_grid {
     size_t num_nodes;
     ehd_discretization discretization;
     ehd_boundary boundary; // BOUNDARY_ZERO in a line contact
-    contact_shape shape;   // of the dry contact, whose semi-axes scale X and Y
+    contact_shape shape;   // shape of the dry contact, whose semi-axes scale X and Y
 } ehd_grid;
 
 /* Ends and step of a grid, in contact half widths. */
@@ -127,7 +128,7 @@ typedef struct grid_extent {
     double y_max; // NaN for a line contact
 } grid_extent;
 
-/* Returns a grid with its counts, for a round contact with BOUNDARY_ZERO. */
+/* Returns a grid with its numbers of nodes, for a round contact with BOUNDARY_ZERO. */
 ehd_grid grid_of(double x_min, double step, size_t inner_x, size_t inner_lines, bool half,
                  ehd_discretization discretization);
 /* Returns another grid with the discretisation, boundary and shape of `grid`. It is a half grid if
@@ -145,12 +146,13 @@ double grid_gap(const ehd_grid *grid, size_t node);
 /* Returns the undeformed gap, (X^2 + Y^2)/2 for a round contact. */
 double contact_gap(const contact_shape *shape, double x, double y);
 
-/* Return X^2 + Y^2 of a node, and whether the node lies within the dry contact (at most 1). */
+/* Return X^2 + Y^2 of a node, and whether the node lies within the dry contact (X^2 + Y^2 <=
+ * 1). */
 double grid_square_distance(const ehd_grid *grid, size_t node);
 bool grid_is_dry(const ehd_grid *grid, size_t node);
-/* Returns the share of a node's cell that lies within the dry contact. The edge counts as straight
- * and perpendicular to the radius. Sums with these shares integrate over the dry contact, with
- * second order in the step. */
+/* Returns the share of a node's cell that lies within the dry contact. The edge is taken as
+ * straight and perpendicular to the radius. Sums with these shares integrate over the dry contact,
+ * with second order in the step. */
 double grid_dry_share(const ehd_grid *grid, size_t node);
 
 /* Return the number of nodes on a line, of lines, and of boundary lines before the first inner
@@ -159,7 +161,7 @@ size_t grid_width(const ehd_grid *grid);
 size_t grid_lines(const ehd_grid *grid);
 size_t grid_first_line(const ehd_grid *grid);
 
-/* Checks whether a line has inner nodes; all other lines are boundary. */
+/* Checks whether a line has inner nodes; all other lines have only boundary nodes. */
 bool grid_is_inner_line(const ehd_grid *grid, size_t line);
 
 /* Returns the first node of the line Y = 0. */
@@ -184,8 +186,8 @@ void grid_exit_columns(
     const double *pressure, // [num_nodes]
     const ehd_grid *grid);
 
-/* Converts these columns to X of the exits on the inner lines of the full grid. NaN: the line has
- * no pressure. The lines of a half grid are the last ones of the full grid. */
+/* Converts columns of grid_exit_columns to X of the exits on the inner lines of the full grid.
+ * NaN: the line has no pressure. The lines of a half grid are the last ones of the full grid. */
 void grid_exits(
     // output:
     double *positions, // [inner lines of grid_whole]
@@ -193,7 +195,7 @@ void grid_exits(
     const size_t *columns, // [grid_lines]
     const ehd_grid *grid);
 
-/* Largest number of exits that a result in time holds for a line. */
+/* Largest number of exits that a result in time holds for each line of nodes. */
 enum { GRID_EXITS = 8 };
 
 /* Returns the quadrature weight of a node in cells: 2 on a half grid off the mirror line, else
@@ -229,21 +231,22 @@ typedef struct inlet_tail {
 typedef struct ehd_contact {
     const contact_kind *kind;
     ehd_grid grid;
-    grid_extent grid_given; // as in the scene; NaN: not given
+    grid_extent grid_given; // as given in the scene; NaN: not given
     ehd_lubricant lubricant;
-    double lambda;      // 1, in the Reynolds equation, eq. 7 of Maier et al. 2015
-    double entrainment; // 1, U in the same equation; 1 when stationary, 0 along the path
-    double far_speed;   // 1, U of the far field, also where films are carried along their paths
-    inlet_tail tail;    // before the grid of a line contact; zero: none
+    double lambda;      // dimensionless, in the Reynolds equation, eq. 7 of Maier et al. 2015
+    double entrainment; // dimensionless, U in eq. 7; 1: stationary, 0: transport along the path
+    double far_speed;   // dimensionless, U of the far field, not 0 with transport along the path
+    inlet_tail tail;    // inlet in front of the grid of a line contact; zero: none
     contact_closure closure;
-    ehd_transport transport; // in time
-    double smoothing;        // half widths, of films carried along their paths; NaN: default
-    double time_tolerance;   // of the steps in time, for the default smoothing; NaN: not known
+    ehd_transport transport; // transport of films in time
+    double smoothing;        // half widths, for transport along the path; NaN: default
+    double time_tolerance;   // tolerance of the steps in time, for the default smoothing; NaN: not
+                             // known
     // reference half widths at which the approach is measured; 1: as in eq. 4 of Maier et al.
     double approach_length;
     double hertz_pressure; // Pa
-    double moes_M, moes_L; // 1
-    double alpha_p_H;      // 1
+    double moes_M, moes_L; // dimensionless
+    double alpha_p_H;      // dimensionless
     double half_width;     // m, along the entrainment; NaN unless the scene is physical
     double radius;         // m, along the entrainment; NaN unless the scene is physical
     double load;           // N/m or N, NaN unless the scene is physical
@@ -271,11 +274,11 @@ typedef struct contact_scalars {
 typedef struct contact_settings {
     const contact_kind *kind;
     lubricant_settings lubricant;
-    // 1; NaN: computed from load, radius, speed, modulus and viscosity, which are otherwise not
-    // used
+    // dimensionless; NaN: computed from load, radius, speed, modulus and viscosity, which are used
+    // for nothing else
     double moes_M, moes_L;
     double load;           // N/m for a line contact, N for a point contact
-    double radius;         // m, for an ellipse along the entrainment
+    double radius;         // m; for an ellipse the radius along the entrainment
     double radius_across;  // m, for an ellipse; NaN: from the ellipticity
     double ellipticity;    // b/a of an ellipse; not used with radius_across
     double speed;          // m/s, mean of the two surfaces
@@ -292,9 +295,9 @@ typedef struct contact_settings {
 #define MAX_MOES_M 1e5
 #define MAX_MOES_L 100
 
-/* Default distance at which a given approach is measured, in half widths. The distance must be
- * at least half the length of the grid. With 10 it is, on most grids (grids.bats, "an approach
- * is measured from far enough"). */
+/* Default distance at which a given approach is measured, in half widths. The distance must be at
+ * least half the length of the grid. On most grids 10 is enough (grids.bats, "an approach is
+ * measured from far enough"). */
 extern const double far_approach_length;
 
 /* Makes a contact without grid. Returns EHD_OK, or EHD_DATA: lubricant constants, Hertz pressure
@@ -318,9 +321,9 @@ void contact_set_moes(ehd_contact *contact, double moes_M, double moes_L);
 /* Checks whether the scene leaves an end or the step of the grid open. */
 bool contact_has_chosen_grid(const ehd_contact *contact);
 
-/* Replaces the grid, for example by that of a model, if the scene leaves the grid open and does not
- * contradict the new one. Both must be of one kind, discretisation, boundary and shape, and both
- * half or both full. Otherwise the grid stays. */
+/* Replaces the grid, for example by that of a model, if the scene leaves the grid open and does
+ * not contradict the new one. Both grids must have one kind, discretisation, boundary and shape,
+ * and be both half or both full. Otherwise the grid stays. */
 void contact_take_grid(ehd_contact *contact, const ehd_grid *grid);
 
 /* Checks the distance at which a given approach is measured. The deflection of a line contact grows

@@ -18,18 +18,18 @@ typedef struct contact_place {
  * lubricant, so the contact must outlive it. */
 contact_place contact_place_of(const ehd_contact *contact);
 
-/* Returns the place of a contact with any lubricant: only M, alpha p_H and the thinning count. */
+/* Returns the place of a contact with any lubricant: only M, alpha p_H and the thinning matter. */
 contact_place contact_place_of_any(const ehd_contact *contact);
 
-/* Returns the thinning by the sliding as a coordinate: its logarithm, or that of 1e-6 if it is
- * less. The flow is then Newtonian: in 18 line contacts (Roelands and Barus, M from 0.5 to 66, L
- * from 4.5 to 21) thinning of 1e-6 changes the central film by at most 1.4e-5 and the minimum film
- * by 6e-5. */
+/* Returns the thinning by the sliding as a coordinate: its logarithm, or the logarithm of 1e-6 if
+ * the thinning is weaker. Such a flow is Newtonian: in 18 line contacts (Roelands and Barus, M
+ * from 0.5 to 66, L from 4.5 to 21) thinning of 1e-6 changes the central film by at most 1.4e-5
+ * and the minimum film by 6e-5. */
 double thinning_coordinate(double sliding);
 
-/* Returns the thinning by the gradient as a coordinate: its logarithm, or that of 1e-2 if it is
- * less. In 5 line contacts without sliding a thinning of 1e-2 changes both films by 1.1e-5 at M =
- * 0.3, by 4e-6 at M = 1, and by less from M = 13 on. */
+/* Returns the thinning by the gradient as a coordinate: its logarithm, or the logarithm of 1e-2 if
+ * the thinning is weaker. In 5 line contacts without sliding a thinning of 1e-2 changes both films
+ * by 1.1e-5 at M = 0.3, by 4e-6 at M = 1, and by less from M = 13 on. */
 double gradient_coordinate(double gradient);
 
 #endif

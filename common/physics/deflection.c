@@ -6,30 +6,31 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Columns in one part of the work: as many as a line of the processor's cache holds. */
+/* Number of columns that are transformed together: as many numbers as fit in a cache line. */
 enum { COLUMNS = 8 };
 /* Padding after a column or a line, in numbers. Without it, columns whose length is a power of two
  * would share places in the cache. */
 enum { APART = 8 };
-/* Lines in one part of the work. */
+/* Number of lines that are transformed together. */
 enum { LINES = 2 };
 
-/* Kernel and pressure are real, and the kernel is even in x and y, so its Fourier transform is real
- * too. All transforms are FFTW's of real numbers to complex ones, which take a third of the time of
- * its real-to-real ones. A half grid is even across, so its transform across comes first: the
- * transforms of the mirrored columns are real and their own inverse. The columns and lines of a
- * half grid are transformed one by one, in a work space that stays in the cache. */
+/* Kernel and pressure are real, and the kernel is even in x and y, so its Fourier transform is
+ * real too. All transforms are FFTW's real-to-complex ones. They take a third of the time of its
+ * real-to-real ones. A half grid is even in y, so it is transformed in y first: the transform of a
+ * mirrored column is real, and the same transform inverts it. The columns and lines of a half grid
+ * are transformed one by one, in a work space that stays in the cache. */
 struct ehd_deflection {
     ehd_grid grid;
-    size_t length, period; // of the transforms along and across
-    size_t lines;          // different lines of the transform across; half grid: half of the period
-    double *kernel;        // [grid lines, grid width]
-    double *transfer;      // [lines, length / 2 + 1], transform of the kernel
-    double *signal;        // [lines, length]; half grid: [lines, grid width]
-    fftw_complex *spectrum;      // [lines, length / 2 + 1], of the signal; half grid: NULL
+    size_t length, period;  // lengths of the transforms along and across
+    size_t lines;           // number of different lines of the transform across; half grid: half of
+                            // the period
+    double *kernel;         // [grid lines, grid width]
+    double *transfer;       // [lines, length / 2 + 1], transform of the kernel
+    double *signal;         // [lines, length]; half grid: [lines, grid width]
+    fftw_complex *spectrum; // [lines, length / 2 + 1], spectrum of the signal; half grid: NULL
     fftw_plan forward, backward; // half grid: of one line
     // for a half grid only:
-    fftw_plan across;   // of one column
+    fftw_plan across;   // transform of one column
     team *threads;      // share the transforms; NULL: one thread
     size_t work_size;   // numbers for one thread
     double *work_space; // [team_size, work_size]
@@ -64,8 +65,8 @@ static size_t spectrum_width(const ehd_deflection *self) {
     return self->length / 2 + 1;
 }
 
-/* Returns the numbers of a mirrored column with its padding. A work space holds COLUMNS of these
- * and then the transform of one, or a line and its transform. */
+/* Returns how many numbers a mirrored column has with its padding. A work space holds COLUMNS such
+ * columns and the transform of one column, or a line and its transform. */
 static size_t column_size(const ehd_deflection *self) {
     return self->period + APART;
 }
@@ -128,7 +129,7 @@ typedef struct kernel_task {
     double *signal; // [period, length] periodic and mirrored
 } kernel_task;
 
-/* Evaluates some lines of the kernel; all lines are those up to half of the period. */
+/* Evaluates some of the lines of the kernel up to half of the period. */
 static void evaluate_kernel(void *context, const team_part *part) {
     const kernel_task *task = context;
     const ehd_deflection *self = task->of;
@@ -287,8 +288,8 @@ static void filter(fftw_complex *spectrum, const double *transfer, size_t count)
     }
 }
 
-/* Transforms some lines along, multiplies them by the transform of the kernel, and transforms them
- * back. */
+/* Transforms some lines along x, multiplies them by the transform of the kernel, and transforms
+ * them back. */
 static void convolve_lines(void *context, const team_part *part) {
     const ehd_deflection *self = context;
     const size_t width = grid_width(&self->grid), wide = spectrum_width(self);

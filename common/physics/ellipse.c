@@ -21,7 +21,7 @@ static double integral_across(double k) {
 contact_shape shape_of(double ellipticity) {
     const double k = ellipticity;
 
-    if (k == 1) return shape_round; // to the last bit
+    if (k == 1) return shape_round; // exact to the last bit
     return (contact_shape){.ellipticity = k,
                            .gap_across = k * k / ellipse_radius_ratio(k),
                            .flow_across = 1 / (k * k),
@@ -39,8 +39,8 @@ double ellipse_radius_ratio(double ellipticity) {
 }
 
 /* Inverts ellipse_radius_ratio by a fixed-point iteration in logarithms. The derivative d
- * ln(R_y/R_x)/d ln(b/a) is 1.5 at 1, and below 2. With 0.6 of the difference the error falls at
- * least by a factor of 5 in each step. */
+ * ln(R_y/R_x)/d ln(b/a) is 1.5 at 1, and below 2. Each step goes 0.6 of the difference. The error
+ * then falls by at least a factor of 5 in each step. */
 double ellipse_ellipticity(double radius_ratio) {
     const double goal = log(radius_ratio);
     double logarithm = 0.6 * goal;
@@ -50,8 +50,8 @@ double ellipse_ellipticity(double radius_ratio) {
     return radius_ratio == 1 ? 1 : exp(logarithm);
 }
 
-/* Adds to x^2/2 the deflection outside of the ellipse, whose integral begins at x^2 - 1, minus that
- * at the centre. */
+/* Adds the deflection outside of the ellipse to x^2/2 and subtracts the deflection at the centre.
+ * The integral of the deflection outside begins at x^2 - 1. */
 double ellipse_dry_gap(const contact_shape *shape, double x) {
     const double k2 = shape->ellipticity * shape->ellipticity, x2 = x * x, t = fmax(x2 - 1, 0);
     const double along = M_PI_2 * shape->compliance;

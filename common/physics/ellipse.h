@@ -10,15 +10,15 @@
 #include <stdbool.h>
 
 /* Shape of the dry contact, with the semi-axes a along the entrainment and b across. All members
- * follow from the ellipticity. For a circle and a line contact they are 1, and the far field is
- * that of a circle. */
+ * follow from the ellipticity. For a circle and a line contact all members are 1, and the far
+ * field is that of a circle. */
 typedef struct contact_shape {
     double ellipticity; // b/a, as k of Hamrock and Dowson
     double gap_across;  // R_x b^2/(R_y a^2), the factor of Y^2/2 in the gap
     double flow_across; // (a/b)^2, the factor of the flow across
     double cell;        // width over length of a grid's cells in X and Y: k^(-1/3)
     double compliance;  // E' a^3/(w R_x) over that of a circle, 2 A/pi in README.md
-    far_angle far;      // for R_x/R_y
+    far_angle far;      // far field for R_x/R_y
 } contact_shape;
 
 /* Shape of a circle and of a line contact. */
@@ -32,7 +32,7 @@ extern const double MIN_ELLIPTICITY, MAX_ELLIPTICITY;
 contact_shape shape_of(double ellipticity);
 
 /* Checks whether two ellipticities agree to 1e-6 of their value. One may come from radii and the
- * other from a printed number. Films then differ by less than that. */
+ * other from a printed number. Films then differ by less than 1e-6. */
 bool shape_same(const contact_shape *a, const contact_shape *b);
 
 /* Return R_y/R_x of the surfaces for an ellipticity b/a, and the inverse. Both are exactly 1 for

@@ -44,7 +44,7 @@ bool exit_is_within_node(const ehd_grid *grid) {
 }
 
 /* The cubic through four neighbouring nodes, evaluated at a distance in steps from the second
- * one. */
+ * node. */
 typedef struct cubic {
     double weight[4], slope[4]; // slope: derivatives of the weights
 } cubic;
@@ -56,8 +56,8 @@ static cubic cubic_at(double t) {
                              -(3 * t * t - 2 * t - 2) / 2, (3 * t * t - 1) / 6}};
 }
 
-/* A quantity with its derivatives by pressure and film, as a row whose residual is the value, and
- * its derivative by the offset. */
+/* A quantity and its derivatives. `row` has the quantity as residual, with its derivatives by
+ * pressure and film. `by_offset` is its derivative by the offset. */
 typedef struct quantity {
     reynolds_row row;
     double by_offset;
@@ -78,8 +78,8 @@ static quantity film_behind(double offset, double share, const reynolds_stencil 
     return result;
 }
 
-/* Returns rho H half way between node and exit, by the four nodes that the Reynolds rows use for
- * it. */
+/* Returns rho H half way between node and exit, from the four nodes that Reynolds rows use at half
+ * nodes. */
 static quantity mass_half_way(double offset, const reynolds_stencil *stencil,
                               const reynolds_fluid *fluid, const double *film) {
     const cubic interpolation = cubic_at(1 + offset / 2);
@@ -142,7 +142,7 @@ void exit_cell_at(exit_cell *cell, const ehd_grid *grid, double entrainment, dou
     at_exit.row.residual *= density;
     at_exit.by_offset *= density;
 
-    // first equation: flux - U q_exit = 0, over U dq_exit/d offset
+    // first equation: flux - U q_exit = 0, divided by U dq_exit/d offset
     const double slope = entrainment * at_exit.by_offset;
     memset(&cell->offset, 0, sizeof cell->offset);
     add_row(&cell->offset, -entrainment / slope, &at_exit.row);
@@ -182,7 +182,7 @@ void exit_cell_add_flux(exit_cell *cell, const reynolds_row *flux) {
     }
 }
 
-// ---- the place of an exit at a node
+// ---- the place in its cell of an exit that lies at a node
 
 /* A value and its derivative by the offset. */
 typedef struct flow {
@@ -199,10 +199,10 @@ static flow carried_at(double offset, double entrainment, const reynolds_stencil
                   entrainment * density * at_exit.by_offset};
 }
 
-/* Returns the storage of the cell in time from the half node before up to the offset t, over the
- * step. It is the midpoint rule on whole cells and a linear rate beyond. The line goes through BACK
- * and HERE if the exit is at the node, and through HERE and AHEAD if it is at the next one. So
- * nothing jumps as the exit passes a node. */
+/* Returns the change in time of the fluid between the half node before HERE and the offset t, over
+ * the step. On whole cells it is the midpoint rule. Beyond, the rate is linear: through BACK and
+ * HERE if the exit is at HERE, and through HERE and AHEAD if it is at AHEAD. So nothing jumps as
+ * the exit passes a node. */
 static flow taken_up_to(double t, const reynolds_squeeze *squeeze, const reynolds_stencil *stencil,
                         const reynolds_fluid *fluid, const double *film) {
     double rate[3]; // d(rho H)/dT at BACK, HERE and AHEAD

@@ -21,16 +21,17 @@ double exit_violation(bool has_pressure, double pressure, double multiplier);
  * the same everywhere. The exit condition P = dP/dx = 0 means that U rho H equals this flux at the
  * exit. */
 typedef struct exit_line {
-    const double *pressure; // P at the nodes from first_node on, up to before the exit
+    const double *pressure; // P at the nodes from first_node to the one before the exit
     size_t first_node;      // first node that is checked for negative pressure
     size_t min_exit, max_exit;
     // largest move downstream, in nodes: far from convergence the flux is not yet uniform
     size_t max_stride;
     double entrainment;
-    double pressure_noise, multiplier_noise;        // negative values up to this do not count
-    void *state;                                    // for the functions
+    double pressure_noise, multiplier_noise;        // negative values down to minus these are
+                                                    // ignored
+    void *state;                                    // argument of the functions
     double (*film)(void *state, size_t node);       // H
-    double (*flux)(void *state, size_t node);       // through the half node before
+    double (*flux)(void *state, size_t node);       // through the half node before the node
     double (*multiplier)(void *state, size_t node); // exit_multiplier
 } exit_line;
 
@@ -42,16 +43,16 @@ size_t exit_by_flux(const exit_line *line, size_t exit);
 
 /* The exit within a node, in the accurate discretisation of a stationary line contact (README.md,
  * The exit within a node). The exit cuts the last cell with pressure at x = x_k + offset h, behind
- * its node k. Two equations hold there. First, an unpressurised film carries at the exit the flux
- * through the half node before k, which places the exit. Second, the pressure at k falls to zero
- * from there to the exit. The first equation is eliminated, so the second one replaces the Reynolds
- * row of node k. */
+ * its node k. Two equations hold there. First, an unpressurised film at the exit carries the flux
+ * through the half node before k. This places the exit. Second, the pressure falls from its value
+ * at k to zero at the exit. The first equation is eliminated, so the second one replaces the
+ * Reynolds row of node k. */
 typedef struct exit_cell {
     reynolds_row row;    // second equation, scaled as a Reynolds row
     reynolds_row offset; // first equation: residual is the necessary change of the offset
     double row_by_flux, offset_by_flux; // derivatives of both residuals by the flux
-    double curvature;     // pressure before the exit over the square of the distance in steps
-    double flux_residual; // of the first equation, scaled as a Reynolds row
+    double curvature;     // pressure before the exit over the squared distance from it in steps
+    double flux_residual; // residual of the first equation, scaled as a Reynolds row
 } exit_cell;
 
 /* Checks whether the exit of a stationary contact on a grid lies within a node, as in a line
@@ -69,14 +70,15 @@ void exit_cell_at(exit_cell *cell, const ehd_grid *grid, double entrainment, dou
  * reynolds_flux of the stencil of the cell. */
 void exit_cell_add_flux(exit_cell *cell, const reynolds_row *flux);
 
-/* Returns how many steps ahead of HERE of a stencil the exit lies, if a solution has its exits at
- * nodes and HERE is the last node with pressure. At the exit an unpressurised film carries the flux
- * through the half node before, minus the storage of the cell in time. The result is 0 to 1, except
- * for the error of an exit at a node, and at most a half beyond. NaN if the film does not rise
- * there. With a reversed stencil, entrainment and flux count towards smaller x. */
+/* Returns how many steps ahead of HERE the exit lies. The solution has its exits at nodes, and
+ * HERE of the stencil is the last node with pressure. At the exit an unpressurised film carries
+ * the flux through the half node before HERE, minus the storage of the cell in time. The result is
+ * 0 to 1. It lies beyond, by at most a half, only due to the error of an exit at a node. NaN if
+ * the film does not rise there. With a reversed stencil, entrainment and flux are positive towards
+ * smaller x. */
 double exit_place(
     const ehd_grid *grid, double entrainment,
-    double flux,                     // through the half node before
+    double flux,                     // through the half node before HERE
     const reynolds_squeeze *squeeze, // `previous` at BACK, HERE and AHEAD; NULL when stationary
     const reynolds_stencil *stencil, const reynolds_fluid *fluid, const double *film);
 

@@ -77,9 +77,9 @@ static inline eyring_factor eyring_along(const eyring_gradient *of, double rate)
                            eyring_at_rest_slope(of) + by_rate * eyring_sliding_slope(of)};
 }
 
-/* Returns the factor of a flow across the sliding, without a gradient along it: A r/asinh r with r
- * = N sqrt(Sigma/sinh Sigma). It is exact without sliding, and without a gradient. At rates up to
- * 1e4 it is off by at most 1.3 % where Sigma = 1, and by 6.8 % where it is 2
+/* Returns the factor of a flow across the sliding, without a gradient along the sliding: A r/asinh
+ * r with r = N sqrt(Sigma/sinh Sigma). It is exact without sliding, and without a gradient. At
+ * rates up to 1e4 it is off by at most 1.3 % where Sigma = 1, and by 6.8 % where Sigma = 2
  * (tests/unit/test_eyring_flow.c). */
 static inline eyring_factor eyring_across(const eyring_gradient *of, double rate) {
     const double slid = rate * sqrt(of->sliding / of->at_rest);
@@ -90,7 +90,7 @@ static inline eyring_factor eyring_across(const eyring_gradient *of, double rate
         factor = 1 + slid * slid / 6;
         by_rate = slid * slid / 3;
     } else {
-        // asinh(slid) by the root, to round-off
+        // asinh(slid) to round-off, with the square root above
         const double stress =
             slid < 0.5 ? log1p(slid + slid * slid / (1 + root)) : log(slid + root);
         factor = slid / stress;
@@ -101,16 +101,16 @@ static inline eyring_factor eyring_across(const eyring_gradient *of, double rate
 }
 
 /* Coefficients of the error bounds of the factors, for gradients Sigma_x along the sliding and
- * Sigma_y across it. Both gradients are at most 3, and the rate of sliding is any. The error of
- * the factor along is below DOUBT_ALONG Sigma_y^2. The error of the factor across is below
- * DOUBT_ACROSS Sigma_x^2 + DOUBT_ACROSS_OWN Sigma_y^2. Errors by quadrature stay below both
- * bounds (test_eyring_flow.c, doubt_is_a_bound). */
+ * Sigma_y across it. Both gradients are at most 3, and the rate of sliding is arbitrary. The error
+ * of the factor along is below DOUBT_ALONG Sigma_y^2. The error of the factor across is below
+ * DOUBT_ACROSS Sigma_x^2 + DOUBT_ACROSS_OWN Sigma_y^2. Errors by quadrature stay below both bounds
+ * (test_eyring_flow.c, doubt_is_a_bound). */
 #define EYRING_DOUBT_ALONG      0.1
 #define EYRING_DOUBT_ACROSS     0.25
 #define EYRING_DOUBT_ACROSS_OWN 0.025
 
-/* Returns the shear stress of the sliding in the middle of the film over Eyring's stress, not
- * negative. */
+/* Returns the shear stress of the sliding in the middle of the film over Eyring's stress. It is
+ * not negative. */
 static inline double eyring_stress(const eyring_gradient *of, double rate) {
     return asinh(rate * (of->sliding / of->at_rest));
 }

@@ -11,8 +11,9 @@
  * keeps_the_flow). */
 static const double LAST = 1.95;
 
-/* Returns the part of S that has a closed form but no exit, 4 cos(phi)/((3 + 2 ratio) q^2). Up to a
- * factor it is x/H^2. It solves the equation for any constant that is added to the gap. */
+/* Returns the part of S that has a closed form but no exit, 4 cos(phi)/((3 + 2 ratio) q^2).
+ * This part is x/H^2 up to a factor. It solves the equation for any constant that is added to
+ * the gap. */
 static double driven(const far_angle *self, double phi) {
     const double rise = far_angle_rise(self, phi);
 
@@ -62,7 +63,7 @@ static double even_series(const double *term, double place) {
     return term[0] + twice / 2 * here - ahead;
 }
 
-/* Coefficients of the equation without its right side, in chi: h'' + c1 h' - c0 h = 0. */
+/* Coefficients of the equation with zero as right side, in chi: h'' + c1 h' - c0 h = 0. */
 typedef struct far_coefficients {
     double c0, c1;
 } far_coefficients;
@@ -81,8 +82,8 @@ static double driven_slope(double ratio, double chi) {
     return -tan(chi) - (1.5 / at.D + 2 / at.E) * at.slope;
 }
 
-/* Computes the terms of the even solution h with h(LAST) = 1. The other equations hold at the
- * zeros, in 0 ... 1, of the Chebyshev polynomial of the highest order. */
+/* Computes the terms of the even solution h with h(LAST) = 1. The differential equation holds at
+ * the zeros, in 0 ... 1, of the Chebyshev polynomial of the highest order. */
 static void solve_growth(double term[FAR_TERMS], double ratio) {
     double matrix[(FAR_TERMS + 1) * FAR_TERMS] = {0},
                                     work[FAR_TERMS]; // by columns, the last the right side
@@ -103,9 +104,9 @@ static void solve_growth(double term[FAR_TERMS], double ratio) {
     qr_solve(term, matrix, work, FAR_TERMS, FAR_TERMS);
 }
 
-/* Returns chi of the exit, where driven + b h touches zero. There -driven/h, which b has to be, is
- * largest. The exit lies between the middle, where -driven/h is 0, and LAST. The logarithmic
- * derivative of h is a difference quotient. */
+/* Returns chi of the exit, where driven + b h touches zero. There -driven/h is b and has its
+ * maximum. The exit lies between pi/2, where -driven/h is 0, and LAST. The logarithmic derivative
+ * of h is a difference quotient. */
 static double find_exit(const double *term, double ratio) {
     // Distance in chi of the difference quotient, radians. With 1e-2 the solution does not keep
     // the flow (test_far_angle.c, keeps_the_flow).

@@ -6,8 +6,8 @@
 #define EHD_FAR_ANGLE_H
 
 /* Number of Chebyshev terms of the part of S that has no closed form. With 20 terms the error of
- * S, over its largest value, depends on b/a. It is 1e-8 for 0.05 to 3, 3e-7 at 5, 1.4e-5 at 10
- * and 5e-4 at 20 (test_far_angle.c, solves_its_equation). */
+ * S, over its largest value, depends on b/a. It is 1e-8 for b/a from 0.05 to 3, 3e-7 at 5, 1.4e-5
+ * at 10 and 5e-4 at 20 (test_far_angle.c, solves_its_equation). */
 enum { FAR_TERMS = 20 };
 
 /* Solution S(phi) of (q^3 S')' - 9 q^3 S = -8 cos phi with S'(0) = 0 and S = S' = 0 at the exit.
@@ -23,8 +23,8 @@ typedef struct far_angle {
 #define FAR_ANGLE_ROUND                                                                            \
     { .ratio = 1, .exit = M_PI - 1.2490457723982544 } // tan(phi) = -3 tanh(3 phi), tanh: 1 - 2e-5
 
-/* Computes the solution by collocation, for any ratio except 1. FAR_ANGLE_ROUND is the one for
- * 1. */
+/* Computes the solution by collocation, for any ratio except 1. FAR_ANGLE_ROUND is the solution
+ * for 1. */
 far_angle far_angle_of(double ratio);
 
 /* Returns S, which is 0 behind the exit. */
@@ -34,7 +34,7 @@ double far_angle_shape(const far_angle *self, double phi);
 double far_angle_rise(const far_angle *self, double phi);
 
 /* Returns the angle chi with tan(chi) = ratio^(1/4) tan(phi), in which S is smooth for any ratio.
- * For a circle it is phi. */
+ * For a circle chi is phi. */
 double far_angle_stretched(const far_angle *self, double phi);
 /* Returns phi for an angle chi, and in *slope the derivative of phi by chi. */
 double far_angle_direction(const far_angle *self, double chi, double *slope);

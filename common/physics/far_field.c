@@ -8,8 +8,8 @@ bool far_field_is_there(const ehd_grid *grid) {
     return grid->inner_lines > 1 && grid->boundary == BOUNDARY_OPEN;
 }
 
-/* A place far away: its distance in half widths along, and its direction from the side on which the
- * fluid comes in. */
+/* A place far away: its distance, in half widths along the entrainment, and its direction from the
+ * side on which the fluid comes in. */
 typedef struct far_place {
     double distance;
     double per_rise; // 1/q
@@ -71,8 +71,8 @@ far_value far_field_pressure(const ehd_contact *contact, double rigid_approach, 
 
 _Static_assert(FAR_RAYS == 4 * GAUSS_4, "Gauss' rule in each of four parts");
 
-/* Ends of the cells of the inner nodes, half a step beyond the nodes, in half widths along: against
- * the flow, with it, and beside. */
+/* Distances from the centre to the ends of the inner nodes' cells, half a step beyond the nodes:
+ * upstream, downstream and to the side. Unit: half widths along the entrainment. */
 typedef struct inner_ends {
     double upstream, downstream, beside;
 } inner_ends;
@@ -89,7 +89,7 @@ static inner_ends ends_of(const ehd_grid *grid, bool backwards) {
 /* Adds the directions between two values of the stretched angle. */
 static void add_rays(far_rays *self, const inner_ends *ends, const far_angle *far, double from,
                      double to) {
-    if (to <= from) return; // none between
+    if (to <= from) return; // no directions between
     for (int i = 0; i < GAUSS_4; i++) {
         double slope;
         const double phi = far_angle_direction(far, from + gauss_4_place[i] * (to - from), &slope);
@@ -121,8 +121,8 @@ static far_rays rays_of(const ehd_grid *grid, bool backwards) {
     return self;
 }
 
-/* Returns the load beyond the inner nodes. Along each ray it integrates r^2/(2H)^2 dr, with H over
- * q, from the end of the grid on. The variable is s = end/r. */
+/* Returns the load beyond the inner nodes. Along each ray it integrates r^2/(2H/q)^2 dr from the
+ * end of the grid on. The variable of integration is s = end/r. */
 static far_value load_on(const far_rays *rays, const ehd_contact *contact, double rigid_approach) {
     const contact_shape *shape = &contact->grid.shape;
     far_value sum = {0, 0};
@@ -133,7 +133,7 @@ static far_value load_on(const far_rays *rays, const ehd_contact *contact, doubl
                 over_square(rays->weight[k] * gauss_4_weight[i] * rays->inverse_end[k],
                             film_ratio(rigid_approach, gauss_4_place[i] * rays->inverse_end[k],
                                        rays->per_rise[k], shape)));
-    // both sides of Y = 0; areas in X and Y
+    // factor 2: both sides of Y = 0; ellipticity: areas in X and Y
     return scaled(sum, 2 * contact->lambda * fabs(contact->far_speed) / shape->ellipticity);
 }
 
@@ -146,8 +146,8 @@ far_value far_field_load(const ehd_contact *contact, double rigid_approach) {
 
 // ---- traction beyond
 
-/* Returns the r at which the gap has a slope of 1 in lengths, R_x/a in the units of the grid. If
- * that lies within the grid, returns the r at which the cells of the grid end. */
+/* Returns the r at which the gap has a slope of 1 in metres per metre, R_x/a in the units of the
+ * grid. If this r lies within the grid, returns the r at which the cells of the grid end. */
 static double rim_of(const far_rays *rays, size_t ray, const ehd_contact *contact) {
     const double along = rays->upstream[ray], across = sqrt(fmax(0, 1 - along * along));
     const double slope = hypot(along, contact->grid.shape.far.ratio * across);
@@ -155,7 +155,7 @@ static double rim_of(const far_rays *rays, size_t ray, const ehd_contact *contac
     return fmax(contact->radius / contact->half_width / slope, 1 / rays->inverse_end[ray]);
 }
 
-/* Adds the integrals along one ray, of the pressure's moment and of the shear stress, from the end
+/* Adds the integrals of the pressure's moment and of the shear stress along one ray, from the end
  * of the grid to the rim of the film. The variable of integration is ln r. */
 static void add_ray(traction_sums *sums, const far_rays *rays, size_t ray,
                     const ehd_contact *contact, double rigid_approach) {
@@ -163,8 +163,8 @@ static void add_ray(traction_sums *sums, const far_rays *rays, size_t ray,
     const double factor = contact->lambda * fabs(contact->entrainment);
     const double inverse_end = rays->inverse_end[ray], per_rise = rays->per_rise[ray];
     const double rim = rim_of(rays, ray, contact), length = log(rim * inverse_end);
-    // the integral of P r^2 dr is that of P r^3 in ln r; the pressure at the rim is subtracted, and
-    // its integral from 0 to the rim is P r^3/3
+    // int P r^2 dr is int P r^3 d(ln r). The pressure P at the rim is subtracted everywhere; its
+    // integral from 0 to the rim is P r^3/3
     const double moment = factor * rays->weight[ray] * rays->upstream[ray];
 
     sums->rolling -=
@@ -190,7 +190,7 @@ traction_sums far_field_traction(const ehd_contact *contact, double rigid_approa
     const far_rays rays = rays_of(&contact->grid, backwards);
     for (size_t k = 0; k < rays.num; k++)
         add_ray(&sums, &rays, k, contact, rigid_approach);
-    // both sides of Y = 0; areas in X and Y
+    // factor 2: both sides of Y = 0; ellipticity: areas in X and Y
     const double areas = 2 / contact->grid.shape.ellipticity;
     sums.rolling *= backwards ? -areas : areas;
     sums.friction *= areas;

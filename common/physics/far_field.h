@@ -24,8 +24,9 @@ bool far_field_is_there(const ehd_grid *grid);
 double far_field_film(const contact_shape *shape, double rigid_approach, double x, double y);
 
 /* Returns P far away, lambda |U| S(phi) r q^2/(2H)^2. The angle phi begins at the side of the
- * inlet, and S is far_angle_shape. With H = q r^2/2 + c it solves the isoviscous Reynolds equation
- * up to terms of c^2/r^4, and of c/r^2 near the exit. U is contact->far_speed. */
+ * inlet, and S is far_angle_shape. If H is q r^2/2 plus a constant d, P solves the isoviscous
+ * Reynolds equation up to terms of d^2/r^4, and of d/r^2 near the exit. U is
+ * contact->far_speed. */
 far_value far_field_pressure(const ehd_contact *contact, double rigid_approach, double x, double y);
 
 /* Returns the load of the far field beyond the cells of the inner nodes, or 0 if the grid has no
@@ -33,22 +34,22 @@ far_value far_field_pressure(const ehd_contact *contact, double rigid_approach, 
 far_value far_field_load(const ehd_contact *contact, double rigid_approach);
 
 /* Returns the integrals of friction and rolling over the far field (README.md, traction beyond the
- * grid). It begins where the cells of the inner nodes end. It ends, with a pressure of 0, where the
- * slope of the gap is one. Returns zeros if the grid has no far field. */
+ * grid). They begin where the cells of the inner nodes end. They end, with a pressure of 0, where
+ * the slope of the gap is one. Returns zeros if the grid has no far field. */
 traction_sums far_field_traction(const ehd_contact *contact, double rigid_approach);
 
 /* Returns an error estimate for the rolling in far_field_traction, whose pressure is a truncated
- * series. The estimate is the rolling by the last term, the deflection. It takes the size of this
- * term at the end of the grid over a factor e of the distance. */
+ * series. The estimate is the rolling by the last term, the deflection. This term is evaluated at
+ * the end of the grid and taken over distances up to e times as far. */
 double far_field_rolling_error(const ehd_contact *contact, double rigid_approach);
 
-/* Checks whether a node of a grid with lines is a boundary node. */
+/* Checks whether a node of a grid with several lines is a boundary node. */
 bool far_field_is_at(const ehd_grid *grid, size_t node);
 
 // ---- prepared for many states on a grid
 
-/* Number of directions: those of Gauss' rule in the stretched angle, between the corners of the
- * grid. */
+/* Number of directions: the points of Gauss' rule in the stretched angle, between the corners of
+ * the grid. */
 enum { FAR_RAYS = 16 };
 typedef struct far_rays {
     size_t num;
@@ -62,7 +63,7 @@ typedef struct far_rays {
 /* The far field at the boundary nodes in a list of nodes, and along rays beyond the grid. */
 typedef struct far_field {
     size_t num;
-    size_t *index;       // [num] in the list
+    size_t *index;       // [num] places of the boundary nodes in the list
     double *inverse;     // [num] 1/r
     double *per_rise;    // [num] 1/q
     double *shape[2];    // [num] S, for entrainment towards larger X and towards smaller X
@@ -73,7 +74,7 @@ typedef struct far_field {
 /* Prepares the far field with memory from an arena. */
 void far_field_init(
     // output:
-    far_field *self, // which may not be used when memory->failed
+    far_field *self, // must not be used if memory->failed
     // input:
     const ehd_grid *grid,
     const size_t *nodes, // [num_nodes] of the grid; NULL: all
@@ -88,12 +89,13 @@ void far_field_add(
     const ehd_contact *contact, double rigid_approach);
 
 /* Returns the contact's closure for the pressures of the inner nodes, by_load h^2 sum P +
- * by_approach H0 = value. It contains the load beyond them, linearised at this rigid approach. */
+ * by_approach H0 = value. It contains the load beyond the inner nodes, linearised at this rigid
+ * approach. */
 contact_closure far_field_closure(const far_field *self, const ehd_contact *contact,
                                   double rigid_approach);
 
-/* Sets the density at the boundary nodes to that without pressure. The previous states of a film in
- * time also have no pressure at these nodes. */
+/* Sets the density at the boundary nodes to the density without pressure. The previous states of a
+ * film in time also have no pressure at these nodes. */
 void far_field_set_density(reynolds_fluid *fluid, const far_field *self);
 
 #endif

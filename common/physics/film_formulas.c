@@ -22,7 +22,7 @@ double film_moes(double moes_M, double moes_L) {
 }
 
 double film_nijenbanning_ellipse(double moes_M, double moes_L, double radius_ratio) {
-    // written so that a circle has the same bits as with the numbers 1.796, 1.63 and 1.691
+    // written so that a circle gives the same bits as with the numbers 1.796, 1.63 and 1.691
     const double ratio = 1 / radius_ratio; // lambda of the fit
     const double elastic = 1.63 + 0.63 * (pow(ratio, 4. / 7) - 1) + 0.006 * log(ratio);
     const double rigid_iso =
@@ -61,7 +61,7 @@ static double moes(const film_formula *self, const film_numbers *numbers) {
     return film_moes(numbers->moes_M, numbers->moes_L);
 }
 
-/* Returns the part of a film that the side leakage leaves. */
+/* Returns the factor by which side leakage reduces a film. */
 static double left_of_leakage(const film_leakage *leakage, const film_numbers *numbers) {
     const double x =
         leakage->power > 0 ? pow(numbers->radius_ratio, leakage->power) : numbers->ellipticity;

@@ -14,16 +14,17 @@ typedef struct film_numbers {
     double speed;      // U = eta0 u_m/(E'R)
     double material;   // G = alpha E', 0: isoviscous
     double load;       // W = w/(E'R), for a point contact w/(E'R^2)
-    double half_width; // a/R; for an ellipse all numbers above are along the entrainment, as R is
-    // for an ellipse, each 1 for a circle: R_y/R_x, b/a of the dry contact, and a over the radius
-    // of the circular contact with the same load, R_x and E'
+    double half_width; // a/R; for an ellipse R is the radius along the entrainment, in all numbers
+                       // above
+    // for an ellipse (all are 1 for a circle): R_y/R_x, b/a of the dry contact, and a over the
+    // radius of the circular contact with the same load, R_x and E'
     double radius_ratio, ellipticity, width_ratio;
 } film_numbers;
 
 typedef struct film_formula film_formula;
 
-/* Side leakage of a contact. It makes a film 1 - share exp(-rate x) times as thick. x is
- * (R_y/R_x)^power, or b/a if power is 0. */
+/* Side leakage of a contact. It multiplies a film by 1 - share exp(-rate x). x is (R_y/R_x)^power,
+ * or b/a if power is 0. */
 typedef struct film_leakage {
     double share, rate, power;
 } film_leakage;
@@ -33,12 +34,12 @@ typedef struct film_leakage {
 struct film_formula {
     const char *name;
     const char *source; // authors, year, place
-    int dimensions;     // of the contact's kind: 1 for a line, 2 for a point
+    int dimensions;     // dimensions of the contact: 1 for a line, 2 for a point
     bool of_minimum;    // it gives the minimum film, not the central film
     double factor, speed_power, material_power, load_power;
     double (*film)(const film_formula *self, const film_numbers *numbers); // H
     film_leakage leakage;
-    double min_ellipticity, max_ellipticity; // range of b/a for which it was made
+    double min_ellipticity, max_ellipticity; // range of b/a for which the formula was made
 };
 
 extern const film_formula film_formulas[]; // ends with a row whose name is NULL
@@ -48,9 +49,9 @@ extern const film_formula film_formulas[]; // ends with a row whose name is NULL
  * is zero, which in the rigid isoviscous limit is at the exit. */
 double film_moes(double moes_M, double moes_L);
 
-/* Returns the central film of an elliptical contact by the function fit of Nijenbanning, Venner and
- * Moes (1994), from the four asymptotes. It is in Moes units, (h/R_x)/sqrt(2 U), with M and L of
- * R_x. The fit was made for R_y >= R_x. */
+/* Returns the central film of an elliptical contact by the function fit of Nijenbanning, Venner
+ * and Moes (1994), from the four asymptotes. The film is in Moes units, (h/R_x)/sqrt(2 U), with M
+ * and L from R_x. The fit was made for R_y >= R_x. */
 double film_nijenbanning_ellipse(double moes_M, double moes_L, double radius_ratio);
 
 /* Returns H of the circular contact: film_nijenbanning_ellipse over (3 M/2)^(2/3). */
@@ -60,10 +61,10 @@ double film_nijenbanning(double moes_M, double moes_L);
  * Moes. */
 double film_central(const ehd_contact *contact);
 
-/* Returns the numbers of a contact at its present state. Its film depends on M and alpha p_H alone,
- * and so do most formulas (optimum similarity). The formulas of Pan and Hamrock, of Hamrock and
- * Dowson and of Chittenden et al. also depend on E', by 1 % or less for 20 % of E'. Only a physical
- * scene has E'; otherwise steel on steel is assumed. */
+/* Returns the numbers of a contact at its present state. Most formulas depend only on M and alpha
+ * p_H, as the film does (optimum similarity). The formulas of Pan and Hamrock, of Hamrock and
+ * Dowson and of Chittenden et al. also depend on E', by 1 % or less for 20 % of E'. Only a
+ * physical scene has E'; otherwise steel on steel is assumed. */
 film_numbers film_numbers_of(const ehd_contact *contact);
 
 #endif

@@ -9,14 +9,14 @@
  * equals this film. */
 typedef struct grid_rule {
     double coarsest;     // step unless the film is thick; finer steps are 1/2, 1/4 ... of it
-    double thick;        // with thick films the step doubles up to this part of sqrt(2 H)
+    double thick;        // largest step with thick films, by doublings, over sqrt(2 H)
     double around;       // largest step over sqrt(2 H)
     double steps;        // largest step over the width of the inlet, H^(2/3)
     double inlet_effect; // largest effect of the missing inlet on the central film
     double load_effect;  // largest effect of the load beyond the domain on the central film
     double far_terms;    // largest terms that the far field omits, at the domain's beginning
-    double shortest;     // -x_min
-    double longest;      // largest -x_min by the two effects
+    double shortest;     // smallest -x_min
+    double longest;      // largest -x_min that the two effects may require
     double sides;        // y_max over -x_min
 } grid_rule;
 
@@ -37,12 +37,12 @@ static const grid_rule line_rule = {
     .longest = INFINITY,
     .sides = NAN,
 };
-/* Measured at 55 point contacts with an open boundary, M from 1 to 1000, L 0 to 25 (the same
- * study). H_c is within 0.6 % and H_m within 1.0 %. With the next shorter domain H_c is off by 0.7
- * to 1.8 % at M of 1 to 3. With twice the step H_c is off by 1.5 to 4 % where the spike lies at the
- * centre (M of 5 to 10, L from 10 on), and H_m by 8 % at M = 100, L = 0. With .steps = 0.6, at M =
- * 100 and 300, L = 0, the films on twice the step are so far off that the error estimate of H_m
- * fails. */
+/* Limits for point contacts with an open boundary, measured at 55 contacts, M from 1 to 1000, L 0
+ * to 25 (docs/history.md, default-grid). H_c is within 0.6 % and H_m within 1.0 %. With the next
+ * shorter domain H_c is off by 0.7 to 1.8 % at M of 1 to 3. With twice the step H_c is off by 1.5
+ * to 4 % where the spike lies at the centre (M of 5 to 10, L from 10 on), and H_m by 8 % at M =
+ * 100, L = 0. With .steps = 0.6, at M = 100 and 300, L = 0, the films on twice the step are so far
+ * off that the error estimate of H_m fails. */
 static const grid_rule open_rule = {
     .coarsest = 0.25,
     .thick = 1. / 12,
@@ -55,11 +55,12 @@ static const grid_rule open_rule = {
     .longest = INFINITY,
     .sides = 0.75,
 };
-/* Point contacts with zero pressure around the grid: from M = 10 on H_c is within 0.8 % and H_m
- * within 2.5 %. With twice the step H_m is off by 10 % (M = 20, L = 0). With the next shorter
- * domain H_c is off by 1.1 % (M = 10, L = 0) and 1.2 % (M = 14, L = 0). Below M = 10, at small L,
- * the error of the films is proportional to one over the length, and no domain is long enough: 1.5,
- * 5 and 25 % at M = 7, 5 and 3. Exits far from the middle lie at X = 0.21 y_max. */
+/* Limits for point contacts with zero pressure at the border of the grid. From M = 10 on H_c is
+ * within 0.8 % and H_m within 2.5 %. With twice the step H_m is off by 10 % (M = 20, L = 0). With
+ * the next shorter domain H_c is off by 1.1 % (M = 10, L = 0) and 1.2 % (M = 14, L = 0). Below M =
+ * 10, at small L, the error of the films is inversely proportional to the length, and no domain is
+ * long enough: 1.5, 5 and 25 % at M = 7, 5 and 3. At the sides, Y = y_max, the exits lie at X =
+ * 0.21 y_max. */
 static const grid_rule zero_rule = {
     .coarsest = 0.125,
     .thick = 1. / 12,
@@ -87,8 +88,8 @@ static const grid_rule *rule_of(const ehd_contact *contact) {
  * the viscous pressure of an inlet with the gap of the dry contact (Grubin). Midpoint rule in t,
  * with X = -start/s and s = 1 - t^2. */
 static double grubin_integral(const ehd_contact *contact, double film, double start) {
-    // Number of intervals. With 4 to 400 intervals seven lines (M 0.5 to 1000, L 0 to 15) get the
-    // same inlet (README.md, Default grid).
+    // Number of intervals. With 4 to 400 intervals seven line contacts (M 0.5 to 1000, L 0 to 15)
+    // get the same inlet (README.md, Default grid).
     const int num_intervals = 400;
     double sum = 0;
 
@@ -101,15 +102,15 @@ static double grubin_integral(const ehd_contact *contact, double film, double st
     return sum / num_intervals;
 }
 
-/* Returns the relative change of the film by the load that is lacking beyond a domain.
+/* Returns the relative change of the film if the load beyond a domain is missing.
  *
- * A point contact has far-field pressures lambda S(phi)/r^3 (README.md, far field). Beyond a domain
- * three quarters as wide to either side as long they carry the load 1.66 lambda/length. The
- * pressures within are lower by a solution that grows with r^0.162; this lacks 0.925 times as much
- * load.
+ * A point contact has far-field pressures lambda S(phi)/r^3 (README.md, far field). The domain
+ * ends at -length upstream and at 3/4 length on either side. Beyond it these pressures carry the
+ * load 1.66 lambda/length. The pressures within are lower by a solution that grows with r^0.162,
+ * which removes a further 0.925 times this load.
  *
- * A line contact lacks the load of the inlet, -int X dP. With dP/dX = lambda/H^2 and H = X^2/2 it
- * is 2 lambda/length^2.
+ * For a line contact the load of the inlet, -int X dP, is missing. With dP/dX = lambda/H^2 and H =
+ * X^2/2 this load is 2 lambda/length^2.
  *
  * M is proportional to the load. The film in Hertz units is proportional to M^(-2/3) (lines: 1/M)
  * times the film in units of the radius. */
@@ -118,8 +119,8 @@ static double load_effect(const ehd_contact *contact, double length) {
     const double moes_L = contact_moes_L(contact);
     const contact_shape *shape = &contact->grid.shape;
     const bool line = kind->dimensions == 1;
-    // Change of ln M in the difference quotient. With 1e-6 to 0.5 lines of M = 0.5, 1 and 2 begin
-    // at the same X (README.md, Default grid).
+    // Change of ln M in the difference quotient. With 1e-6 to 0.5 the grids of line contacts with
+    // M = 0.5, 1 and 2 begin at the same X (README.md, Default grid).
     const double change = 1e-3;
     const double moes_M = contact->moes_M, lambda = contact->lambda / kind->load;
     const double thicker = log(kind->central_film(shape, moes_M * exp(-change), moes_L) /
@@ -130,14 +131,14 @@ static double load_effect(const ehd_contact *contact, double length) {
     return 1.66 * 1.925 * lambda * (thicker - 2. / 3) / length;
 }
 
-/* Returns the relative change of the film by the viscous pressure that is built up before a
- * domain. `all`: grubin_integral up to X = -1. The film follows the viscous pressure with the
+/* Returns the relative change of the film if the viscous pressure built up before a domain is
+ * missing. `all`: grubin_integral up to X = -1. The film follows the viscous pressure with the
  * exponent 8/11 (Ertel and Grubin). */
 static double pressure_effect(const ehd_contact *contact, double film, double all, double length) {
     return 8. / 11 * grubin_integral(contact, film, length) / all;
 }
 
-/* Returns the square of the term c of H = r^2/2 + c, relative to H, which the far field omits. */
+/* Returns (2 c/r^2)^2, the size of the terms that the far field omits. H is r^2/2 + c. */
 static double omitted_terms(double film, double length) {
     const double part = 2 * film / (length * length);
     return part * part;
@@ -148,7 +149,7 @@ static double central_film(const ehd_contact *contact) {
                                        contact_moes_L(contact));
 }
 
-/* Returns the next one of the lengths 1.5, 2, 3, 4, 6, 8, 12, ... */
+/* Returns the next longer one of the lengths 1.5, 2, 3, 4, 6, 8, 12, ... */
 static double next_length(double length) {
     return length * (fmod(log2(length), 1) == 0 ? 1.5 : 4. / 3);
 }
@@ -168,9 +169,9 @@ static double inlet_length(const ehd_contact *contact) {
     return length;
 }
 
-/* Returns y_max. With an open boundary the gap at the sides is that of a circle's domain. With zero
- * pressure around, a wide ellipse has its sides as far from its edge as a circle, in half widths
- * along, and at least half of b (README.md, Default grid). */
+/* Returns y_max. With an open boundary the gap at the sides is that of a circle's domain. With
+ * zero pressure at the border, the sides of a wide ellipse are as far from its edge as those of a
+ * circle, in half widths along, and at least half of b (README.md, Default grid). */
 static double sides_needed(const grid_rule *rule, double length, const contact_shape *shape) {
     const double of_circle = rule->sides * length, k = shape->ellipticity;
 
@@ -178,28 +179,28 @@ static double sides_needed(const grid_rule *rule, double length, const contact_s
     return k > 1 ? fmax(1.5, 1 + (of_circle - 1) / k) : of_circle;
 }
 
-/* Returns the number of whole steps that cover a length. Round-off of up to 1e-6 steps does not
- * count. */
+/* Returns the number of whole steps that cover a length. Round-off of up to 1e-6 steps is
+ * ignored. */
 static double whole_steps(double length, double step) {
     return ceil(length / step - 1e-6);
 }
 
-/* Returns x_max in whole steps. The exit lies before x_max by at least a fourth of it. With a rigid
- * parabola the exit is at 0.475 sqrt(2 H) (lines). Beside a point contact it follows the ray of the
- * far field. */
+/* Returns x_max in whole steps. The exit lies before x_max by at least a fourth of x_max. With a
+ * rigid parabola the exit is at 0.475 sqrt(2 H) (lines). Beside a point contact the exit follows
+ * the exit ray of the far field. */
 static double end_needed(const contact_shape *shape, double film, double y_max, double step) {
     const double thick = 0.475 * sqrt(2 * film);
     const double beside = isnan(y_max) ? 0 : shape->ellipticity * y_max / -tan(shape->far.exit);
-    // 0.01: the ray of a circle is off by 2e-5
+    // 0.01, because the ray of a circle is off by 2e-5
     const double end = fmax(2, ceil(4. / 3 * fmax(thick, beside) - 0.01));
 
     return step * whole_steps(end, step);
 }
 
 /* Returns H at the centre for constant viscosity. For a narrow ellipse it is the geometric mean of
- * two fits, neither of which was made for it. The film of its cold start is 1.4 to 20 times the
- * true one, the fit for wide ellipses a quarter to 1.3 times, and the mean 1.2 to 2.7 times (k of
- * 0.05 and 0.2, M of 0.1 to 100). */
+ * two estimates, neither of which was made for it. The estimate for the cold start is 1.4 to 20
+ * times the true film, the fit for wide ellipses a quarter to 1.3 times, and the mean 1.2 to 2.7
+ * times (k of 0.05 and 0.2, M of 0.1 to 100). */
 static double isoviscous_film(const ehd_contact *contact) {
     const contact_shape *shape = &contact->grid.shape;
     const double k = shape->ellipticity, M = contact->moes_M;
@@ -211,10 +212,10 @@ static double isoviscous_film(const ehd_contact *contact) {
 }
 
 /* Returns the step. It follows from the isoviscous film, because a lubricant of higher L has a
- * thicker film, but a narrower spike. For an ellipse narrower than k = 1/2 it is proportional to
- * the square root of k, because cells are longer across, in half widths. At k of 0.1 and 0.2, M of
- * 1 and 100, L = 0, H_m is 17 and 14 % off with steps of the ordinary size, 6 and 3 % with half of
- * them, and 1 % with a quarter. */
+ * thicker film, but a narrower spike. For an ellipse narrower than k = 1/2 the step is
+ * proportional to the square root of k, because cells are longer across, in half widths. At k of
+ * 0.1 and 0.2, M of 1 and 100, L = 0, H_m is 17 and 14 % off with the step of wide ellipses, 6 and
+ * 3 % with half of this step, and 1 % with a quarter. */
 static double step_needed(const grid_rule *rule, double isoviscous, const contact_shape *shape) {
     const double around = sqrt(2 * isoviscous);
     const double narrow = fmin(sqrt(2 * shape->ellipticity), 1); // 1 for lines and points
@@ -268,7 +269,7 @@ void grid_extent_join(grid_extent *self, const grid_extent *other) {
     self->x_min = fmin(self->x_min, other->x_min);
     self->x_max = fmax(self->x_max, other->x_max);
     self->step = fmin(self->step, other->step);
-    self->y_max = fmax(self->y_max, other->y_max); // NaN if both are
+    self->y_max = fmax(self->y_max, other->y_max); // NaN if both y_max are
 }
 
 ehd_grid grid_choose(const grid_extent *given, const grid_extent *needed, const ehd_grid *like) {

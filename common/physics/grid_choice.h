@@ -24,8 +24,9 @@ double grid_inlet_effect(const ehd_contact *contact, double length);
 void grid_extent_join(grid_extent *self, const grid_extent *other);
 
 /* Makes a grid from what is given and, where that is NaN, from what is needed. Ends that are not
- * given move outwards, and a step that is not given is reduced, until whole steps fit.
- * Discretisation, boundary and shape are those of `like`; a point contact is half if `like` is. */
+ * given move outwards, and a step that is not given is reduced, until whole steps fit. The grid
+ * has the discretisation, boundary and shape of `like`; that of a point contact is half if `like`
+ * is. */
 ehd_grid grid_choose(const grid_extent *given, const grid_extent *needed, const ehd_grid *like);
 
 #endif

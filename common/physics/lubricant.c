@@ -91,7 +91,7 @@ void laws_list(char *list, size_t size, const lubricant_law *const *laws, const 
 
 // ---- one lubricant
 
-/* Collects the values of a law's parameters in their order, defaults included. */
+/* Collects the values of a law's parameters in the order of the law, defaults included. */
 static ehd_status collect_values(law_value *values, const lubricant_law *law,
                                  const lubricant_law *const *laws, const law_settings *settings,
                                  const char *group, ehd_error *error) {
@@ -114,7 +114,7 @@ static ehd_status collect_values(law_value *values, const lubricant_law *law,
     return EHD_OK;
 }
 
-/* Finds the law that the settings name, and prepares it. `group`: its key, for errors. */
+/* Finds the law that the settings name, and prepares it. `group`: the law's key, for errors. */
 static ehd_status prepare_law(const lubricant_law **law, ehd_lubricant *lubricant,
                               const lubricant_law *const *laws, const law_settings *settings,
                               const char *group, ehd_error *error) {
@@ -232,7 +232,8 @@ void lubricant_evaluate(double *log_viscosity, double *log_viscosity_derivative,
     double limit = lubricant->pressure_limit;
 
     for (size_t i = 0; i < num_nodes; i++) {
-        // Newton iterates become slightly negative, and a spike may pass the law's limit on the way
+        // pressures of iterates become slightly negative, and a spike may pass the law's limit on
+        // the way
         double p = fmin(fmax(pressure[i], 0) * hertz_pressure, limit), slope;
         log_viscosity[i] = lubricant->viscosity->evaluate(lubricant, p, &slope);
         log_viscosity_derivative[i] = slope * hertz_pressure;

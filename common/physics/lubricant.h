@@ -15,8 +15,9 @@
 
 enum {
     LAW_WORD = 24,           // bytes of a law's name or of a parameter that is a word
-    MAX_LAW_PARAMETERS = 16, // of one law; more do not compile
-    MAX_LAW_KEYS = 32,       // of all laws of a table; lubricant_init refuses a law with more
+    MAX_LAW_PARAMETERS = 16, // most parameters of one law; more do not compile
+    MAX_LAW_KEYS = 32,       // most keys of all laws of a table; lubricant_init refuses a law with
+                             // more
     MAX_LAW_CONSTANTS = 16
 };
 
@@ -35,7 +36,7 @@ typedef struct law_parameter {
     const char *key; // "alpha"
     law_need need;
     const char *choices;       // "no1|no2" for a word; NULL: a number
-    const char *default_value; // as it would stand in a scene; NULL: none
+    const char *default_value; // default, written as in a scene; NULL: none
     double min, max;           // range of a number, inclusive
     const char *unit;          // "1", "Pa", ...
     const char *help;          // description
@@ -47,7 +48,7 @@ typedef union law_value {
     char word[LAW_WORD];
 } law_value;
 
-/* The choice of a law, and the values of its parameters in the slots of laws_slot. */
+/* The name of a law, and the values of its parameters, numbered by laws_slot. */
 typedef struct law_settings {
     char law[LAW_WORD];
     law_value values[MAX_LAW_KEYS];
@@ -92,12 +93,12 @@ struct ehd_lubricant {
     double density_constants[MAX_LAW_CONSTANTS];
     double shear_constants[MAX_LAW_CONSTANTS];
     double thinning_stress; // Pa, Eyring stress if the law also thins the flow in the film, else 0
-    double eta0; // Pa s, viscosity at zero pressure and the temperature; NaN: the law has none
+    double eta0; // Pa s, viscosity at zero pressure and `temperature`; NaN: the law has none
     // 1/Pa, the coefficient in the Moes number L (README.md, lubricants); default: the derivative
     // of ln(eta) at zero pressure
     double alpha;
     double pressure_limit; // Pa, largest pressure for which the law holds; default: infinite
-    double temperature;    // degC; NaN: the law is not at a temperature
+    double temperature;    // degC; NaN: the law has none
     // 1/K, -d ln(eta0)/dT at the temperature; NaN: not known
     double temperature_coefficient;
     double thermal_conductivity; // W/(m K); NaN: not known
@@ -108,9 +109,9 @@ size_t law_num_parameters(const lubricant_law *law);
 /* Returns the law's parameter with this key, or NULL. */
 const law_parameter *law_key(const lubricant_law *law, const char *key);
 
-/* Returns key number `slot` of a table of laws, or NULL. The keys are in the order of the laws.
- * Each counts once, at the last law that has it. Keys beyond MAX_LAW_KEYS have no number. Stored
- * scenes use this order too, so it must not change. */
+/* Returns key number `slot` of a table of laws, or NULL. The keys are in the order of the laws. A
+ * key of several laws is numbered once, at the last of these laws. Keys beyond MAX_LAW_KEYS have
+ * no number. Stored scenes use this order too, so it must not change. */
 const law_parameter *laws_key(const lubricant_law *const *laws, size_t slot);
 
 /* Returns the number of a key, or MAX_LAW_KEYS if it has none. */
@@ -142,8 +143,8 @@ ehd_status lubricant_init(
     // input:
     const lubricant_settings *settings, ehd_error *error);
 
-/* Returns rho(p)/rho(0) at a pressure in Pa; 1 when incompressible. A negative pressure counts as
- * zero. */
+/* Returns rho(p)/rho(0) at a pressure in Pa; 1 when incompressible. A negative pressure is taken
+ * as zero. */
 double lubricant_density(const ehd_lubricant *lubricant, double pressure);
 
 /* Returns the Newtonian shear stress at a dimensionless pressure p / p_H. `isoviscous` is the
@@ -157,9 +158,9 @@ double lubricant_viscous_stress(const ehd_lubricant *lubricant, double hertz_pre
 double lubricant_shear_stress(const ehd_lubricant *lubricant, double hertz_pressure, // Pa
                               double isoviscous, double pressure);
 
-/* Rise of viscosity and density from zero to a pressure, ln(eta/eta(0)) and ln(rho/rho(0)), and of
- * the viscosity to half of that pressure. NaN: not known. At the Hertz pressure these rises
- * distinguish lubricants with the same alpha p_H. */
+/* Rises from zero pressure to a given pressure: ln(eta/eta(0)) of the viscosity, ln(rho/rho(0)) of
+ * the density, and ln(eta/eta(0)) at half of the pressure. NaN: not known. At the Hertz pressure
+ * these rises distinguish lubricants with the same alpha p_H. */
 enum { RISE_VISCOSITY, RISE_DENSITY, RISE_VISCOSITY_HALF, NUM_RISES };
 typedef struct lubricant_rises {
     double of[NUM_RISES];
@@ -177,8 +178,8 @@ extern const char *const lubricant_rise_state_names[NUM_RISES];
 extern const char *const lubricant_rise_shown_names[NUM_RISES];
 
 /* Evaluates ln(eta/eta(0)) and relative density at num_nodes dimensionless pressures p / p_H, and
- * their derivatives by the dimensionless pressure. Negative pressures count as zero, and pressures
- * above the limit of the law as the limit. */
+ * their derivatives by the dimensionless pressure. Negative pressures are taken as zero, and
+ * pressures above the limit of the law as the limit. */
 void lubricant_evaluate(
     // output:
     double *log_viscosity, double *log_viscosity_derivative, // [num_nodes]

@@ -3,10 +3,10 @@
 
 #include <math.h>
 
-/* Returns the minimum of the quartic through five values at a distance of one, near the middle one.
- * NaN: there is none within the five. */
+/* Returns the minimum, near the middle, of the quartic through five values at a distance of one.
+ * NaN: there is no minimum within the five places. */
 static double minimum_of_five(const double *value) {
-    // Taylor coefficients at the middle
+    // Taylor coefficients at the middle value
     const double first = (value[0] - 8 * value[1] + 8 * value[3] - value[4]) / 12;
     const double second =
         (-value[0] + 16 * value[1] - 30 * value[2] + 16 * value[3] - value[4]) / 24;
@@ -30,7 +30,7 @@ static double minimum_of_five(const double *value) {
 typedef struct film {
     double (*value)(const void *context, size_t node);
     const void *context;
-    size_t width; // of a line
+    size_t width; // nodes in a line of the grid
 } film;
 
 static double film_at(const film *self, size_t node) {
@@ -66,7 +66,7 @@ static void follow_valley(double minima[5], const film *self, const ehd_grid *gr
     minima[2] = minimum_along(self, node);
     for (int side = -1; side <= 1; side += 2) {
         size_t at = node, here = line;
-        int towards = side; // turns at a mirror line
+        int towards = side; // turns round at a mirror line
         for (int apart = 1; apart <= 2; apart++) {
             double *minimum = &minima[2 + side * apart];
             *minimum = NAN;

@@ -81,8 +81,8 @@ reynolds_stencil reynolds_stencil_reversed(const ehd_grid *grid, size_t node) {
 
 // ---- fluid
 
-/* Returns the factor of the flow across, for second differences from line to line over the square
- * of the step. It is (a/b)^2 over the square of a cell's width over its length. */
+/* Returns the factor of the flow across, which multiplies second differences from line to line
+ * over the square of the step. It is (a/b)^2 over the square of a cell's width over its length. */
 static inline double flow_across(const contact_shape *shape) {
     return shape->flow_across / (shape->cell * shape->cell);
 }
@@ -242,7 +242,7 @@ static void add_published_flux(reynolds_row *flux, double step, double entrainme
 
 // ---- the accurate discretisation
 
-/* Mobility at a pressure, with the data for means between nodes. */
+/* Mobility at a pressure, with the data for mean values between nodes. */
 typedef struct mobility {
     double value, slope, logarithm, pressure;
     double density, density_slope; // for a thinned flow
@@ -261,8 +261,8 @@ static inline mobility mobility_at(const row_nodes *at, int a) {
                       .pressure = at->pressure[node]};
 }
 
-/* Returns the link by the logarithmic mean of two mobilities. `logarithm` is the logarithm of their
- * ratio, before over after. `thinned`: the mobilities depend on the film. */
+/* Returns the link with the logarithmic mean of two mobilities. `logarithm` is the logarithm of
+ * their ratio, before over after. `thinned`: the mobilities depend on the film. */
 static inline reynolds_link logarithmic_link(const mobility *before, const mobility *after,
                                              double logarithm, bool thinned) {
     const double a = before->value, b = after->value;
@@ -303,7 +303,8 @@ static reynolds_link exponential_link(const mobility *before, const mobility *af
     return logarithmic_link(before, after, before->logarithm - after->logarithm, false);
 }
 
-/* Returns the mobility at the mean pressure of two nodes. `with_logarithm`: with its logarithm. */
+/* Returns the mobility at the mean pressure of two nodes. `with_logarithm`: also computes its
+ * logarithm. */
 static inline mobility mobility_between(const mobility *before, const mobility *after,
                                         const ehd_contact *contact, bool with_logarithm) {
     mobility middle = {.pressure = (before->pressure + after->pressure) / 2, .density = 1};
@@ -324,15 +325,16 @@ typedef struct mobility_falls {
 } mobility_falls;
 
 /* Returns the link with the mobility at the mean pressure, extrapolated to fourth order from the
- * links of the two halves and of the whole. For a mobility that falls with the pressure the halves
- * are more than half of the whole, so the flow is never against the pressures. */
+ * links of the two halves and of the whole. If the mobility falls with the pressure, both halves
+ * together are more than half of the whole. The flow is then never against the pressure
+ * difference. */
 static inline reynolds_link link_with_middle(const mobility *before, const mobility *middle,
                                              const mobility *after, mobility_falls falls,
                                              bool thinned) {
     const reynolds_link whole = logarithmic_link(before, after, falls.whole, thinned);
     const reynolds_link first = logarithmic_link(before, middle, falls.first, thinned);
     const reynolds_link second = logarithmic_link(middle, after, falls.second, thinned);
-    // derivative by the pressure at either end, through that of the middle
+    // derivative by the pressure at either end through the pressure in the middle
     const double by_middle = (first.by_after + second.by_before) / 2;
 
     return (reynolds_link){
@@ -365,8 +367,8 @@ static inline mobility thinned_mobility_at(const row_nodes *at, int a) {
     return found;
 }
 
-/* Converts a mobility, except its logarithm, to that of a flow that an Eyring fluid thins. The flow
- * goes through a film of the thickness `film`. */
+/* Converts a mobility, except its logarithm, to the mobility of a flow that an Eyring fluid thins.
+ * The film has the thickness `film`. */
 static inline void thin(mobility *self, const reynolds_fluid *fluid, double film,
                         const eyring_gradient *gradient, bool along) {
     // the viscosity is infinite in floating point: nothing flows, and nothing is thinned
@@ -393,7 +395,7 @@ static reynolds_link thinned_link(const row_nodes *at, int before, int after, do
     const double of_drop = fluid->gradient_thinning * film * (along ? 1 : fluid->gradient_across);
     const eyring_gradient gradient = eyring_gradient_of(fabs(of_drop * drop));
 
-    // frequent behind the exit, where the search for the exit evaluates rows
+    // frequent case behind the exit, where the search for the exit evaluates rows
     if (drop == 0 && a.value == b.value) {
         thin(&a, fluid, film, &gradient, along);
         return (reynolds_link){.by_before = -a.value, .by_after = a.value};
@@ -412,12 +414,12 @@ static reynolds_link thinned_link(const row_nodes *at, int before, int after, do
     return link;
 }
 
-/* Stencil nodes around the half node between i and i + 1: i - 2 … i + 2. Across, where nothing is
- * entrained, the first one is not used. */
+/* Stencil nodes around the half node between i and i + 1: i - 2 … i + 2. Across the entrainment
+ * the first of them is not used. */
 enum { HALF_BACK2, HALF_BACK, HALF_BEFORE, HALF_AFTER, HALF_AHEAD, NUM_HALF };
 
-/* Returns the weights of the film at a half node: those of the cubic, or of the mean beside the
- * boundary. */
+/* Returns the weights of the film at a half node: those of the cubic, or beside the boundary those
+ * of the mean. */
 static const double *film_weights(const int of[NUM_HALF], const row_nodes *at) {
     static const double inside[NUM_HALF] = {0, -1. / 16, 9. / 16, 9. / 16, -1. / 16};
     static const double beside[NUM_HALF] = {0, 0, 0.5, 0.5, 0};
@@ -435,9 +437,9 @@ static double film_at_half(const int of[NUM_HALF], const double weights[NUM_HALF
     return film;
 }
 
-/* Returns the weights of rho H at a half node: those of the cubic through three nodes before it and
- * one behind it. Near the inlet they are those of the parabola, and at the inlet those of the
- * mean. */
+/* Returns the weights of rho H at a half node: those of the cubic through three nodes before the
+ * half node and one behind it. Near the inlet they are those of the parabola, and at the inlet
+ * those of the mean. */
 static const double *mass_weights(const int of[NUM_HALF], const row_nodes *at) {
     static const double inside[NUM_HALF] = {1. / 16, -5. / 16, 15. / 16, 5. / 16, 0};
     static const double near[NUM_HALF] = {0, -1. / 8, 6. / 8, 3. / 8, 0};
@@ -455,7 +457,7 @@ typedef struct half_flux {
 } half_flux;
 
 /* Returns the flux through a half node along the entrainment. The pressure flow g = eps dP/dx is
- * not constant between the nodes: where all flow is along, it rises as U rho H does. The reduced
+ * not constant between the nodes: if no fluid flows across, g rises as U rho H does. The reduced
  * pressure changes by int g/H^3 dx. Simpson's rule evaluates this integral at both nodes and the
  * half node between them (the complete flux of J. H. M. ten Thije Boonkkamp, M. J. H. Anthonissen,
  * J. Sci. Comput. 46, 2011). */
@@ -473,7 +475,7 @@ static half_flux flux_along(const int of[NUM_HALF], double step, double entrainm
     const double cube_a = inverse_a * inverse_a * inverse_a;
     const double cube_b = inverse_b * inverse_b * inverse_b;
     const double cube = inverse * inverse * inverse;
-    const bool entrained = entrainment != 0; // false along the path of the fluid
+    const bool entrained = entrainment != 0; // false with transport along the path
     mass masses[NUM_HALF] = {{0}}, here = {0};
     half_flux flux = {0};
 
@@ -573,15 +575,15 @@ static net_flow net_pressure_flow(int left, int here, int right, double scale,
     return net;
 }
 
-/* Pressure below which a node counts as near the exit, in Hertz pressures. Below this pressure
+/* Pressure below which a node is taken as near the exit, in Hertz pressures. Below this pressure
  * the flow fades in (net_along). With a jump instead of this ramp Newton's iteration cycles (k =
  * 0.5, M = 4.83, L = 10; discretization.bats, "cross fluxes fade in at the exit"). With 1e-2 the
- * slowest of 24 cold starts (k = 0.5, 0.7 and 1) takes 13 iterations. With 1e-3 two of them take
- * 71. */
+ * slowest of 24 cold starts (k = 0.5, 0.7 and 1) takes 13 iterations. With 1e-3 two of these
+ * starts take 71. */
 static const double EXIT_PRESSURE = 1e-2;
 
-/* Returns the net flow of U rho H - eps dP/dx, which equals the inflow from across. It is zero
- * where the film has ruptured. Near the exit it is multiplied by the pressure over
+/* Returns the net flow of U rho H - eps dP/dx, which equals the inflow from across. The net flow
+ * is zero where the film has ruptured. Near the exit it is multiplied by the pressure over
  * EXIT_PRESSURE. */
 static net_flow net_along(int back, int here, int ahead, double entrained, const row_nodes *at) {
     const double part = at->pressure[at->stencil->node[here]] / EXIT_PRESSURE;
@@ -660,9 +662,9 @@ static void add_crossed_flow(reynolds_row *row, const int of[NUM_HALF], double s
 }
 
 /* Adds to an accurate row the flow across and the effect of the net flow across on the fluxes
- * along. Between two nodes, the flow in each direction changes by the net flow in the other. The
- * mean over a side of the cell is the value at its middle and a term of its curvature (README.md,
- * Cross fluxes). */
+ * along. Between two nodes, the flow in each direction changes by the net flow in the other
+ * direction. The mean over a side of the cell is the value at its middle plus a term of the
+ * curvature (README.md, Cross fluxes). */
 static void add_cross_fluxes(reynolds_row *row, const ehd_grid *grid, double entrainment,
                              const row_nodes *at) {
     const double scale = 1 / (grid->step * grid->step), across = flow_across(&grid->shape);
@@ -691,8 +693,8 @@ static void add_cross_fluxes(reynolds_row *row, const ehd_grid *grid, double ent
     }
 }
 
-/* Adds a row of the accurate discretisation. If `known`, *ahead comes in as the flux between BACK
- * and HERE, from the row before. It returns as the flux between HERE and AHEAD. */
+/* Adds a row of the accurate discretisation. If `known`, *ahead holds on input the flux between
+ * BACK and HERE, from the row before. On return it holds the flux between HERE and AHEAD. */
 static void add_accurate_row(reynolds_row *row, half_flux *ahead, bool known, const ehd_grid *grid,
                              double entrainment, const row_nodes *at) {
     const double step = grid->step, scale = 1 / (step * step);
@@ -712,7 +714,7 @@ static void add_accurate_row(reynolds_row *row, half_flux *ahead, bool known, co
 
 // ---- rows
 
-/* Checks whether the half node between BACK and HERE is the one between HERE and AHEAD of the row
+/* Checks whether the half node between BACK and HERE lies between HERE and AHEAD of the row
  * before. */
 static bool follows(const reynolds_stencil *stencil, const reynolds_stencil *before) {
     return before->node[NODE_HERE] == stencil->node[NODE_BACK] &&
@@ -768,7 +770,7 @@ reynolds_link reynolds_link_ahead(const reynolds_stencil *stencil, const reynold
 
 // ---- error bound of thinned flows
 
-/* Pressure flow by the central difference between two nodes of a stencil, times the step, and the
+/* Pressure flow times the step, by the central difference between two nodes of a stencil, and the
  * square of the Eyring gradient Sigma. */
 typedef struct nodal_flow {
     double flow, square;

@@ -14,9 +14,9 @@
 #include <stddef.h>
 
 /* Nodes of a row's stencil, named along the direction of entrainment. Only point contacts and
- * ellipses have nodes across it. The published discretisation has none of BACK3, AHEAD2, LEFT2 and
- * RIGHT2. Only the discretisation with cross fluxes has the last four, which lie beside the nodes
- * before and behind. */
+ * ellipses have nodes across this direction. The published discretisation has none of BACK3,
+ * AHEAD2, LEFT2 and RIGHT2. Only the discretisation with cross fluxes has the last four, which lie
+ * beside the nodes before and behind. */
 enum {
     NODE_BACK3,
     NODE_BACK2,
@@ -39,7 +39,7 @@ enum {
 #define NO_NODE ((size_t)-1) // beyond the boundary nodes, or not used by the discretisation
 
 typedef struct reynolds_stencil {
-    size_t node[NUM_STENCIL]; // into the arrays of nodes given to reynolds_rows, or NO_NODE
+    size_t node[NUM_STENCIL]; // indices into the arrays given to reynolds_rows, or NO_NODE
 } reynolds_stencil;
 
 typedef struct reynolds_row {
@@ -51,14 +51,14 @@ typedef struct reynolds_row {
 /* Fluid properties at a list of nodes. Arrays [num_nodes]. */
 typedef struct reynolds_fluid {
     double *mobility;       // rho/(eta lambda), so that eps = mobility H^3
-    double *mobility_slope; // with respect to the dimensionless pressure
+    double *mobility_slope; // derivative by the dimensionless pressure
     double *log_mobility;   // ln mobility up to a constant; NULL in the published discretisation
     double *density;        // NULL when incompressible
     double *density_slope;
     // contact whose viscosity law is also evaluated between two nodes; NULL: the mean of the nodes
     // is enough
     const ehd_contact *between;
-    const ehd_contact *thinned; // contact with a flow that an Eyring fluid thins; NULL: not thinned
+    const ehd_contact *thinned; // contact whose flow an Eyring fluid thins; NULL: not thinned
     // rate N of the Eyring fluid (eyring_flow.h) at H = 1 and rho / mobility = 1
     double thinning;
     // gradient Sigma along the entrainment, at H = 1 and a pressure difference of 1 from node to
@@ -73,7 +73,7 @@ enum { NUM_FLUID_ARRAYS = 5 };
  * memory and the contact, to which the fluid points. */
 reynolds_fluid reynolds_fluid_in(double *memory, size_t num_nodes, const ehd_contact *contact);
 
-/* Returns the fluid from one of its nodes on. It shares the arrays of `fluid`. */
+/* Returns the part of a fluid from one of its nodes on. It shares the arrays of `fluid`. */
 reynolds_fluid reynolds_fluid_from(const reynolds_fluid *fluid, size_t first_node);
 
 /* The BDF time derivative of rho H at the nodes of the rows: rate * rho H + previous. */
@@ -83,8 +83,8 @@ typedef struct reynolds_squeeze {
     const double *previous;
 } reynolds_squeeze;
 
-/* Returns the number of entries that a stencil of this discretisation can use, the first ones. All
- * later ones are NO_NODE. */
+/* Returns how many of the first entries a stencil of this discretisation can use. All later
+ * entries are NO_NODE. */
 static inline int reynolds_stencil_size(const ehd_grid *grid) {
     return grid->discretization == DISCRETIZATION_CROSS_FLUX ? NUM_STENCIL : NUM_CROSS_STENCIL;
 }
@@ -124,20 +124,20 @@ void reynolds_rows(
     const double *pressure,      // [num_nodes]
     const double *film);         // [num_nodes]
 
-/* Returns an error bound of the thinned rows of a point contact or ellipse: the largest one before
- * the centre, where the film is made. It is relative to the entrained flow or, if that is more, to
- * the pressure flow. Rows along the entrainment do not count the gradient across, and rows across
- * do not count the gradient along (README.md, thinned flow). Returns 0 where rows are exact, as in
- * line contacts. */
+/* Returns the largest error bound of the thinned rows upstream of the centre, where the film
+ * forms, of a point contact or ellipse. The bound is relative to the entrained flow or, if that is
+ * more, to the pressure flow. Rows along the entrainment neglect the gradient across, and rows
+ * across neglect the gradient along (README.md, thinned flow). Returns 0 where rows are exact, as
+ * in line contacts. */
 double reynolds_flow_doubt(const ehd_contact *contact,
                            const reynolds_stencil *stencils, // [num_rows]
                            const size_t *node,               // [num_rows] of the grid
                            size_t num_rows, const double *pressure,
                            const double *film); // [num_nodes]
 
-/* Largest error bound with which a result is trusted, as a part of the flow. The bound is the
- * default accuracy (romrun/solve/README.md, Thinned flow). The text is the reason that is
- * reported above this bound. */
+/* Largest error bound with which a result is trusted, relative to the flow. The bound is the
+ * default accuracy (romrun/solve/README.md, Thinned flow). The text is the reason that is reported
+ * above this bound. */
 extern const double flow_doubt_most;
 extern const char flow_doubt_reason[];
 
@@ -148,14 +148,14 @@ reynolds_row reynolds_flux(const ehd_grid *grid, double entrainment,
                            const double *pressure, const double *film);
 
 /* Change of the reduced pressure, int mobility dP, from one node to the next, in the accurate
- * discretisation. If the viscosity is exponential in the pressure, it is the logarithmic mean of
- * the mobilities times the pressure difference, which is then exact (D. L. Scharfetter, H. K.
- * Gummel, IEEE Trans. Electron Devices 16, 1969). Otherwise it also uses the mobility half way
- * between, and is of fourth order in the difference. */
+ * discretisation. If the viscosity is exponential in the pressure, this change is exactly the
+ * logarithmic mean of the mobilities times the pressure difference (D. L. Scharfetter, H. K.
+ * Gummel, IEEE Trans. Electron Devices 16, 1969). Otherwise the mobility half way between is used
+ * too, and the change is of fourth order in the pressure difference. */
 typedef struct reynolds_link {
     double value, by_before, by_after; // derivatives by the pressures
-    // derivatives for a thinned flow, else 0: by the film at the half node, and by the logarithm of
-    // the gradient between the nodes, which by_before and by_after of a whole link include
+    // derivatives for a thinned flow, else 0: by the film at the half node, and by the logarithm
+    // of the gradient between the nodes. by_before and by_after of a whole link include the latter
     double by_film, by_gradient;
 } reynolds_link;
 

@@ -15,7 +15,7 @@ contact_traction contact_traction_unknown(void) {
     return (contact_traction){NAN, NAN, NAN, NAN, NAN, NAN, NAN};
 }
 
-/* Returns a/R, by which stresses along the film are smaller than the pressures. */
+/* Returns a/R, the factor from pressures to stresses along the film. */
 static double slope_of(const ehd_contact *contact) {
     return contact->half_width / contact->radius;
 }
@@ -88,21 +88,21 @@ double contact_traction_behind(const ehd_contact *contact, const ehd_grid *grid,
 
 // ---- beyond the grid
 
-/* Returns H far before a line contact, with the deflection by the whole load at X = 0. */
+/* Returns H far upstream of a line contact, with the deflection by the whole load at X = 0. */
 static double film_before_line(const contact_scalars *scalars, double distance) {
     return scalars->rigid_approach + distance * distance / 2 - scalars->load / 2 * log(distance);
 }
 
-/* Returns the integrals from the boundary node to infinity, X = first/s, with the viscosity of no
- * pressure: dP/dX = lambda U (H - H_e)/H^3. H_e, the film that the flow carries, is taken as the
- * central film. The error of H_e, up to a fifth, counts by H_e/X^2. P falls with X^-3, so it is a
- * third of |X dP/dX|. */
+/* Returns the integrals from the boundary node to infinity, with the variable s = first/X and the
+ * viscosity without pressure: dP/dX = lambda U (H - H_e)/H^3. H_e, the film that the flow carries,
+ * is taken as the central film. The error of H_e is up to a fifth, and its effect H_e/X^2 times as
+ * large. P falls with X^-3, so P is a third of |X dP/dX|. */
 static traction_sums beyond_line(const ehd_contact *contact, const contact_scalars *scalars) {
     const ehd_grid *grid = &contact->grid;
     const bool backwards = contact->entrainment < 0;
     const double first = fabs(grid_x(grid, backwards ? grid_width(grid) - 1 : 0));
     const double speed = contact->lambda * contact->entrainment;
-    // the sum over the inner nodes begins half a step later
+    // the sum over the inner nodes begins half a step behind the boundary node
     traction_sums sums = {
         .friction =
             grid->step / 2 * contact_shear_stress(contact, 0, film_before_line(scalars, first), 0)};
@@ -159,7 +159,7 @@ contact_traction contact_traction_of(const ehd_contact *contact, const double *p
     for (size_t r = 0; r < grid->num_inner; r++) {
         const size_t k = grid_node_of_row(grid, r);
         const double weight = grid_weight(grid, k), in_dry = weight * grid_dry_share(grid, k);
-        // integral from the node before to this one, and at the end of the line to the next
+        // integral from the node before to this node, and at the end of the line to the next node
         rolling += weight * (film[k - 1] + film[k]) / 2 * (pressure[k] - pressure[k - 1]);
         if (r % grid->inner_x == grid->inner_x - 1)
             rolling += weight * (film[k] + film[k + 1]) / 2 * (pressure[k + 1] - pressure[k]);
@@ -186,7 +186,7 @@ contact_traction contact_traction_of(const ehd_contact *contact, const double *p
     return contact_traction_from(contact, &sums, scalars->load);
 }
 
-/* Returns the pressure at a node; at a boundary node that of the far field. */
+/* Returns the pressure at a node; at a boundary node the pressure of the far field. */
 static double pressure_at(const ehd_contact *contact, const double *pressure, double rigid_approach,
                           size_t node) {
     const ehd_grid *grid = &contact->grid;

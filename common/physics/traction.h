@@ -12,20 +12,21 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/* Traction of a contact in its own frame. Forces are over the frame's reference load p_H a^d
- * kind->load, stresses over its Hertz pressure. */
+/* Traction of a contact in its own frame. Forces are divided by the frame's reference load p_H a^d
+ * kind->load, stresses by its Hertz pressure. */
 typedef struct contact_traction {
     double coefficient;        // friction over the load
-    double friction;           // int tau dA: on surface 2 along X, against it on surface 1
+    double friction;           // int tau dA: on surface 2 along X, on surface 1 against X
     double rolling_resistance; // 1/2 int h dp/dx dA: on either surface, against X
     double rolling_moment;     // -int p x dA over a: moment of the pressures, against the rolling
-    double power;              // input of both surfaces, over load times the speed at far_speed 1
+    double power;              // power input of both surfaces, over load times the speed at
+                               // far_speed 1
     double mean_stress;        // mean of |tau| over the dry contact
     double largest_stress;     // largest |tau|
 } contact_traction;
 
-/* Checks whether a contact has traction: the scene gives the slide-roll ratio, and all in SI
- * units. */
+/* Checks whether a contact has traction: the scene is in SI units and gives the slide-roll
+ * ratio. */
 bool contact_has_traction(const ehd_contact *contact);
 
 /* Returns a traction that is not known: all NaN. */
@@ -33,7 +34,7 @@ contact_traction contact_traction_unknown(void);
 
 /* Returns the shear stress tau over p_H, in the middle between the surfaces, at a dimensionless
  * pressure, film and gradient of pressure along X. It is positive if surface 1 is the faster one.
- * The gradient counts only if the law thins the flow too. */
+ * The gradient matters only if the law thins the flow too. */
 double contact_shear_stress(const ehd_contact *contact, double pressure, double film,
                             double gradient);
 
@@ -45,11 +46,11 @@ typedef struct stress_slopes {
 stress_slopes contact_stress_slopes(const ehd_contact *contact, double pressure, double film,
                                     double gradient);
 
-/* Numbers that determine how an Eyring fluid thins the flow. Besides them the flow depends on M,
- * the Hertz pressure and the lubricant alone. Both are 0 if the flow is not thinned. */
+/* Numbers that determine how an Eyring fluid thins the flow. Otherwise the flow depends only on M,
+ * the Hertz pressure and the lubricant. Both numbers are 0 if the flow is not thinned. */
 typedef struct flow_thinning {
-    // Newtonian shear stress of the sliding over Eyring's, with the viscosity at zero pressure and
-    // H = 1
+    // Newtonian shear stress of the sliding over Eyring's stress, with the viscosity at zero
+    // pressure and H = 1
     double sliding;
     double gradient; // h/(2 tau0) dp/dx at H = 1 and dP/dX = 1
 } flow_thinning;
@@ -68,8 +69,9 @@ typedef struct traction_sums {
 contact_traction contact_traction_from(const ehd_contact *contact, const traction_sums *sums,
                                        double load); // over the frame's reference load
 
-/* Returns the friction and rolling from beyond the grid: before a line contact to minus infinity,
- * around a point contact or ellipse by far_field_traction (README.md, traction beyond the grid). */
+/* Returns the friction and rolling from beyond the grid. Before a line contact they are integrals
+ * to minus infinity, around a point contact or ellipse far_field_traction (README.md, traction
+ * beyond the grid). */
 traction_sums
 contact_traction_beyond(const ehd_contact *contact,
                         const contact_scalars *scalars); // approach, load, central film
@@ -79,12 +81,12 @@ contact_traction_beyond(const ehd_contact *contact,
  * known), the integral goes to the next node. */
 double contact_traction_behind(const ehd_contact *contact, const ehd_grid *grid, size_t node,
                                double stress,        // at the node
-                               const double film[2], // there and at the next node
+                               const double film[2], // at the node and at the next one
                                double exit);         // X
 
 /* Computes the traction from pressure and film at the nodes of the contact's grid, where there is
- * pressure, and from the part beyond the grid. Behind the last node with pressure of a line contact
- * the integral goes on to the exit, else to the next node. */
+ * pressure, and from the part beyond the grid. Behind the last node with pressure the integral
+ * goes on to the exit of a line contact, else to the next node. */
 contact_traction
 contact_traction_of(const ehd_contact *contact,
                     const double *pressure,          // [num_nodes]

@@ -10,15 +10,16 @@
 extern const char traction_formula_source[];
 
 typedef struct traction_estimate {
-    double coefficient; // of friction, with the sign of the slide-roll ratio
-    double excess;      // 1, viscous stress over the Eyring stress at the mean pressure
+    double coefficient; // friction coefficient, with the sign of the slide-roll ratio
+    double excess;      // dimensionless: viscous stress over the Eyring stress, at the mean
+                        // pressure
 } traction_estimate;
 
-/* Returns the friction coefficient tau0 asinh(eta u_s/(h tau0)) over the pressure, at the mean of
- * Hertz' pressure and with a film of the same thickness everywhere (Evans and Johnson, Proc. IMechE
- * C 200, 1986, Eyring regime, as printed by Arana et al., Proc. IMechE J 233, 2019, eqs. 7 and 13).
- * A slide-roll ratio other than the contact's gives another point of the curve. NaN for a contact
- * without Eyring's law, or not in SI units. */
+/* Returns the friction coefficient tau0 asinh(eta u_s/(h tau0)) over the pressure. The pressure is
+ * the mean of Hertz' pressure, and the film has the same thickness everywhere (Evans and Johnson,
+ * Proc. IMechE C 200, 1986, Eyring regime, as printed by Arana et al., Proc. IMechE J 233, 2019,
+ * eqs. 7 and 13). A slide-roll ratio other than the contact's gives another point of the curve.
+ * NaN for a contact without Eyring's law, or not in SI units. */
 traction_estimate traction_at_mean_pressure(const ehd_contact *contact, double film, // H
                                             double slide_roll);
 

@@ -24,7 +24,8 @@ static ehd_status check_alpha(double alpha, ehd_error *error) {
 }
 
 /* Parameters of Barus and of Roelands, in this order. If a temperature is given, eta0, alpha and
- * the coefficient are those at the reference temperature, and otherwise those of the lubricant. */
+ * the coefficient hold at the reference temperature. Otherwise they hold for the lubricant as it
+ * is. */
 enum { OIL_ALPHA, OIL_ETA0, OIL_TEMPERATURE, OIL_REFERENCE, OIL_COEFFICIENT };
 
 #define ETA0(need)                                                                                 \
@@ -139,9 +140,9 @@ static double roelands(const ehd_lubricant *self, double pressure, double *deriv
     return ratio * (power - 1);
 }
 
-/* Changes ln eta0 + 9.67 from that of the reference temperature to that of the temperature. The
- * exponent of the pressure stays. alpha is proportional to the product of both, so it changes by
- * the same factor. */
+/* Changes ln eta0 + 9.67 from its value at the reference temperature to that at the temperature.
+ * The exponent of the pressure stays. alpha is proportional to the product of this number and the
+ * exponent, so it changes by the same factor. */
 static void roelands_set_temperature(ehd_lubricant *self, const law_value *values) {
     const double coefficient = values[OIL_COEFFICIENT].number;
     const double ratio = self->viscosity_constants[ROELANDS_RATIO];
@@ -191,11 +192,11 @@ const lubricant_law viscosity_roelands = {
 enum {
     WLF_PRESET,
     WLF_TEMPERATURE, // degC, T0 of eq. 40
-    WLF_A1,          // degC; from here on in the units of Table 1 there
+    WLF_A1,          // degC; from here on in the units of Table 1 of the paper
     WLF_A2,          // 1/GPa
-    WLF_B1,          // 1
+    WLF_B1,          // dimensionless
     WLF_B2,          // 1/MPa
-    WLF_C1,          // 1
+    WLF_C1,          // dimensionless
     WLF_C2,          // degC
     WLF_TG0,         // degC
     WLF_MU_G,        // Pa s
@@ -243,9 +244,9 @@ static double wlf(const ehd_lubricant *self, double pressure, double *derivative
     return wlf_log_absolute(constants, pressure, derivative) - constants[WLF_LOG_AT_ZERO];
 }
 
-/* Returns the largest pressure of the law, to 1e-9. The viscosity turns over where y stops falling,
- * or has a pole where C2 + y reaches zero. The limit is the smaller of both pressures, or 100 GPa
- * if neither lies below that. */
+/* Returns the largest pressure at which the law holds, to 1e-9 of it. The viscosity turns over
+ * where y stops falling, or has a pole where C2 + y reaches zero. The limit is the smaller of both
+ * pressures, or 100 GPa if neither lies below that. */
 static double wlf_pressure_limit(const double *constants) {
     // Step of the search, Pa. With steps from 1e5 to 1e8 the limits are the published ones
     // (test_lubricant.c, wlf_coefficients_and_limits).
@@ -283,9 +284,9 @@ static double gauss_kronrod(ehd_lubricant *self, double left, double right) {
     return integral;
 }
 
-/* Integrates by halves, and halves of these, until they differ from `whole` by at most `allowed`.
- * Returns NaN if they still differ more after `depth` times. GSL's adaptive rules are not used:
- * they end the process if they do not converge or are refused memory. */
+/* Integrates by halves, and again by halves of these, until their sum differs from `whole` by at
+ * most `allowed`. Returns NaN if it still differs more after `depth` times. GSL's adaptive rules
+ * are not used: they end the process if they do not converge or are refused memory. */
 static double integrate(ehd_lubricant *self, double left, double right, double whole,
                         double allowed, int depth) {
     const double middle = (left + right) / 2;
@@ -298,8 +299,8 @@ static double integrate(ehd_lubricant *self, double left, double right, double w
            integrate(self, middle, right, after, allowed, depth - 1);
 }
 
-/* Integrates eta0/eta from 0 to `end`, in octaves, because it may decay within a pressure of any
- * size. */
+/* Integrates eta0/eta from 0 to `end`, in octaves, because eta0/eta may decay within a pressure of
+ * any size. */
 static double integrate_inverse_viscosity(ehd_lubricant *self, double end) {
     // Number of octaves, most halvings of an octave, and tolerance relative to the integral. 40
     // octaves leave 1e-12 of the range. With a DEPTH of 0 alpha of the published oils is the same
