@@ -17,8 +17,8 @@ void apart_init(apart_march *self, march_solver inner, const ehd_contact *refere
                           .speed = NAN};
 }
 
-/* Returns a frame under another load. At rest, where no stationary film separates the bodies, the
- * frame has the entrainment of the reference. */
+/* Returns a frame under another load. Without entrainment no stationary film separates the bodies,
+ * so the frame then has the entrainment of the reference. */
 static contact_frame moving_under(const apart_march *self, const contact_frame *frame,
                                   double load) {
     contact_frame under = frame_with_load(self->reference->kind, frame, load);
@@ -58,9 +58,9 @@ static bool by_load(const contact_frame *frame) {
     return isnan(frame->approach);
 }
 
-/* Decides whether the neglected force of bodies apart is negligible. This force is at most that of
- * a stationary contact in the same gap. Bodies that do not touch have at most the force of the
- * lightest contact. */
+/* Decides whether the neglected force between bodies apart is negligible. This force is at most
+ * the force of a stationary contact in the same gap. If the bodies do not touch, it is at most the
+ * force of the lightest contact. */
 static ehd_status find_known(bool *known, apart_march *self, const contact_frame *frame,
                              ehd_error *error) {
     ehd_status status = EHD_OK;
@@ -100,8 +100,8 @@ static ehd_status part(march_step *outcome, apart_march *self, const contact_fra
     return status;
 }
 
-/* Stores the state of bodies in contact. Marks the outcome as EHD_UNTRUSTED as long as a film that
- * was found at rest is in the contact. */
+/* Stores the state of bodies in contact. Marks the outcome as EHD_UNTRUSTED as long as the contact
+ * contains film that formed when the bodies touched at rest. */
 static void touch(march_step *outcome, apart_march *self, const contact_frame *frame,
                   double doubtful) {
     self->next = (apart_moment){
@@ -163,7 +163,7 @@ static ehd_status attempt_contact(march_step *outcome, apart_march *self,
 }
 
 /* Returns an approach beyond which bodies cannot touch. The approach of a contact is less than its
- * central film. The central film of the lightest contact is less than twice that of the film
+ * central film. The central film of the lightest contact is less than twice the film by the film
  * formula. */
 static double farthest_touch(const apart_march *self, const contact_frame *frame) {
     const contact_frame under = moving_under(self, frame, 1);
@@ -191,8 +191,8 @@ static ehd_status find_touch(bool *touches, apart_march *self, const contact_fra
     return status;
 }
 
-/* Attempts a step of bodies that are apart. A contact that is found again starts from the
- * stationary film; at rest it starts from the film at the reference's entrainment. */
+/* Attempts a step of bodies that are apart. If they touch again, the contact starts from the
+ * stationary film, and at rest from the film at the reference's entrainment. */
 static ehd_status attempt_apart(march_step *outcome, apart_march *self, const contact_frame *frame,
                                 double step, ehd_error *error) {
     bool touches;

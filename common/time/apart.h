@@ -9,22 +9,22 @@
 
 /* State of the bodies at one time. All members are doubles, so that the struct can be saved. */
 typedef struct apart_moment {
-    double apart;    // 1: the bodies are apart, else 0
-    double inner;    // 1: the inner solver has states, perhaps old ones; else 0
-    double approach; // in the reference frame; NaN: apart, and the load was given
-    double doubtful; // path of the fluid up to which the contact has a film that was found at rest
-    contact_frame frame; // of bodies that are apart, scaled by the reference load
+    double apart;        // 1: the bodies are apart, else 0
+    double inner;        // 1: the inner solver has states, perhaps old ones; else 0
+    double approach;     // in the reference frame; NaN: apart, and the load was given
+    double doubtful;     // path of the fluid up to which film that formed at rest is in the contact
+    contact_frame frame; // frame of bodies that are apart, scaled by the reference load
 } apart_moment;
 
-/* Wraps a solver whose contact cannot be lost, so that the contact can be lost and found again. */
+/* Wraps a solver that always has a contact, so that its bodies can part and touch again. */
 typedef struct apart_march {
     march_solver inner;
     const ehd_contact *reference;
     /* A step in which the bodies part or touch is rejected if it is longer than this. INFINITY: no
      * step is rejected. */
     double longest_step;
-    apart_moment now, next; // of the accepted state; of the last attempt
-    // the last attempt found the contact again and started the inner solver
+    apart_moment now, next; // the accepted state; the last attempt
+    // in the last attempt the bodies touched again, and the inner solver started
     bool begins;
     // conditions (speed NaN: none yet), and the approach and load at which bodies touch under them
     double speed, radius, modulus, approach, load;
@@ -34,10 +34,10 @@ typedef struct apart_march {
 void apart_init(apart_march *self, march_solver inner, const ehd_contact *reference,
                 double longest_step);
 
-/* Returns the wrapped solver. Its outcomes have `apart` and `begins`. Bodies that are apart have no
+/* Returns the wrapped solver. Its outcomes set `apart` and `begins`. Bodies that are apart have no
  * load. Their film is the undeformed gap: 0 where they overlap, NaN if the load is given. An
- * outcome is EHD_UNTRUSTED if the neglected force may exceed 1 % of the reference load; the film
- * formula estimates this force. */
+ * outcome is EHD_UNTRUSTED if the neglected force, estimated by the film formula, may exceed 1 %
+ * of the reference load. */
 march_solver apart_solver(apart_march *self);
 
 #endif

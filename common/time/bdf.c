@@ -16,9 +16,8 @@ static const double MOST_ENLARGED = 46;
 
 /* Largest ratio of a step of first order to the time between the known states, for which the slope
  * of these states predicts the step. Iterations leave errors of 1e-8 to 1e-5 of a film. If the
- * states lie closer together, their slope consists of such errors. A longer step is therefore
- * predicted not to change the film (test_bdf.c,
- * a_step_much_longer_than_the_last_is_of_lower_order). */
+ * states lie closer together, their slope consists of such errors. For a longer step the last film
+ * is therefore the prediction (test_bdf.c, a_step_much_longer_than_the_last_is_of_lower_order). */
 static const double MOST_EXTRAPOLATED = 100;
 
 /* Sets the weights with which the polynomial through the chosen previous states predicts the new
@@ -43,8 +42,8 @@ static double enlarged(const bdf_formula *formula) {
     return sum;
 }
 
-/* Sets a formula of first order. It predicts along the slope of the states, or for long steps no
- * change. */
+/* Sets a formula of first order. Its prediction follows the slope of the states, or is the last
+ * state for long steps. */
 static void set_first_order(bdf_formula *formula, double step, const double *ago,
                             size_t num_previous) {
     const size_t oldest = num_previous - 1, chosen[] = {0, oldest};
@@ -57,10 +56,10 @@ static void set_first_order(bdf_formula *formula, double step, const double *ago
     formula->error = has_slope ? step / ago[oldest] : oldest > 0 ? 1 : 0;
 }
 
-/* Sets a formula of second order, with the last state and the state `second` before it. Formula and
- * prediction both leave out a third derivative, so the error of one follows from that of the other.
- * Without a usable third state the prediction leaves out a second derivative, and the error
- * estimate is too large. */
+/* Sets a formula of second order, with the last state and the state `second` before it. Formula
+ * and prediction both neglect the third derivative, so the error of one follows from the error of
+ * the other. Without a usable third state the prediction neglects the second derivative, and the
+ * error estimate is too large. */
 static void set_second_order(bdf_formula *formula, double step, const double *ago, size_t second,
                              double interval, size_t num_previous) {
     const double ratio = step / interval;
@@ -128,11 +127,11 @@ static void swap(bdf_ring *ring, size_t i, size_t k) {
     ring->place[k] = place;
 }
 
-/* Checks whether a state is passing. A state after steps that grow, as after a start, is not
+/* Checks whether a state is passing (bdf_ring). While steps grow, as after a start, no state is
  * passing. */
 static bool is_passing(const bdf_ring *ring, double time, double least) {
-    // ratio of successive steps from which steps grow; in a march steps at most double
-    // (test_bdf.c, states_that_follow_too_soon_are_passing)
+    // least ratio of successive steps that grow; in a march steps at most double (test_bdf.c,
+    // states_that_follow_too_soon_are_passing)
     const double grown = 1.5;
     const double step = time - ring->time[ring->place[1]];
 

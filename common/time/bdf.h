@@ -18,11 +18,11 @@ enum { BDF_PREVIOUS = 3 };
 typedef struct bdf_formula {
     size_t order;
     size_t num_weighted;            // number of states y_0, y_1 … up to the last with a weight
-    size_t degree;                  // of the prediction, a polynomial in time
+    size_t degree;                  // degree of the prediction, a polynomial in time
     double rate;                    // 1 / time
     double weight[BDF_PREVIOUS];    // 1 / time
-    double predictor[BDF_PREVIOUS]; // 1
-    double error;                   // 1; 0: too few previous states for an estimate
+    double predictor[BDF_PREVIOUS]; // dimensionless
+    double error;                   // dimensionless; 0: too few previous states for an estimate
     double interval;                // time between the two states of second order; 0: first order
 } bdf_formula;
 
@@ -47,7 +47,7 @@ typedef struct bdf_ring {
     size_t place[BDF_STATES];
     size_t num_previous;
     bool passing;            // the last accepted state is passing
-    double time[BDF_STATES]; // of the state at each place
+    double time[BDF_STATES]; // time of the state at each place
 } bdf_ring;
 
 /* Returns a ring that holds no states. */

@@ -7,20 +7,21 @@
 const double march_exit_margin = 0.1;
 const double march_error_growth = 1.5;
 
-/* Longest path of a step, in half widths, at which errors of many steps add up in the central
- * film. A film then takes many steps to reach the centre, and takes up the error of each step. In
- * a longer step the film reaches the centre in this step, so that only its own local error counts.
- * Without this distinction the error after a slow ramp of the load by 8 % was 1.7 %. With it the
- * error is 0.14 %, at a tolerance of 0.15 % (test_full_march.c,
+/* Longest path of the fluid in a step, in half widths, at which errors of many steps add up in the
+ * central film. A film then takes many steps to reach the centre, and accumulates the error of
+ * each step. In a longer step the film reaches the centre within this step, so that only the local
+ * error of this step matters. Without this distinction the error after a slow ramp of the load by
+ * 8 % was 1.7 %. With it the error is 0.14 %, at a tolerance of 0.15 % (test_full_march.c,
  * a_slow_ramp_along_the_path_ends_at_rest). */
 static const double SHORT_PATH = 0.25;
 
-/* Largest local error of the film anywhere before the centre, relative to the central film. Along
- * the path a step with a larger error is repeated, because the iteration has then found another
- * solution: the film ruptures in the inlet, and a narrow peak of pressure travels there. After a
- * load step by a half such solutions miss 0.2 and more. In the paper's transient case no step misses
- * more than 0.014 (test_path_march.c, a_film_far_from_its_prediction_is_not_taken). With a load of
- * +-50 % one step in a hundred misses 0.1, and is repeated with a quarter of its length. */
+/* Largest local error of the film anywhere before the centre, relative to the central film. With
+ * transport along the path a step with a larger error is repeated, because the iteration has then
+ * found another solution: the film ruptures in the inlet, and a narrow peak of pressure travels
+ * there. After a load step by a half such solutions have errors of 0.2 and more. In the paper's
+ * transient case no error exceeds 0.014 (test_path_march.c,
+ * a_film_far_from_its_prediction_is_not_taken). With a load of +-50 % one step in a hundred has an
+ * error of 0.1, and is repeated with a quarter of its length. */
 static const double MOST_MISSED = 0.05;
 
 void bdf_march_init(bdf_march *self, size_t num_rows, arena *memory) {
@@ -68,9 +69,9 @@ double bdf_march_missed(const bdf_march *self, size_t r) {
     return mass;
 }
 
-/* Checks, along the path, whether the film before the centre misses its prediction by more than
- * MOST_MISSED. The local error does not reveal this, because it leaves out the inlet along the
- * path. At rest there is no inlet. */
+/* With transport along the path, checks whether the film before the centre differs from its
+ * prediction by more than MOST_MISSED. The local error does not show this, because with this
+ * transport it leaves out the inlet. Without entrainment there is no inlet. */
 static bool is_another_solution(const bdf_march *self, double central_film) {
     const double most = MOST_MISSED * central_film;
     const double direction = self->model->reverses ? self->entrainment : 1;
@@ -111,7 +112,7 @@ static void forget_attempt(bdf_march *self) {
 }
 
 /* Filters the accepted states again if they were prepared with another share of the filter than
- * this step has. */
+ * this step requires. */
 static void filter_previous(bdf_march *self) {
     if (!bdf_march_along_path(self)) return;
     const contact_frame *last = self->frame[bdf_march_place(self, 1)];
@@ -154,8 +155,8 @@ static ehd_status attempt_from(march_step *outcome, bdf_march *self, const conta
 }
 
 /* Attempts a step. After a passing state the step begins at the state before it. If this step does
- * not converge, repeats the step from the passing state. Errors that films took up before the
- * passing state, along at most one grid step, are then not counted. */
+ * not converge, repeats the step from the passing state. Errors that films accumulated before the
+ * passing state, along at most one grid step, are then neglected. */
 static ehd_status attempt(march_step *outcome, void *solver, const contact_frame *frame,
                           double step, ehd_error *error) {
     bdf_march *self = solver;
@@ -256,7 +257,7 @@ static ehd_status take_base(bdf_march *self, const bdf_march *from, handed_state
     return status ? status : self->model->use_base(self, error);
 }
 
-/* Takes the accepted state that is `steps` steps back. */
+/* Takes the accepted state that lies `steps` steps before the attempt of the other march. */
 static ehd_status take_state(bdf_march *self, const bdf_march *from, size_t steps, hand_over *work,
                              ehd_error *error) {
     const size_t place = bdf_march_place(self, steps);
@@ -270,8 +271,8 @@ static ehd_status take_state(bdf_march *self, const bdf_march *from, size_t step
     return EHD_OK;
 }
 
-/* Computes the difference between both models for the last accepted film. This model may represent
- * the film less exactly. */
+/* Computes the difference between both models' last accepted films. This model may represent the
+ * film less exactly. */
 static void find_change(bdf_march *self, const bdf_march *from, hand_over *work) {
     const ehd_grid *grid = &self->reference->grid;
     const size_t line = grid_central_line(grid) / grid_width(grid);

@@ -21,14 +21,15 @@ extern const double march_error_growth;
  * (test_full_march.c, local_error_is_that_before_the_exit). */
 extern const double march_exit_margin;
 
-/* Places of a model's states: the places of the ring, and one for the base. Along the path,
- * previous states are carried as differences from the base (README.md, Along the path). */
+/* Places of a model's states: the places of the ring, and one for the base. With transport
+ * along the path, previous states are carried as differences from the base (README.md, Along
+ * the path). */
 enum { BDF_BASE = BDF_STATES, NUM_BDF_PLACES };
 
 /* A state on the grid, in a form that another model can take. */
 typedef struct handed_state {
     double *pressure, *film; // [num_nodes]
-    size_t *exits;           // [lines of the grid] columns
+    size_t *exits;           // [lines of the grid] columns of the exits
     double rigid_approach;
     contact_frame frame;
 } handed_state;
@@ -36,7 +37,7 @@ typedef struct handed_state {
 /* Memory for handing states from one model to another. */
 typedef struct hand_over {
     handed_state given, taken;       // a state of one model, and the same state in the other model
-    double change[NUM_ERROR_PLACES]; // difference of both films for the last accepted state
+    double change[NUM_ERROR_PLACES]; // difference between the models' last accepted films
     arena memory;
 } hand_over;
 
@@ -44,9 +45,9 @@ typedef struct hand_over {
  * state that is being solved is at bdf_march_place(…, 0). */
 typedef struct bdf_model {
     bool passes;   // accepted states may be passing (bdf.h)
-    bool reverses; // the entrainment may rest or reverse; else the inlet is always at X < 0
-    /* Solves the stationary state at the start. Sets its frame and the whole outcome. Previous
-     * states no longer count. */
+    bool reverses; // the entrainment may be zero or reverse; else the inlet is always at X < 0
+    /* Solves the stationary state at the start. Sets its frame and the whole outcome. Discards
+     * previous states. */
     ehd_status (*start)(march_step *outcome, void *self, const contact_frame *frame,
                         ehd_error *error);
     /* Solves the attempt. The march has set its frame and filtered the previous states. `contact`
@@ -55,8 +56,8 @@ typedef struct bdf_model {
     ehd_status (*solve)(march_step *outcome, void *self, const ehd_contact *contact,
                         ehd_error *error);
     void (*mark)(void *self); // sets `counts` of the masses for the solved attempt
-    /* Returns the largest integral over X of bdf_march_missed that a film takes up on its way to
-     * the centre, divided by the path of the step. */
+    /* Integrates bdf_march_missed over X from each upstream place to the centre. Returns the
+     * largest integral divided by the path of the fluid in the step. */
     double (*error_on_the_way)(void *self);
     /* Decides whether the solved attempt can be trusted, and estimates the errors of its films. */
     void (*assess)(march_step *outcome, void *self, const ehd_contact *contact);
@@ -65,11 +66,11 @@ typedef struct bdf_model {
     void (*keep_errors)(void *self);
     void (*restart)(void *self);                            // as in march_solver; may be NULL
     void (*copy)(void *self, size_t target, size_t source); // copies a state without its frame
-    /* Prepares an accepted state for the next steps, which carry it along. `share`: the share of
-     * the filter that is applied to it, 0 … 1. */
+    /* Prepares an accepted state as a previous state of the next steps. `share`: the share of the
+     * filter that is applied to it, 0 … 1. */
     void (*prepare)(void *self, size_t place, double share);
     ehd_status (*use_base)(void *self, ehd_error *error); // prepares the base
-    /* Save and restore a state without its frame. EHD_DATA: the numbers are no state. */
+    /* Save and restore a state without its frame. EHD_DATA: the numbers are not a state. */
     void (*save)(double *target, const void *self, size_t place);
     ehd_status (*restore)(void *self, size_t place, const double *source, ehd_error *error);
     /* Save and restore all other data of the model, as numbers in front of the states and behind
@@ -82,7 +83,7 @@ typedef struct bdf_model {
     /* Takes a state as accurately as the model can represent it. The frame of the state is already
      * set. Error: EHD_MEMORY. */
     ehd_status (*take)(void *self, size_t place, const handed_state *given, ehd_error *error);
-    /* Returns the errors that the last accepted film has taken up along the path. */
+    /* Returns the errors that the last accepted film has accumulated along the path. */
     void (*give_errors)(double errors[NUM_ERROR_PLACES], const void *self);
     /* Takes the errors of give_errors from another model. `load_frame`: frame of the last state,
      * scaled by the load of its solution. */
@@ -102,9 +103,9 @@ typedef struct bdf_model {
 typedef struct bdf_masses {
     size_t num_rows;
     const size_t *node;             // [num_rows]
-    double *solved;                 // [num_rows] of the attempt
-    double *previous[BDF_PREVIOUS]; // [num_rows] of previous states, in the attempt's frame
-    bool *counts;                   // [num_rows] whether the local error counts at the node
+    double *solved;                 // [num_rows] rho H of the attempt
+    double *previous[BDF_PREVIOUS]; // [num_rows] rho H of previous states, in the attempt's frame
+    bool *counts;                   // [num_rows] whether the local error includes the node
 } bdf_masses;
 
 typedef struct bdf_march {
@@ -138,17 +139,17 @@ bool bdf_march_along_path(const bdf_march *self);
 size_t bdf_march_place(const bdf_march *self, size_t steps);
 
 /* Returns the place of the accepted state `steps` before the attempt; 1 is the last state. Passing
- * states are accepted ones too. */
+ * states are included. */
 size_t bdf_march_accepted(const bdf_march *self, size_t steps);
 
-/* Computes the contact in a frame, with the entrainment of its rows in time. Along the path this
- * entrainment is zero, because the time derivative contains it. *entrainment: entrainment of the
- * fluid. */
+/* Computes the contact in a frame, with the entrainment of its rows in time. With transport along
+ * the path this entrainment is zero, because the time derivative contains it. *entrainment:
+ * entrainment of the fluid. */
 void bdf_march_contact(ehd_contact *contact, double *entrainment, const contact_frame *frame,
                        const bdf_march *self);
 
-/* Returns the solution of rho H minus its prediction, at the node of row r in the attempt. Times
- * the formula's `error` it is the local error. */
+/* Returns the solution of rho H minus its prediction, at the node of row r in the attempt. This
+ * difference times the formula's `error` is the local error. */
 double bdf_march_missed(const bdf_march *self, size_t r);
 
 // ---- handing a march to another model of the same reference and grid
@@ -160,8 +161,8 @@ void hand_over_free(hand_over *self);
 /* Computes a state on the grid. */
 void bdf_march_give(handed_state *given, const bdf_march *self, size_t place);
 
-/* Takes the accepted states of another march, with their errors. Along the path, also takes its
- * base unless `has_base`. Sets work->change. Error: EHD_MEMORY. */
+/* Takes the accepted states of another march, with their errors. With transport along the path,
+ * takes its base too, unless `has_base`. Sets work->change. Error: EHD_MEMORY. */
 ehd_status bdf_march_take_over(bdf_march *self, const bdf_march *from, bool has_base,
                                hand_over *work, ehd_error *error);
 

@@ -28,15 +28,15 @@ void film_errors_set(film_errors *self, const double *kept);
 
 /* Computes the magnitude of the difference of two films, [num_nodes] each. Each place gets the
  * largest difference at the nodes around it. Only nodes of the central line before column `end`,
- * the exit, count. */
+ * the exit, are used. */
 void film_errors_between(
     // output:
     double errors[NUM_ERROR_PLACES],
     // input:
     const double *film, const double *other, const ehd_grid *grid, size_t end);
 
-/* Carries the kept errors along with the fluid to `next`. Fluid that was before the dry contact
- * has no error. */
+/* Carries the kept errors along with the fluid to `next`. Fluid that was upstream of the dry
+ * contact has no error. */
 void film_errors_carry(film_errors *self, const contact_frame *then, const contact_frame *now);
 
 /* Sets the errors of entering fluid in `next`, after film_errors_carry. The errors are upper

@@ -12,7 +12,7 @@
 /* Conditions and scales of the contact at one time, relative to the reference. */
 typedef struct contact_frame {
     double time;  // T = u_ref t / a_ref
-    double load;  // scales the frame; the load itself if the load is given
+    double load;  // load that scales the frame; if the load is given, this load
     double speed; // entrainment, of either sign
     double radius;
     double modulus;
@@ -36,8 +36,8 @@ contact_frame frame_at(const contact_kind *kind, double time, const double *valu
 bool frame_is_valid(const contact_frame *frame);
 
 /* Sets the contact in the frame from the reference contact: lambda, Hertz pressure, U, Moes
- * numbers, closure. Moes M is that of the same speed in either direction. It grows beyond all
- * bounds as the speed goes to zero, and is cut at 1e5. */
+ * numbers, closure. Moes M is that of the same speed in either direction. It grows without bound
+ * as the speed goes to zero, and is limited to 1e5. */
 void frame_contact(
     // output:
     ehd_contact *contact,
@@ -56,12 +56,12 @@ double frame_film_ratio(const contact_frame *now, const contact_frame *then);
 double frame_shift(const contact_frame *now, const contact_frame *then);
 
 /* Returns the time in T in which the fluid moves by one step of the grid. The dimensionless
- * entrainment counts as at least 1. */
+ * entrainment is taken as at least 1. */
 double frame_grid_step(const contact_frame *frame, const ehd_grid *grid);
 
-/* Returns the shortest step in T that error control takes along the path: a quarter of
- * frame_grid_step. Interpolation dominates the error of shorter steps. Starts, events and other
- * integrators may take them. */
+/* Returns the shortest step in T that error control takes with transport along the path: a quarter
+ * of frame_grid_step. Interpolation dominates the error of shorter steps. Starts, events and other
+ * integrators may take shorter steps. */
 double frame_shortest_step(const contact_frame *frame, const ehd_grid *grid);
 
 /* Returns the path of a step in sixteenths of the grid's step, at most 1. Noise of the solution
@@ -91,23 +91,23 @@ typedef struct frame_rates {
 /* Returns the mean rates between two frames; 0 for two frames of the same time. */
 frame_rates frame_rates_between(const contact_frame *now, const contact_frame *before);
 
-/* A gap that closes behind the contact, where dh/dt outweighs u dh/dx. While the radius grows, this
- * is behind x = 2 R u/(dR/dt). A second zone of pressure builds up there. In the gap X^2/2 of a
- * line without deflection, the zone begins at 2/3 of that place and its pressure falls as 1/X^2
- * (README.md, A gap that closes behind the exit). On a point contact the zone is taken to be as
- * wide as it is far away. */
+/* A gap that closes behind the contact, where dh/dt outweighs u dh/dx. While the radius grows,
+ * this region lies behind x = 2 R u/(dR/dt). A second zone of pressure builds up there. In the gap
+ * X^2/2 of a line contact without deflection, the zone begins at 2/3 of that x and its pressure
+ * falls as 1/X^2 (README.md, A gap that closes behind the exit). On a point contact the zone is
+ * taken to be as wide as it is far away. */
 typedef struct closing_gap {
     double begin; // |X| from which on the gap closes, at least 1; INFINITY: it does not close
-    double load;  // of the second zone, relative to the whole load
+    double load;  // load of the second zone, relative to the whole load
     // estimate of the load that is missing because the pressure is zero at `end`, relative to the
     // whole load
     double beyond;
 } closing_gap;
 
-/* Largest missing part of the load at which a result is trusted. Example: a line at M = 3, L = 3
- * lacks 0.84 % on a grid to X = 3, while its radius grows to 3 in T = 40 and its speed falls from
- * 0.05 to 0.005 of the reference. Compared with a grid to X = 24, its central film is 0.05 % off
- * and its minimum film 0.12 % (test_second_zone.c, the_zone_does_not_depend_on_the_grid). */
+/* Largest missing part of the load at which a result is trusted. Example: a line contact at M = 3,
+ * L = 3 lacks 0.84 % on a grid to X = 3, while its radius grows to 3 in T = 40 and its speed falls
+ * from 0.05 to 0.005 of the reference. Compared with a grid to X = 24, its central film is 0.05 %
+ * off and its minimum film 0.12 % (test_second_zone.c, the_zone_does_not_depend_on_the_grid). */
 extern const double frame_most_cut_load;
 
 /* Estimates the closing gap from two frames at different times, without a jump between them. `end`

@@ -12,8 +12,8 @@
 
 enum { MIN_LINEAR = 2, MIN_SPLINE = 3 }; // least rows of a table
 
-// Largest magnitude of a factor that counts as zero, because sines and splines have round-off. No
-// value from 0 to 1e-3 changes a result of test_history.c, a_load_may_be_zero
+// Largest magnitude of a factor that is taken as zero, because sines and splines have round-off.
+// No value from 0 to 1e-3 changes a result of test_history.c, a_load_may_be_zero
 static const double FACTOR_ROUNDING = 1e-12;
 
 // Bounds of the times in a table, as of times in a scene
@@ -25,8 +25,8 @@ typedef struct history_law history_law;
 typedef struct history {
     const history_law *law;
     history_settings given;
-    double *time;   // [count], of a table
-    double *values; // [count]
+    double *time;   // [count], times of a table
+    double *values; // [count], values at these times
     size_t count;
     spline *spline; // NULL: linear interpolation
 } history;
@@ -47,7 +47,7 @@ struct history_law {
     ehd_status (*prepare)(history *self, double end_time, ehd_error *error); // NULL: nothing to do
     double (*value)(const history *self, double time);
     minimum_value (*minimum)(const history *self, double end_time); // from 0 to end_time
-    double (*integral)(const history *self, double time);           // of the value, from 0
+    double (*integral)(const history *self, double time);           // integral of the value, from 0
     /* Returns the first kink or jump after `time`; NULL: the law has none. */
     double (*next_kink)(const history *self, double time, bool *jump);
     double (*shortest_time)(const history *self); // NULL: the law jumps or is constant
@@ -218,7 +218,7 @@ static ehd_status prepare_table(history *self, double end_time, ehd_error *error
     return EHD_OK;
 }
 
-/* Returns the row at the start of the interval around a time within the table. */
+/* Returns the row at which the interval around a time begins. The time is within the table. */
 static size_t row_before(const history *self, double time) {
     return gsl_interp_bsearch(self->time, time, 0, self->count - 1);
 }

@@ -9,7 +9,7 @@
 #include "common/settings/scene.h"
 #include <stdbool.h>
 
-/* Read-only once it is made, so that threads can share it. */
+/* Histories are read-only once they are made, so that threads can share them. */
 typedef struct ehd_histories ehd_histories;
 
 /* Reads the tables of a valid scene and checks all histories on 0 <= T <= end_time. The histories
@@ -24,15 +24,15 @@ ehd_status histories_init(
     const scene *given, ehd_error *error);
 
 /* Reads histories like histories_init, for a reduced model, which is trained on one direction.
- * EHD_DATA also if the speed or the speed of the start is below 0. */
+ * Also returns EHD_DATA if the speed or the speed of the start is below 0. */
 ehd_status histories_init_forward(
     // output:
     ehd_histories **self,
     // input:
     const scene *given, ehd_error *error);
 
-/* Reads histories like histories_init_forward. EHD_DATA also if the load is 0, because training has
- * no lost contacts. */
+/* Reads histories like histories_init_forward. Also returns EHD_DATA if the load is 0, because
+ * training has no lost contacts. */
 ehd_status histories_init_training(
     // output:
     ehd_histories **self,
@@ -70,13 +70,13 @@ double histories_next_kink(
     // output:
     bool *jump); // whether some history jumps there
 
-/* Returns the shortest time scale of all histories, for the length of the first step: a period / 2
- * pi, the duration of a ramp, or the smallest distance of a table's times. INFINITY: nothing varies
- * smoothly. */
+/* Returns the shortest time scale of all histories, for the length of the first step: a period /
+ * (2 pi), the duration of a ramp, or the smallest distance of a table's times. INFINITY: nothing
+ * varies smoothly. */
 double histories_shortest_time(const ehd_histories *self);
 
 /* Returns the shortest time scale of the histories that have no kinks, such as sines and splines.
- * Between kinks the others are monotone, and each kink ends a step. INFINITY: all others. */
+ * All other histories are monotone between kinks, and each kink ends a step. INFINITY: none. */
 double histories_smooth_time(const ehd_histories *self);
 
 #endif

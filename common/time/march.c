@@ -12,40 +12,40 @@
 
 /* Divisor of the tolerance that gives the allowed local error of one step. Local errors add up
  * over the hundreds of steps that a film takes through the contact. Measured with a load of period
- * 1/2: the error of the central film is at most twenty tolerances. It is proportional to the power
- * 2/3 of the tolerance (test_march.c, tolerance_controls_the_error). */
+ * 1/2: the error of the central film is at most twenty tolerances. This error is proportional to
+ * the power 2/3 of the tolerance (test_march.c, tolerance_controls_the_error). */
 static const double PASSAGE = 30;
 
-/* Largest error that a film may have taken up at any time, in tolerances. The tolerance itself is
- * a root mean square over time. Errors that travel with a front do not cancel along the way. If
- * the error exceeds this bound, steps become more accurate by the same factor. With a load that
- * swings by 40 % (scenes/studies/transient-load) the error is then 1.8 tolerances of 5e-3 instead
- * of 6.0 (test_march.c, what_films_have_taken_up_shortens_steps). */
+/* Largest accumulated error of a film at any time, in tolerances. The tolerance itself is a root
+ * mean square over time. Errors that travel with a front do not cancel along the way. If the error
+ * exceeds this bound, steps become more accurate by the same factor. With a load that swings by 40
+ * % (scenes/studies/transient-load) the error is then 1.8 tolerances of 5e-3 instead of 6.0
+ * (test_march.c, what_films_have_taken_up_shortens_steps). */
 static const double MOST_TAKEN_UP = 8;
 
-/* First of fixed steps along the path, as a part of the other steps. A long step of first order
- * causes a front in the film. Example: steps of 0.1 under a load that swings by a fifth
- * (scenes/examples/line-in-time), compared with steps of 0.0125. A whole first step gives errors
- * up to 2.1 %, an eighth of a step 1.5 %. */
+/* First fixed step with transport along the path, as a part of the other fixed steps. A long step
+ * of first order causes a front in the film. Example: steps of 0.1 under a load that swings by a
+ * fifth (scenes/examples/line-in-time), compared with steps of 0.0125. A whole first step gives
+ * errors up to 2.1 %, an eighth of a step 1.5 %. */
 static const double FIRST_OF_FIXED = 1. / 8;
 
-/* Largest ratio of successive steps. It stays below bdf_most_growth. In
- * scenes/examples/line-in-time at a step of 0.02, 1.3 takes 61 steps instead of 57 (test_march.c,
+/* Largest ratio of successive steps. It stays below bdf_most_growth. With 1.3,
+ * scenes/examples/line-in-time at a step of 0.02 takes 61 steps instead of 57 (test_march.c,
  * steps_grow_by_two_at_most). */
 static const double MAX_GROWTH = 2;
 
-/* Smallest ratio of a step to the one before it that follows from the local error. From 0.05 to
- * 0.5 the steps of scenes/examples/line-in-time stay the same. After a load step by 30 %, 0.05,
- * 0.2 and 0.5 take 467, 467 and 466 iterations. */
+/* Smallest ratio of a step to the one before it that follows from the local error. With values
+ * from 0.05 to 0.5 the steps of scenes/examples/line-in-time stay the same. After a load step by
+ * 30 %, 0.05, 0.2 and 0.5 take 467, 467 and 466 iterations. */
 static const double MIN_SHRINK = 0.2;
 
 /* Ratio of the next attempt to a step in which Newton did not converge. Such a step has no local
  * error (test_march.c, failed_step_is_taken_again). */
 static const double FAILED_SHRINK = 0.25;
 
-/* Ratio of a step to the step at which the local error would equal the tolerance.
- * scenes/examples/line-in-time at a step of 0.02 takes 63 attempts; a ratio of 0.6 takes 67, and 1
- * takes 71. With films carried upwind the numbers are 181, 234 and 204 (test_march.c,
+/* Ratio of a step to the step at which the local error would equal the tolerance. With 0.85
+ * scenes/examples/line-in-time at a step of 0.02 takes 63 attempts; with 0.6 it takes 67, and with
+ * 1 it takes 71. With upwind transport the numbers are 181, 234 and 204 (test_march.c,
  * tolerance_controls_the_error). */
 static const double SAFETY = 0.85;
 
@@ -71,7 +71,7 @@ static const double MIN_STEP = 1e-9, SUM_ROUNDING = 8 * DBL_EPSILON;
  * no_contact_is_missed). */
 static const double WATCHED_PART = 1. / 16;
 
-/* Part of a step. Two times that are closer together count as one (test_march.c,
+/* Part of a step. Two times that are closer together are treated as one (test_march.c,
  * times_closer_than_a_thousandth_of_the_step_are_one). */
 static const double SLIVER = 1e-3;
 
@@ -172,7 +172,7 @@ ehd_status march_begin(march_step *outcome, march *self, ehd_error *error) {
     }
     if (status) return status;
     self->reason[0] = self->rejected[0] = self->untrusted[0] = '\0';
-    // an event that counts as the time of the start is no stop
+    // an event that is treated as the time of the start does not end a step
     self->state =
         (march_state){.step = settings->first_step, .last_event = INFINITY, .untrusted_since = NAN};
     load_forecast_start(&self->state.forecast, outcome);
@@ -207,9 +207,9 @@ double load_forecast_scale(const load_forecast *self, double step, const ehd_gri
     return share < 1 ? self->scale + share * (load - self->scale) : load;
 }
 
-/* Returns the distance up to which two times count as one. Without it a linear table with times
- * k/30 of nine digits and a fixed step of 1/30 took 1040 steps in place of 64. After a step that an
- * event cuts short, each of the next steps is at most twice as long as the one before. */
+/* Returns the distance up to which two times are treated as one. With a distance of zero, a linear
+ * table with times k/30 of nine digits and a fixed step of 1/30 took 1040 steps in place of 64: an
+ * event cut a step short, and each later step is at most twice the step before. */
 static double least_distance(double time, double step) {
     return fmax(SLIVER * step, SUM_ROUNDING * time);
 }
@@ -244,7 +244,8 @@ static double step_of_surface(const march *self) {
     return step;
 }
 
-/* Adds to a stop the events of the histories, from `kink` on, that count as the same time. */
+/* Adds to a stop the events of the histories, from `kink` on, that are treated as the same
+ * time. */
 static void join_events(next_stop *stop, const march *self, double kink, bool jump,
                         double distance) {
     while (kink <= stop->time + distance) {
@@ -257,14 +258,14 @@ static void join_events(next_stop *stop, const march *self, double kink, bool ju
 }
 
 /* Finds the end of the next attempt. It is one step further, or before that an event of the
- * histories, a multiple of the fixed step or the end of the march. If several of these count as one
- * time, the attempt ends at the end of the march, or else at the multiple. */
+ * histories, a multiple of the fixed step or the end of the march. If several of these are treated
+ * as one time, the attempt ends at the end of the march, or else at the multiple. */
 static next_stop find_next_stop(const march *self) {
     const march_state *state = &self->state;
     const double time = state->time, step = step_of_surface(self);
     const double distance = least_distance(time, step);
     const double fixed = self->settings.fixed_step, end = self->settings.end_time;
-    // events up to this time count as the present time; the step may have become shorter since
+    // events up to this time belong to the present time; the step may have become shorter since
     const double since = fmax(time, fmin(state->last_event, time + distance));
     bool jump;
     const double kink = histories_next_kink(self->histories, since, &jump);
@@ -280,7 +281,7 @@ static next_stop find_next_stop(const march *self) {
         join_events(&stop, self, kink, jump, distance);
         return stop;
     }
-    // two equal steps rather than a whole one and a sliver
+    // two equal steps rather than a whole step and a very short one
     const double next = time + fmin(step, 0.5 * (event - time));
     return (next_stop){.time = next, .held = next, .last = next};
 }
@@ -297,8 +298,8 @@ static contact_frame frame_at_stop(const march *self, const next_stop *stop, dou
 
 /* Returns the local error of a step, corrected after a kink of the histories. The solvers assume a
  * smooth solution. Right after a kink its second derivative has jumped by some J. The prediction
- * then misses J step^2 / 2, and the error of BDF2 is the part last_step / (2 step + last_step) of
- * that. After long steps this is much more than in a smooth solution. The error of a step as short
+ * is then off by J step^2 / 2, and BDF2 by the part last_step / (2 step + last_step) of this.
+ * After long steps this error is much more than in a smooth solution. The error of a step as short
  * as the first one of the march is not corrected: the first derivative may have jumped too, which
  * is harmless. */
 static double error_after_kink(const march *self, const march_step *outcome) {
@@ -320,8 +321,8 @@ static bool is_along_path(const march *self) {
     return self->reference->transport == TRANSPORT_PATH;
 }
 
-/* Returns the local error of a step. Along the path it is enlarged if the films have taken up more
- * error than they may, by the ratio of that error to its bound. */
+/* Returns the local error of a step. With transport along the path, this error is multiplied by
+ * the ratio of the films' accumulated error to its bound, if the bound is exceeded. */
 static double error_with_taken_up(const march *self, const march_step *outcome) {
     const double most = MOST_TAKEN_UP * self->settings.tolerance;
 
@@ -333,13 +334,13 @@ static double error_order(const march *self) {
     return is_along_path(self) ? 2 : 3;
 }
 
-/* Raises the estimate of the solver's noise. If a step is shorter than the one tried before, but
- * its error is not less in proportion, the rest is noise, of exits that move by whole nodes. No
- * shorter step takes it away. For some steps the march then accepts this noise, but not more than
- * PASSAGE tolerances, the error that all steps of a passage together may make. With this a reduced
- * model of a point contact (33 nodes a side, 60 modes, 180 rows, load of an unseen period 3/4,
- * upwind) takes 571 steps to T = 3; without it the march does not get beyond T = 1.31. Steps along
- * the path do not need it, because they have a shortest length. */
+/* Raises the estimate of the solver's noise. If a step is shorter than the attempt before, but its
+ * error is not smaller in proportion, the rest is noise of exits that move by whole nodes. Shorter
+ * steps do not reduce it. For some steps the march then accepts this noise, but not more than
+ * PASSAGE tolerances, the error that all steps of a passage together may make. With this rule a
+ * reduced model of a point contact (33 nodes a side, 60 modes, 180 rows, load of an unseen period
+ * 3/4, upwind) takes 571 steps to T = 3; without it the march does not get beyond T = 1.31.
+ * Transport along the path does not need the rule, because its steps have a shortest length. */
 static void watch_noise(march *self, const march_step *outcome) {
     march_state *state = &self->state;
     double error = outcome->local_error, tolerance = self->settings.tolerance;
@@ -355,7 +356,7 @@ static double accepted_error(const march *self) {
     return fmin(fmax(tolerance, 2 * self->state.noise), PASSAGE * tolerance);
 }
 
-/* Returns the length below which no step along the path is shortened; 0 with upwind. */
+/* Returns the least length of a shortened step with transport along the path; 0 with upwind. */
 static double shortest_step(const march *self, const contact_frame *frame) {
     return is_along_path(self) ? frame_shortest_step(frame, &self->reference->grid) : 0;
 }
@@ -368,8 +369,8 @@ static bool is_shortest(const march *self, const march_step *outcome) {
     return LEAST_SHRINK * outcome->step <= shortest_step(self, &outcome->frame);
 }
 
-/* Returns the fixed step. Along the path fixed steps begin shorter, and each is at most twice the
- * last one. */
+/* Returns the fixed step. With transport along the path fixed steps begin shorter, and each is at
+ * most twice the last one. */
 static double fixed_step_after(const march *self, const march_step *outcome) {
     double fixed = self->settings.fixed_step;
 
@@ -411,7 +412,7 @@ static bool is_rejected(const march *self, const march_step *outcome) {
             !(outcome->local_error <= accepted_error(self)));
 }
 
-/* Rejects an attempt. Sets a shorter step, or ends the march if that is too short. */
+/* Rejects an attempt. Sets a shorter step, or ends the march if this step is too short. */
 static void reject(march *self, const march_step *outcome) {
     march_state *state = &self->state;
     bool failed = outcome->status == EHD_NOT_CONVERGED;
@@ -438,17 +439,17 @@ static double step_after(const march *self, const march_step *outcome) {
 
     if (!is_adaptive(self)) return fixed_step_after(self, outcome);
     const double shortest = shortest_step(self, &outcome->frame);
-    // the error of a shortest step is that of the grid, and does not limit the next step
+    // the error of a shortest step comes from the grid, and does not limit the next step
     if (is_shortest(self, outcome))
         return fmax(next_step(self, outcome), fmin(shortest, MAX_GROWTH * outcome->step));
     return fmax(next_step(self, outcome), fmin(fmax(state->step, before), 2 * outcome->step));
 }
 
-/* Returns the first step after a jump. This step is of first order, and along the path the film
- * keeps its error. The time scale of the histories does not limit the step, because a jump has no
- * time scale. With the shortest step along the path, the error of the central film after a jump of
- * the load by 30 % (scenes/studies/transient-load) is 0.16 % (rms). With a step of 0.007 it was
- * 0.40 %. */
+/* Returns the first step after a jump. This step is of first order, and with transport along the
+ * path the film keeps its error. The time scale of the histories does not limit the step, because
+ * a jump has no time scale. With the shortest step for this transport, the error of the central
+ * film after a jump of the load by 30 % (scenes/studies/transient-load) is 0.16 % (rms). With a
+ * step of 0.007 it was 0.40 %. */
 static double first_step_after_jump(const march *self, const march_step *outcome) {
     const double first = self->settings.first_step;
 

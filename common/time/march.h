@@ -18,19 +18,19 @@
 /* Outcome of one implicit step. */
 typedef struct march_step {
     ehd_status status; // EHD_OK, EHD_NOT_CONVERGED, or EHD_UNTRUSTED: solved, but not to be trusted
-    const char *reason; // why it is not EHD_OK, or ""
+    const char *reason; // why the status is not EHD_OK, or ""
     contact_frame frame;
     double step; // 0 at the start
     bdf_formula formula;
-    // largest local error of rho H, relative to the central film; along the path the error that a
-    // film takes up on its way to the centre; 0: no estimate
+    // largest local error of rho H, relative to the central film; with transport along the path
+    // the error that a film accumulates on its way to the centre; 0: no estimate
     double local_error;
     contact_scalars scalars; // in the current frame
-    // Estimated relative changes of central and minimum film by ever smaller steps in time and,
-    // along the path, no filter (README.md, Errors in time). NaN: no estimate.
+    // Estimated relative changes of central and minimum film in the limit of small time steps and,
+    // with transport along the path, without filter (README.md, Errors in time). NaN: no estimate.
     double effect, effect_minimum;
-    // Largest relative error of rho H that a film on its way to the centre has taken up so far, in
-    // this step and those before. 0: no estimate.
+    // Largest relative error of rho H that a film on its way to the centre has accumulated so far,
+    // in this step and the steps before. 0: no estimate.
     double taken_up;
     // Estimated relative deviation of central and minimum film from the full model with the same
     // steps. NaN: not known.
@@ -57,7 +57,7 @@ typedef struct march_solver {
     ehd_status (*attempt)(march_step *outcome, void *self, const contact_frame *frame, double step,
                           ehd_error *error);
     void (*accept)(void *self); // accepts the state of the last attempt
-    // after a jump: accepted states before the last one no longer count
+    // after a jump: discards all accepted states except the last one
     void (*restart)(void *self);
     /* Solves and accepts the state to start from, which is stationary in the given frame. If the
      * approach is given, outcome->frame is scaled by the load of the solution. An approach of NaN
@@ -65,14 +65,14 @@ typedef struct march_solver {
     ehd_status (*start)(march_step *outcome, void *self, const contact_frame *frame,
                         ehd_error *error);
     /* Finds the lightest stationary contact that the solver can solve, at the speed, radius and
-     * modulus of a frame with a load of 1. Returns its rigid approach H0 in the reference frame and
-     * its load, or NaN for both if there is no such contact. apart_march (apart.h), the only
-     * caller, takes this approach for the one at which the bodies touch. After the call the
+     * modulus of a frame with a load of 1. Returns its rigid approach H0 in the reference frame
+     * and its load, or NaN for both if there is no such contact. apart_march (apart.h), the only
+     * caller, takes this approach as the one at which the bodies touch. After the call the
      * accepted states are valid, and the last attempt is not. */
     ehd_status (*touching)(double *approach, double *load, void *self, const contact_frame *frame,
                            ehd_error *error);
     /* Save and restore everything needed to go on from the last accepted state, as numbers.
-     * EHD_DATA: the numbers are no such state. */
+     * EHD_DATA: the numbers are not such a state. */
     size_t (*saved_size)(const void *self);
     void (*save)(double *saved, const void *self);
     ehd_status (*restore)(void *self, const double *saved, ehd_error *error);
@@ -92,7 +92,7 @@ typedef struct march_settings {
     double end_time;
     // largest estimated deviation with which a step is trusted; 0: no limit
     double accuracy;
-    // on the local error of one step, or on the error that a film takes up; NaN with a fixed step
+    // limit of a step's local error and of a film's accumulated error; NaN with a fixed step
     double tolerance;
     double fixed_step; // NaN: the local error controls the steps
     double first_step; // after the start and after a jump
@@ -100,12 +100,12 @@ typedef struct march_settings {
     double reference_approach; // H0 for a factor of 1, when the approach is given
 } march_settings;
 
-/* Forecast of the load that scales the next frame, where the load is an outcome. All members are
- * doubles, so that the struct can be saved. */
+/* Forecast of the load that scales the next frame, if the load follows from the solution. All
+ * members are doubles, so that the struct can be saved. */
 typedef struct load_forecast {
-    double load;      // of the last accepted state; while bodies are apart the reference load
+    double load;      // load of the last accepted state; while bodies are apart the reference load
     double scale;     // load that scaled the frame of that state
-    double rate;      // of change of the load in the last accepted step
+    double rate;      // rate of change of the load in the last accepted step
     double last_step; // length of that step; 0: none since the start, a jump or a contact's loss
 } load_forecast;
 
@@ -113,10 +113,10 @@ typedef struct load_forecast {
  * members are doubles, so that the struct can be saved. */
 typedef struct march_state {
     double time, step;                    // reached time, and length of the next attempt
-    double rejected_step, rejected_error; // of the last rejected attempt of this step; 0: none
+    double rejected_step, rejected_error; // step and error of the last rejected attempt; 0: none
     double noise;      // noise of the solver's local errors, as recently observed
-    double at_kink;    // 1 where the histories have a kink at `time`, else 0
-    double last_event; // last event that counts as the same time as `time`, else `time`
+    double at_kink;    // 1 if the histories have a kink at `time`, else 0
+    double last_event; // last event that is treated as the same time as `time`, else `time`
     load_forecast forecast;
     double num_steps, num_rejected,
         num_iterations;     // whole numbers
@@ -168,13 +168,14 @@ void load_forecast_accept(load_forecast *self, const march_step *step);
 double load_forecast_scale(const load_forecast *self, double step, const ehd_grid *grid);
 
 /* Solves the start of the march, at time 0. EHD_NOT_CONVERGED is an outcome; no other call may
- * follow it. A reference approach of NaN in self->settings is replaced by that of the start. */
+ * follow it. A reference approach of NaN in self->settings is replaced by the approach of the
+ * start. */
 ehd_status march_begin(march_step *outcome, march *self, ehd_error *error);
 
 /* Marches on to end_time. If the step size becomes too small, or the march hardly advances, the
- * march ends there: *outcome is EHD_NOT_CONVERGED, self->reason is the cause, and everything stored
- * stands. Otherwise *outcome is EHD_OK. EHD_INTERRUPTED and failures of the solver or `store` are
- * errors. */
+ * march ends there: *outcome is EHD_NOT_CONVERGED, self->reason is the cause, and all stored steps
+ * stay valid. Otherwise *outcome is EHD_OK. EHD_INTERRUPTED and failures of the solver or `store`
+ * are errors. */
 ehd_status march_run(ehd_status *outcome, march *self, ehd_error *error);
 
 #endif

@@ -12,8 +12,8 @@ enum { ORDER = PATH_FILTER_ORDER, BAND = ORDER + 1 };
 // (test_path_filter.c, a_length_of_too_many_steps_is_refused)
 static const double MOST_STEPS = 50;
 
-/* Returns the weight of the squared difference around a place. For k h << 1 the difference of a
- * wave k is (k h)^ORDER. */
+/* Returns the weight of the squared difference around a place. The difference of a wave with the
+ * wave number k is (k h)^ORDER, if k h << 1. */
 static double weight_at(const ehd_grid *grid, double x, double y, double length) {
     const double inside = 1 - x * x - y * y;
 
@@ -55,8 +55,8 @@ double path_filter_length(const ehd_contact *contact) {
     // filter length at the default tolerance, half widths, and this tolerance (README.md, Along
     // the path; test_path_filter.c, the_length_goes_with_the_tolerance)
     const double usual = 0.014, usual_tolerance = 1.5e-3;
-    // at fronts the filter changes a central film by the third power of the length; the share is 1
-    // where no tolerance is known
+    // at fronts the filter changes the central film in proportion to the third power of the
+    // length; the share is 1 if no tolerance is known
     const double share = fmin(cbrt(contact->time_tolerance / usual_tolerance), 1);
 
     if (!isnan(contact->smoothing)) return contact->smoothing;

@@ -29,12 +29,12 @@ static const double MAX_X = 1e9, MIN_DISTANCE = 1e-9; // Bounds of a table's x, 
 typedef struct surface_kind surface_kind;
 
 /* Lengths are in reference half widths, heights in the reference film unit. x is measured from the
- * position. */
+ * surface's position. */
 struct ehd_surface {
     const surface_kind *kind;
     surface_settings given;
     bool is_half;           // the contact is solved in one half
-    double ellipticity;     // of the contact; scales Y
+    double ellipticity;     // ellipticity of the contact; scales Y
     double *x, *y, *values; // [count], of a table; y NULL: the table is of x alone
     size_t count, num_x, num_lines;
     spline **lines; // [num_lines]
@@ -53,8 +53,8 @@ struct surface_kind {
 
 // ---- waviness
 
-/* Prepares a waviness. The end that comes in first is at its position; behind it the waviness is
- * without end. At rest it has no ends. */
+/* Prepares a waviness. Its leading end is at its position; behind this end the waviness is without
+ * end. A waviness at rest has no ends. */
 static ehd_status prepare_sine(ehd_surface *self, double of_length, double of_height,
                                ehd_error *error) {
     (void)error;
@@ -66,7 +66,7 @@ static ehd_status prepare_sine(ehd_surface *self, double of_length, double of_he
     return EHD_OK;
 }
 
-/* Returns the height of a waviness. Unless it rests, it grows over its first wavelength, with
+/* Returns the height of a waviness. If it moves, it grows over its first wavelength, with
  * continuous slope and curvature. */
 static double sine_height(const ehd_surface *self, double x, double y) {
     const surface_settings *given = &self->given;
@@ -122,8 +122,8 @@ static ehd_status check_row(const ehd_surface *self, size_t i, ehd_error *error)
     return EHD_OK;
 }
 
-/* Checks the order of row i: x increases in each line of the grid and is that of the first line. y
- * is the same in a line and increases from line to line. */
+/* Checks the order of row i: x increases in each line of the grid and equals x of the first line.
+ * y is the same in a line and increases from line to line. */
 static bool is_in_order(const ehd_surface *self, size_t i) {
     const size_t column = i % self->num_x;
 
@@ -150,7 +150,7 @@ static double highest_of(const ehd_surface *self) {
     return highest;
 }
 
-/* Returns the difference up to which two heights of the table count as equal. */
+/* Returns the difference up to which two heights of the table are treated as equal. */
 static double rounding_of(const ehd_surface *self) {
     return ROUNDING * highest_of(self);
 }

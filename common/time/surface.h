@@ -10,7 +10,7 @@
 #include "common/settings/scene.h"
 #include "common/time/frame.h"
 
-/* Read-only once it is made. */
+/* A surface is read-only once it is made. */
 typedef struct ehd_surface ehd_surface;
 
 /* Makes the surface of a valid scene; *self is NULL if both surfaces are smooth. EHD_DATA or
@@ -25,8 +25,8 @@ ehd_status surface_init(
 
 ehd_surface *surface_free(ehd_surface *self); // accepts and returns NULL
 
-/* Checks whether the surface has a speed of 0. Then it is part of the start. Returns false for
- * NULL. */
+/* Checks whether the surface has a speed of 0. It is then part of the state at the start. Returns
+ * false for NULL. */
 bool surface_rests(const ehd_surface *self);
 
 /* Checks that a surface that moves is in front of the grid in the frame of a start, because the

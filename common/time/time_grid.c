@@ -29,7 +29,7 @@ static ehd_contact stationary_of(const ehd_contact *contact) {
 }
 
 /* Replaces `contact` by the contact at a time, if M is smaller at this time. Loads below
- * frame_negligible_load count as this load. */
+ * frame_negligible_load are taken as this load. */
 static void lower_M(ehd_contact *contact, const ehd_histories *histories,
                     const ehd_contact *reference, double time) {
     double values[NUM_VARY];
