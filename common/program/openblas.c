@@ -25,7 +25,7 @@ static bool has_avx2(void) {
 }
 #endif
 
-// Functions of OpenBLAS: they take and give back one buffer. OpenBLAS keeps it for later calls.
+// Functions of OpenBLAS that take and give back one buffer. OpenBLAS keeps it for later calls.
 void *blas_memory_alloc(int unused);
 void blas_memory_free(void *buffer);
 
@@ -49,7 +49,7 @@ size_t openblas_take_buffers(size_t num_threads) {
         pthread_attr_getstacksize(&attributes, &stack);
         pthread_attr_destroy(&attributes);
     }
-    // leaves room for the stacks of the threads counted so far, which are created afterwards
+    // leaves memory for the stacks of the threads counted so far, which are created afterwards
     while (count < num_threads && has_room(BUFFER + (count + 1) * stack))
         buffers[count++] = blas_memory_alloc(0);
     for (size_t i = 0; i < count; i++)

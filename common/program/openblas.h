@@ -9,7 +9,7 @@
 enum { OPENBLAS_BUFFER_MB = 128 };
 
 /* Takes the work space of `num_threads` threads in advance, because OpenBLAS retries without end
- * where memory is refused. Returns the number of threads for which there is memory. */
+ * if memory is refused. Returns the number of threads for which there is memory. */
 size_t openblas_take_buffers(size_t num_threads);
 
 /* Limits OpenBLAS to one thread in this process. A program that calls this function also links

@@ -33,7 +33,7 @@ ehd_status output_file_check(const char *path, bool force, ehd_error *error) {
     if (S_ISLNK(found.st_mode) && stat(path, &found) != 0) found.st_mode = S_IFREG; // a dead link
     if (S_ISDIR(found.st_mode))
         return ehd_fail(error, EHD_CANTCREATE, "%s: found a folder, expected a file or none", path);
-    if (!S_ISREG(found.st_mode)) // a rename would replace a device, too
+    if (!S_ISREG(found.st_mode)) // a rename would also replace a device
         return ehd_fail(error, EHD_CANTCREATE, "%s: found no regular file, expected one or none",
                         path);
     if (force) return check_folder(path, error);

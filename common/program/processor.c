@@ -7,8 +7,8 @@
     "processor: found one without " name ", expected one with it (make MARCH=x86-64 builds for "   \
     "any)"
 
-/* Checks the extensions that compilers use most. No processor with these lacks the others of its
- * level. */
+/* Checks the extensions that compilers use most. A processor with these extensions also has all
+ * others of its level. */
 ON_ANY_PROCESSOR const char *processor_refusal(void) {
 #ifdef __x86_64__
     __builtin_cpu_init();

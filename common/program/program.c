@@ -206,7 +206,7 @@ static void set_signals(void) {
     sigemptyset(&ignore.sa_mask);
     sigaction(SIGINT, &catch, NULL);
     sigaction(SIGTERM, &catch, NULL);
-    // a closed pipe or a file size limit shall fail the write, not kill the process
+    // a closed pipe or a file size limit must make the write fail, not kill the process
     sigaction(SIGPIPE, &ignore, NULL);
     sigaction(SIGXFSZ, &ignore, NULL);
 }
@@ -427,7 +427,7 @@ static error_t parse_common(int key, char *argument, struct argp_state *state) {
         self->force = true;
         return 0;
     case 'q':
-    case 'v': // the last one wins
+    case 'v': // the last option wins
         self->quiet = key == 'q';
         self->verbose = key == 'v';
         return 0;
@@ -558,7 +558,7 @@ void program_start(program *self, int argc, char **argv, const program_options *
     *self = (program){.name = argc > 0 ? base_name(argv[0]) : "ehdrom", .argc = argc, .argv = argv};
     setlocale(LC_ALL, "C"); // numbers are written and read with a decimal point
     name_of_program = self->name;
-    // has run as a constructor; the call makes the linker include it
+    // processor_check has run as a constructor; the call makes the linker include it
     processor_check(argc, argv, NULL);
     set_signals();
     self->stage = stage_here();

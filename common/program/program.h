@@ -18,7 +18,7 @@ typedef enum option_type {
     AS_COUNT, // size_t, from min to max
     AS_REAL,  // double, from min to max
     AS_READ,  // any type, converted by `read`
-    AS_ALIAS  // another name of the option before, hidden in the help
+    AS_ALIAS  // another name of the option in the row before, hidden in the help
 } option_type;
 
 /* An option that only this program has: a row of a table, from which parsing and --help follow. */
@@ -95,7 +95,7 @@ void program_note(const program *program, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
 void program_detail(const program *program, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
-/* Prints a warning, with --quiet too. */
+/* Prints a warning, even with --quiet. */
 void program_warn(const program *program, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
 
@@ -127,9 +127,9 @@ bool program_interrupted(void);
 /* Returns the bytes of memory available to this process: the free memory of the system, at most the
  * limit of the process. Returns infinity if neither is known. */
 double program_memory(void);
-/* Checks that program_memory is at least `bytes`; call it before the memory is taken. EHD_MEMORY,
- * with both numbers: it is less. For the message, `count` `things` of `part` of an object take the
- * memory; `with` is " with --jobs 4", or "". */
+/* Checks that program_memory is at least `bytes`; call it before the memory is taken. EHD_MEMORY:
+ * it is less; the message has both numbers. In the message, `count` `things` of `part` of an
+ * object take the memory; `with` is " with --jobs 4", or "". */
 ehd_status program_check_memory(const char *object, const char *part, size_t count,
                                 const char *things, const char *with, double bytes,
                                 ehd_error *error);

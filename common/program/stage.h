@@ -19,14 +19,14 @@ typedef struct stage {
     double started;       // program_seconds at the start of the stage
 } stage;
 
-/* Returns the present stage. A variable that does not have this form counts as none. */
+/* Returns the present stage. A variable that does not have this form is ignored. */
 stage stage_here(void);
 
 /* Stores the duration of the stage for the next run. */
 void stage_end(const stage *self);
 
 /* Goes on to the next stage, if its name is `last` or ends in "-" and `last`. It is for a program
- * that is several stages. */
+ * that runs several stages. */
 void stage_next(stage *self, const char *last);
 
 /* Stores a lower bound in seconds for all later stages whose name is `last` or ends in "-" and

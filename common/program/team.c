@@ -23,12 +23,12 @@ struct team {
     pthread_mutex_t lock; // guards everything but `next`
     pthread_cond_t begun, ended;
     team_work work;
-    size_t num_works;      // so far
+    size_t num_works;      // works so far
     bool open;             // whether there may be parts left
     bool closing;          // the threads are to end
     size_t num_active;     // threads at work
     atomic_size_t next;    // next part that no thread has taken
-    size_t num_threads;    // besides the caller
+    size_t num_threads;    // threads besides the caller
     team_member members[]; // [num_threads]
 };
 

@@ -14,8 +14,8 @@ typedef struct team team;
 /* A part of a list. */
 typedef struct team_part {
     size_t first, end; // elements of the list, `end` excluded
-    size_t number;     // of the part, from 0 on
-    size_t member;     // thread that does it, below team_size; 0: the caller
+    size_t number;     // number of the part, from 0 on
+    size_t member;     // thread that does the part, below team_size; 0: the caller
 } team_part;
 
 typedef void team_task(void *context, const team_part *part);

@@ -12,7 +12,7 @@ typedef struct case_list case_list;
 
 /* The fields of one row of the table. */
 typedef struct case_texts {
-    size_t line;  // of the table
+    size_t line;  // line number in the table
     char **texts; // [case_list_num_columns]
 } case_texts;
 
@@ -26,8 +26,8 @@ ehd_status case_list_open(
     const char *scene_path, const char *table_path, const char *const *overrides,
     size_t num_overrides, ehd_error *error);
 
-/* Reads the next row; *found is false after the last one. EHD_DATA, with the line: a row that is
- * wrong, or a table without rows. */
+/* Reads the next row; *found is false after the last one. EHD_DATA, with the line number: a row
+ * that is wrong, or a table without rows. */
 ehd_status case_list_next(
     // output:
     case_texts *row, // free with case_texts_free, also after a failure
@@ -40,7 +40,7 @@ ehd_status case_list_rewind(case_list *list, ehd_error *error);
 
 void case_texts_free(case_texts *row);
 
-/* Makes the scene of a row, complete and valid. EHD_DATA, with the line of the table. */
+/* Makes the scene of a row, complete and valid. EHD_DATA, with the line number in the table. */
 ehd_status case_list_scene(scene *one, const case_list *list, const case_texts *row,
                            ehd_error *error);
 

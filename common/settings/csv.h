@@ -66,7 +66,7 @@ typedef struct table_column {
     const char *const *names; // possible names, NULL at the end; the first that exists is read
     bool optional;
     bool alone;     // in CSV: refused if several of the names exist
-    double *values; // [count] as read, free with free(); NULL: not there, or after a failure
+    double *values; // [count], free with free(); NULL: the column is missing, or after a failure
 } table_column;
 
 enum { NAMES_TEXT = 320 }; // bytes, with the closing zero
@@ -78,8 +78,8 @@ void table_show_columns(char shown[NAMES_TEXT], char *const *names, size_t count
 void table_show_names(char shown[SHOWN_TEXT], const char *const *names);
 
 /* Reads columns of a file of numbers by their names; the values of other columns are ignored.
- * EHD_DATA: no such column, or several; a value that is no finite number. Other errors are those of
- * csv_open and csv_next_row. */
+ * EHD_DATA: no such column, or several; a value that is not a finite number. Other errors are
+ * those of csv_open and csv_next_row. */
 ehd_status csv_read_table(
     // input:
     const char *path,

@@ -11,7 +11,7 @@ enum { MAX_PARTS = 16 };
 
 typedef struct part_list {
     size_t num;
-    char *paths[MAX_PARTS]; // of models
+    char *paths[MAX_PARTS]; // paths of models
 } part_list;
 
 /* Checks whether a file is a list by its name, which ends with ".yml" or ".yaml". */

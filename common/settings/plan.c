@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-// depth of plans that are parts of parts
+// largest depth of plans that are parts of other plans
 enum { MAX_DEPTH = 16 };
 
 /* The arguments of plan_read. */
@@ -44,8 +44,8 @@ static ehd_status check_keys(const plan_reader *self, const tree_node *map, cons
 
 // ---- the base scene of a group
 
-/* Reads the base scene of a group. `scene_path` receives the name of the scene's file, if it is
- * one; the base keeps a pointer to it. */
+/* Reads the base scene of a group. If this is a file, `scene_path` receives the name of the file;
+ * the base keeps a pointer to it. */
 static ehd_status read_base(const plan_reader *self, scene_source *base, char **scene_path,
                             const tree_node *node) {
     char shown[SHOWN_TEXT];
@@ -118,7 +118,7 @@ static ehd_status read_where(const plan_reader *self, const tree_node *where, pl
 
 // ---- the points of a group
 
-/* Adds the values of a point to its error. */
+/* Adds the values of a point to its error message. */
 static ehd_status fail_at_point(const plan_reader *self, const variation *varied, size_t point,
                                 ehd_status status) {
     char values[256];
@@ -222,7 +222,7 @@ static void narrow(plan_where *where, const plan_where *further) {
     }
 }
 
-/* Reads the groups of the whole plan, of which this plan is a part, within further bounds. */
+/* Reads the groups of the whole plan, of which this plan is a part, and narrows their bounds. */
 static ehd_status read_part(const plan_reader *self, const tree_node *root, int depth) {
     static const char *const keys[] = {"part_of", "where", "candidates_times", NULL};
     const tree_node *name = tree_find(root, "part_of");

@@ -63,7 +63,7 @@ ehd_status plan_write_text(plan *of, const char *path, ehd_error *error) {
 /* A plan while its text is read. */
 typedef struct text_reader {
     plan *plan;
-    place where; // of the present line
+    place where; // place of the present line
     scene scene; // values of the present point so far
     // group of the next point; number of points that there is memory for
     size_t group, room;
@@ -113,7 +113,7 @@ static ehd_status read_group(text_reader *self, const char *line) {
     return EHD_OK;
 }
 
-/* Begins a point, which has the values of the one before until lines change them. */
+/* Begins a point. It has the values of the point before, until later lines change them. */
 static ehd_status read_point(text_reader *self) {
     plan *of = self->plan;
     if (of->num_groups == 0)

@@ -44,7 +44,7 @@ static void fill_real(double *value, double default_value) {
     if (isnan(*value)) *value = default_value;
 }
 
-/* Checks whether the grid has lines of nodes across: of a point contact or an ellipse. */
+/* Checks whether the grid has several lines of nodes: that of a point contact or an ellipse. */
 static bool has_lines(const scene *of) {
     return *of->contact && strcmp(of->contact, "line") != 0;
 }

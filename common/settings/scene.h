@@ -11,24 +11,24 @@
 
 /* The quantities that may vary in time. */
 enum { VARY_LOAD, VARY_SPEED, VARY_RADIUS, VARY_MODULUS, VARY_APPROACH, NUM_VARY };
-enum { MAX_FACTOR = 1000 };                    // most on a reference value, of either sign
+enum { MAX_FACTOR = 1000 };                    // largest magnitude of a factor
 extern const char *const vary_names[NUM_VARY]; // "load", …: the keys of their histories
 
 /* The history of one quantity: a factor on its reference value as a function of T = u_ref t /
  * a_ref. */
 typedef struct history_settings {
     char law[16];          // constant, sine, ramp, step, table
-    double amplitude;      // 1
-    double mean;           // 1; NaN: 1
-    double period;         // of T
+    double amplitude;      // dimensionless
+    double mean;           // dimensionless; NaN: 1
+    double period;         // in T
     double phase;          // rad
     double from;           // factor
     double to;             // factor
     double start;          // T
-    double duration;       // of T
+    double duration;       // in T
     double at;             // T
     char file[256];        // relative to the working folder
-    char column[64];       // of the file
+    char column[64];       // in the file
     char interpolation[8]; // spline, linear
 } history_settings;
 
@@ -38,10 +38,10 @@ typedef struct history_settings {
 typedef struct physical_settings {
     double load;          // N/m of a line contact, N of a point contact
     double radius;        // m
-    double radius_across; // m, of an ellipse; NaN: by the ellipticity
+    double radius_across; // m, of an ellipse; NaN: follows from the ellipticity
     double speed;         // m/s, mean of the two surfaces
     double speed_1;       // m/s, of one surface
-    double speed_2;       // m/s, of the other
+    double speed_2;       // m/s, of the other surface
     double modulus;       // Pa, E' = 2/[(1-nu1^2)/E1 + (1-nu2^2)/E2]
     double viscosity;     // Pa s at zero pressure
 } physical_settings;
@@ -51,7 +51,7 @@ typedef struct grid_settings {
     double x_min; // contact half widths
     double x_max;
     double step;
-    double y_max; // NaN: also a line contact
+    double y_max; // NaN also for a line contact
     int half;     // 1, 0: whether the symmetric half is solved; -1: a line contact
 } grid_settings;
 
@@ -63,12 +63,13 @@ typedef struct output_settings {
 
 typedef struct transient_settings {
     double end_time; // T
-    // 1, on the local error of a step or, along the path, on the error of the central film
+    // dimensionless, for the local error of a step or, with transport along the path, for the
+    // error of the central film
     double tolerance;
-    double smoothing;   // half widths, of films carried along their paths
-    double fixed_step;  // of T; NaN: step size control by the local error
+    double smoothing;   // half widths, for transport along the path
+    double fixed_step;  // length of fixed steps in T; NaN: step size control by the local error
     double start_film;  // H at the start from rest
-    double start_speed; // factor; NaN: that of the speed's history at T = 0
+    double start_speed; // factor; NaN: the speed's history at T = 0
     history_settings vary[NUM_VARY];
 } transient_settings;
 
@@ -76,7 +77,7 @@ typedef struct transient_settings {
 typedef struct surface_settings {
     char kind[16]; // sine, dent, file; "": both surfaces are smooth
     char units[8]; // contact, si: units of heights and lengths
-    double speed;  // of that surface, relative to the mean
+    double speed;  // speed of that surface, relative to the mean speed
     double position;
     double amplitude, wavelength, phase;
     double depth, radius;
@@ -93,14 +94,14 @@ typedef struct scene {
     char discretization[16]; // accurate, published
     char boundary[16];       // open, zero; "" of a line contact
     char transport[16];      // upwind, path
-    double approach;         // H0 in the reference frame; NaN: that of the stationary solution
+    double approach;         // H0 in the reference frame; NaN: H0 of the stationary solution
     double approach_length;  // a_ref; NaN: 10 with closure approach, else 1
     struct {
-        double M, L; // 1, given both or neither
+        double M, L; // dimensionless, both given or neither
     } moes;
     physical_settings physical;
     double slide_roll;     // (u1 - u2)/u_m; NaN: not given
-    double ellipticity;    // b/a of an ellipse; NaN: by physical.radius_across
+    double ellipticity;    // b/a of an ellipse; NaN: follows from physical.radius_across
     double hertz_pressure; // Pa, optional
     lubricant_settings lubricant;
     grid_settings grid;
@@ -137,14 +138,15 @@ typedef struct setting {
     const char *key; // "lubricant.viscosity.alpha"
     setting_type type;
     size_t offset;             // in scene
-    size_t size;               // of the string, for SETTING_CHOICE, SETTING_TEXT and SETTING_FILE
-    const char *default_value; // as it would stand in a scene; NULL: none
+    size_t size;               // size of the string, for SETTING_CHOICE, SETTING_TEXT and
+                               // SETTING_FILE
+    const char *default_value; // default, written as in a scene; NULL: none
     const char *choices;       // "line" or "barus|roelands|wlf", for SETTING_CHOICE
     double min, max;           // allowed range, both included, for SETTING_REAL and SETTING_WHOLE
     const char *unit;          // "1", "Pa", ...; "N/m|N": of a line contact, and of others
     const char *help;          // one sentence
-    // conditions that must all hold, or the key is refused; they end with a NULL key, and refer to
-    // keys of rows before this one
+    // If one of these conditions does not hold, the key is refused. They end with a NULL key, and
+    // refer to keys of rows before this one
     setting_condition when[MAX_CONDITIONS];
     bool required; // if the conditions hold
 } setting;
@@ -165,7 +167,7 @@ double scene_speed(const scene *scene);
 /* Returns the slide-roll ratio, (u1 - u2) over the mean speed; NaN: not given. */
 double scene_slide_roll(const scene *scene);
 
-/* Checks whether the law of shear stress counts in the flow of the film too
+/* Checks whether the law of shear stress also thins the flow in the film
  * (lubricant.shear.in_film). */
 bool scene_thins_flow(const scene *scene);
 
@@ -207,8 +209,8 @@ char *scene_text(const scene *scene);
 
 /* Checks whether the text of settings that a file keeps matches the text `now`, of a scene or a
  * plan. A text without a discretization is from a version before 0.3.0, which had only the
- * published one, with zero pressure around the grid. It matches if those settings are the only
- * difference. */
+ * published discretisation, with zero pressure around the grid. Such a text matches if those
+ * settings are the only difference. */
 bool scene_text_matches(const char *kept, const char *now);
 
 /* Prints the table as text for --help. */
@@ -245,7 +247,7 @@ typedef struct plan {
 
 /* The key of each quantity in `where`. */
 extern const char *const plan_where_keys[]; // [NUM_WHERE + 1], NULL at the end
-/* Returns bounds that leave nothing out. */
+/* Returns bounds that exclude nothing. */
 plan_where plan_anywhere(void);
 
 /* Reads a plan (schemas/plan.md). Paths in it are relative to the plan's folder. Overrides act on

@@ -7,10 +7,10 @@
 #include "common/settings/scene.h"
 
 /* Initialises the contact of a valid scene with contact_init, and its grid. Where the scene does
- * not give the grid, it is chosen as the contact needs it. EHD_DATA as of contact_init, and if a
- * stationary scene gives the approach, a given approach is measured from too near, or the grid has
- * too many nodes. After EHD_DATA the contact's numbers are 0 or NaN as far as they are not
- * known. */
+ * not give the grid, it is chosen as the contact needs it. EHD_DATA: errors of contact_init, a
+ * stationary scene that gives the approach, a given approach that is measured from too near, or a
+ * grid with too many nodes. After EHD_DATA the contact's numbers are 0 or NaN as far as they are
+ * not known. */
 ehd_status scene_contact(
     // output:
     ehd_contact *contact,
@@ -18,8 +18,8 @@ ehd_status scene_contact(
     const scene *given, ehd_error *error);
 
 /* The two steps of scene_contact. Between them a contact whose scene leaves the grid open may take
- * the grid of a model (contact_take_grid). The choice of a grid, which takes most of the time, is
- * then left out. */
+ * the grid of a model (contact_take_grid). The second step then does not choose a grid, which
+ * takes most of the time. */
 ehd_status scene_contact_begin(ehd_contact *contact, const scene *given, ehd_error *error);
 ehd_status scene_contact_end(ehd_contact *contact, const scene *given, ehd_error *error);
 
@@ -33,7 +33,7 @@ ehd_status scene_check_kind(const scene *given, const contact_kind *kind, const 
  * Call it before other work. EHD_DATA. */
 ehd_status scene_check_reducible(const scene *given, ehd_error *error);
 
-/* Replaces the grid of scene_contact. `needed` counts where the scene does not give the grid.
+/* Replaces the grid of scene_contact. `needed` is used where the scene does not give the grid.
  * EHD_DATA: too many nodes. */
 ehd_status scene_set_grid(ehd_contact *contact, const grid_extent *needed, ehd_error *error);
 

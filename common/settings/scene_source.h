@@ -34,7 +34,8 @@ ehd_status source_apply_map(scene_source *source, const tree_node *map, ehd_erro
 /* Assigns the values in a YAML file like source_apply_map; also EHD_NOINPUT, EHD_IO, EHD_MEMORY. */
 ehd_status source_apply_file(scene_source *source, const char *path, ehd_error *error);
 
-/* Sets "key=value" strings and unsets those without a value; a later one wins. */
+/* Sets the keys of "key=value" strings, and unsets the keys of "key=" strings. A later string
+ * wins. */
 ehd_status source_apply_overrides(scene_source *source, const char *const *overrides,
                                   size_t num_overrides, ehd_error *error);
 

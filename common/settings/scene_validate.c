@@ -57,9 +57,9 @@ static bool has_viscosity_of_law(const scene *of) {
            (lubricant_init(&lubricant, &of->lubricant, NULL) || !isnan(lubricant.eta0));
 }
 
-/* Counts the keys of `physical` that every contact needs. The speeds of both surfaces count in
- * place of the mean speed if one of them is given. The viscosity does not count if the law has its
- * own. */
+/* Counts the keys of `physical` that every contact needs. If the speed of one surface is given,
+ * the speeds of both surfaces are counted in place of the mean speed. The viscosity is not counted
+ * if the law has its own. */
 static key_count count_physical(bool *both_speeds, bool viscosity_of_law, const scene *of) {
     static const char *const own[] = {"physical.speed_1", "physical.speed_2"};
     const setting *mean = setting_find("physical.speed");
@@ -142,8 +142,8 @@ static ehd_status check_traction(const scene_source *source, ehd_error *error) {
     return EHD_OK;
 }
 
-/* Checks that cross-flux is used only where there is a stationary flow across: not of a line, and
- * not in time. */
+/* Checks that cross-flux is used only where there is a stationary flow across: not for a line
+ * contact, and not in time. */
 static ehd_status check_cross_flux(const scene_source *source, ehd_error *error) {
     const scene *of = &source->values;
     const bool line = strcmp(of->contact, "line") == 0;

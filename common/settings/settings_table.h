@@ -19,7 +19,7 @@ enum {
 typedef struct law_group {
     const char *key; // "lubricant.viscosity"
     const lubricant_law *const *laws;
-    size_t offset; // of its law_settings in a scene
+    size_t offset; // offset of its law_settings in a scene
 } law_group;
 
 enum { LAWS_VISCOSITY, LAWS_DENSITY, LAWS_SHEAR, NUM_LAW_GROUPS };

@@ -188,7 +188,7 @@ static ehd_status add_range(variation *self, const tree_node *node, const char *
     return read_bounds(range, node, error);
 }
 
-/* Sets corner number `corner` of the unit cube: one bit a setting. */
+/* Sets corner number `corner` of the unit cube: one bit per setting. */
 static void set_corner(double *here, size_t num_ranges, size_t corner) {
     for (size_t r = 0; r < num_ranges; r++)
         here[r] = (double)(corner >> r & 1);
@@ -209,7 +209,8 @@ static size_t fill_edges(double *places, size_t num_ranges, size_t num_on_edge) 
     return count;
 }
 
-/* Fills the candidates: the corners, a quarter of all along the edges, the rest inside. */
+/* Fills the candidates: the corners, a quarter of all candidates along the edges, the rest
+ * inside. */
 static ehd_status fill_candidates(variation *self, const char *path, ehd_error *error) {
     const size_t d = self->num_ranges, num_corners = (size_t)1 << d,
                  num_edges = d * num_corners / 2;

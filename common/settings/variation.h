@@ -29,7 +29,7 @@ typedef struct variation_range {
 typedef struct variation {
     variation_column columns[MAX_SETTINGS];
     size_t num_columns;
-    bool grid; // all combinations, the last column fastest; else one point a row
+    bool grid; // all combinations, the last column fastest; else one point per row
     variation_range ranges[MAX_RANGES];
     size_t num_ranges;           // 0: no region
     size_t num_candidates;       // places in the region, the same for each combination of columns

@@ -14,10 +14,10 @@ typedef enum tree_kind { TREE_SCALAR, TREE_MAP, TREE_LIST } tree_kind;
 
 typedef struct tree_node {
     tree_kind kind;
-    size_t line;             // from 1; in a map the line of the key
-    char *key;               // in a map, else NULL
-    char *value;             // of a scalar, else NULL
-    size_t num_children;     // of a map or list
+    size_t line;             // line number, from 1; in a map the line of the key
+    char *key;               // key in a map, else NULL
+    char *value;             // value of a scalar, else NULL
+    size_t num_children;     // children of a map or list
     struct tree_node *first; // child
     struct tree_node *last;  // child
     struct tree_node *next;  // sibling
