@@ -43,7 +43,7 @@ void artefact_close(artefact **file) {
         unfinished = (*file)->partial;
         (*file)->partial = NULL;
     }
-    // removed before closing releases the writer's lock
+    // the file is removed before closing it releases the writer's lock
     if (unfinished) {
         unlink(unfinished);
         unlink((*file)->saved);

@@ -21,8 +21,8 @@ enum { ARTEFACT_MAX_RANK = 4, ARTEFACT_MAX_NODES = 100000000 };
 
 typedef enum artefact_type { ARTEFACT_REAL, ARTEFACT_INTEGER, ARTEFACT_TEXT } artefact_type;
 typedef enum artefact_need {
-    NEED_ALWAYS,  // programs of others must write it too
-    NEED_OWN,     // our programs always write it; readers accept files without it
+    NEED_ALWAYS,  // programs of others must also write the item
+    NEED_OWN,     // our programs always write the item; readers accept files without it
     NEED_OPTIONAL // depends on the settings
 } artefact_need;
 
@@ -104,7 +104,7 @@ typedef struct artefact artefact;
 // ---- writing
 
 /* Creates PATH.partial for writing. PATH itself is untouched until artefact_finish. EHD_CANTCREATE:
- * PATH.partial cannot be written, or another process writes it. Without program->force also: PATH
+ * PATH.partial cannot be written, or another process writes it. Without program->force also if PATH
  * exists, or PATH.partial holds finished work of an interrupted run.
  *
  * `settings_text` is stored as attribute `settings`. The SHA-256 of each of `inputs`
@@ -132,10 +132,10 @@ ehd_status artefact_create_growing(
 ehd_status artefact_put_axis(artefact *file, const char *name, size_t length, const double *values,
                              ehd_error *error);
 
-/* Writes `count` values of the growing axis from `first` on. To become longer, all fields on the
- * axis grow first and the axis itself last. A reader that looks up the length of the axis therefore
- * finds that many entries in every field. Call it after the fields of these entries have been
- * written. */
+/* Writes `count` values of the growing axis from `first` on. If the axis becomes longer, all
+ * fields on it grow first and the axis itself last. A reader that looks up the length of the axis
+ * therefore finds that many entries in every field. Call it after the fields of these entries have
+ * been written. */
 ehd_status artefact_put_axis_part(artefact *file, const char *name, size_t first, size_t count,
                                   const double *values, ehd_error *error);
 
@@ -214,9 +214,9 @@ ehd_status artefact_check_entry(artefact *file, size_t entry, ehd_error *error);
 ehd_status artefact_check_input(artefact *file, const char *what, const char *path,
                                 ehd_error *error);
 
-/* Removes the entries of the growing axis from `length` on, checks those before, and streams again.
- * Only after artefact_resume. EHD_DATA: the file has fewer entries, kept entries are damaged, or no
- * axis grows. */
+/* Removes the entries of the growing axis from `length` on, checks the entries before, and streams
+ * again. Call it only after artefact_resume. EHD_DATA: the file has fewer entries, kept entries
+ * are damaged, or no axis grows. */
 ehd_status artefact_cut_axis(artefact *file, const char *name, size_t length, ehd_error *error);
 
 /* Copies all axes, fields and attributes of the schema from an opened file to an empty file of the

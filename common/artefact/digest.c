@@ -27,7 +27,7 @@ static void add_text(struct sha256_ctx *context, const char *text) {
     sha256_update(context, strlen(text), (const uint8_t *)text);
 }
 
-/* Hashes numbers as 64-bit little-endian ones. */
+/* Hashes numbers as 64-bit little-endian numbers. */
 static void add_numbers(struct sha256_ctx *context, const void *numbers, size_t count) {
     enum { BLOCK = 512 };
     uint64_t block[BLOCK];

@@ -162,7 +162,7 @@ ehd_status hdf5_read_failed(const artefact *file, const char *object, ehd_error 
 
 /* Sets how a file is opened. HDF5's locks are off because they fail on some network file systems;
  * our own lock excludes a second writer. Like all functions that set properties, returns false if
- * one fails for lack of memory, because the file would then differ. */
+ * a property cannot be set for lack of memory, because the file would then differ. */
 static bool set_access(hid_t access) {
     return H5Pset_libver_bounds(access, H5F_LIBVER_V110, H5F_LIBVER_V110) >= 0 &&
            H5Pset_file_locking(access, false, true) >= 0 &&
@@ -182,10 +182,10 @@ static bool switch_on(hid_t access, const char *name) {
     return there == 0 || (there > 0 && H5Pset(access, name, &yes) >= 0);
 }
 
-/* Attempts to read metadata whose checksum fails because a writer changes them. HDF5 doubles the
- * wait each time, from 1 ns on: 33 ms in all. With its default of 100 attempts, the waits would
- * never end on a damaged file. Without another process that writes, a failed checksum means
- * damage. */
+/* Number of attempts to read metadata whose checksum fails because a writer changes them. HDF5
+ * doubles the wait each time, from 1 ns on: 33 ms in all. With its default of 100 attempts, the
+ * waits would never end on a damaged file. Without another process that writes, a failed checksum
+ * means damage. */
 enum { READ_ATTEMPTS = 25 };
 
 static bool set_opening(hid_t access, unsigned flags, bool clear_flags) {
@@ -265,9 +265,9 @@ hid_t hdf5_create(const char *path) {
     return file;
 }
 
-/* Checks whether a failed look-up is to be repeated: after a lack of memory, because HDF5 has freed
- * memory since then. Otherwise a reader would go on as if the file lacked the item. After a read
- * failure, the second look-up would wrongly return "no". */
+/* Checks whether a failed look-up is to be repeated: after a lack of memory, because HDF5 has
+ * freed memory since then. Without the repetition a reader would go on as if the file lacked the
+ * item. After a read failure, the second look-up would wrongly return "no". */
 static bool is_to_be_repeated(htri_t found) {
     return found < 0 && errno == ENOMEM;
 }

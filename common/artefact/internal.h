@@ -32,7 +32,7 @@ typedef struct file_dataset {
 } file_dataset;
 
 struct artefact {
-    hid_t id; // of the HDF5 file; negative when it is not open
+    hid_t id; // id of the HDF5 file; negative when it is not open
     const artefact_schema *schema;
     char *path;                    // the final name
     char *partial;                 // the name while it is written; NULL when reading
@@ -40,7 +40,8 @@ struct artefact {
     bool on_copy;                  // the copy is the open file
     char *saved;                   // name of the copy that artefact_save makes
     double saved_at, save_seconds; // end of the last artefact_save and its duration, s
-    char *history_line; // of the run that resumes the file, added at the end; NULL: not resumed
+    char *history_line; // line of the run that resumes the file, added at the end; NULL: not
+                        // resumed
     char *digests;      // content_sha256 of a file being read; NULL: not to be checked
     int64_t *outcomes;  // `status` of the entries of outcome_axis; NULL: none
     const char *outcome_axis;
@@ -68,7 +69,7 @@ void hdf5_start(void);
  * other HDF5 function. */
 typedef struct hdf5_reason {
     char text[256];
-    bool system; // the operating system refused, not the content
+    bool system; // the operating system refused; the content is not at fault
     bool memory; // memory was refused
 } hdf5_reason;
 hdf5_reason hdf5_last_reason(void);

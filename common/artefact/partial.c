@@ -189,7 +189,7 @@ static bool has_entry(hid_t file, const char *name, int64_t min) {
     const hid_t scalar = H5Screate(H5S_SCALAR);
     const bool is_list = H5Sget_simple_extent_ndims(space) == 1;
     const hssize_t count = is_list ? H5Sget_simple_extent_npoints(space) : 0;
-    // no more than are stored: a damaged file may claim any number
+    // no more entries than are stored: a damaged file may claim any number
     const hsize_t stored = H5Dget_storage_size(dataset) / sizeof(int64_t);
     bool found = false;
 

@@ -470,8 +470,8 @@ static ehd_status check_interrupted(const artefact *file, ehd_error *error) {
 }
 
 /* Returns how many entries one call reads. HDF5 takes 5 kB of memory for each chunk of a call, so
- * these are few. If the order of the entries is checked, one call reads all. A file that is being
- * written is not checked. */
+ * a call reads few. If the order of the entries is checked, one call reads all. A file that is
+ * being written is not checked. */
 static size_t slice_of(const artefact *file, const artefact_field *field) {
     enum { SLICE_NUMBERS = 1 << 16 };
     const size_t length = num_entries(file, field), entry = entry_size(file, field);

@@ -22,8 +22,8 @@
     }
 
 /* Largest lengths of the axes. They bound the memory that a file can make a program take; the
- * product of two lengths and the size of a number does not overflow. Numbers of nodes and rows fit
- * into LAPACK's integers. */
+ * product of two lengths and the bytes of a number does not overflow. Numbers of nodes and rows
+ * fit into LAPACK's integers. */
 enum {
     MAX_X = 1000000,
     MAX_Y = 100000,

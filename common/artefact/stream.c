@@ -132,7 +132,7 @@ static ehd_status resume_streaming(artefact *file, const program *caller, const 
     if (status == EHD_OK && !file->growing) status = read_everything(file, true, error);
     if (status != EHD_OK) return status;
 
-    // it is 1 after a run whose last rename failed
+    // `complete` is 1 after a run whose last rename failed
     if (completeness(file) != 0 && !put_complete(file->id, 0)) {
         return hdf5_write_failed(file, "complete", error);
     }

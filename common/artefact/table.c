@@ -7,10 +7,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Enough for the load history of a contact over months. */
+/* Largest number of rows, enough for the load history of a contact over months. */
 enum { TABLE_MAX_ROWS = 100000000 };
 
-enum { LISTED_NAMES = 20 }; // of the file, in a message
+enum { LISTED_NAMES = 20 }; // names of the file in a message
 
 static ehd_status status_of(const hdf5_reason *reason) {
     if (reason->memory) return EHD_MEMORY;

@@ -27,8 +27,8 @@ typedef enum order { ORDER_ANY, ORDER_DIFFERENT, ORDER_ASCENDING } order;
 
 static const struct {
     const char *text;
-    double low, high;      // of real numbers
-    int64_t least;         // of integers
+    double low, high;      // bounds of real numbers
+    int64_t least;         // lower bound of integers
     largest_integer bound; // upper bound of integers, less `below`
     int below;
     order order;

@@ -25,7 +25,7 @@
 /* Columns of the table. The schema gives their units and scales. */
 static const struct {
     const char *name;
-    size_t offset; // in case_row, of a double, or of an integer if the schema has one
+    size_t offset; // offset in case_row of a double, or of an integer if the schema has one
 } columns[] = {
 #define COLUMN(name)                                                                               \
     { #name, offsetof(case_row, name) }

@@ -12,7 +12,7 @@ enum { NO_PART = -1 };
 typedef struct case_row {
     int64_t status; // as in a result
     int64_t newton_iterations;
-    int64_t part; // which of several models solved it, from 0; NO_PART: only one model
+    int64_t part; // number of the model that solved the scene, from 0; NO_PART: only one model
     double moes_M, moes_L, alpha_p_H;
     double hertz_pressure; // Pa
     // only for a scene in SI units:
@@ -76,7 +76,7 @@ ehd_status case_table_begin(
     const char *const *inputs, // paths, NULL at the end
     bool resume, ehd_error *error);
 
-/* Reads the status of the rows that were already there, one row a call. EHD_DATA, EHD_IO. */
+/* Reads the status of the rows that were already there, one row per call. EHD_DATA, EHD_IO. */
 ehd_status case_table_status(int64_t *status, case_table *table, ehd_error *error);
 
 /* Appends rows. They are kept if the process is killed later. */

@@ -48,7 +48,7 @@ static ehd_status read_with(const output_reader *readers, const artefact_schema 
     return EHD_OK;
 }
 
-/* Reads a file as the programs do that take it as input. */
+/* Reads a file in the same way as the programs that take it as input. */
 static ehd_status read_as_input(const output_reader *readers, const char *path, ehd_error *error) {
     const contact_kind *contact = NULL;
     const artefact_schema *kind = NULL;

@@ -14,8 +14,8 @@ typedef struct output_reader {
 
 /* Checks that a file is a whole and valid artefact and can be read by the programs. A result is
  * always read. Any other kind is read by the entry of `readers` for this kind, if there is one,
- * after its grid (a table of cases has no grid). `readers` ends with {0}; NULL: none. Errors as
- * where the file is read: EHD_DATA, EHD_NOINPUT, EHD_MEMORY, EHD_IO. */
+ * after its grid (a table of cases has no grid). `readers` ends with {0}; NULL: none. Errors are
+ * those of reading the file: EHD_DATA, EHD_NOINPUT, EHD_MEMORY, EHD_IO. */
 ehd_status output_check_file(const char *path, const output_reader *readers, ehd_error *error);
 
 /* Checks the file caller->check with output_check_file. Prints nothing if it is valid, else one

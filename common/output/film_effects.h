@@ -15,8 +15,8 @@ enum {
     NUM_EFFECTS
 };
 
-/* Estimated sizes of the relative errors by the step and by the length of the inlet. NaN: unknown.
- * Infinite: the grid is too coarse, or its inlet too short, for an estimate. */
+/* Estimated sizes of the relative errors due to the step and the length of the inlet. NaN:
+ * unknown. Infinite: the grid is too coarse, or its inlet too short, for an estimate. */
 typedef struct film_effects {
     double of[NUM_EFFECTS];
 } film_effects;
@@ -29,7 +29,8 @@ bool film_effects_are_infinite(const film_effects *effects);
 /* Checks whether the inlet is too short to estimate its error, while the step is fine enough. */
 bool film_effects_inlet_is_short(const film_effects *effects);
 
-/* Returns the relative error estimate of the rolling resistance by step and inlet; NaN: unknown. */
+/* Returns the relative error estimate of the rolling resistance for step and inlet; NaN:
+ * unknown. */
 double film_effects_of_rolling(const film_effects *effects);
 
 /* "step_effect", …: attributes of a result, and datasets of snapshots. */

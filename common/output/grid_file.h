@@ -31,7 +31,7 @@ void grid_put_inner(double *nodes, const double *inner, const ehd_grid *grid, bo
 void grid_take_inner(double *inner, const double *nodes, const ehd_grid *grid, bool mirrored);
 
 /* Writes values at the inner nodes as entry `index` of a field whose last axes are (y and) x.
- * EHD_MEMORY; and as artefact_put_part. */
+ * EHD_MEMORY; other errors as artefact_put_part. */
 ehd_status grid_put_field(artefact *file, const char *name, size_t index,
                           const double *nodes, // [num_nodes]
                           const ehd_grid *grid, bool mirrored, ehd_error *error);

@@ -7,7 +7,7 @@
 typedef enum indicated_quantity {
     INDICATED_CENTRAL_PRESSURE, // relative
     INDICATED_EXIT_POSITION,    // half widths; unknown if exits are nodes
-    INDICATED_LOAD,             // over the reference
+    INDICATED_LOAD,             // over the reference load
     INDICATED_PRESSURE,         // largest of all nodes, Hertz pressures
     INDICATED_FILM,             // largest of all nodes with pressure, over the central film
     INDICATED_FRICTION,         // relative, of the friction force; last, since older files lack it

@@ -187,8 +187,8 @@ static void print_value(const char *name, double value, double scale, const char
         printf("%-24s%.8g\n", name, value);
 }
 
-/* Adds one source of error to the line. NaN: prints nothing. Infinite: prints `lack`, which
- * prevents an estimate. */
+/* Adds one source of error to the line. NaN: prints nothing. Infinite: prints `lack`, the reason
+ * why there is no estimate. */
 static void print_part(const char **separator, const char *name, double part, const char *lack) {
     if (isnan(part)) return;
     printf("%s%s ", *separator, name);
@@ -200,7 +200,7 @@ static void print_part(const char **separator, const char *name, double part, co
 }
 
 /* Prints the error estimates of a film by the reduced model, the grid's step and its inlet. Prints
- * nothing if nothing is known of the grid. */
+ * nothing if no error of the grid is known. */
 static void print_parts(const char *head, double model, double step, double inlet) {
     const char *separator = "";
 

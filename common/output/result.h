@@ -34,13 +34,13 @@ typedef struct run_result {
     double residual;
     double indicated_deviation;         // error estimate of the central film, relative; NaN: none
     double indicated_deviation_minimum; // error estimate of the minimum film
-    const double *indicated;            // [NUM_INDICATED] error estimates of others or NaN; NULL:
-                                        // none
+    const double *indicated;            // [NUM_INDICATED] error estimates of other quantities or
+                                        // NaN; NULL: none
     const film_effects *effects;        // error estimates of the grid; NULL: unknown
     result_model solved_by;             // SOLVED_BY_ANY: not stored
     ehd_status status;                  // EHD_OK, EHD_NOT_CONVERGED or EHD_UNTRUSTED
     char reason[RESULT_REASON];         // why the status is not EHD_OK, or ""
-    double seconds;                     // of the solution, without reading and writing
+    double seconds;                     // time of the solution, without reading and writing
     double seconds_rows, seconds_linear, seconds_exit; // parts of `seconds`; NaN: not measured
 } run_result;
 

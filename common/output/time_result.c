@@ -13,7 +13,7 @@
 
 enum { NUM_SLOTS = 2, SLOT_INVALID = -1 };
 
-/* Real scalars of a time: name of their field, and offsets for writer and reader. */
+/* Real scalars at one time: name of their field, and offsets for writer and reader. */
 static const struct {
     const char *name;
     size_t entry;  // offset of a double in time_entry
@@ -199,8 +199,8 @@ ehd_status time_result_append(artefact *file, const ehd_grid *grid, const time_e
 
 // ---- restart slots
 
-/* Reads after how many entries each slot resumes. A slot is invalid if a kill damaged its
- * number. */
+/* Reads for each slot the number of entries after which a run resumes from it. A slot is invalid
+ * if a kill damaged its number. */
 static ehd_status get_slots(int64_t num_entries[NUM_SLOTS], artefact *file, ehd_error *error) {
     ehd_status status = EHD_OK;
 
@@ -222,7 +222,7 @@ ehd_status time_result_checkpoint(artefact *file, const double *restart, size_t 
     ehd_status status = get_slots(found, file, error);
     if (status) return status;
 
-    size_t slot = found[1] < found[0] ? 1 : 0; // the older one
+    size_t slot = found[1] < found[0] ? 1 : 0; // the older slot
     status = artefact_put_integers_part(file, "restart_entries", slot, 1, &invalid, error);
     if (!status) status = artefact_put_part(file, "restart", slot, 1, restart, error);
     // the data must be on the disk before the number that makes them valid
@@ -280,7 +280,7 @@ ehd_status time_result_resume(artefact **file, double *restart, size_t *num_entr
     ehd_status status =
         artefact_resume(file, caller->output, &schema_result, caller, settings_text, error);
 
-    // checked before sizes, because these also differ with another model
+    // models are checked before sizes, because sizes also differ with another model
     for (size_t i = 0; models && models[i] && !status; i++)
         status = artefact_check_input(*file, "model", models[i], error);
     if (!status) status = inputs_check_tables(*file, given, error);

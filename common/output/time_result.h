@@ -35,21 +35,22 @@ typedef struct time_entry {
     double effect, effect_minimum;       // effect of the time steps on the films, as in march_step
     double indicated, indicated_minimum; // error estimates of the films, as in march_step
     contact_traction traction;           // in the reference frame; unknown without traction
-    const ehd_contact *frame;            // frame of the fields; NULL: without traction
+    const ehd_contact *frame;            // contact in the frame of the fields; NULL: without
+                                         // traction
     const double *pressure; // [num_nodes] in the current frame, NULL: no field at this time
     const double *film;     // [num_nodes] in the current frame, NULL: no field at this time
 } time_entry;
 
 /* Totals at the end of a run. */
 typedef struct time_summary {
-    double seconds; // of the solution, without reading and writing
+    double seconds; // time of the solution, without reading and writing
     double seconds_rows, seconds_linear, seconds_exit; // parts of `seconds`; NaN: not measured
     size_t num_steps;                                  // accepted steps
     size_t num_rejected;      // steps that were taken again with a shorter one
-    size_t newton_iterations; // of all steps, rejected ones too
+    size_t newton_iterations; // iterations of all steps, rejected ones included
     // only in a file `with_models`:
     size_t full_steps;   // accepted steps of the full model
-    double seconds_full; // of the full model, all attempts
+    double seconds_full; // time of the full model, all attempts
 } time_summary;
 
 /* Creates caller->output and starts streaming. `with_fields`: the file has pressure and film, at

@@ -176,7 +176,7 @@ static ehd_status checkpoint(runner *self, double now, ehd_error *error) {
 }
 
 /* Returns the exits in the reference frame, in memory that stays until the entry is written. For a
- * line contact the first exit is that of the scalars. */
+ * line contact the first exit is the exit of the scalars. */
 static const double *take_exits(runner *self, const march_step *step,
                                 const contact_scalars *scalars) {
     const size_t num_lines = grid_whole(&self->task->reference->grid).inner_lines;

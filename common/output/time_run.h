@@ -12,12 +12,13 @@
  * resumes. */
 typedef struct time_run_share {
     size_t full_steps;                    // accepted steps of the full model
-    double seconds_full, seconds_reduced; // of all attempts
+    double seconds_full, seconds_reduced; // seconds of all attempts
     double since;                         // T of the first step by the full model; NaN: none yet
     const char *reason;                   // why the full model was needed
 } time_run_share;
 
-/* When another run replaces this one. Then nothing is printed, and the output stays unfinished. */
+/* Cases in which another run replaces this one. Then nothing is printed, and the output stays
+ * unfinished. */
 typedef enum time_run_again {
     AGAIN_NEVER,
     AGAIN_IF_LOST, // if the march ends early
@@ -53,10 +54,10 @@ typedef struct time_trace {
 } time_trace;
 void time_trace_free(time_trace *trace);
 
-/* Runs the scene and prints the short result; after a resumption, that of the whole trajectory.
- * EHD_NOT_CONVERGED: the march ended early; its results so far stay in NAME.partial. EHD_UNTRUSTED:
- * the result is complete and written (unless another run follows), but a step was not to be
- * trusted. `trace` may be NULL. Errors also as artefact_create, time_result_resume and
+/* Runs the scene and prints the short result; after a resumption, the result of the whole
+ * trajectory. EHD_NOT_CONVERGED: the march ended early; its results so far stay in NAME.partial.
+ * EHD_UNTRUSTED: the result is complete and written (unless another run follows), but a step was
+ * not to be trusted. `trace` may be NULL. Errors also as artefact_create, time_result_resume and
  * histories_init. */
 ehd_status time_run(
     // output:

@@ -12,7 +12,7 @@ enum { NUM_TRACTION = 7 };
 /* One number of a contact_traction. */
 typedef struct traction_entry {
     const char *field; // in files: "friction_coefficient"
-    size_t offset;     // of a double in contact_traction
+    size_t offset;     // offset of a double in contact_traction
     const char *text;  // printed: "friction coefficient"
 } traction_entry;
 
@@ -25,8 +25,8 @@ ehd_status traction_put_units(artefact *file, const ehd_contact *contact, ehd_er
 /* Writes the traction of a stationary result. */
 ehd_status traction_put(artefact *file, const contact_traction *traction, ehd_error *error);
 
-/* Writes the stresses on both surfaces as entry `index` of their fields. EHD_MEMORY; and as
- * artefact_put_part. */
+/* Writes the stresses on both surfaces as entry `index` of their fields. EHD_MEMORY; other errors
+ * as artefact_put_part. */
 ehd_status traction_put_stresses(artefact *file, size_t index, const ehd_contact *contact,
                                  const double *pressure, // [num_nodes]
                                  const double *film,     // [num_nodes]
