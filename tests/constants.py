@@ -27,7 +27,7 @@ one of
 - a pipeline test, as `fmu.bats, "name"`, by the beginning of its name or all of it,
 - a benchmark, as `bench_gmres.c`,
 - a study or an example, as `scenes/studies/parts`,
-- a page with its section: the README of a room, or one of `schemas/`.
+- a page with its section: the README of a folder, or one of `schemas/`.
 
 `make check` fails if one of them does not exist, if a number has no reason, or if this page is out of date.
 

@@ -2,7 +2,7 @@
 /* Marches the reduced model in time: BDF2 steps in the moving frame, for march_run or for a
  * multibody code's own integrator (README.md, In time). The cost of a step does not depend on the
  * size of the grid.
- * Called by online_transient.c and parts_march.c, by romrun/calibrate, and by snapgen/trajectory.c. */
+ * Called by online_transient.c, parts_march.c, romrun/calibrate and snapgen/trajectory.c. */
 #ifndef EHD_REDUCED_MARCH_H
 #define EHD_REDUCED_MARCH_H
 
