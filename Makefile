@@ -61,7 +61,7 @@ SOURCES         := $(MAINS) $(LIB_SOURCES) $(FMU_ONLY) $(HDF5_APART) $(UNIT_SOUR
 
 LIB_OBJECTS := $(LIB_SOURCES:%.c=$(BUILD)/%.o)
 
-# What is installed for other programs: objects of the rooms that it may use, position independent.
+# What is installed for other programs: objects of the folders that it may use, position independent.
 LIBRARY_SOURCES := $(filter-out common/program/openblas.c common/program/processor_check.c,$(filter common/% romrun/model/% romrun/state/% romrun/solve/% romrun/trust/% romrun/online/% romrun/library/%,$(LIB_SOURCES)))
 LIBRARY_OBJECTS := $(LIBRARY_SOURCES:%.c=$(BUILD)/pic/%.o)
 # The shared one is without HDF5, which is in a second one that it loads for a model.h5 (romrun/library/hdf5_calls.h).
