@@ -89,7 +89,7 @@ static void warn_of(const check_run *self, const trade_position *whole) {
     ehd_error ignored;
     if (whole->num_failures == 0 && fmax(central, minimum) <= accuracy_limit(0)) return;
 
-    // the model is finished, so a failure here only leaves out the place
+    // the model is finished, so a failure here only omits the place from the warning
     if (!validation_worst(&worst, &self->scenes, self->draft, &ignored) && worst)
         training_point_name(place, worst);
     program_warn(self->caller,

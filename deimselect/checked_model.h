@@ -19,9 +19,9 @@ typedef struct check_task {
  * error of the whole model exceeds the default accuracy, or if the model does not solve a scene.
  *
  * EHD_UNTRUSTED: the model is written, but is not to be trusted, for one of two reasons:
- * - It has no table, because no scene lies between the training points, or because the full model
- *   solves none of these scenes.
- * - It solves none of the scenes, or none of the trajectories.
+ * - The model has no table, because no scene lies between the training points, or because the full
+ *   model solves none of these scenes.
+ * - The model solves none of the scenes, or none of the trajectories.
  *
  * Other errors: EHD_INTERRUPTED, and those of model_write. In these cases no file is written. */
 enum { CHECK_REPORT = 512 };

@@ -7,12 +7,12 @@
 
 #include "deimselect/row_choice.h"
 
-/* Selects the control rows: the rows at which the selected rows predict the residuals of converged
- * reduced solutions worst. The residuals have unit norm. Residual modes that are fitted at the
- * selected rows predict them. The control rows are the pivots of the prediction errors. There are
- * at most as many control rows as converged solutions. If more are wanted, fewer are selected, or
- * EHD_DATA is returned if the number was `given`. Errors: EHD_DATA, EHD_MEMORY, EHD_INTERNAL
- * (LAPACK). */
+/* Selects the control rows: the rows at which the residual is predicted worst from the selected
+ * rows. The residuals are those of converged reduced solutions, with unit norm. The prediction fits
+ * residual modes at the selected rows. The control rows are the pivots in a QR factorisation of the
+ * prediction errors. There are at most as many control rows as converged solutions. If more are
+ * wanted, fewer are selected, or EHD_DATA is returned if the number was `given`. Errors: EHD_DATA,
+ * EHD_MEMORY, EHD_INTERNAL (LAPACK). */
 ehd_status control_choose(
     // output:
     size_t *control, // [*num_control] indices of inner nodes, like `rows`

@@ -12,9 +12,9 @@
 
 // ---- integrands
 
-/* Shear stress as an integrand, up to a factor that is equal at all nodes. Of the lubricant it
- * needs only the rise of viscosity of the state. `ratio` is the ratio c of the Newtonian stress at
- * P = 0 and H = 1 to the Eyring or limiting stress of the law. */
+/* Shear stress as an integrand, up to a factor that is equal at all nodes. The only lubricant
+ * property in it is the rise of viscosity of the state. `ratio` is the ratio c of the Newtonian
+ * stress at P = 0 and H = 1 to the Eyring or limiting stress of the law. */
 typedef struct integrand {
     const lubricant_law *law; // its Eyring stress or limit is set to 1
     double ratio;             // c
@@ -61,8 +61,8 @@ typedef struct cubature_fit {
     arena memory;
 } cubature_fit;
 
-/* Computes pressure and film of a state at all nodes. Pressures below zero, which truncated modes
- * have far out in the inlet, are set to zero. */
+/* Computes pressure and film of a state at all nodes. Truncated modes give negative pressures far
+ * out in the inlet; these are set to zero. */
 static void expand_state(cubature_fit *self, size_t state) {
     const reduced_basis *basis = self->basis;
     const reduced_states *states = &basis->states;
@@ -158,9 +158,9 @@ static void fit_free(cubature_fit *self) {
     arena_free(&self->memory);
 }
 
-/* Sums an integrand over the nodes before the exit (*whole), and over their part in the dry contact
- * (*dry). The stresses that contact_traction_of adds behind the last node with pressure are not
- * included. */
+/* Sums an integrand over the nodes before the exit (*whole), and over the part of this area inside
+ * the dry contact (*dry). The stresses that contact_traction_of adds behind the last node with
+ * pressure are not included. */
 static void integrate(double *whole, double *dry, const cubature_fit *self, integrand of,
                       double rise) {
     const ehd_grid *grid = &self->basis->grid;
@@ -210,11 +210,12 @@ static void add_states(cubature_fit *self) {
 
 // ---- weights
 
-/* Largest accepted relative error of a row of the fit. If the error is larger, the fields are
- * summed over the whole grid (romrun/solve/README.md, Traction). */
+/* Largest accepted relative error of a row of the fit. If the error is larger, the model sums the
+ * stresses over the whole grid (romrun/solve/README.md, Traction). */
 static const double MOST_OFF = 5e-4;
 
-/* Computes non-negative weights. EHD_NOT_CONVERGED: no weights integrate all rows to MOST_OFF. */
+/* Computes non-negative weights. EHD_NOT_CONVERGED: no weights give errors of at most MOST_OFF in
+ * all rows. */
 static ehd_status solve_weights(double *weights, const cubature_fit *self, const double *values,
                                 ehd_error *error) {
     const size_t num = self->num_nodes;

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Joint greedy row selection for two bases: Fig. A1 of Maier, Hager, Hetzler and Seemann, Tribology
- * International (2015), simplified there from Carlberg et al. Names of the figure and of this file:
+ * International (2015), a simplified form of an algorithm by Carlberg et al. Names of the figure
+ * and of this file:
  *
  *     figure                          here
  *     Phi_f, Phi_J                    interpolation[0].modes, interpolation[1].modes
@@ -57,7 +58,7 @@ static bool interpolation_init(interpolation *self, const double *modes, size_t 
 }
 
 /* Solves R a = Q^T b by back substitution. If a diagonal entry is zero to working precision, a is
- * not unique. Its coefficient for this entry is then set to zero, which gives one of the
+ * not unique. The coefficient in a for this entry is then set to zero, which gives one of the
  * minimisers. */
 static void solve_at_selected_rows(interpolation *self, const size_t *rows) {
     const size_t size = self->size, capacity = self->capacity;
@@ -111,8 +112,8 @@ static void append_row(interpolation *self, size_t row) {
     self->size++;
 }
 
-/* Returns the row not yet selected with the largest phi_f^2 + phi_J^2, the first one of equal
- * rows. */
+/* Returns the unselected row with the largest phi_f^2 + phi_J^2. Of equal rows, returns the
+ * first. */
 static size_t worst_row(const interpolation both[2], const bool *selected) {
     size_t row = 0;
     double largest = -1.0;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Selects rows by column-pivoted QR (Drmac and Gugercin, SIAM J. Sci. Comput. 2016) of both bases
- * side by side. Each pivot is the row that is largest after the part that earlier pivots explain
- * is removed.
+ * side by side. The part that earlier pivots explain is removed from each row. The next pivot is
+ * the row with the largest remainder.
  * Called by row_choice.c for --method qr, by s_opt.c as a start, and by control.c. */
 #include "common/algebra/lapack.h"
 #include "deimselect/selection.h"

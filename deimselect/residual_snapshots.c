@@ -12,13 +12,13 @@ const char *const residual_names[] = {"residuals", "Jacobian products"};
 
 static const char *const field_names[] = {"weighted_residual", "weighted_jacobian_step"};
 
-/* Parts of the energy that streams may omit. local_energy is the energy that compressed
+/* Fractions of the energy that streams may omit. local_energy is the energy that compressed
  * trajectories omit. dropped_energy is for directions that are dropped when the memory is full.
  * Modes below these limits would select rows by round-off. */
 static const pod_stream_settings of_sets = {.local_energy = 1e-22, .dropped_energy = 1e-16};
 
-/* Parts of the energy that streams of residuals of unit norm may omit. Only the largest entries of
- * the residuals matter for the control rows. */
+/* Fractions of the energy that streams of residuals of unit norm may omit. Only the largest entries
+ * of the residuals matter for the control rows. */
 static const pod_stream_settings of_units = {.local_energy = 1e-12, .dropped_energy = 1e-8};
 
 ehd_status residual_snapshots_init(residual_snapshots *snapshots, size_t count,

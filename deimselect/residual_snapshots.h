@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Holds the snapshots for row selection, the iterations of the reduced training, and computes
- * their POD (README.md, What is selected from). They are in memory, or streamed from their file.
- * Called by main.c, row_choice.c, row_plan.c and control.c, and by snapgen. */
+/* Holds the snapshots for row selection, which are the iterations of the reduced training, and
+ * computes their POD (README.md, What is selected from). The snapshots are in memory, or streamed
+ * from a file. Called by main.c, row_choice.c, row_plan.c and control.c, and by snapgen. */
 #ifndef EHD_RESIDUAL_SNAPSHOTS_H
 #define EHD_RESIDUAL_SNAPSHOTS_H
 
@@ -58,7 +58,7 @@ void residual_snapshots_free(residual_snapshots *snapshots);
 size_t residual_snapshots_converged(const residual_snapshots *snapshots);
 
 /* Computes the POD of a set with at most num_modes modes. If the set is streamed, the POD keeps
- * singular values above 1e-11 of the first. If memory does not suffice for their directions, the
+ * singular values above 1e-11 of the first. If memory does not suffice for all directions, the
  * stream drops directions below 1e-8 of the first. Errors as pod_build and pod_stream_add;
  * EHD_INTERRUPTED. */
 ehd_status residual_snapshots_pod(

@@ -19,9 +19,9 @@ void row_choice_free(row_choice *choice) {
     memset(choice, 0, sizeof *choice);
 }
 
-/* Returns the number of modes of either basis for a method that selects rows_per_mode rows for
- * each mode (0: any number). There are at least as many modes as unknowns if rows_per_mode is
- * above 1. */
+/* Returns the number of modes of each basis for a method that selects rows_per_mode rows for each
+ * mode (0: any number). There are at least as many modes as unknowns if rows_per_mode is above
+ * 1. */
 static size_t wanted_modes(size_t rows_per_mode, size_t num_rows, size_t num_unknowns) {
     const size_t rows_a_mode = rows_per_mode > 0 ? rows_per_mode : 1;
     size_t modes = (num_rows + rows_a_mode - 1) / rows_a_mode;
@@ -220,9 +220,9 @@ static ehd_status allocate_rows(row_choice *choice, size_t num_rows, ehd_error *
     return ehd_no_memory(error, "selection");
 }
 
-/* Computes the PODs and takes the given rows. The weights need as many modes as unknowns. There are
- * as many modes as pivoted QR uses for this number of rows. Therefore rows from pivoted QR that are
- * given again by --rows-from make a bit-identical model. */
+/* Computes the PODs and copies the given rows. The PODs have as many modes as pivoted QR uses for
+ * this number of rows, and at least as many as the weights need, one for each unknown. If
+ * --rows-from gives rows from pivoted QR again, the model is therefore bit-identical. */
 static ehd_status use_given_rows(row_choice *choice, pod_basis pods[2], selection_bases *bases,
                                  const residual_snapshots *snapshots, const reduced_basis *basis,
                                  const given_rows *given, ehd_error *error) {

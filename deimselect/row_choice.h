@@ -52,13 +52,13 @@ size_t row_choice_num_modes(const reduced_basis *basis, const row_settings *sett
  * grid] numbers of rows before the exit on each line. Returns NULL without memory. */
 size_t *row_choice_exits(size_t *num_exits, const reduced_basis *basis); // free()
 
-/* Selects rows: computes the PODs of both snapshot sets, the rows by the method or the given ones,
- * their weights, and the control rows. Measures the smallest singular values of the bases sampled
- * at the rows: with all rows, and for each training state with the rows before its exit, because
- * rows behind the exit have no effect. This uses as many leading modes as the basis has pressure
- * modes. EHD_DATA: fewer rows than pressure modes, more rows or control rows than the snapshots
- * support, or a stability that the method does not reach. Other errors: EHD_MEMORY,
- * EHD_INTERNAL. */
+/* Selects rows: computes the PODs of both snapshot sets, selects rows by the method or copies the
+ * given ones, and computes their weights and the control rows. Measures the smallest singular
+ * values of the bases sampled at the rows: with all rows, and for each training state with the rows
+ * before its exit, because rows behind the exit have no effect. The measurement uses as many
+ * leading modes as the basis has pressure modes. EHD_DATA: fewer rows than pressure modes, more
+ * rows or control rows than the snapshots support, or a stability that the method does not reach.
+ * Other errors: EHD_MEMORY, EHD_INTERNAL. */
 ehd_status row_choice_make(
     // output:
     row_choice *choice, // free with row_choice_free

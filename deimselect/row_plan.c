@@ -63,7 +63,7 @@ static ehd_status measure(row_sizes *sizes, const residual_snapshots *snapshots,
 
 /* Returns the memory of small matrices: systems of the joint greedy method that grow with the rows,
  * the modes at the rows, and their decompositions. Two rows for each mode are assumed. If a method
- * selects more, these matrices are still small beside fields. */
+ * selects more, these matrices still take little memory compared with fields. */
 static double small_bytes(double modes) {
     return 8 * 16 * modes * modes;
 }

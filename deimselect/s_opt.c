@@ -7,8 +7,8 @@
  *
  * which is 1 if the sampled columns A_j are orthogonal. Each step selects the row with the largest
  * product of S over both bases. A new row r multiplies the determinant by 1 + r^T (A^T A)^-1 r and
- * adds r_j^2 to |A_j|^2. The gains r^T (A^T A)^-1 r of all nodes are stored. They and the inverse
- * are kept up to date by rank-1 updates (Sherman and Morrison).
+ * adds r_j^2 to |A_j|^2. The gains r^T (A^T A)^-1 r of all nodes are stored. Rank-1 updates
+ * (Sherman and Morrison) keep these gains and the inverse up to date.
  * Called by row_choice.c for --method sopt. */
 #include "common/algebra/lapack.h"
 #include "deimselect/selection.h"
@@ -20,10 +20,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Ridge that is added to A^T A (modes of unit norm), which is singular with fewer rows than modes.
- * Ridges from 1e-14 to 1e-6 select the same rows (examples: 56 modes of a line contact, 24 of a
- * point contact). With a smaller ridge, round-off selects rows or the factorisation fails. A larger
- * ridge affects the selection (bench_selection.c; test_selection.c, s_opt_starts_with_pivots). */
+/* Ridge that is added to A^T A, for modes of unit norm. A^T A is singular with fewer rows than
+ * modes. Ridges from 1e-14 to 1e-6 select the same rows (examples: 56 modes of a line contact, 24
+ * of a point contact). With a smaller ridge, round-off selects rows or the factorisation fails. A
+ * larger ridge affects the selection (bench_selection.c; test_selection.c,
+ * s_opt_starts_with_pivots). */
 static const double RIDGE = 1e-10;
 
 enum { BLOCK = 512 }; // nodes in a block of scan_modes
@@ -161,7 +162,7 @@ static void add_objective(double *objective, const sampled_basis *self) {
             log((1 + fmax(self->gain[i], 0)) / self->growth[i]) / (double)(2 * self->num_modes);
 }
 
-/* Returns the node not yet selected with the largest objective, the first one of equal nodes. */
+/* Returns the unselected node with the largest objective. Of equal nodes, returns the first. */
 static size_t best_row(const double *objective, const bool *selected, size_t num_nodes) {
     size_t row = num_nodes;
 

@@ -24,8 +24,8 @@ typedef struct selection_bases {
                          // nodes behind it have no effect
 } selection_bases;
 
-/* Selects num_rows distinct rows. Their order is such that the first rows, for any smaller number,
- * are a selection as well. Errors: EHD_DATA (the method cannot select so many rows), EHD_MEMORY,
+/* Selects num_rows distinct rows, in an order in which the first k rows, for any smaller k, are a
+ * selection as well. Errors: EHD_DATA (the method cannot select so many rows), EHD_MEMORY,
  * EHD_INTERNAL (LAPACK). */
 typedef ehd_status selection_function(
     // output:

@@ -53,7 +53,7 @@ static bool is_before(const exit_block *block, const row_stability *self, size_t
     return node % self->width < block->num_before[node / self->width];
 }
 
-/* Updates the Gram matrix of the modes over the nodes before exit `from` to the one over the nodes
+/* Changes a Gram matrix of the modes over the nodes before exit `from` to the matrix over the nodes
  * before exit `to`. */
 static void move_gram(double *gram, const row_stability *self, const double *modes,
                       size_t num_modes, const size_t *from, const size_t *to) {
@@ -68,8 +68,8 @@ static void move_gram(double *gram, const row_stability *self, const double *mod
 }
 
 /* Computes resolved = U / sqrt(lambda) from the Gram matrix U lambda U^T of the modes over the
- * nodes before the exit. `running_gram`: in, this matrix over the nodes before `from`; out, over
- * the nodes before the exit. */
+ * nodes before the exit. `running_gram` is this matrix, on entry over the nodes before `from`, on
+ * return over the nodes before the exit. */
 static ehd_status block_fill(exit_block *block, row_stability *self, double *running_gram,
                              const size_t *from, const double *modes, const size_t *num_before,
                              ehd_error *error) {

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Computes the stability of the selected rows when the exit removes some of them, updated row by
- * row (README.md, Stability). Called by exits.c for each row, and by row_choice.c.
+/* Computes the stability of the selected rows if the exit removes some of them, and updates it for
+ * each new row (README.md, Stability). Called by exits.c for each row, and by row_choice.c.
  *
- * Directions that even all rows before an exit determine badly cannot be determined by a
- * selection. At the worst exit of the lower loaded region, all rows have a smallest singular
- * value of 1.3e-4. The modes are therefore made orthonormal over the rows before each exit. All
- * rows then have the value 1, and the value of a selection is relative to that. Without an exit,
- * it is the smallest singular value of the modes sampled at the rows. The exits of the bases
- * must outlive the object. */
+ * If even all rows before an exit determine a direction badly, no selection can determine it. At
+ * the worst exit of the region of lower load, the smallest singular value of all rows is 1.3e-4.
+ * The modes are therefore made orthonormal over the rows before each exit. All rows then have the
+ * value 1, and the value of a selection is relative to that. Without an exit, the value is the
+ * smallest singular value of the modes sampled at the rows. The exits of the bases must outlive the
+ * object. */
 #ifndef EHD_STABILITY_H
 #define EHD_STABILITY_H
 
@@ -17,7 +17,7 @@ typedef struct row_stability row_stability;
 
 /* Creates the object for the leading modes of the bases, over the rows before each exit and over
  * all nodes, without selected rows. Directions of the modes that nearly vanish before an exit are
- * omitted there. Errors: EHD_MEMORY, EHD_INTERNAL (LAPACK). */
+ * omitted for this exit. Errors: EHD_MEMORY, EHD_INTERNAL (LAPACK). */
 ehd_status row_stability_create(
     // output:
     row_stability **self, // free with row_stability_free
@@ -28,12 +28,12 @@ row_stability *row_stability_free(row_stability *self); // accepts and returns N
 /* Returns the memory of a row_stability, bytes. */
 double row_stability_bytes(size_t num_leading, size_t num_exits);
 
-/* Adds a row to the selection. This decreases the smallest singular value at no exit. */
+/* Adds a row to the selection. An added row decreases the smallest singular value at no exit. */
 void row_stability_add(row_stability *self, size_t row);
 
 /* Computes the smallest singular value over all exits and both bases. It is zero if too few rows
- * lie before an exit. *best_row is the row not yet selected with the largest entry in the direction
- * that is determined worst at the worst exit. Errors: EHD_MEMORY, EHD_INTERNAL. */
+ * lie before an exit. *best_row is, of all unselected rows, the one with the largest entry in the
+ * direction that is determined worst at the worst exit. Errors: EHD_MEMORY, EHD_INTERNAL. */
 ehd_status row_stability_worst(
     // output:
     double *sigma_min,
