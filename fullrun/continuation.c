@@ -8,18 +8,18 @@
 #include <math.h>
 #include <string.h>
 
-/* Ratio of the central film of the start to that of the film formula. Newton's iteration corrects
+/* Central film of the start, divided by the film of the film formula. Newton's iteration corrects
  * too thick a film in a few steps. It drives too thin a film to zero at the edges of the contact.
  * With ratios of 1.5, 2, 4 and 10 all of 24 cold starts at the corners of M and L converge, in 760,
  * 731, 765 and 820 steps. With a ratio of 1 eight of them fail (test_continuation.c,
  * extremes_converge). */
 static const double START_FILM = 2;
 
-/* Smallest stride of a continuation, as a part of the whole way. Of 89 cold starts by continuation
- * (M 0.5 to 1000, L 0 to 50, line and point contacts of three laws) 43 converge, with strides of
- * 1/8 or more. In the other starts the film falls to zero on their grid. The number of solutions
- * before such a start is given up grows with the logarithm of this stride (test_continuation.c,
- * far_start_is_given_up_early). */
+/* Smallest stride of a continuation, as a fraction of the whole way. Of 89 cold starts by
+ * continuation (M 0.5 to 1000, L 0 to 50, line and point contacts of three laws) 43 converge, with
+ * strides of 1/8 or more. In the other starts the film falls to zero on their grid. The solver
+ * gives such a start up after a number of solutions that grows with the logarithm of this stride
+ * (test_continuation.c, far_start_is_given_up_early). */
 static const double MIN_STRIDE = 1. / 256;
 
 /* Ends the pressurised zone of the dry contact at a node. On a point contact only this
@@ -157,8 +157,8 @@ static ehd_status solve_from_dry(full_info *info, full_state *state, full_solver
 }
 
 /* Solves a contact by continuation from a fluid that is hardly thinned. The thinned flow grows
- * exponentially with the pressure gradient, which is so large in a dry contact that Newton does not
- * converge from there. */
+ * exponentially with the pressure gradient. In a dry contact this gradient is so large that Newton
+ * does not converge from the dry contact. */
 static ehd_status solve_by_thinning(full_info *info, full_state *state, full_solver *solver,
                                     const ehd_contact *contact, ehd_error *error) {
     ehd_contact hardly = *contact;
@@ -241,7 +241,7 @@ static ehd_status start_coarse(bool *started, full_state *state, full_solver *so
 
 ehd_status full_solve_cold(full_info *info, full_state *state, full_solver *solver,
                            const ehd_contact *contact, ehd_error *error) {
-    // largest number of inner nodes along X for which no coarser grid is solved, since it would not
+    // largest number of inner nodes along X on the coarsest grid. A still coarser grid would not
     // resolve the film. Still coarser grids save no iterations on 1201 nodes of a line contact or
     // 128 cells of a point contact
     const size_t coarsest = contact->kind->dimensions > 1 ? 60 : 500;

@@ -9,8 +9,8 @@
 
 #include "fullrun/full_solver.h"
 
-/* Sets the state to the dry contact: Hertz pressure, and its film, shifted to `central_film` at X =
- * 0. */
+/* Sets the state to the dry contact: the Hertz pressure and the film of this pressure, which is
+ * shifted to `central_film` at X = 0. */
 void full_start_dry(
     // output:
     full_state *state,

@@ -29,7 +29,7 @@ static void print_head(const film_formula *formula) {
 }
 
 /* Prints the range of b/a for which a formula was made, if it is known, and whether this contact is
- * outside of it. */
+ * outside of this range. */
 static void print_range(const film_formula *formula, double ellipticity) {
     const double min = formula->min_ellipticity, max = formula->max_ellipticity;
 
@@ -105,7 +105,7 @@ static int compare_deviations(const void *left, const void *right) {
 }
 
 /* Returns the deviation that is not exceeded during the fraction `quantile` of the time. `values`
- * ascend. */
+ * are in ascending order. */
 static double quantile_in_time(const weighted *values, size_t count, double quantile) {
     double total = 0, sum = 0;
     size_t i = 0;
@@ -133,7 +133,7 @@ static void print_deviations(weighted *deviations, size_t count) {
 }
 
 /* Returns the contact at a stored time, taken as stationary, and the film scale of its frame. The
- * load is that of the result, because it is computed if the approach is given. */
+ * load is that of the result, because a scene may give the approach instead of the load. */
 static ehd_contact contact_at(double *film_scale, const time_series *series, size_t i,
                               const ehd_histories *histories, const ehd_contact *reference) {
     double values[NUM_VARY];

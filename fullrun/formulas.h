@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Prints published film formulas beside the solution of a contact, a line each
+/* Prints published film formulas beside the solution of a contact, one line for each
  * (common/physics/README.md, Film formulas).
  * Called by main.c for --formulas. */
 #ifndef EHD_FORMULAS_H
@@ -19,8 +19,8 @@ void formulas_print(const contact_scalars *solution, const ehd_contact *contact)
  * nothing for other laws. */
 void formulas_print_traction(const contact_traction *solution, const ehd_contact *contact);
 
-/* Prints how far the film formulas are off a finished transient result: the largest deviation, the
- * 95 % quantile and the median over time. The contact of each time is taken as stationary. With
+/* Prints the deviation of the film formulas from a finished transient result: the largest value,
+ * the 95 % quantile and the median over time. The contact of each time is taken as stationary. With
  * Eyring's law it compares the friction coefficient as well, and prints the traction curve of the
  * first time.
  * Errors: EHD_MEMORY, those of reading the result and the histories. */

@@ -180,15 +180,15 @@ static double reference_approach(const full_march *self, const full_state *state
     return frame_to_reference(&scalars, frame, &self->reference).rigid_approach;
 }
 
-/* Continues from the solution of a given load to that of a given approach. The frame is adapted to
- * the resulting load. */
+/* Continues from the solution of a given load to the solution of a given approach. The frame is
+ * adapted to the resulting load. */
 static ehd_status continue_to_approach(full_info *info, full_march *self, contact_frame *frame,
                                        ehd_error *error) {
-    // Smallest stride, as a part of the whole way, and relative tolerance of the load, which is
-    // that of Newton. Of 120 approaches (line and point contacts, M 5 to 100, L 0 to 10, H0 from -6
-    // to 2) 73 are reached, with strides of 1/128 or more. At most of the others the bodies
-    // separate. An approach is given up after about 30 solutions (test_full_march.c,
-    // start_from_an_approach_far_away).
+    // Smallest stride, as a fraction of the whole way, and relative tolerance of the load, which
+    // equals Newton's tolerance. Of 120 approaches (line and point contacts, M 5 to 100, L 0 to 10,
+    // H0 from -6 to 2) 73 are reached, with strides of 1/128 or more. At most of the other
+    // approaches the bodies separate. An approach is given up after about 30 solutions
+    // (test_full_march.c, start_from_an_approach_far_away).
     const double min_stride = 1. / 1024, settled = 1e-8;
     const double wanted = frame->approach;
     full_state *state = &state_before(self, 0)->state, *last = &state_before(self, 1)->state;
@@ -224,8 +224,8 @@ static ehd_status continue_to_approach(full_info *info, full_march *self, contac
     return status;
 }
 
-/* Estimates the error of the central film from the length of the inlet, unless the load is
- * negligible. If the inlet is too short, the outcome is not to be trusted. */
+/* Estimates the error of the central film that a short inlet causes, unless the load is negligible.
+ * If the inlet is too short, the outcome is not to be trusted. */
 static void judge_inlet(march_step *outcome, const ehd_contact *contact, bool backwards) {
     if (outcome->status == EHD_NOT_CONVERGED || outcome->frame.load <= frame_negligible_load)
         return;
@@ -247,9 +247,9 @@ static void judge_start(full_info *info, full_march *self, const previous_state 
     if (info->status) info->reason = self->reason;
 }
 
-/* Computes d/dX of rho H at the inner nodes, discretised as in the Reynolds rows: it is the
- * residual of the rows at unit entrainment without pressure flow. If the entrainment is towards
- * smaller X, the stencils are reversed. EHD_MEMORY. */
+/* Computes d/dX of rho H at the inner nodes, discretised as in the Reynolds rows. This derivative
+ * is the residual of the rows at unit entrainment without pressure flow. If the entrainment is
+ * towards smaller X, the stencils are reversed. EHD_MEMORY. */
 static ehd_status entrain(double *entrained, const previous_state *state,
                           const ehd_contact *reference, ehd_error *error) {
     const ehd_grid *grid = &reference->grid;
@@ -276,8 +276,8 @@ static ehd_status entrain(double *entrained, const previous_state *state,
     return EHD_OK;
 }
 
-/* Uses the base, which must be set: of previous states only the difference from the base is carried
- * along the path, as long as no entrainment reverses. EHD_MEMORY. */
+/* Uses the base, which must be set. Only the difference of previous states from the base is carried
+ * along the path, until an entrainment reverses. EHD_MEMORY. */
 static ehd_status use_base(void *solver, ehd_error *error) {
     full_march *self = solver;
     previous_state *base = &self->states[BDF_BASE];
@@ -287,8 +287,8 @@ static ehd_status use_base(void *solver, ehd_error *error) {
     return entrain(self->entrained, base, &self->reference, error);
 }
 
-/* Adds a part of the heights of a surface at rest to the gap of the start. A moving surface has not
- * entered the contact yet (surface_check_start). */
+/* Adds the fraction `part` of the heights of a surface at rest to the gap of the start. A moving
+ * surface has not entered the contact yet (surface_check_start). */
 static void place_start_surface(full_march *self, const contact_frame *frame, double part) {
     const ehd_surface *surface = self->reference.surface;
     const ehd_grid *grid = &self->reference.grid;
@@ -302,11 +302,11 @@ static void place_start_surface(full_march *self, const contact_frame *frame, do
     full_solver_set_surface(self->solver, rests ? self->surface : NULL);
 }
 
-/* Continues from the start with smooth surfaces to the start with a surface at rest, by parts of
- * its heights. If the approach is given, the frame is adapted to the load. */
+/* Continues from the start with smooth surfaces to the start with a surface at rest, whose heights
+ * grow in steps. If the approach is given, the frame is adapted to the load. */
 static ehd_status add_surface(full_info *info, full_march *self, contact_frame *frame,
                               ehd_error *error) {
-    // Smallest stride, as a part of the heights, and relative tolerance of the load, as in
+    // Smallest stride, as a fraction of the heights, and relative tolerance of the load, as in
     // continue_to_approach (test_surface.c, one_at_rest_is_part_of_the_start).
     const double min_stride = 1. / 128, settled = 1e-8;
     full_state *state = &state_before(self, 0)->state, *last = &state_before(self, 1)->state;
@@ -442,7 +442,7 @@ static ehd_status start(march_step *outcome, void *solver, const contact_frame *
 // ---- a step
 
 /* Extrapolates pressure and approach in time, each state in its own frame. The pressurised zone
- * stays that of the last state. */
+ * remains the zone of the last state. */
 static void predict(full_march *self) {
     const bdf_formula *formula = &self->bdf.formula;
     full_state *state = &state_before(self, 0)->state;
@@ -498,8 +498,8 @@ static void dilate(bool *noisy, size_t count, size_t stride, size_t margin) {
     }
 }
 
-/* Marks the nodes at or near which a state of this step has no pressure. There the film is not
- * smooth in time on the scale of the grid. */
+/* Marks the nodes at or near which a state of this step has no pressure. Near such nodes the film
+ * is not smooth in time on the scale of the grid. */
 static void mark_noisy(void *solver) {
     full_march *self = solver;
     const full_state *state = &state_before(self, 0)->state;
@@ -535,16 +535,16 @@ static double missed_mass(const full_march *self, size_t r) {
 }
 
 /* Returns the largest sum of local errors that a film accumulates in the dry contact, from any
- * place on to the centre, without the factor of the BDF formula. It is the error of rho H at the
+ * place to the centre, without the factor of the BDF formula. The sum is the error of rho H at the
  * centre if all steps are like this one.
  * - Errors are added along the grid lines, from the side of the inlet. Errors of opposite sign
  *   cancel, and so do errors that pass a node without staying in the film.
- * - Upstream of the dry contact the pressure determines the film. Errors fifty times as large do no
- *   harm there.
- * - The film accumulates errors for as long as its path takes, at most a unit of T for a half
+ * - Upstream of the dry contact the pressure determines the film. There, even errors fifty times as
+ *   large do no harm.
+ * - The film accumulates errors while it moves along its path, at most for one unit of T per half
  *   width.
- * - In steps shorter than frame_shortest_step the sum is divided by the length of that step,
- *   since noise does not shrink further. */
+ * - In steps shorter than frame_shortest_step the sum is divided by frame_shortest_step, since
+ *   noise does not shrink further. */
 static double error_on_the_way(void *solver) {
     full_march *self = solver;
     const ehd_grid *grid = &self->reference.grid;
@@ -574,8 +574,8 @@ static double error_on_the_way(void *solver) {
 
 // ---- effects of the steps on the films
 
-/* Sets `errors` to the errors of the last accepted film, plus the change of this film by this
- * step's share of the filter. */
+/* Sets `errors` to the errors of the last accepted film, plus the change of this film by the
+ * fraction of the filter that this step applies. */
 static void add_filter_errors(double *errors, full_march *self) {
     const previous_state *last = state_before(self, 1);
     const size_t num_nodes = self->reference.grid.num_nodes;
@@ -589,12 +589,12 @@ static void add_filter_errors(double *errors, full_march *self) {
                          mass_at(&last->state, &contact, k);
 }
 
-/* Accumulates the errors of the last attempt's film: those of the last film, carried along with the
- * fluid, and the local errors of this step. A film keeps the errors that arise in the dry contact
- * before the centre. Upstream of the dry contact, and around spike and constriction, the pressure
- * determines the film anew. With errors from there the effect on the minimum film of M = 20, L = 5
- * would be estimated at 18 % instead of 1.9 %. Through its rate, BDF2 enlarges errors that each
- * step adds to 3/2 times their size. */
+/* Accumulates the errors of the last attempt's film: the errors of the last film, carried along
+ * with the fluid, and the local errors of this step. A film keeps the errors that arise in the dry
+ * contact before the centre. Upstream of the dry contact, and around spike and constriction, the
+ * pressure determines the film anew. With errors from these places the effect on the minimum film
+ * of M = 20, L = 5 would be estimated at 18 % instead of 1.9 %. The rate of BDF2 makes the errors
+ * that each step adds 3/2 times as large. */
 static void take_up_errors(full_march *self, const contact_frame *frame) {
     const ehd_grid *grid = &self->reference.grid;
     const bdf_formula *formula = &self->bdf.formula;
@@ -648,7 +648,8 @@ static bool is_cut(const full_state *state, const ehd_grid *grid, bool backwards
     return false;
 }
 
-/* Returns the part of the load that a second zone of pressure lacks because the domain ends. */
+/* Returns the fraction of the load that the end of the domain cuts off from a second zone of
+ * pressure. */
 static double cut_load(full_march *self, bool backwards) {
     const ehd_grid *grid = &self->reference.grid;
     const double end = backwards ? -grid->x_min : grid_x(grid, grid->inner_x);

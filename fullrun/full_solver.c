@@ -35,7 +35,7 @@ struct full_solver {
     double *of_part;            // [parts of num_nodes] sum or maximum of each part
     double *step;               // [num_nodes] change of P in a Newton step
     double step_approach;       // change of H0 in it
-    double *step_film;  // [num_nodes] change of the deflection, if the exit is within a node
+    double *step_film;  // [num_nodes] change of the deflection, if the exit is within a cell
     double step_offset; // move of this exit, in steps of the grid
     step_base base;
     contact_closure closure; // for the current state, includes the load beyond the grid
@@ -49,7 +49,7 @@ struct full_solver {
     size_t num_unknowns;     // as in full_system
     size_t *unknown, *index; // [num_nodes]
     reynolds_fluid fluid;    // views of fluid_memory
-    exit_cell cell;          // cell of an exit within a node
+    exit_cell cell;          // cell that contains the exit
     arena memory;            // of all arrays
 };
 
@@ -259,9 +259,9 @@ void full_solver_set_surface(full_solver *self, const double *heights) {
 
 // ---- rows
 
-/* Returns the sum of the pressures of a large grid. The round-off of each addition is corrected
- * in the next one (W. Kahan, Comm. ACM 8, 1965). Otherwise the sum would be 1e-10 off on 1025 by
- * 513 nodes, which is Newton's tolerance. */
+/* Returns the sum of the pressures of a large grid. The round-off of each addition is corrected in
+ * the next one (W. Kahan, Comm. ACM 8, 1965). Without the correction, the error of the sum on 1025
+ * by 513 nodes would be 1e-10, Newton's tolerance. */
 static double compensated_sum(const full_state *state, const ehd_grid *grid) {
     double sum = 0, lost = 0;
 
@@ -273,8 +273,8 @@ static double compensated_sum(const full_state *state, const ehd_grid *grid) {
     return sum;
 }
 
-/* Returns the residual of the closure, scaled such that the entries of the load row are 1 (2 off a
- * mirror line). */
+/* Returns the residual of the closure equation, scaled such that the entries of its row are 1 (2
+ * off a mirror line). */
 static double closure_residual(const full_solver *self, const full_state *state) {
     const contact_closure *closure = &self->closure;
     const ehd_grid *grid = &self->grid;
@@ -322,8 +322,8 @@ static void evaluate_some_rows(void *context, const team_part *part) {
                   &self->fluid, self->pressure, task->state->film);
 }
 
-/* Evaluates film, fluid and all Reynolds rows at the state. If the exit is within a node, evaluates
- * its cell as well, which replaces the row of the node. */
+/* Evaluates film, fluid and all Reynolds rows at the state. If the exit lies within the cell of a
+ * node, evaluates this cell as well; its row replaces the row of the node. */
 static void evaluate_rows(full_solver *self, const ehd_contact *contact,
                           const reynolds_squeeze *squeeze, full_state *state) {
     const size_t num_nodes = self->grid.num_nodes, part = self->part;
@@ -383,7 +383,8 @@ static void scale_some_rows(void *context, const team_part *part) {
     self->of_part[part->number] = largest;
 }
 
-/* Scales the rows and returns the largest scaled residual of passive rows and closure. */
+/* Scales the rows. Returns the largest scaled residual of the closure and of rows at nodes with
+ * pressure. */
 static double scale_rows(full_solver *self, full_state *state) {
     const size_t num_rows = self->grid.num_inner, part = self->part;
     evaluation task = {.solver = self, .state = state};
@@ -443,19 +444,20 @@ static double multiplier_at(void *context, size_t node) {
     return scaled_multiplier(query->solver, node);
 }
 
-// ---- exit within a node
+// ---- exit within the cell of a node
 
-/* Checks whether the exit may lie within a node. The film must be known at two nodes behind it. */
+/* Checks whether the exit may lie within the cell of a node. The film must be known at two nodes
+ * behind the exit. */
 static bool can_divide_node(const full_state *state, const ehd_grid *grid) {
     return state->exit + 1 < grid->num_nodes;
 }
 
-// Scaled residual below which the solver places the exit within its node (README.md, Exit
-// boundary; test_full_solver.c, pressure_holds_the_exit).
+// Scaled residual below which the solver places the exit within the cell of its node (README.md,
+// Exit boundary; test_full_solver.c, pressure_holds_the_exit).
 static const double NEAR_SOLUTION = 0.01;
 
-/* Near the solution, places the exit within its node from the pressure there. The state's rows
- * must be evaluated. Returns whether the state has changed. */
+/* Near the solution, computes the place of the exit within the cell of its node from the pressure
+ * at this node. The state's rows must be evaluated. Returns whether the state has changed. */
 static bool divide_node(full_solver *self, double entrainment, full_state *state, double residual) {
     if (!isnan(state->exit_offset) || !(residual < NEAR_SOLUTION) ||
         !can_divide_node(state, &self->grid))
@@ -495,8 +497,8 @@ static void move_exit(full_state *state, const ehd_grid *grid, double change) {
 
 // ---- exit at a node
 
-/* Returns the next exit node of a stationary line contact, found from its flux. Negative pressures
- * are considered only behind the centre of the contact. */
+/* Returns the next exit node of a stationary line contact, found from the flux through the contact.
+ * Negative pressures are considered only behind the centre of the contact. */
 static size_t adapt_exit(const full_solver *self, const full_state *state, double entrainment) {
     const ehd_grid *grid = &self->grid;
     const double noise = 0.1 * self->settings.tolerance;
@@ -543,9 +545,9 @@ static bool exit_cycles(exit_watch *watch, size_t next) {
 static const double MAX_FORCING = 0.01;
 
 /* Returns the relative tolerance of the linear system in an inexact Newton step (Eisenstat and
- * Walker, SIAM J. Sci. Comput. 17, 1996). It is loose far from the solution, and at the end as
- * tight as Newton's tolerance needs. On a line contact, where a system costs little, it is always
- * linear_tolerance. */
+ * Walker, SIAM J. Sci. Comput. 17, 1996). The tolerance is loose far from the solution, and at the
+ * end as tight as Newton's tolerance needs. On a line contact a system costs little, and the
+ * tolerance is always linear_tolerance. */
 static double linear_tolerance(const full_solver *self, double residual) {
     const full_settings *settings = &self->settings;
 
@@ -590,8 +592,8 @@ static ehd_status find_step(full_info *info, const full_state *state, full_solve
     return EHD_OK;
 }
 
-/* Sets the state to `base` plus a part of the step and evaluates its rows. They keep
- * the scales of the base. */
+/* Sets the state to `base` plus a part of the step and evaluates its rows. The rows keep the scales
+ * of the base. */
 static void move(full_solver *self, const ehd_contact *contact, const reynolds_squeeze *squeeze,
                  full_state *state, double part) {
     const step_base *base = &self->base;
@@ -621,8 +623,8 @@ static void square_some_rows(void *context, const team_part *part) {
     self->of_part[part->number] = sum;
 }
 
-/* Returns the square sum of the scaled residuals of passive rows and closure. A short enough part
- * of a Newton step reduces it. */
+/* Returns the square sum of the scaled residuals of the closure and of rows at nodes with pressure.
+ * A short enough part of a Newton step reduces this sum. */
 static double merit(full_solver *self, full_state *state) {
     const size_t num_rows = self->grid.num_inner, part = self->part;
     evaluation task = {.solver = self, .state = state};
@@ -652,15 +654,15 @@ static const int MAX_HALVINGS = 10;
 
 /* Square sum of the scaled residuals below which a step need not reduce them. The first steps from
  * a neighbour's solution may increase the residuals. With 1e-2 the region of lower load
- * (scenes/studies/stationary-line), on a grid of step 0.01, takes 837 iterations from neighbours.
- * If each Newton step must reduce the residuals, it takes 1884 (README.md, Newton). */
+ * (scenes/studies/stationary-line), on a grid of step 0.01, takes 837 iterations with starts from
+ * neighbours. If each Newton step must reduce the residuals, it takes 1884 (README.md, Newton). */
 static const double SMALL_RESIDUALS = 1e-2;
 
 /* Takes a Newton step, halved until the film is positive and the residuals are smaller than the
  * largest so far. A search that is not monotone is needed, since the first steps from too thick a
  * film increase the residuals (L. Grippo, F. Lampariello, S. Lucidi, SIAM J. Numer. Anal. 23,
- * 1986). The shortest step is taken with any residuals if its film is positive. EHD_NOT_CONVERGED,
- * with info->reason: there is no step. */
+ * 1986). The shortest step is taken if its film is positive, even if residuals grow.
+ * EHD_NOT_CONVERGED, with info->reason: there is no step. */
 static ehd_status take_step(full_info *info, full_state *state, full_solver *self,
                             const ehd_contact *contact, const reynolds_squeeze *squeeze,
                             ehd_error *error) {
@@ -733,11 +735,11 @@ static bool mark_runs(full_solver *self, const full_state *state) {
 }
 
 /* Extends the pressure intervals of a line contact from the marked nodes, in both directions, until
- * the multipliers add up to zero. There the film without pressure carries the same flow as the end
- * of the interval. If intervals grew by one node per iteration, the roller that moves to and fro in
- * scenes/examples/line-in-time would take 4313 iterations instead of 2850. A second zone of
- * pressure grows by hundreds of nodes and would exceed the limit of iterations. On point contacts
- * this extension would take 4 % more iterations. */
+ * the multipliers add up to zero. At this place the film without pressure carries the same flow as
+ * the end of the interval. If intervals grew by one node per iteration, the roller that moves to
+ * and fro in scenes/examples/line-in-time would take 4313 iterations instead of 2850. A second zone
+ * of pressure grows by hundreds of nodes and would exceed the limit of iterations. On point
+ * contacts this extension would take 4 % more iterations. */
 static void grow_intervals(full_solver *self, const full_state *state) {
     const size_t num_rows = self->grid.num_inner;
     double sum[2] = {0, 0}; // multipliers from the marked nodes on, forwards and backwards
@@ -755,9 +757,9 @@ static void grow_intervals(full_solver *self, const full_state *state) {
 
 /* Sets the pressurised zone by a primal-dual active set: each node follows the sign of its pressure
  * or multiplier. Returns whether the zone has changed. Films that vary in time or flow around the
- * contact need this, because their flux is not one number and their zone may have any shape. No
- * limit on the changes of a node is needed. A limit of four changes would alter no march that was
- * measured, and one of 150 cold starts of point contacts. */
+ * contact need this method, because their flux is not one number and their zone may have any shape.
+ * No limit on the changes of a node is needed. A limit of four changes would alter none of the
+ * measured marches, and one cold start among 150 of point contacts. */
 static bool adapt_nodes(full_solver *self, full_state *state, double noise) {
     const ehd_grid *grid = &self->grid;
     size_t last = 0;
@@ -815,9 +817,9 @@ static void list_unknowns(full_solver *self, const full_state *state) {
 // (test_full_solver.c, rounding_ends_the_iteration).
 static const double MAX_ROUNDING = 1e-10;
 
-/* Returns the scaled residual that round-off may leave in the closure, whose entries are 1: some
- * units in the last place of the sum of pressures. It grows with the number of nodes, and exceeds
- * MAX_ROUNDING from 1400 nodes a side on. */
+/* Returns the scaled residual that round-off may leave in the closure equation. The entries of its
+ * row are 1, so the residual is some units in the last place of the sum of pressures. It grows with
+ * the number of nodes, and exceeds MAX_ROUNDING from 1400 nodes a side on. */
 static double rounding_left(const full_solver *self) {
     const double sum = fabs(self->closure.value) / grid_cell(&self->grid);
 
@@ -832,8 +834,9 @@ static bool is_solved(const full_solver *self, double residual, double last_resi
            residual > 0.5 * last_residual;
 }
 
-/* For a solution with exits at nodes, returns how far downstream of `last`, the last node of an
- * interval with pressure, the interval ends, in steps of the grid. NaN: at the next node. */
+/* Places an exit of a solution with exits at nodes. Returns its distance downstream of `last`, in
+ * steps of the grid. `last` is the last node of an interval with pressure. NaN: the exit is at the
+ * next node. */
 static double place_of_exit(const full_solver *self, double entrainment,
                             const reynolds_squeeze *squeeze, const full_state *state, size_t last,
                             bool backwards) {

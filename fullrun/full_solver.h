@@ -22,9 +22,9 @@ typedef struct full_state {
     double *film;     // [num_nodes]
     double rigid_approach;
     size_t exit; // node where the film ruptures, at most num_nodes - 1; no pressure from there on
-    // place of an exit within a node (common/physics/README.md, The exit within a node): its
-    // distance from the last node with pressure, exit - 1, in grid steps, 0 to 1; in time the value
-    // of exit_place. NaN: the exit is at a node, or its place is not known yet
+    // place of an exit within the cell of a node (common/physics/README.md, The exit within a
+    // node): its distance from the last node with pressure, exit - 1, in grid steps, 0 to 1; in
+    // time the value of exit_place. NaN: the exit is at a node, or its place is not known yet
     double exit_offset;
     // [num_nodes] whether a node before `exit` has no pressure. On a line contact such nodes exist
     // only in time, if the contact shrinks faster than it entrains fluid. On a point contact they
@@ -39,7 +39,8 @@ bool full_has_pressure(const full_state *state, size_t node);
 double full_exit_position(const full_state *state, const ehd_grid *grid);
 
 /* Checks whether the film, interpolated between the nodes around the lowest one, falls to zero. The
- * grid then does not resolve the film, and the minimum film of the scalars is that of a node. */
+ * grid then does not resolve the film, and the minimum film of the scalars is the lowest value at a
+ * node. */
 bool full_film_closes(const full_state *state, const ehd_grid *grid);
 
 /* Checks whether pressure reaches the downstream end of the grid. This is the end at larger X, or
@@ -50,7 +51,7 @@ typedef struct full_info {
     ehd_status status;        // EHD_OK or EHD_NOT_CONVERGED
     size_t newton_iterations; // on the contact's own grid, all stages of a continuation together
     size_t gmres_iterations;
-    double residual;        // largest scaled residual of passive rows and closure
+    double residual;        // largest scaled residual of closure and rows with pressure
     double complementarity; // violation of the exit conditions: max(-P), scaled max(-Lambda)
     double seconds;
     double seconds_rows, seconds_linear; // parts of `seconds`: rows and deflection; linear systems
@@ -148,9 +149,9 @@ ehd_status full_state_init(full_state *state, const ehd_grid *grid, ehd_error *e
 void full_state_free(full_state *state);
 /* Puts all inner nodes into the pressurised zone, a start for Newton if nothing is known. */
 void full_state_fill(full_state *state, const ehd_grid *grid);
-/* Sets the pressurised zone from the pressure: the nodes before `exit` of a line, the nodes with
- * a pressure other than zero of a point contact. full_solve finds the place of a line's exit
- * within a node from the pressure at the last node. */
+/* Sets the pressurised zone from the pressure: on a line contact the nodes before `exit`, on a
+ * point contact the nodes with a pressure other than zero. full_solve finds the place of a line's
+ * exit within the cell of a node from the pressure at the last node. */
 void full_state_set_zone(full_state *state, const ehd_grid *grid, size_t exit);
 void full_state_copy(full_state *target, const full_state *source, const ehd_grid *grid);
 
@@ -167,11 +168,11 @@ ehd_status full_solve(
     const reynolds_squeeze *squeeze, // NULL when stationary; its rows are the inner nodes
     ehd_error *error);
 
-/* Checks whether full_solve places the exit of a stationary contact within a node. */
+/* Checks whether full_solve places the exit of a stationary contact within the cell of a node. */
 bool full_exit_is_within_node(const full_solver *solver);
 
-/* Solves a stationary contact like full_solve, but with the exit at a node. The solution is a start
- * if Newton fails with the exit within a node. */
+/* Solves a stationary contact like full_solve, but with the exit at a node. This solution is a
+ * start if Newton fails with the exit within a cell. */
 ehd_status full_solve_nodal(full_info *info, full_state *state, full_solver *solver,
                             const ehd_contact *contact, ehd_error *error);
 
@@ -185,8 +186,8 @@ ehd_status full_solve_cold(full_info *info, full_state *state, full_solver *solv
 ehd_status full_solve_from(full_info *info, full_state *state, full_solver *solver,
                            const ehd_contact *contact, ehd_error *error);
 
-/* Lists X of the exits on each line, at nodes. Each interval with a positive pressure has one, at
- * its downstream end. The exit farthest downstream comes first; more than GRID_EXITS are not
+/* Lists X of the exits on each line, at nodes. Each interval with a positive pressure has one exit,
+ * at its downstream end. The exit farthest downstream comes first; more than GRID_EXITS are not
  * listed. */
 void full_list_exits(
     // output:

@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Solves the linear systems of Newton by GMRES. Rows and FFT give products with the exact
- * Jacobian. The preconditioner consists of UMFPACK's factors of a sparse Jacobian, in which the
- * shifted near field replaces the kernel (fullrun/README.md, Linear systems). In a step in
- * time, where Newton starts near the solution, the factors of its first system precondition the
- * others too. On large grids a cycle of multigrid replaces the factors (fullrun/README.md,
- * Large point contacts).
+/* Solves the linear systems of Newton by GMRES. Rows and FFT give products with the exact Jacobian.
+ * The preconditioner consists of UMFPACK's factors of a sparse Jacobian, in which the shifted near
+ * field replaces the kernel (fullrun/README.md, Linear systems). In a step in time, where Newton
+ * starts near the solution, the factors of the first system precondition the later systems of this
+ * step too. On large grids a cycle of multigrid replaces the factors (fullrun/README.md, Large
+ * point contacts).
  *
  * The sparse Jacobian is a band B, bordered by the column c of H0 and the closure's row. Only the
  * band is factorised, since with a full row UMFPACK's analysis takes O(n^2). The border follows
- * from w = B^-1 c. The shifted near field is positive definite (even, convex, falling to zero),
- * so that the band is not singular. */
+ * from w = B^-1 c. The shifted near field is positive definite (even, convex, falling to zero), so
+ * that the band is not singular. */
 #include "fullrun/gmres.h"
 
 #include "common/program/arena.h"
@@ -30,11 +30,11 @@
  * (test_gmres.c, vectors_suffice_for_a_fine_grid). */
 enum { MAX_ITERATIONS = 80 };
 
-/* Number of columns by which the rows of a multigrid cycle are first wider at each end. The entries
- * of these columns are then added to the end entries of the row. Without the columns, differences
- * along the line lack some of their nodes, and solutions of the line grow or fade downstream. GMRES
- * takes 109 iterations with 2 columns and 197 without them, for M = 200, L = 20 and 256 cells a
- * side (test_full_point.c, fine_grids_take_few_iterations). */
+/* Number of additional columns at each end of a row, when the rows of a multigrid cycle are first
+ * computed. The entries of these columns are then added to the end entries of the row. Without the
+ * columns, differences along the line lack some of their nodes, and solutions of the line grow or
+ * fade downstream. GMRES takes 109 iterations with 2 columns and 197 without them, for M = 200, L =
+ * 20 and 256 cells a side (test_full_point.c, fine_grids_take_few_iterations). */
 enum { CYCLE_WIDER = 2 };
 
 /* Factors of the band of one system. They may precondition the next systems of a Newton iteration
@@ -68,7 +68,7 @@ struct gmres_workspace {
     int *row_start; // [size + 1]
     int *column;    // [capacity]
     double *value;  // [capacity]
-    double *window; // [entries of a row] entries at the nodes around that of the row
+    double *window; // [entries of a row] entries at the nodes around the node of the row
     size_t capacity;
     double *solve_work; // [5 size]
     int *solve_index;   // [size]
@@ -219,10 +219,10 @@ static void apply_jacobian(double *y, const double *x, full_system *system) {
         system->closure_approach * x[num_passive] + system->closure_load * sum_of_parts(system);
 }
 
-/* Columns and lines around a row's node that have entries in the band. These are the ones of its
- * stencil; on a line contact, the near field is added. On a point contact wider rows cost more in
- * the factors than they save in iterations. For a multigrid cycle the rows are first `wider` by
- * some columns. */
+/* Columns and lines around a row's node that have entries in the band. They are the columns and
+ * lines of the stencil; on a line contact, the near field is added. On a point contact wider rows
+ * cost more in the factors than they save in iterations. For a multigrid cycle the rows are first
+ * `wider` by some columns. */
 typedef struct reach {
     ptrdiff_t first_column, last_column, first_line, last_line;
 } reach;
@@ -243,9 +243,9 @@ static reach reach_of(const ehd_grid *grid, size_t node, ptrdiff_t near_field, p
 }
 
 /* Adds by_film times the shifted near field of a line's cells at a node `apart` lines away. On a
- * wide ellipse the next line is farther away than the end of the near field along the line. It is
- * left out, because its entries would be negative. With them a cold start of b/a = 9.4 (81 by 49
- * nodes, M = 1429, L = 16) takes 960 iterations, without them 95. */
+ * wide ellipse the next line is farther away than the end of the near field along the line. That
+ * line is left out, because its entries would be negative. With these entries a cold start of b/a =
+ * 9.4 (81 by 49 nodes, M = 1429, L = 16) takes 960 iterations, without them 95. */
 static void add_near_line(double *window, const reach *at, double by_film, ptrdiff_t column,
                           ptrdiff_t apart, const full_system *system) {
     const ptrdiff_t m = (ptrdiff_t)system->near_field;
@@ -260,8 +260,8 @@ static void add_near_line(double *window, const reach *at, double by_film, ptrdi
         window[c - at->first_column] += by_film * (of_line[labs(c - column)] - far);
 }
 
-/* Computes the band's row of a node, in `window` by line and column, and its entry in the column of
- * H0. */
+/* Computes the row of a node in the band matrix: its entries by grid line and column in `window`,
+ * and its entry for H0 in `approach`. */
 static reach near_row(double *window, double *approach, const full_system *system, size_t row_node,
                       ptrdiff_t wider) {
     const ehd_grid *grid = system->grid;
@@ -298,7 +298,7 @@ static reach near_row(double *window, double *approach, const full_system *syste
     return at;
 }
 
-/* Lists the entries of unknowns in the band's row of a node. Returns their number. */
+/* Lists the entries of unknowns in the row of a node in the band matrix. Returns their number. */
 static int fill_near_row(int *column, double *value, double *approach, const full_system *system,
                          size_t row_node) {
     double *window = ((gmres_workspace *)system->workspace)->window;
@@ -516,7 +516,7 @@ static double own_entry(const full_system *system, size_t node) {
     return (row->by_pressure[NODE_HERE] + row->by_film[NODE_HERE] * kernel) * system->row_scale[r];
 }
 
-/* Copies x at the unknowns of the factors. It is zero at nodes that are no unknowns of this
+/* Copies x at the unknowns of the factors. The copy is zero at nodes that are no unknowns of this
  * system. */
 static void take_known(void *context, const team_part *part) {
     const vectors *task = context;
@@ -529,8 +529,8 @@ static void take_known(void *context, const team_part *part) {
     }
 }
 
-/* Subtracts the effect of the approach, `factor`, from the solution of the factors. At unknowns
- * that the factors lack, divides x by own_entry instead. */
+/* Subtracts the effect of the approach, `factor` times the border, from the solution of the
+ * factors. At unknowns that the factors lack, divides x by own_entry instead. */
 static void add_border(void *context, const team_part *part) {
     const vectors *task = context;
     const full_system *system = task->system;
@@ -546,9 +546,9 @@ static void add_border(void *context, const team_part *part) {
 }
 
 /* Computes y = [B c; closure]^-1 x with the factors, which may be those of an earlier system.
- * Unknowns that only the earlier system had are zero. A row of a new unknown has only its own
- * entry. The earlier system may have scaled its rows otherwise. To undo this would save no
- * iterations, with loads of +-10 and +-50 %. */
+ * Unknowns that only the earlier system had are zero. The row of a new unknown has only the entry
+ * at its own node. The rows of the earlier system may have another scaling. To undo this scaling
+ * would save no iterations, with loads of +-10 and +-50 %. */
 static void precondition(double *y, const double *x, full_system *system) {
     gmres_workspace *work = system->workspace;
     const near_factors *factors = &work->factors;

@@ -188,8 +188,8 @@ static double work_up_to(const ehd_grid *grid, const ehd_grid *finest) {
 }
 
 /* Returns the Newton iterations that a grid may still take. Below a scaled residual of 0.01, where
- * Newton converges quadratically, it returns three. Above it returns the number so far, or the
- * number still missing to eight if that is larger. */
+ * Newton converges quadratically, it returns three. Above 0.01 it returns the iterations so far or,
+ * if that is larger, the number still missing to eight. */
 static double iterations_left(double iterations, double residual) {
     return residual < 0.01 ? 3 : fmax(8 - iterations, iterations);
 }

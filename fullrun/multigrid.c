@@ -3,17 +3,17 @@
  * Applications, Springer 1985):
  * 1. Solves the odd lines, which do not touch one another, then the even ones.
  * 2. Carries the residual to a coarser grid of every other node and line, whose matrix is the
- *    Galerkin product, and solves there in the same way.
+ *    Galerkin product, and solves this grid in the same way.
  * 3. Carries the correction back, and solves the odd lines again, then the even ones.
  *
- * Where the entrainment carries fluid along the lines, their solutions are nearly the whole
- * solution. Where the pressure flow is large both ways, the coarser grids are needed. The stencil
- * is equally large on all grids. If the flow across the lines is much larger than along them, as
- * in a narrow ellipse, the coarser grid keeps all nodes of a line. Otherwise an error would
- * remain that varies from node to node along the lines and hardly across.
+ * Where the entrainment carries fluid along the lines, the solutions of single lines are nearly the
+ * whole solution. Where the pressure flow is large in both directions, the coarser grids are
+ * needed. The stencil has the same size on all grids. If the flow across the lines is much larger
+ * than along them, as in a narrow ellipse, the coarser grid keeps all nodes of a line. Otherwise an
+ * error would remain that varies from node to node along the lines and hardly across.
  *
- * The even lines, which the coarser grid has, come last. Then their residual is zero. The odd
- * lines need no correction, since they are solved first. */
+ * The even lines, which the coarser grid has too, are solved last. Their residual is then zero. The
+ * odd lines need no correction, since they are solved first. */
 #include "fullrun/multigrid.h"
 
 #include "common/program/arena.h"
@@ -24,13 +24,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* COARSEST: largest number of lines or of columns of the coarsest grid, which a band matrix solves.
- * The smaller number is at most COARSEST. With 4 the cycles converge too slowly (test_multigrid.c,
- * cycles_converge_on_any_grid). MAX_LEVELS: largest number of grids. */
+/* COARSEST: on the coarsest grid, which a band matrix solves, the smaller one of the numbers of
+ * lines and of columns is at most COARSEST. With 4 the cycles converge too slowly
+ * (test_multigrid.c, cycles_converge_on_any_grid). MAX_LEVELS: largest number of grids. */
 enum { COARSEST = 40, MAX_LEVELS = 20 };
 
 /* Factors L U of a line's matrix at a node: entries of L for two nodes and one node back, the
- * reciprocal of the diagonal of U, and its entry ahead. */
+ * reciprocal of the diagonal of U, and the entry of U ahead. */
 enum { BY_BACK2, BY_BACK, BY_HERE, BY_AHEAD, NUM_LINE_FACTORS };
 
 /* Approximate number of nodes in one part of the work that threads share. */
@@ -200,8 +200,8 @@ static void share_lines(multigrid *self, size_t lines, const level *size_of, tea
     team_share(self->threads, lines, size_of->lines_of_part, task, context);
 }
 
-/* Leaves in the rows only the entries between unknowns. Rows of other nodes become
- * those of the identity. */
+/* Leaves in the rows only the entries between unknowns. Rows of other nodes become rows of the
+ * identity. */
 static void clear_others(void *context, const team_part *part) {
     const level *self = ((lines_task *)context)->here;
 
@@ -220,8 +220,9 @@ static void clear_others(void *context, const team_part *part) {
         }
 }
 
-/* Adds an entry at a fine node to `row`, the row of coarse node (l, c): to the entries of the
- * coarse nodes that the fine node is interpolated from, with the weights of the interpolation. */
+/* Adds an entry at a fine node to `row`, the row of coarse node (l, c). The entry is divided among
+ * the coarse nodes from which the fine node is interpolated, by the weights of the
+ * interpolation. */
 static void add_interpolated(double *row, double entry, size_t fine_line, size_t fine_column,
                              size_t l, size_t c, const level *coarse) {
     const size_t stride = coarse->stride;
@@ -235,8 +236,8 @@ static void add_interpolated(double *row, double entry, size_t fine_line, size_t
         }
 }
 
-/* Returns the weight of a fine line's residual in that of coarse line l. At a mirror line the line
- * above also stands for the line below. */
+/* Returns the weight of a fine line's residual in the residual of coarse line l. At a mirror line
+ * the line above also stands for the line below. */
 static double weight_of_line(const level *fine, size_t l, size_t fine_line) {
     if (fine_line == 2 * l) return 1;
     return fine->mirrored && l == 0 ? 1 : 0.5;
@@ -356,7 +357,7 @@ bool multigrid_prepare(multigrid *self) {
 
 // ---- a cycle
 
-/* Subtracts from a line's `value` its rows' products with the solution on the line above
+/* Subtracts from `value` the products of a line's rows with the solution on the line above
  * (`above`) or below. */
 static void subtract_line(double *value, const level *self, size_t line, bool above) {
     const size_t width = self->columns;
@@ -439,7 +440,7 @@ static void find_rest(void *context, const team_part *part) {
     }
 }
 
-/* Carries the residual to the coarser grid. It is zero on all but the odd lines. */
+/* Carries the residual to the coarser grid. The residual is zero on all but the odd lines. */
 static void restrict_rest(void *context, const team_part *part) {
     const lines_task *task = context;
     const level *fine = task->here, *coarse = task->coarse;

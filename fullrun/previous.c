@@ -31,13 +31,13 @@ static spline **make_splines(size_t count, size_t num_nodes) {
 
 enum { POINTS = 6 }; // nodes of the interpolation beyond the grid
 
-/* Returns the grid with a margin around it: as wide as a contact grows under 2.25 times its load,
- * or as fluid moves within a few time steps. */
+/* Returns the grid with a margin around it. The margin covers the growth of a contact under 2.25
+ * times its load, or the movement of fluid within a few time steps. */
 static ehd_grid wide_grid(const ehd_grid *grid, size_t *margin, size_t *side) {
-    // Width of the margin over the largest |X| of the grid. Under 2.25 times the load the half
-    // width of a line grows by sqrt(2.25) - 1 = 0.5, the half width of a point by 0.31. With 0.05
-    // and more the films of scenes/examples/line-in-time do not change under a load that rises to
-    // 2.25 within T = 0.3.
+    // Width of the margin, divided by the largest |X| of the grid. Under 2.25 times the load the
+    // half width of a line grows by sqrt(2.25) - 1 = 0.5, the half width of a point by 0.31. With
+    // 0.05 and more the films of scenes/examples/line-in-time do not change under a load that rises
+    // to 2.25 within T = 0.3.
     const double growth = 0.5;
     const double x = fmax(fabs(grid_x(grid, 0)), fabs(grid_x(grid, grid->inner_x + 1)));
     const double y = grid->inner_lines > 1 ? grid_y(grid, grid->num_nodes - 1) : 0;
@@ -177,8 +177,8 @@ void previous_watch_base(previous_carrier *self, const contact_frame *frame) {
     if (is_reversed(self, frame)) self->base_until = fmin(self->base_until, frame->time);
 }
 
-/* Copies a field to carrier->values. With transport along the path, applies a share of the filter
- * to the difference from the base, or to the whole field if `base` is NULL. */
+/* Copies a field to carrier->values. With transport along the path, applies the fraction `share` of
+ * the filter to the difference from the base, or to the whole field if `base` is NULL. */
 static void set_values(previous_carrier *self, const double *field, const double *base,
                        double share) {
     const size_t width = grid_width(&self->reference.grid);
@@ -271,8 +271,8 @@ static void gather_column(previous_carrier *self, size_t i) {
     }
 }
 
-/* Interpolates a field at the inner nodes of the current frame, as far as their origins lie on
- * the state's grid. */
+/* Interpolates a field at those inner nodes of the current frame whose origins lie on the state's
+ * grid. */
 static void resample(double *inner, spline *const *splines, origin from, previous_carrier *self) {
     const ehd_grid *grid = &self->reference.grid;
 
@@ -290,7 +290,7 @@ static void resample(double *inner, spline *const *splines, origin from, previou
     }
 }
 
-/* Returns H0 and deflection at any point by the sum over the nodes. */
+/* Returns H0 plus deflection at any point, by a sum over the nodes. */
 static double deflection_at(const previous_state *self, const ehd_contact *reference, double x,
                             double y) {
     const ehd_grid *grid = &reference->grid;
@@ -335,9 +335,9 @@ static ptrdiff_t lagrange(double weight[POINTS], double place) {
     return (ptrdiff_t)below - (POINTS / 2 - 1);
 }
 
-/* Returns H0 and deflection at a point beyond the grid. Pressures are so far away that six points
+/* Returns H0 plus deflection at a point beyond the grid. Pressures are so far away that six points
  * of the wide grid give the film there to 1e-8 on steps of 0.19 (test_previous.c). Beyond the wide
- * grid it sums over the nodes, which takes a hundred times as long. */
+ * grid the function sums over the nodes, which takes a hundred times as long. */
 static double deflection_beyond(const previous_state *self, const previous_carrier *carrier,
                                 double x, double y) {
     const ehd_grid *wide = &carrier->wide;

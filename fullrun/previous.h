@@ -42,7 +42,7 @@ typedef struct previous_carrier {
     path_filter filter;         // of the difference from the start
     const previous_state *base; // the start, which is carried at fixed places; NULL: none yet
     double *base_film;          // [num_nodes] film of the base without a surface at rest
-    double base_until;          // T of the first reversal of the entrainment, which ends its use
+    double base_until;          // T at which the entrainment first reverses; the base's use ends
 } previous_carrier;
 
 /* Allocates the memory for states on the reference's grid. Free with previous_carrier_free.
@@ -59,10 +59,10 @@ void previous_free(previous_state *self);
 /* Returns the bytes of a carrier and of num_states states. */
 double previous_bytes(const ehd_contact *reference, size_t num_states);
 
-/* Sets the base. Only the difference of a state from the base is carried along the path
- * of the fluid; the rows carry the base (common/time/README.md, Along the path). The
- * caller keeps and prepares the base. `until` is the time T up to which it is used,
- * INFINITY if that is not known. */
+/* Sets the base. Only the difference of a state from the base is carried along the path of the
+ * fluid; the rows contain the base (common/time/README.md, Along the path). The caller keeps and
+ * prepares the base. `until` is the time T up to which it is used, INFINITY if that is not
+ * known. */
 void previous_set_base(previous_carrier *self, const previous_state *base, double until);
 
 /* Returns the base for a state in a frame, or NULL from the first reversal
@@ -77,7 +77,8 @@ void previous_watch_base(previous_carrier *self, const contact_frame *frame);
  * first. */
 void previous_prepare(previous_state *self, previous_carrier *carrier);
 
-/* Computes the splines of a prepared state again, with another share of the filter (0 … 1). */
+/* Computes the splines of a prepared state again, with the fraction `share` of the filter (0 …
+ * 1). */
 void previous_filter(previous_state *self, double share, previous_carrier *carrier);
 
 /* Interpolates rho H of a previous state at the inner nodes of frame `now`. With transport along

@@ -158,8 +158,8 @@ static size_t count_outlet(const central_line *line) {
 
 // ---- the step
 
-/* Returns the node of a grid at the place of an inner node of a coarse grid with `stride` times the
- * step, or NO_NODE if this place lies beside the grid. */
+/* Returns the node of a grid at the place of an inner node of a coarse grid, whose step is `stride`
+ * times as long. NO_NODE: this place lies beside the grid. */
 static size_t node_of_coarse(const ehd_grid *grid, const ehd_grid *coarse, size_t node,
                              size_t stride) {
     size_t column = node % grid_width(coarse), line = 0;
@@ -169,7 +169,8 @@ static size_t node_of_coarse(const ehd_grid *grid, const ehd_grid *coarse, size_
     return line < grid_lines(grid) ? line * grid_width(grid) + stride * (column - 1) + 1 : NO_NODE;
 }
 
-/* Sets a state on the coarse grid to the solution at every `stride`-th of its inner nodes. */
+/* Sets a state on the coarse grid to the solution at every `stride`-th inner node of the fine
+ * grid. */
 static void restrict_state(full_state *coarse, const ehd_grid *grid, const full_state *solution,
                            const ehd_grid *fine, size_t stride) {
     for (size_t r = 0; r < grid->num_inner; r++) {
@@ -199,8 +200,8 @@ static ehd_status solve_on(film_pair *films, coarse_grid *self, ehd_error *error
     return status;
 }
 
-/* Returns the mean magnitude of the relative changes of the film at the lowest node and the nodes
- * beside it, with the sign of their mean. */
+/* Computes the relative changes of the film at the lowest node and the nodes beside it. Returns
+ * their mean magnitude, with the sign of their mean. */
 static double change_of_minimum(const double *film, const double *before, const ehd_grid *grid) {
     const size_t width = grid_width(grid);
     size_t lowest = grid_node_of_row(grid, 0);
@@ -345,9 +346,9 @@ static void enlarge_state(full_state *target, const twice_as_large *larger,
 }
 
 /* Finds the change of a solved point contact's films by an endless domain, with the far field
- * around. It is taken as 4/3 of the change by a domain of twice the size. The effect falls with the
- * second to fourth power of the size. In the worst case, the second power, a third of this change
- * is left. */
+ * around. This change is taken as 4/3 of the change by a domain of twice the size. The effect falls
+ * with the second to fourth power of the size. In the worst case, the second power, still larger
+ * domains add a third of this change. */
 static ehd_status solve_larger(inlet_change *change, coarse_grid *smaller, const film_pair *films,
                                ehd_error *error) {
     const ehd_grid *of = &smaller->contact.grid;
@@ -419,8 +420,8 @@ double full_step_effect(const double films[3], double order, double limit) {
     return larger / (exp2(fmax(1, fmin(observed, order))) - 1);
 }
 
-/* Returns a measure of the effect of a domain that begins at `start`, for ratios between starts.
- * For a line contact it is the load of the tail, with its pressure at `start` acting up to the
+/* Returns a number proportional to the effect of a domain that begins at `start`. For a line
+ * contact it is the load of the tail, plus the load of its pressure at `start` from there to the
  * centre. For a point contact it falls with the third power of the length, or with the first power
  * if the pressure around the grid is zero. */
 static double lacking_before(const central_line *line, const ehd_contact *contact, double start) {
@@ -433,8 +434,8 @@ static double lacking_before(const central_line *line, const ehd_contact *contac
 
 /* Returns the error estimate of one film for the step. It is the sum of two magnitudes: the known
  * effect of the place where the domain begins, and the effect of the discretisation. beginnings:
- * effects of domains that begin at x_min and, like the three grids, one, two and four steps before
- * it. */
+ * effects of four domains. The first begins at x_min. The others begin, like the three grids, one,
+ * two and four steps before x_min. */
 static double step_effect(const double films[3], const double beginnings[4], double order,
                           double limit) {
     double same[3] = {films[0], films[1], films[2]}; // films if all grids began like the first one
@@ -463,7 +464,7 @@ static void set_effects(full_resolution *self, const film_pair films[3], const i
     }
     self->order = full_observed_order(central);
     self->effects.of[EFFECT_INLET] = SAFETY * fabs(of_central[1]);
-    // The minimum may move to another node of the coarse grid. Its film may then change too
+    // The minimum may move to another node of the coarse grid. The minimum film may then change too
     // little by chance.
     self->effects.of[EFFECT_INLET_MINIMUM] =
         fmax(self->effects.of[EFFECT_INLET], SAFETY * fabs(of_minimum[1]));
@@ -476,8 +477,8 @@ static void set_effects(full_resolution *self, const film_pair films[3], const i
 }
 
 /* Sets the error estimates of the rolling resistance. For a line contact the resistance includes
- * the part in front of the grid, and the error estimate of the film is an upper bound. For a point
- * contact the resistance includes the far field, whose own error is added. */
+ * the part in front of the grid, and the error estimate of the film is an upper bound of the error.
+ * For a point contact the resistance includes the far field, whose own error is added. */
 static void set_rolling_effects(full_resolution *self, const film_pair films[3],
                                 const inlet_change *change, const full_state *state,
                                 const ehd_contact *contact) {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Estimates the errors of the films of a stationary solution for domain and step, and counts the
- * nodes that resolve it (README.md, Estimates of inlet and step; Richardson's extrapolation).
- * Called by main.c, by training.c for each trained point, and by romrun/main.c. */
+/* Estimates the errors that domain and step cause in the films of a stationary solution, and counts
+ * the nodes that resolve the solution (README.md, Estimates of inlet and step; Richardson's
+ * extrapolation). Called by main.c, by training.c for each trained point, and by romrun/main.c. */
 #ifndef EHD_RESOLUTION_H
 #define EHD_RESOLUTION_H
 
@@ -18,19 +18,19 @@ typedef struct full_resolution {
     size_t outlet_nodes; // from the minimum film behind X = 0 to the exit
 } full_resolution;
 
-/* Largest relative error estimates without a note. resolution_limit is for the central film,
- * resolution_limit_minimum for the minimum film and the rolling resistance, which converge less
- * regularly. The limits are also used if no order of convergence is observed. A step is then too
- * coarse if the film changes by more when the step is doubled (fullrun/README.md, Estimates of
- * inlet and step; test_resolution.c, too_coarse_to_tell; effects.bats, "a note of the minimum
- * film"). */
+/* Largest relative error estimates for which no note is printed. resolution_limit is for the
+ * central film, resolution_limit_minimum for the minimum film and the rolling resistance, which
+ * converge less regularly. The limits are also used if no order of convergence is observed. A step
+ * is then too coarse if the film changes by more than the limit when the step is doubled
+ * (fullrun/README.md, Estimates of inlet and step; test_resolution.c, too_coarse_to_tell;
+ * effects.bats, "a note of the minimum film"). */
 extern const double resolution_limit, resolution_limit_minimum;
 
-/* Estimates the errors of films and rolling resistance for the inlet or domain and for the step
- * (fullrun/README.md, Estimates of inlet and step). It solves the contact from the solution on
- * grids of twice and four times the step. On one of these grids, or on the grid of the solution,
- * it solves the contact again with an endless inlet, a larger domain or the far field around.
- * Errors: EHD_MEMORY, EHD_INTERNAL, EHD_INTERRUPTED. */
+/* Estimates the errors that the inlet or domain, and the step, cause in films and rolling
+ * resistance (fullrun/README.md, Estimates of inlet and step). It solves the contact from the
+ * solution on grids of twice and four times the step. On one of these grids, or on the grid of the
+ * solution, it solves the contact again with an endless inlet, a larger domain or the far field
+ * around. Errors: EHD_MEMORY, EHD_INTERNAL, EHD_INTERRUPTED. */
 ehd_status full_resolution_estimate(
     // output:
     full_resolution *resolution,

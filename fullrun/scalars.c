@@ -47,8 +47,8 @@ static double smallest_film(size_t *node, const double *film, const ehd_grid *gr
     return smallest;
 }
 
-/* Checks the interpolated film. A film that nearly closes is not resolved between its nodes, and
- * may be below zero there. */
+/* Checks the interpolated film. A film that nearly closes is not resolved between the nodes, and
+ * its interpolation may be below zero. */
 bool full_film_closes(const full_state *state, const ehd_grid *grid) {
     size_t node;
 
@@ -61,7 +61,7 @@ double full_exit_position(const full_state *state, const ehd_grid *grid) {
 }
 
 /* Moves `exit`, a node without pressure, to the node behind the last positive pressure before it.
- * Values in between are noise of the active set. Returns false if the interval before it has no
+ * Pressures in between are noise of the active set. Returns false if the interval before it has no
  * positive pressure. */
 static bool find_end_of_pressure(size_t *exit, const full_state *state, bool backwards) {
     size_t before = backwards ? *exit + 1 : *exit - 1;
