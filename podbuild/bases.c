@@ -133,8 +133,8 @@ static pod_settings share_of(const pod_settings *wanted, const snapshot_set *fro
 }
 
 /* Checks that parts have not omitted too much energy. The limit is a share of the allowed energy.
- * If the number of modes is given and they omit more than that, the limit is a share of the energy
- * that they omit. */
+ * If the number of modes is given and these modes omit more than the allowed energy, the limit is a
+ * share of the energy that they omit. */
 static ehd_status check_distance(const pod_basis *pod, const snapshot_set *from,
                                  const bases_settings *settings, const bases_plan *plan,
                                  ehd_error *error) {

@@ -1,17 +1,17 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Computes the memory that a basis takes, and divides a limit between the block and the
- * directions. Error budget: README.md, "Error bound"; the shares of sqrt(E) add up to one.
- * Called by main.c (bases_plan_make) and by bases.c (bases_plan_at_once). */
+/* Computes the memory that a basis takes, and divides a memory limit between the block and the
+ * directions. Error budget: README.md, "Error bound"; the shares of sqrt(E) add up to one. Called
+ * by main.c (bases_plan_make) and by bases.c (bases_plan_at_once). */
 #include "podbuild/bases_plan.h"
 
 #include <math.h>
 
-/* Shares of the root of the allowed energy (stream.bats, "a small limit: the error within the
- * bound"). */
+/* Fractions of the square root of the allowed energy (stream.bats, "a small limit: the error within
+ * the bound"). */
 const double LOCAL_SHARE = 0.05, PART_SHARE = 0.05, ROOT_SHARE = 0.9;
 
-/* Share of the dropped directions in the energy that is left after the share for the distance
- * (stream.bats, "a small limit: the error within the bound"). */
+/* Of the energy that remains after the energy for the distance, this fraction is for dropped
+ * directions (stream.bats, "a small limit: the error within the bound"). */
 static const double DROPPED_SHARE = 0.2;
 
 /* Allowed energy if only the number of modes is given. With this energy LOCAL_SHARE allows a
@@ -23,8 +23,8 @@ static const double EXACT_ENERGY = 4e-20;
  * in memory). */
 static const double LEAST_LOCAL = 1e-28;
 
-/* Sets the energies that a stream may omit. For a part file, half of the root of its energy is for
- * the distance and half for the modes. */
+/* Sets the energies that a stream may omit. For a part file, half of the square root of the energy
+ * is for the distance, and half for the modes. */
 static void share_energy(bases_plan *plan, const bases_settings *settings) {
     const double part = settings->as_part ? PART_SHARE * PART_SHARE : 1;
     const double local = settings->as_part ? 0.5 : LOCAL_SHARE;

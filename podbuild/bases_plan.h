@@ -15,14 +15,14 @@ typedef struct bases_settings {
     // The number of modes is given, and no energy. The stream then omits only round-off until the
     // modes are chosen.
     bool exact;
-    // The modes are written as a part file. They may omit PART_SHARE of the root of the allowed
-    // energy.
+    // The modes are written as a part file. The modes may omit PART_SHARE of the square root of the
+    // allowed energy.
     bool as_part;
 } bases_settings;
 
-/* Shares of the root of the allowed energy. LOCAL_SHARE is for the distance of the snapshots from
- * the directions of a stream. PART_SHARE is for the energy that parts have omitted before.
- * ROOT_SHARE is for the modes, if there are parts. */
+/* Fractions of the square root of the allowed energy. LOCAL_SHARE is for the distance of the
+ * snapshots from the directions of a stream. PART_SHARE is for the energy that parts have omitted
+ * before. ROOT_SHARE is for the modes, if there are parts. */
 extern const double LOCAL_SHARE, PART_SHARE, ROOT_SHARE;
 
 typedef struct bases_plan {

@@ -108,8 +108,8 @@ static void report(const reduced_basis *basis, const basis_origin *origin,
 }
 
 /* If there are as many modes as states, prints the median and the largest distance of a state from
- * the span of the others. One more state would improve the basis by about this distance. Warns if
- * the median exceeds the default accuracy of results. */
+ * the span of the other states. One more state would improve the basis by about this distance.
+ * Warns if the median exceeds the default accuracy of results. */
 static void report_thinness(const program *self, const pod_basis *pressure,
                             const reduced_states *states, const snapshot_set *files) {
     const double promised = accuracy_limit(0);

@@ -179,8 +179,8 @@ static ehd_status append(pod_stream *self, const pod_basis *modes, ehd_error *er
     return orthogonalise(self, before, error);
 }
 
-/* Copies the remainders of waiting rows whose squared norm exceeds `squared_length`. Returns the
- * number of copied rows. *left_out: sum of the squared norms of the other rows. */
+/* Copies those waiting rows whose remainder has a squared norm above `squared_length`. Returns the
+ * number of copied rows. *left_out: sum of the squared norms of the other remainders. */
 static size_t copy_long_rows(double *rows, double *left_out, const pod_stream *self,
                              double squared_length) {
     const size_t num_nodes = self->num_nodes;
@@ -198,9 +198,9 @@ static size_t copy_long_rows(double *rows, double *left_out, const pod_stream *s
     return num_long;
 }
 
-/* Computes the POD of the remainders of the waiting rows, whose energy is `left`. The POD omits at
- * most the energy `allowed`. Short rows are omitted first, and the modes may omit the rest of
- * `allowed`. If round-off makes all rows short, *found has no modes. */
+/* Computes the POD of the remainders of the waiting rows. The energy of the remainders is `left`.
+ * The POD omits at most the energy `allowed`: first rows of small norm, then, up to the rest of
+ * `allowed`, weak modes. If round-off makes the norm of all rows small, *found has no modes. */
 static ehd_status decompose_remainder(pod_basis *found, const pod_stream *self, double left,
                                       double allowed, ehd_error *error) {
     double *rows = array_new(self->num_waiting, self->num_nodes, sizeof *rows), left_out;
@@ -292,7 +292,7 @@ static ehd_status too_many(const pod_stream *self, ehd_error *error) {
 }
 
 /* Makes room for new directions. Restores the waiting rows from their components, removes
- * directions beyond the first `before`, and drops the weakest of the others. */
+ * directions beyond the first `before`, and drops the weakest of the remaining directions. */
 static ehd_status make_room(pod_stream *self, components *from, size_t before, ehd_error *error) {
     add_components(self->waiting, self->num_waiting, 1, from->along, from->stride, self->directions,
                    self->rank, self->num_nodes);

@@ -97,7 +97,7 @@ static const ehd_contact *contact_of(const reduced_states *states, size_t s,
 static ehd_status visit_states(row_squares *squares, const ehd_contact *contacts,
                                size_t num_contacts, ehd_error *error) {
     const reduced_states *states = &squares->model->states;
-    // an exit at a node, so that all rows before the exit are Reynolds rows
+    // the exit is at a node, so that all rows before the exit are Reynolds rows
     const reduced_settings once = {.max_iterations = 1,
                                    .exit_at_node = true,
                                    .solve_linear = add_squares,

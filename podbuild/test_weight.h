@@ -34,8 +34,8 @@ test_weight_function test_weight_identity;
 
 /* Weight "row-norm": one over the norm of the row of the reduced Jacobian. The norm is the root
  * mean square over the stationary training solutions whose contact is given. Rows behind the first
- * exit get at most the weight of the last row before it. EHD_DATA: no contact belongs to a training
- * solution. */
+ * exit get at most the weight of the last row before this exit. EHD_DATA: no contact belongs to a
+ * training solution. */
 test_weight_function test_weight_row_norm;
 
 #endif
