@@ -20,8 +20,8 @@
 
 enum { MIN_BATCH = 4 };
 
-/* A region may be cut in two once its model has this many times as many points as the first round
- * (README.md, Parts of a region). */
+/* A region may be cut in two when the points of its model reach this multiple of the first round's
+ * points (README.md, Parts of a region). */
 static const double WIDE = 5;
 
 /* A region whose highest M is at most this many times the lowest is never cut. Otherwise an
@@ -125,13 +125,13 @@ static bool is_compared(const adaptive *self, const adaptive_state *state) {
     return isfinite(state->verdict.bound[FILM_CENTRAL]) && is_solved(self, state->point);
 }
 
-/* Returns the relative error of a film by the model that estimated the state's error. */
+/* Returns the relative error of a film in the model that estimated the state's error. */
 static double true_deviation(const adaptive *self, const adaptive_state *state, int film) {
     return fabs(state->verdict.film[film] / self->films[state->point][film] - 1);
 }
 
-/* Fits the factor of a film's error estimate to the points that a round added. Returns 0 if there
- * are none. `work` is [2, num_states]. */
+/* Fits the factor of a film's error estimate to the points that a round added. Returns 0 if none of
+ * them can be compared. `work` is [2, num_states]. */
 static double factor_of(const adaptive *self, size_t round, int film, double *work) {
     double *deviations = work, *bounds = work + self->num_states;
     size_t count = 0;
@@ -150,8 +150,8 @@ typedef struct film_factors {
     bool known;
 } film_factors;
 
-/* Fits the factors of both films to the points of a round. If the model before the round solved
- * none of them, takes an earlier round. */
+/* Fits the factors of both films to the points of a round. If the model made before the round
+ * solved none of these points, uses an earlier round. */
 static film_factors factors_of(const adaptive *self, size_t round, double *work) {
     film_factors factors = {.known = false};
 
@@ -165,7 +165,8 @@ static film_factors factors_of(const adaptive *self, size_t round, double *work)
     return factors;
 }
 
-/* Returns the larger error estimate of the two films, or without known factors the larger bound. */
+/* Returns the larger error estimate of the two films. If the factors are not known, returns the
+ * larger bound. */
 static double indicated_by(const trial_verdict *verdict, const film_factors *factors) {
     double indicated = 0;
 
@@ -174,7 +175,7 @@ static double indicated_by(const trial_verdict *verdict, const film_factors *fac
     return indicated;
 }
 
-/* Returns the largest error of a film at the points of a round, computed with the model before the
+/* Returns the largest error of a film at the points of a round, for the model made before the
  * round. NaN: this model solved none of the points. */
 static double worst_of_film(const adaptive *self, size_t round, int film) {
     double worst = NAN;
@@ -190,7 +191,7 @@ static double worst_deviation(const adaptive *self, size_t round) {
     return fmax(worst_of_film(self, round, FILM_CENTRAL), worst_of_film(self, round, FILM_MINIMUM));
 }
 
-/* Checks whether the model before a round solved all points of the round that the full model
+/* Checks whether the model made before a round solved all points of the round that the full model
  * solved. */
 static bool is_round_compared(const adaptive *self, size_t round) {
     bool all = true;
@@ -211,7 +212,7 @@ static size_t count_solved(const adaptive *self, size_t round) {
 }
 
 /* Restores the outcomes of rounds that an earlier run has finished. The largest estimate of a round
- * is that of the first point of the next round. */
+ * is the estimate of the first point of the next round. */
 static ehd_status recall_rounds(adaptive *self, ehd_error *error) {
     double *work = malloc((2 * self->num_states + 1) * sizeof *work);
     if (!work) return ehd_no_memory(error, self->plan_path);
@@ -385,10 +386,10 @@ static size_t nearest_before(const adaptive *self, const tree_point *from,
 }
 
 /* Sets the starts and the order of the new points. In the first round all points start cold. Later,
- * each starts from the nearest point of earlier rounds. So no point needs another one of its round,
- * and any process may solve it. Starts from points of the same round, which are far apart, would
- * save nothing. Newton takes 10.4 iterations a point with the plan of examples/line (with such
- * starts 13.7), and 6.0 with that of examples/point (with such starts 5.8). */
+ * each starts from the nearest point of earlier rounds. So no point needs another point of its
+ * round, and any process may solve any point. Starts from points of the same round, which are far
+ * apart, would save nothing. Newton takes 10.4 iterations a point with the plan of examples/line
+ * (with such starts 13.7), and 6.0 with that of examples/point (with such starts 5.8). */
 static ehd_status order_points(adaptive *self, ehd_error *error) {
     double scale[TREE_AXES];
 
@@ -480,8 +481,8 @@ static ehd_status build_model(reduced_model *model, trial_costs *costs, const ad
     return status;
 }
 
-/* Reports lower limits of the durations of the stages after the training: their durations with the
- * present points. solve_round reports the duration of the check, which needs full solutions. The
+/* Reports the durations that the stages after the training have with the present points. These are
+ * lower limits. solve_round reports the duration of the check, which needs full solutions. The
  * number of further rounds is not known. Extrapolated error estimates do not predict it
  * (docs/history.md, adaptive-training). */
 static void tell_costs(const adaptive *self, const trial_costs *costs) {
@@ -586,8 +587,8 @@ static size_t count_round(const adaptive *self, size_t round) {
 
 /* Estimates how many points one model needs for the wanted accuracy. Fits a straight line to the
  * last four rounds: the logarithm of the largest error estimate against the number of points.
- * Extends the line to the accuracy. Returns infinity if it does not fall, or if candidates have no
- * solution. */
+ * Extends the line to the accuracy. Returns infinity if the line does not fall, or if candidates
+ * have no solution. */
 static double expected_points(const adaptive *self) {
     const size_t count = smaller(self->num_rounds, 4), first = self->num_rounds - count;
     double mean_points = 0, mean_worst = 0, slope = 0, spread = 0;
@@ -638,8 +639,8 @@ static ehd_status divide(adaptive *self, const adaptive_task *task, ehd_error *e
 
 // ---- rounds
 
-/* Checks whether the last round was a successful check: the model before it met the accuracy at its
- * points, and the estimates of all other points meet it now. */
+/* Checks whether the last round was a successful check: the previous model met the accuracy at the
+ * points of this round, and the estimates at all other points now meet the accuracy too. */
 static bool is_checked(const adaptive *self) {
     const size_t last = self->num_rounds - 1;
 
@@ -711,7 +712,7 @@ static ehd_status open_file(adaptive *self, bool resume, ehd_error *error) {
 }
 
 /* Warns that all points are used without a successful check. Names the place of the largest
- * estimate, and what helps. */
+ * estimate, and a remedy. */
 static void warn_of_end(const adaptive *self) {
     const bool limited = self->num_states < self->set->num_points;
     char name[POINT_NAME] = "";

@@ -28,7 +28,7 @@ typedef struct adaptive_task {
     size_t allowed_failures;
     size_t num_workers;
     // for a training in pieces, with one call for each piece
-    bool only_choose;          // ends as soon as points are to be solved
+    bool only_choose;          // ends as soon as there are points to solve
     const char *const *pieces; // [num_pieces] outputs of adaptive_solve to take over
     size_t num_pieces;
     const char *parts;     // file for a list of parts (parts_write); NULL: always one model
@@ -40,11 +40,10 @@ typedef struct adaptive_task {
  * - A round is solved with the full model. A reduced model of all solved points estimates the
  *   errors of the other candidates (romrun/trust/indicator.h). The factor of the estimates is
  *   fitted to the points of the last round, for which the previous model had estimates.
- * - The candidates with the largest estimates come next, until no estimate
- *   exceeds the accuracy.
+ * - The candidates with the largest estimates come next, until no estimate exceeds the accuracy.
  * - The next round is a check: some points with the largest estimates, and some as far as possible
- *   from all others. If the previous model was as accurate as wanted there, training ends with
- *   these points. Otherwise it goes on.
+ *   from all others. If the previous model was as accurate as wanted at these points, training ends
+ *   with them. Otherwise training goes on.
  *
  * The output, caller->output, grows and can be resumed. The chosen points and their solutions
  * depend neither on num_workers, nor on interruptions, nor on which process solved them. Solutions

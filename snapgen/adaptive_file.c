@@ -103,7 +103,7 @@ static ehd_status read_choice(adaptive_state *state, artefact *file, size_t plac
 }
 
 /* Restores a state that is done. An incomplete state of the last round is solved again. In an
- * earlier round it is an error (EHD_DATA), since later rounds build on it. */
+ * earlier round an incomplete state is an error (EHD_DATA), since later rounds build on it. */
 static ehd_status restore_state(training *points, double (*films)[NUM_FILMS], artefact *file,
                                 const adaptive_state *state, size_t place, bool of_last_round,
                                 ehd_error *error) {

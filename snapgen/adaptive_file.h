@@ -13,12 +13,12 @@
 typedef struct adaptive_state {
     size_t point;          // number in the set
     size_t round;          // from 0
-    trial_verdict verdict; // by the model of the rounds before; NaN in the first round
+    trial_verdict verdict; // by the model of the previous rounds; NaN in the first round
 } adaptive_state;
 
 /* The outcome of a round. */
 typedef struct adaptive_round {
-    size_t num_points; // converged points from which its model is made
+    size_t num_points; // converged points from which the round's model is made
     double indicated;  // largest error estimate of points not trained; NaN: none, or no factor yet
     double deviation;  // largest error at the points of the next round; NaN: there are none
     double seconds;    // s, since the start; NaN: the round is of an earlier run

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Chooses the states of a trajectory that are stored uncompressed. Their number does not depend on
- * the number of steps: they are those at regular times, and those where a quantity that limits the
- * trained range is extreme. All other states are only stored in compressed form (README.md,
- * Training).
+ * the number of steps. They are the states at regular times, and the states at which a quantity
+ * that limits the trained range is extreme. All other states are only stored in compressed form
+ * (README.md, Training).
  * Called by trajectory.c for each step. */
 #ifndef EHD_KEPT_STATES_H
 #define EHD_KEPT_STATES_H
@@ -52,7 +52,7 @@ void kept_states_free(kept_states *self);
 void kept_states_consider(kept_states *self, const march_step *step, const ehd_contact *reference,
                           const double *pressure, const double *film, const size_t *exits);
 
-/* Fills the regular times that a march did not reach with its last state. */
+/* Fills the regular times that a march did not reach with the last state of the march. */
 void kept_states_complete(kept_states *self);
 
 #endif

@@ -18,7 +18,7 @@ typedef struct hull {
 } hull;
 
 /* Returns how far a point lies to the left of the line from one corner to another. If both corners
- * have the same place, returns the distance from it. */
+ * have the same place, returns the distance from this place. */
 static double distance_outside(const hull *self, size_t from, size_t to, size_t point) {
     const double *a = self->places[from], *b = self->places[to], *p = self->places[point];
     double along[2] = {b[0] - a[0], b[1] - a[1]}, there[2] = {p[0] - a[0], p[1] - a[1]};
@@ -167,8 +167,8 @@ static bool is_worse(const candidates *from, const nearness *near, size_t i, siz
     return fmin(near->trained[i], near->chosen[i]) > fmin(near->trained[j], near->chosen[j]);
 }
 
-/* Returns the worst candidate, or NO_PARENT if none is far enough from those chosen now. `known`:
- * considers only candidates with a finite error estimate. */
+/* Returns the worst candidate, or NO_PARENT if none is far enough from the candidates chosen now.
+ * `known`: considers only candidates with a finite error estimate. */
 static size_t worst(const candidates *from, const nearness *near, double part, bool known) {
     size_t best = NO_PARENT;
 

@@ -12,9 +12,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A part reaches across its border by this share of the narrower of the two parts, in
- * ln M, because trained ranges are hulls of points and have to cover the border
- * (README.md, Parts of a region). */
+/* A part reaches across a border by this fraction of the narrower part's width in ln M. Trained
+ * ranges are hulls of points and have to cover the border (README.md, Parts of a region). */
 static const double REACH = 0.1;
 
 /* A range of ln M. */
@@ -82,8 +81,8 @@ static ehd_status cut(part *parts, const parts_request *of, ehd_error *error) {
     return status;
 }
 
-/* Returns the factor for the number of candidates with which the part has as many as the whole
- * region. */
+/* Returns the factor by which the number of a part's candidates must grow to equal that of the
+ * whole region. */
 static double density_of(const part *range, const training_set *set) {
     size_t count = 0;
 
@@ -130,7 +129,7 @@ static ehd_status write_plan(const parts_request *of, const part *range, bool fi
     }
     fputs("part_of: ", file.stream);
     write_quoted(file.stream, whole);
-    // no bound at an end of the region itself
+    // the first and the last part have no bound at the end of the region
     fprintf(file.stream, "\nwhere: {moes_M: [%.4g, %.4g]}\ncandidates_times: %.3g\n",
             first ? 0 : exp(range->low), last ? 1e99 : exp(range->high),
             density_of(range, of->set));

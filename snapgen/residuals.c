@@ -111,11 +111,11 @@ static ehd_status begin_tracer(void **worker, void *shared, ehd_error *error) {
     return EHD_OK;
 }
 
-/* Solves a point and keeps its iterations. It starts from the nearest trained solution that is not
- * its own, since most iterations of the online solver are like those from such a start. If this
- * does not converge, it starts from a guess that uses all trained solutions around the point,
- * including its own. Iterations that diverge are left out: they are larger than all others
- * together, and would determine the rows. */
+/* Solves a point and keeps its iterations. The solver starts from the nearest trained solution of
+ * another point, since most iterations of the online solver are like the iterations from such a
+ * start. If this iteration does not converge, it starts from a guess that uses all trained
+ * solutions around the point, including its own. Iterations that diverge are left out: they are
+ * larger than all others together, and would determine the rows. */
 static ehd_status trace_point(void *shared, void *worker, size_t point, size_t parent,
                               ehd_error *error) {
     repeated_training *training = shared;
@@ -184,9 +184,9 @@ static void free_traces(repeated_training *training) {
     free(training->traces);
 }
 
-/* Solves all points. Every point starts from a trained solution, so none waits for
- * another. They are solved in the order of their numbers, so that few iterations wait for
- * those of earlier points. */
+/* Solves all points. Every point starts from a trained solution, so no point waits for another.
+ * Points are solved in the order of their numbers, so that few iterations wait for the iterations
+ * of earlier points. */
 static ehd_status run_pool(repeated_training *training, size_t num_workers, ehd_error *error) {
     size_t num_points = training->set->num_points;
     const pool_work work = {.num_points = num_points,
@@ -451,7 +451,7 @@ ehd_status residuals_run(size_t *num_failed, const program *caller, training_set
 
     if (!status) training_set_take_grid(set, &basis.grid);
     if (!status) status = grid_check(&basis.grid, basis_path, &set->grid, plan_path, error);
-    if (!status && set->num_trajectories > 0) { // solved with the transport of their training
+    if (!status && set->num_trajectories > 0) { // solved with their training's transport setting
         const ehd_carriage carriage = path_carriage(&set->trajectories[0].contact);
         status = carriage_check(&carriage, plan_path, &basis.carriage, basis_path, error);
     }

@@ -9,11 +9,11 @@
 #include "common/training/training_set.h"
 #include "deimselect/row_choice.h"
 
-/* Solves every point of the set with the modes of the basis at `basis_path` and all Reynolds
- * rows. Writes D f and D J dz of every iteration that led to a solution to caller->output (Maier
- * et al. 2015, section 3.2). Each point starts from the nearest trained solution that is not its
- * own. If this does not converge, it starts from a guess of all trained solutions around it. A
- * point that does not converge is counted, with a note.
+/* Solves every point of the set with the modes of the basis at `basis_path` and all Reynolds rows.
+ * Writes to caller->output D f and D J dz of every iteration that led to a solution (Maier et al.
+ * 2015, section 3.2). Each point starts from the nearest trained solution of another point. If this
+ * iteration does not converge, it starts from a guess of all trained solutions around it. A point
+ * that does not converge is counted, with a note.
  * Errors: EHD_DATA: a basis of another grid or contact; EHD_NOT_CONVERGED: all points failed, and
  * nothing is written; EHD_INTERRUPTED, EHD_MEMORY, I/O. */
 ehd_status residuals_run(
@@ -26,8 +26,8 @@ ehd_status residuals_run(
     bool trained_only, // leaves out points that are no states of the basis
     size_t num_workers, ehd_error *error);
 
-/* Collects the iterations of stationary points in memory, from starts as in residuals_run.
- * `model` has all rows. */
+/* Collects the iterations of stationary points in memory, with starts as in residuals_run. `model`
+ * has all rows. */
 ehd_status residuals_collect(
     // output:
     residual_snapshots *snapshots, // free with residual_snapshots_free

@@ -169,7 +169,7 @@ static ehd_status put_solution(artefact *file, const training_set *set, size_t p
                  {"complementarity", &solution->complementarity}};
     ehd_status status = put_fields(file, &set->grid, point, state->pressure, state->film, error);
 
-    if (!status && set->grid.inner_lines == 1) // the exit may lie within a node
+    if (!status && set->grid.inner_lines == 1) // the exit may lie within the cell of a node
         status = artefact_put_part(file, "exit_position", point, 1, &scalars->exit_position, error);
     for (size_t i = 0; i < sizeof reals / sizeof *reals && !status; i++)
         status = artefact_put_part(file, reals[i].name, point, 1, reals[i].values, error);

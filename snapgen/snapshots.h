@@ -43,7 +43,7 @@ ehd_status snapshots_store(void *sink, const training_set *set, size_t state,
 ehd_status snapshots_declare(artefact *file, const training_set *set, bool adaptive,
                              ehd_error *error);
 
-/* Writes the numbers of a contact that are known before it is solved. */
+/* Writes the numbers of a contact that are known before the contact is solved. */
 ehd_status snapshots_put_contact(artefact *file, size_t state, const ehd_contact *contact,
                                  ehd_error *error);
 

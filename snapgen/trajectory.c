@@ -32,7 +32,7 @@ typedef struct task {
     size_t num_merged;
     pod_stream *all_first, *all_second;
     pthread_mutex_t showing; // guards the members below
-    double *progress_part;   // [num_trajectories] reached time over the end time
+    double *progress_part;   // [num_trajectories] reached time divided by the end time
     progress progress;
 } task;
 
