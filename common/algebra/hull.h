@@ -10,10 +10,10 @@
 
 enum { HULL_AXES = 4 }; // largest num_axes
 
-/* Returns approximately the distance of a place p from the convex hull of points. It is the
- * smallest length of the vector (p - sum x_i p_i, 1 - sum x_i) for x >= 0. Coordinates are of the
- * order of 1. Inside the hull the result is below 1e-10. It is infinite when out of memory, and for
- * numbers that are not finite. */
+/* Returns approximately the distance of a place p from the convex hull of points. The distance is
+ * the smallest length of the vector (p - sum x_i p_i, 1 - sum x_i) for x >= 0. Coordinates are of
+ * the order of 1. Inside the hull the result is below 1e-10. The result is infinite when out of
+ * memory, and for numbers that are not finite. */
 double hull_distance(const double *points, // [num_axes, num_points]
                      size_t num_points, size_t num_axes,
                      const double *place); // [num_axes]

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Converts LAPACKE's return values to a status. Their meaning is that of LAPACK's manual.
+/* Converts LAPACKE's return values to a status. LAPACK's manual explains these values.
  * Called by podbuild and deimselect after their calls of LAPACKE. */
 #ifndef EHD_LAPACK_H
 #define EHD_LAPACK_H

@@ -13,8 +13,8 @@
  *
  *     curvature[k-1] + 4 curvature[k] + curvature[k+1] = second difference of the values
  *
- * On input `curvatures` holds the curvature at the last node and, unless the first node is a
- * mirror (`even`), at the first one. 0 makes a natural spline. `factor`: [num] work array. The
+ * On input `curvatures` holds the curvature at the last node. It also holds that at the first node,
+ * unless this node is a mirror (`even`). 0 makes a natural spline. `factor`: [num] work array. The
  * function is inline because a single spline otherwise takes 2.6 times as many instructions. */
 static inline void spline_curvatures(double *curvatures, double *factor, const double *values,
                                      size_t num, size_t stride, size_t width, bool even) {

@@ -134,7 +134,7 @@ static size_t steepest(const active_set *self, double least) {
 }
 
 /* Takes a column into use by a Householder reflection of the rows from num_used on. Returns false
- * if the column depends on those in use. */
+ * if the column depends on the columns in use. */
 static bool take(active_set *self, size_t taken) {
     const size_t first = self->num_used;
     const size_t left = self->num_rows - first;

@@ -9,12 +9,12 @@
 
 /* Solves min |A x - b|, x >= 0, by active sets (C. L. Lawson, R. J. Hanson, Solving Least Squares
  * Problems, 1974, chapter 23). At the solution, with the residual r = b - A x, columns with x > 0
- * have a^T r = 0 and all others a^T r <= 0, to 1e-11 of |a| |b|. Columns of zeros are left out, as
- * are columns that depend on those in use to 1e-10 of their length. The iteration ends earlier,
- * with fewer columns in use, if |r| is at most tolerance |b|.
+ * have a^T r = 0 and all others a^T r <= 0, to 1e-11 of |a| |b|. Columns of zeros are omitted, and
+ * so are columns that depend on the columns in use to 1e-10 of their length. The iteration ends
+ * earlier, with fewer columns in use, if |r| is at most tolerance |b|.
  *
- * EHD_DATA: a number that is not finite. EHD_NOT_CONVERGED: no solution after ten changes a column;
- * *x is then not negative but not the best. EHD_MEMORY, EHD_INTERNAL. */
+ * EHD_DATA: a number that is not finite. EHD_NOT_CONVERGED: no solution after ten changes per
+ * column; *x is then not negative, but not optimal. EHD_MEMORY, EHD_INTERNAL. */
 ehd_status nnls_solve(
     // output:
     double *x, // [num_columns]

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Products by blocks that stay in the registers of the processor during the loop over the inner
- * index. The blocks are compiled for the instruction set of all code, and once more for AVX-512,
- * which is chosen if the processor has it. The Gram matrix of 600 x 301 numbers takes 725 us with
- * AVX-512 and 1440 us with AVX2. The cblas_dsyrk of OpenBLAS 0.3.21 takes 850 us as SkylakeX, 1470
- * us as Haswell and 3070 us as Prescott (one busy AMD EPYC of family 26). */
+/* Computes products by blocks that stay in the registers of the processor during the loop over the
+ * inner index. The blocks are compiled for the instruction set of all code, and once more for
+ * AVX-512, which is chosen if the processor has it. The Gram matrix of 600 x 301 numbers takes 725
+ * us with AVX-512 and 1440 us with AVX2. The cblas_dsyrk of OpenBLAS 0.3.21 takes 850 us as
+ * SkylakeX, 1470 us as Haswell and 3070 us as Prescott (one busy AMD EPYC of family 26). */
 #include "common/algebra/product.h"
 
 #include "common/algebra/vectors.h"

@@ -2,7 +2,7 @@
 /* Computes products of the small matrices of reduced models. They replace BLAS for two reasons.
  * The library and FMUs do not contain BLAS. An OpenBLAS that does not recognise the processor runs
  * its kernels for processors of 2004.
- * Called by cholesky.c, and by the rooms model, state, solve, trust and online of romrun. */
+ * Called by cholesky.c, and by the folders model, state, solve, trust and online of romrun. */
 #ifndef EHD_PRODUCT_H
 #define EHD_PRODUCT_H
 

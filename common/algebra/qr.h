@@ -35,8 +35,8 @@ void qr_reduce(
     // input:
     size_t num_rows, size_t num_columns);
 
-/* Finds the x that minimises |A x - b|. x is not finite if a column of A depends exactly on those
- * before it. Replaces [A b] by [R Q^T b]. */
+/* Finds the x that minimises |A x - b|. x is not finite if a column of A depends exactly on the
+ * columns before it. Replaces [A b] by [R Q^T b]. */
 void qr_solve(
     // output:
     double *x, // [num_columns]

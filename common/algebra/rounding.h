@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Sets the tolerance for round-off in comparisons of numbers. It follows from no equation.
+/* Sets the tolerance for round-off in comparisons of numbers. The tolerance follows from no
+ * equation.
  * Used by common, romrun and snapgen to compare grids, times, settings and states. */
 #ifndef EHD_ROUNDING_H
 #define EHD_ROUNDING_H

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Computes natural cubic splines, by the tridiagonal equations of their second derivatives. GSL's
- * splines are not used: they end the process when out of memory, or for a value outside.
+ * splines are not used: they end the process when out of memory, or for a place outside of the
+ * nodes.
  * Called by history.c and surface.c in common/time, by fullrun/previous.c, and by
  * romrun/calibrate/against.c. */
 #ifndef EHD_SPLINE_H

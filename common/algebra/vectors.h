@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Computes products and sums of short arrays, for which BLAS takes four times as many
  * instructions.
- * Called by other sources of this room, and by inner loops in romrun. */
+ * Called by other sources of this folder, and by inner loops in romrun. */
 #ifndef EHD_VECTORS_H
 #define EHD_VECTORS_H
 

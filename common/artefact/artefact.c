@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Functions for both reading and writing. */
+/* Holds functions for both reading and writing. */
 #include "common/artefact/internal.h"
 
 #include <stdlib.h>
@@ -43,7 +43,7 @@ void artefact_close(artefact **file) {
         unfinished = (*file)->partial;
         (*file)->partial = NULL;
     }
-    // the file is removed before closing it releases the writer's lock
+    // the file is removed before its closing releases the writer's lock
     if (unfinished) {
         unlink(unfinished);
         unlink((*file)->saved);

@@ -88,7 +88,8 @@ typedef struct artefact_attribute {
 
 typedef struct artefact_schema {
     const char *name;                     // "ehdrom-snapshots"
-    int major, minor;                     // a reader refuses a larger major, accepts any minor
+    int major, minor;                     // a reader refuses a larger major version, accepts any
+                                          // minor one
     const char *title;                    // attribute `title` of such a file
     const artefact_axis *axes;            // ends with {0}
     const artefact_field *fields;         // ends with {0}
@@ -251,7 +252,7 @@ void artefact_leave(const artefact_guest *host);
 
 /* Opens a finished artefact for reading. EHD_NOINPUT: missing. EHD_DATA: not HDF5, truncated,
  * empty, wrong schema, newer major version, complete = 0, a needed field missing, of another rank
- * or with axes of unequal length. `schemas`: the accepted ones, NULL at the end. */
+ * or with axes of unequal length. `schemas`: the accepted schemas, NULL at the end. */
 ehd_status artefact_open(
     // output:
     artefact **file,
@@ -327,7 +328,7 @@ ehd_status artefact_get_scale(
     // input:
     artefact *file, const artefact_scale *scale, ehd_error *error);
 
-/* Visits the names of all attributes of the root, including those outside the schema. */
+/* Visits the names of all attributes of the root, including attributes outside the schema. */
 void artefact_visit_attributes(const artefact *file, void (*visit)(const char *name, void *data),
                                void *data);
 

@@ -75,7 +75,7 @@ static herr_t take_first(unsigned depth, const H5E_error2_t *frame, void *data) 
 }
 
 hdf5_reason hdf5_last_reason(void) {
-    // some HDF5 functions drop the errors below them, but errno stays
+    // some HDF5 functions drop the errors of functions that they call, but errno stays
     hdf5_reason reason = {.text = "", .system = errno == EIO, .memory = errno == ENOMEM};
     H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, take_first, &reason);
 
@@ -140,7 +140,7 @@ ehd_status hdf5_blame(ehd_status status, const char *path, ehd_error *error) {
 ehd_status hdf5_write_failed(artefact *file, const char *object, ehd_error *error) {
     hdf5_reason reason = hdf5_last_reason();
     file->failed = true;
-    // HDF5 reads a chunk before it writes a part of it; a resumed file may be damaged
+    // HDF5 reads a chunk before it writes a part of the chunk; a resumed file may be damaged
     if (file->history_line && !reason.system) return hdf5_read_failed(file, object, error);
     ehd_fail(error, EHD_IO, "%s: %s: found a write failure (%s), expected it to be written",
              file->partial, object, reason.text);
@@ -361,8 +361,8 @@ bool hdf5_put_text(hid_t root, const char *name, const char *text) {
     return written;
 }
 
-/* Reads a fixed-length string. It may fill its space to the last byte, and Fortran pads with
- * blanks. */
+/* Reads a fixed-length string. The string may fill its space to the last byte, and Fortran pads
+ * with blanks. */
 static char *fixed_string(hid_t attribute, hid_t type) {
     size_t size = H5Tget_size(type);
     char *text = calloc(size + 1, 1);

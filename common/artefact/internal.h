@@ -27,7 +27,8 @@ typedef struct file_dataset {
     own_dataset own;
     int rank;
     hsize_t dims[ARTEFACT_MAX_RANK]; // the first ARTEFACT_MAX_RANK lengths
-    bool checked;                    // the digest has been checked, before a part was read
+    bool checked;                    // the digest has been checked; this is done once, before the
+                                     // first part is read
     hid_t held; // id of a dataset on the growing axis that stays open while streaming; 0: not open
 } file_dataset;
 
@@ -61,8 +62,8 @@ struct artefact {
 // ---- hdf5.c: settings, errors, files and attributes of HDF5
 
 /* Initialises HDF5. Call it in each thread before any other HDF5 function. HDF5 then prints
- * nothing, loads no plugins, and does nothing at exit, where it would repeat failed writes. Also
- * clears errno, so that an earlier lack of memory is forgotten. */
+ * nothing, loads no plugins, and does nothing at exit; otherwise it would repeat failed writes
+ * then. Also clears errno, so that an earlier lack of memory is forgotten. */
 void hdf5_start(void);
 
 /* Innermost message of the last failed HDF5 call. Call hdf5_last_reason right after it, before any
@@ -85,9 +86,10 @@ void hdf5_note_failure(void);
 /* Closes an HDF5 object and keeps the last error message. Accepts negative ids. */
 void hdf5_release(hid_t id);
 
-/* Report a failed write or read. Call them right after the failed call. A failed write is
- * remembered and returns EHD_IO, or EHD_DATA for a resumed file without a system error, which must
- * be damaged. A failed read returns EHD_IO for a system error, else EHD_DATA. */
+/* Report a failed write or read. Call them right after the failed call. hdf5_write_failed marks the
+ * file as failed. It returns EHD_IO, or EHD_DATA if the file is resumed and there is no system
+ * error: then the file is damaged. hdf5_read_failed returns EHD_IO for a system error, else
+ * EHD_DATA. */
 ehd_status hdf5_write_failed(artefact *file, const char *object, ehd_error *error);
 ehd_status hdf5_read_failed(const artefact *file, const char *object, ehd_error *error);
 
@@ -113,7 +115,7 @@ bool hdf5_put_text(hid_t root, const char *name, const char *text);
 char *hdf5_get_string(hid_t object, const char *name);
 /* Returns the pieces that hdf5_put_text wrote, joined; free(). */
 char *hdf5_get_text(hid_t root, const char *name);
-/* Reads one number of class `wanted` (H5T_FLOAT accepts integers too). Returns false if the
+/* Reads one number of class `wanted` (H5T_FLOAT also accepts integers). Returns false if the
  * attribute is missing or something else. */
 bool hdf5_get_number(hid_t object, const char *name, H5T_class_t wanted, void *value);
 
@@ -228,8 +230,8 @@ bool has_begun(const artefact *file);
 /* Except while it is streaming, a file that an interrupted run left is not changed in place,
  * because a kill could destroy it. Changes are made in a copy instead. use_copy makes this copy
  * under its own name, for HDF5 to open. If the machine was rebooted since the file was written, it
- * copies PATH.saved, if there is one. keep_copy gives the copy the name of the original, once it is
- * streaming. drop_copy removes the copy. EHD_IO, EHD_MEMORY, EHD_CANTCREATE. */
+ * copies PATH.saved, if there is one. Once the copy is streaming, keep_copy gives it the name of
+ * the original. drop_copy removes the copy. EHD_IO, EHD_MEMORY, EHD_CANTCREATE. */
 ehd_status use_copy(artefact *file, ehd_error *error);
 ehd_status keep_copy(artefact *file, ehd_error *error);
 void drop_copy(artefact *file);

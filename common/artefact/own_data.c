@@ -20,9 +20,9 @@ static const char *other_link(H5L_type_t type) {
     }
 }
 
-/* Returns what the first link of a path such as "group/dataset" is that is not hard; NULL: all are
- * hard. Checks each link before it follows the link. *address: of the object at the end of the
- * path. */
+/* Finds the first link of a path such as "group/dataset" that is not hard, and returns what it is;
+ * NULL: all links are hard. Checks each link before it follows the link. *address: address of the
+ * object at the end of the path. */
 static const char *other_step(haddr_t *address, hid_t root, const char *path) {
     char step[512];
     const char *found = NULL;

@@ -565,8 +565,8 @@ ehd_status artefact_get_integers_part(artefact *file, const char *field, size_t 
     return get(file, field, ARTEFACT_INTEGER, first, count, data, room, error);
 }
 
-/* Checks whether an axis has values. A bare netCDF dimension is a scale without values, which its
- * name shows. */
+/* Checks whether an axis has values. A bare netCDF dimension is a scale without values; its name
+ * shows this. */
 bool artefact_has_scale(const artefact *file, const char *axis) {
     static const char bare[] = "This is a netCDF dimension but not a netCDF variable";
     if (!hdf5_has_dataset(file->id, axis)) return false;

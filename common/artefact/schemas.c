@@ -21,8 +21,8 @@
             &(scale)                                                                               \
     }
 
-/* Largest lengths of the axes. They bound the memory that a file can make a program take; the
- * product of two lengths and the bytes of a number does not overflow. Numbers of nodes and rows
+/* Largest lengths of the axes. These lengths bound the memory that a file can make a program take;
+ * the product of two lengths and the bytes of a number does not overflow. Numbers of nodes and rows
  * fit into LAPACK's integers. */
 enum {
     MAX_X = 1000000,

@@ -306,7 +306,7 @@ static double count_numbers(const artefact *file, const artefact_field *field) {
     return count;
 }
 
-/* Checks the size of a chunk, because HDF5 unpacks all of it to read a part of it. */
+/* Checks the size of a chunk, because HDF5 unpacks the whole chunk to read a part of it. */
 static ehd_status check_chunk(const artefact *file, const file_dataset *of, double numbers,
                               ehd_error *error) {
     const double small = 1 << 20, most = fmax(numbers, small);

@@ -173,8 +173,8 @@ static bool is_known(size_t column, const case_row *row) {
                                                       : !isnan(real_of(row, column));
 }
 
-/* Checks whether the table has a column. It has an optional one if some row needs it, unless the
- * column belongs to the other kind of contact. */
+/* Checks whether the table has a column. It has an optional column if some row needs the column,
+ * unless the column belongs to the other kind of contact. */
 static bool applies(const case_table *self, size_t column, const contact_kind *kind) {
     const char *other = kind->dimensions > 1 ? "line_" : "point_";
 
@@ -432,7 +432,7 @@ static ehd_status refuse_rows(case_table *self, ehd_error *error) {
 }
 
 /* Finds the rows of an interrupted run. *bytes: their length in the table; *kept: length of
- * NAME.resume up to their mark. EHD_DATA: they belong to another run or are damaged. */
+ * NAME.resume up to the mark of these rows. EHD_DATA: they belong to another run or are damaged. */
 static ehd_status find_done(case_table *self, size_t *kept, size_t *bytes, const char *text,
                             bool resume, ehd_error *error) {
     const size_t length = strlen(text);

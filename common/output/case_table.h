@@ -58,9 +58,9 @@ ehd_status case_table_new(
 void case_table_expect(case_table *table, const case_row *row);
 
 /* Starts to write caller->output, or CSV to stdout if caller->output is NULL. A CSV has first the
- * columns of the list, then those of schemas/cases.md. If scenes are given in SI units, columns
- * that have a factor to SI units follow once more, each with its unit after the name. The last
- * column is the reason of a status.
+ * columns of the list, then the columns of schemas/cases.md. If scenes are given in SI units,
+ * columns that have a factor to SI units follow once more in SI units, each with its unit after the
+ * name. The last column is the reason of a status.
  *
  * With `resume`, the table of an interrupted run of the same settings and inputs is continued, if
  * there is one. *num_done: rows that are already in the table. EHD_CANTCREATE, EHD_IO, EHD_MEMORY;

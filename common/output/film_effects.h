@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Error estimates of the grid for the films and the rolling resistance of a stationary contact. */
+/* Holds the grid's error estimates for the films and the rolling resistance of a stationary
+ * contact. */
 #ifndef EHD_FILM_EFFECTS_H
 #define EHD_FILM_EFFECTS_H
 
@@ -26,7 +27,7 @@ film_effects film_effects_unknown(void);
 /* Checks whether any estimate is infinite. */
 bool film_effects_are_infinite(const film_effects *effects);
 
-/* Checks whether the inlet is too short to estimate its error, while the step is fine enough. */
+/* Checks whether the inlet is too short to estimate its error, although the step is fine enough. */
 bool film_effects_inlet_is_short(const film_effects *effects);
 
 /* Returns the relative error estimate of the rolling resistance for step and inlet; NaN:

@@ -10,7 +10,7 @@
 
 static const double COARSEST_STEP = 0.25; // Bounds of the grid step, half widths, as for scenes
 
-/* Writes an axis. `along`: distance of its nodes in rows. */
+/* Writes an axis. `along`: distance, in rows, between its nodes. */
 static ehd_status write_axis(artefact *file, const char *name, size_t length, size_t along,
                              const ehd_grid *grid, double place(const ehd_grid *, size_t),
                              ehd_error *error) {

@@ -60,8 +60,8 @@ ehd_status contact_kind_read(const contact_kind **kind, artefact *file, ehd_erro
  * grid, or the kind is unknown. */
 ehd_status grid_read(ehd_grid *grid, const contact_kind **kind, artefact *file, ehd_error *error);
 
-/* Checks that the dry contact lies inside the grid and that the step is not too large, else
- * EHD_DATA, naming `path`. */
+/* Checks that the dry contact lies inside the grid and that the step is not too large. EHD_DATA,
+ * naming `path`: one does not hold. */
 ehd_status grid_check_extent(const ehd_grid *grid, const char *path, ehd_error *error);
 
 /* Writes the attributes transport and, if known, smoothing of a training with trajectories. */
@@ -76,8 +76,8 @@ ehd_status carriage_read(ehd_carriage *carriage, artefact *file, ehd_error *erro
 ehd_status grid_of_file(ehd_grid *grid, const contact_kind **kind, const char *path,
                         ehd_error *error);
 
-/* Check that the shape of the contact, or the whole grid, is that of `expected_path`, else
- * EHD_DATA, naming `path`. */
+/* Check that the shape of the contact, or the whole grid, equals that of the file `expected_path`.
+ * EHD_DATA, naming `path`: they differ. */
 ehd_status grid_check_shape(const ehd_grid *grid, const char *path, const ehd_grid *expected,
                             const char *expected_path, ehd_error *error);
 ehd_status grid_check(const ehd_grid *grid, const char *path, const ehd_grid *expected,

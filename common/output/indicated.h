@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Quantities of a stationary result, besides the films, that have an error estimate ("indicated
- * deviation" from the full model). */
+/* Lists the quantities of a stationary result, besides the films, that have an error estimate
+ * ("indicated deviation" from the full model). */
 #ifndef EHD_INDICATED_H
 #define EHD_INDICATED_H
 

@@ -11,7 +11,8 @@
 
 enum { SLICE_NUMBERS = 1 << 20 }; // numbers read at a time, 8 MB
 
-/* Column of the output: a name of the command line, or an axis printed before these names. */
+/* Column of the output: a name from the command line, or an axis that is printed before these
+ * names. */
 typedef struct column {
     const char *name;
     const artefact_field *field; // NULL: an axis or an attribute

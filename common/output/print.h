@@ -9,8 +9,8 @@
 #include <stddef.h>
 #include <stdio.h>
 
-/* Print one field of a CSV line: a text, in quotes where needed, or a number as its shortest text
- * that reads back the same, NaN as "nan". */
+/* Print one field of a CSV line: a text, in quotes if needed, or a number as the shortest text that
+ * reads back as the same number (NaN: "nan"). */
 void print_csv_text(const char *text, FILE *stream);
 void print_csv_real(double value, FILE *stream);
 
@@ -19,7 +19,7 @@ void print_csv_real(double value, FILE *stream);
  * must be among them. An attribute is the same in each line. Numbers read back as the same bits
  * (NaN is "nan"); texts are quoted where needed.
  *
- * If several axes have more than one entry, those that are not named come first, as columns of
+ * If several axes have more than one entry, the axes that are not named come first, as columns of
  * their own. Then an empty line ends each run of the last axis, and two empty lines end each run of
  * the axis before it, as gnuplot's splot and index expect. An axis without values in the file
  * counts from 0.

@@ -199,7 +199,7 @@ static void print_part(const char **separator, const char *name, double part, co
     *separator = ", ";
 }
 
-/* Prints the error estimates of a film by the reduced model, the grid's step and its inlet. Prints
+/* Prints a film's error estimates for the reduced model, the grid's step and the inlet. Prints
  * nothing if no error of the grid is known. */
 static void print_parts(const char *head, double model, double step, double inlet) {
     const char *separator = "";
@@ -318,8 +318,8 @@ ehd_status result_get_contact(stored_result *stored, artefact *file, const conta
     return status;
 }
 
-/* Reads the first exit at Y = 0. A point contact has exits on each line; where the entrainment
- * reverses, a line has several. */
+/* Reads the first exit at Y = 0. A point contact has exits on each line; a line has several if the
+ * entrainment reverses. */
 static ehd_status get_exit(stored_result *stored, artefact *file, ehd_error *error) {
     const size_t several = artefact_length(file, "exit"), each = several > 0 ? several : 1;
     if (!artefact_has(file, "exit_position")) return EHD_OK;

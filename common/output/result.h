@@ -118,7 +118,7 @@ void result_free(stored_result *stored); // also after a failed result_read
 /* Returns the whole grid of a stored result; it has no nodes if the file has no axis x. */
 ehd_grid result_grid(const stored_result *stored);
 
-/* Checks that the stored result has this grid, else EHD_DATA, naming `path`. */
+/* Checks that the stored result has this grid. EHD_DATA, naming `path`: it has another one. */
 ehd_status result_check_grid(const stored_result *stored, const char *path, const ehd_grid *grid,
                              ehd_error *error);
 

@@ -170,7 +170,7 @@ static ehd_status put_fields(artefact *file, const time_entry *entry, const ehd_
     if (!status && entry->film)
         status = grid_put_field(file, "film_thickness", index, entry->film, grid, true, error);
     if (!status && entry->pressure && entry->film && entry->frame)
-        // approach in units of the frame; only the far field of a point contact needs it
+        // approach in units of the frame, which only the far field of a point contact needs
         status = traction_put_stresses(file, index, entry->frame, entry->pressure, entry->film,
                                        entry->rigid_approach / entry->frame_film_unit, error);
     return status;
@@ -365,7 +365,8 @@ static ehd_status get_time(time_series *series, artefact *file, ehd_error *error
     return status;
 }
 
-/* Reads for each time the number `place` of `each` numbers; NaN if the file lacks the field. */
+/* Reads, for each time, number `place` of the `each` numbers of a field; NaN if the file lacks the
+ * field. */
 static ehd_status get_real(double *values, size_t num_times, artefact *file, const char *name,
                            size_t each, size_t place, ehd_error *error) {
     for (size_t t = 0; t < num_times; t++)

@@ -46,7 +46,7 @@ typedef struct time_summary {
     double seconds; // time of the solution, without reading and writing
     double seconds_rows, seconds_linear, seconds_exit; // parts of `seconds`; NaN: not measured
     size_t num_steps;                                  // accepted steps
-    size_t num_rejected;      // steps that were taken again with a shorter one
+    size_t num_rejected;      // number of steps that were rejected and repeated with a shorter step
     size_t newton_iterations; // iterations of all steps, rejected ones included
     // only in a file `with_models`:
     size_t full_steps;   // accepted steps of the full model

@@ -337,7 +337,7 @@ static ehd_status begin(runner *self, ehd_error *error) {
 
 // ---- the end
 
-/* Prints where the march ended early, and since when it is not to be trusted. */
+/* Prints at which time the march ended early, and since when it is not to be trusted. */
 static void report_shortfall(const runner *self, ehd_status outcome) {
     const march_state *state = &self->march.state;
     const char *output = self->task->caller->output;
@@ -389,7 +389,7 @@ static void report_effects(const run_totals *totals, const march_state *state) {
     printf("\n");
 }
 
-/* Prints the share of the full model, and a note with the reason. */
+/* Prints how many steps each model solved, and a note why the full model was needed. */
 static void report_share(const runner *self) {
     const time_run_task *task = self->task;
     const double num_steps = self->march.state.num_steps;

@@ -8,8 +8,8 @@
 #include "common/settings/scene.h"
 #include "common/time/march.h"
 
-/* Share of the full model in a march that falls back on it. Includes an earlier run that this run
- * resumes. */
+/* Contribution of the full model to a march that falls back on it. It includes the earlier run that
+ * this run resumes. */
 typedef struct time_run_share {
     size_t full_steps;                    // accepted steps of the full model
     double seconds_full, seconds_reduced; // seconds of all attempts
@@ -43,7 +43,7 @@ typedef struct time_run_task {
     /* Returns the seconds that this solver has spent on parts of the work so far; NaN: not
      * measured. */
     void (*effort)(double *rows, double *linear, double *exit, const void *solver);
-    /* Returns the share of the full model; NULL: the solver has no fallback. */
+    /* Returns the contribution of the full model; NULL: the solver has no fallback. */
     time_run_share (*share)(const void *solver);
 } time_run_task;
 

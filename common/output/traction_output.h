@@ -18,8 +18,8 @@ typedef struct traction_entry {
 
 extern const traction_entry traction_entries[NUM_TRACTION];
 
-/* Writes the attributes that convert traction to SI units, besides those of result_put_contact, and
- * slide_roll. */
+/* Writes slide_roll and the attributes that convert traction to SI units, except for the attributes
+ * of result_put_contact. */
 ehd_status traction_put_units(artefact *file, const ehd_contact *contact, ehd_error *error);
 
 /* Writes the traction of a stationary result. */

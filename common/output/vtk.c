@@ -120,7 +120,7 @@ static size_t image_lines(const images *self) {
     return self->num_lines > 1 ? self->num_lines : 2;
 }
 
-/* Writes a block of appended data: its number of bytes, then each layer. */
+/* Writes a block of appended data: the number of bytes, then each layer. */
 static void write_block(const images *self, const field *one, FILE *stream) {
     const size_t lines = image_lines(self), repeats = lines / self->num_lines;
     const uint64_t bytes = NUM_LAYERS * lines * self->num_x * sizeof *one->values;

@@ -44,8 +44,8 @@ static double line_dry_gap(const contact_shape *shape, double x) {
 }
 
 /* Returns ln(half_width/length)/2. The constant in eq. 4 of Maier et al. holds for a deflection
- * measured at the distance of the current half width, so it changes with the half width (README.md,
- * approach). */
+ * measured at the distance of the current half width, so this constant changes with the half width
+ * (README.md, approach). */
 static double line_approach_shift(double half_width, double length) {
     return 0.5 * log(half_width / length);
 }
@@ -90,8 +90,8 @@ static double point_primitive(double a, double b) {
 }
 
 /* Distance beyond which a series replaces the closed form, in side lengths of the cell. The closed
- * form takes thirty times as long. With 40 the truncation error of the series is below 1e-12 of
- * the integral. With 10 it is too large (test_ellipse.c, kernel_is_the_integral_over_a_cell). */
+ * form takes thirty times as long. With 40 the truncation error of the series is below 1e-12 of the
+ * integral. With 10 the error is too large (test_ellipse.c, kernel_is_the_integral_over_a_cell). */
 static const double FAR_CELL = 40;
 
 /* Returns the integral of 1/r over a distant square cell, by a multipole expansion up to the fourth
@@ -466,8 +466,8 @@ bool grid_same(const ehd_grid *a, const ehd_grid *b) {
            fabs(a->x_min - b->x_min) <= slack && fabs(a->step - b->step) <= slack;
 }
 
-/* Checks that the viscosity is within 1 % of the law's viscosity at its temperature. If the law
- * has none, a viscosity must be given. */
+/* Checks that the viscosity is within 1 % of the law's viscosity at its temperature. If the law has
+ * no viscosity of its own, the scene must give one. */
 static ehd_status check_viscosity(double viscosity, const ehd_lubricant *lubricant,
                                   ehd_error *error) {
     const double eta0 = lubricant->eta0; // NaN where the law has none
@@ -589,7 +589,7 @@ ehd_status contact_init(ehd_contact *contact, const contact_settings *given, ehd
     status = check_heating(contact, error);
     if (status) return status;
     contact_set_moes(contact, contact->moes_M, contact->moes_L);
-    // a given Hertz pressure overrides the one that L implies; L is then only reported
+    // a given Hertz pressure overrides the pressure that L implies; L is then only reported
     if (!isnan(given->hertz_pressure)) {
         contact->hertz_pressure = given->hertz_pressure;
         contact->alpha_p_H = contact->lubricant.alpha * given->hertz_pressure;

@@ -21,7 +21,7 @@ typedef struct contact_kind {
     // Deflection at the distance (x, y) from the centre of a cell with unit pressure. The cell has
     // the length `step` along and shape->cell * step across.
     double (*kernel)(const contact_shape *shape, double x, double y, double step);
-    // speed parameter lambda of the stationary contact from M, and the inverse
+    // speed parameter lambda of the stationary contact from M, and M from lambda
     double (*lambda)(const contact_shape *shape, double moes_M);
     double (*moes_M)(const contact_shape *shape, double lambda);
     // pressure-viscosity coefficient times Hertz pressure
@@ -66,7 +66,7 @@ bool discretization_find(ehd_discretization *discretization, const char *name);
 /* Condition around the grid of a point contact (README.md, far field). */
 typedef enum ehd_boundary {
     BOUNDARY_ZERO, // zero pressure, and no load beyond the grid
-    BOUNDARY_OPEN  // pressure and load of the far field
+    BOUNDARY_OPEN  // pressure and load from the far field
 } ehd_boundary;
 
 /* Returns the name of a boundary in scenes and files. */
@@ -97,7 +97,7 @@ typedef struct ehd_carriage {
 ehd_status carriage_check(const ehd_carriage *found, const char *found_in,
                           const ehd_carriage *expected, const char *expected_in, ehd_error *error);
 
-/* Uniform grid with its discretisation and the condition around it. Cells are square; those of an
+/* Uniform grid with its discretisation and the condition around it. Cells are square; cells of an
  * ellipse are shape.cell times as wide as long in X and Y.
  *
  * The unknowns are at `num_inner` inner nodes. Boundary nodes, where the pressure is zero or given,
@@ -112,8 +112,8 @@ ehd_status carriage_check(const ehd_carriage *found, const char *found_in,
 typedef struct ehd_grid {
     double x_min;       // first inner node, half widths
     double step;        // along, half widths; across: grid_step_across
-    size_t inner_x;     // inner nodes of a line
-    size_t inner_lines; // lines of inner nodes; 1 in a line contact
+    size_t inner_x;     // number of inner nodes in a line
+    size_t inner_lines; // number of lines of inner nodes; 1 in a line contact
     bool half;          // the first line is the mirror line y = 0
     size_t num_inner;   // inner_x inner_lines
     size_t num_nodes;
@@ -150,9 +150,9 @@ double contact_gap(const contact_shape *shape, double x, double y);
  * 1). */
 double grid_square_distance(const ehd_grid *grid, size_t node);
 bool grid_is_dry(const ehd_grid *grid, size_t node);
-/* Returns the share of a node's cell that lies within the dry contact. The edge is taken as
- * straight and perpendicular to the radius. Sums with these shares integrate over the dry contact,
- * with second order in the step. */
+/* Returns the fraction of a node's cell that lies within the dry contact. The edge is taken as
+ * straight and perpendicular to the radius. Sums weighted by these fractions integrate over the dry
+ * contact with second order in the step. */
 double grid_dry_share(const ehd_grid *grid, size_t node);
 
 /* Return the number of nodes on a line, of lines, and of boundary lines before the first inner
@@ -195,7 +195,7 @@ void grid_exits(
     const size_t *columns, // [grid_lines]
     const ehd_grid *grid);
 
-/* Largest number of exits that a result in time holds for each line of nodes. */
+/* Largest number of exits that a transient result holds for each line of nodes. */
 enum { GRID_EXITS = 8 };
 
 /* Returns the quadrature weight of a node in cells: 2 on a half grid off the mirror line, else
@@ -224,7 +224,7 @@ typedef struct contact_closure {
 /* Pressure and load of an endless inlet in front of the grid of a line contact. */
 typedef struct inlet_tail {
     double pressure; // P at the boundary node
-    double load;     // int P before the cell of the first inner node
+    double load;     // int P upstream of the cell of the first inner node
 } inlet_tail;
 
 /* One contact in its dimensionless frame. */
@@ -254,8 +254,8 @@ typedef struct ehd_contact {
     double modulus;        // Pa, E', NaN unless the scene is physical
     double viscosity;      // Pa s, at zero pressure, NaN unless the scene is physical
     double slide_roll;     // (u1 - u2)/speed, NaN: no traction
-    // in time: waviness, dent or heights of one surface (common/time/surface.h); NULL: both are
-    // smooth
+    // in a transient contact: waviness, dent or heights of one surface (common/time/surface.h);
+    // NULL: both are smooth
     const struct ehd_surface *surface;
 } ehd_contact;
 
@@ -321,9 +321,9 @@ void contact_set_moes(ehd_contact *contact, double moes_M, double moes_L);
 /* Checks whether the scene leaves an end or the step of the grid open. */
 bool contact_has_chosen_grid(const ehd_contact *contact);
 
-/* Replaces the grid, for example by that of a model, if the scene leaves the grid open and does
- * not contradict the new one. Both grids must have one kind, discretisation, boundary and shape,
- * and be both half or both full. Otherwise the grid stays. */
+/* Replaces the grid, for example by the grid of a model, if the scene leaves the grid open and does
+ * not contradict the new grid. Both grids must have the same kind, discretisation, boundary and
+ * shape, and both be half or both be full. Otherwise the grid stays. */
 void contact_take_grid(ehd_contact *contact, const ehd_grid *grid);
 
 /* Checks the distance at which a given approach is measured. The deflection of a line contact grows

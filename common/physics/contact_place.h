@@ -22,9 +22,9 @@ contact_place contact_place_of(const ehd_contact *contact);
 contact_place contact_place_of_any(const ehd_contact *contact);
 
 /* Returns the thinning by the sliding as a coordinate: its logarithm, or the logarithm of 1e-6 if
- * the thinning is weaker. Such a flow is Newtonian: in 18 line contacts (Roelands and Barus, M
- * from 0.5 to 66, L from 4.5 to 21) thinning of 1e-6 changes the central film by at most 1.4e-5
- * and the minimum film by 6e-5. */
+ * the thinning is weaker. Such a weakly thinned flow counts as Newtonian: in 18 line contacts
+ * (Roelands and Barus, M from 0.5 to 66, L from 4.5 to 21) thinning of 1e-6 changes the central
+ * film by at most 1.4e-5 and the minimum film by 6e-5. */
 double thinning_coordinate(double sliding);
 
 /* Returns the thinning by the gradient as a coordinate: its logarithm, or the logarithm of 1e-2 if

@@ -14,11 +14,11 @@ enum { APART = 8 };
 /* Number of lines that are transformed together. */
 enum { LINES = 2 };
 
-/* Kernel and pressure are real, and the kernel is even in x and y, so its Fourier transform is
- * real too. All transforms are FFTW's real-to-complex ones. They take a third of the time of its
- * real-to-real ones. A half grid is even in y, so it is transformed in y first: the transform of a
- * mirrored column is real, and the same transform inverts it. The columns and lines of a half grid
- * are transformed one by one, in a work space that stays in the cache. */
+/* Kernel and pressure are real, and the kernel is even in x and y, so the Fourier transform of the
+ * kernel is also real. All transforms are FFTW's real-to-complex ones. They take a third of the
+ * time of FFTW's real-to-real transforms. A half grid is even in y, so it is transformed in y
+ * first: the transform of a mirrored column is real, and the same transform inverts it. The columns
+ * and lines of a half grid are transformed one by one, in a work space that stays in the cache. */
 struct ehd_deflection {
     ehd_grid grid;
     size_t length, period;  // lengths of the transforms along and across
@@ -28,10 +28,10 @@ struct ehd_deflection {
     double *transfer;       // [lines, length / 2 + 1], transform of the kernel
     double *signal;         // [lines, length]; half grid: [lines, grid width]
     fftw_complex *spectrum; // [lines, length / 2 + 1], spectrum of the signal; half grid: NULL
-    fftw_plan forward, backward; // half grid: of one line
+    fftw_plan forward, backward; // half grid: one line
     // for a half grid only:
     fftw_plan across;   // transform of one column
-    team *threads;      // share the transforms; NULL: one thread
+    team *threads;      // threads that share the transforms; NULL: one thread
     size_t work_size;   // numbers for one thread
     double *work_space; // [team_size, work_size]
 };
@@ -86,7 +86,7 @@ static void make_plans(ehd_deflection *self) {
     const int sizes[2] = {(int)self->period, (int)self->length};
     double *work = self->work_space;
 
-    // estimated plans: measured ones, and thus round-off, would differ from run to run
+    // estimated plans: measured plans would differ from run to run, and so would round-off
     pthread_mutex_lock(&planner_lock);
     if (work) { // half grid: plans of one line and one column
         fftw_complex *line = (fftw_complex *)(work + self->length + APART);
@@ -104,7 +104,7 @@ static void make_plans(ehd_deflection *self) {
     pthread_mutex_unlock(&planner_lock);
 }
 
-/* Returns the distance in nodes of an index of a periodic signal from its origin. */
+/* Returns the distance, in nodes, between an index and the origin of a periodic signal. */
 static size_t wrapped(size_t index, size_t period) {
     return index <= period / 2 ? index : period - index;
 }
@@ -236,7 +236,7 @@ const double *deflection_kernel(const ehd_deflection *self) {
     return self->kernel;
 }
 
-/* A transform across, from the lines of a half grid to those of the transform or back. Both
+/* A transform across, from the lines of a half grid to the lines of the transform or back. Both
  * directions have the same form. */
 typedef struct across_task {
     ehd_deflection *of;

@@ -22,9 +22,9 @@ ehd_deflection *deflection_create_shared(const contact_kind *kind, const ehd_gri
                                          team *threads);
 ehd_deflection *deflection_free(ehd_deflection *deflection); // accepts and returns NULL
 
-/* Returns the deflection at a distance (along, across) from a node with unit pressure, by the
- * pressure on its cell (eq. 10 of Maier et al. 2015). In the accurate discretisation the pressure
- * is not constant in the cell but has the curvature of the nodal pressures. The integral of the
+/* Returns the deflection at a distance (along, across) from a node, caused by unit pressure on the
+ * cell of this node (eq. 10 of Maier et al. 2015). In the accurate discretisation the pressure is
+ * not constant in the cell but has the curvature of the nodal pressures. The integral of the
  * curvature over the cell, 1/24 of the second differences, is moved to the kernel (README.md,
  * deflection). */
 double deflection_influence(const contact_kind *kind, const ehd_grid *grid, double x, double y);

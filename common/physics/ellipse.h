@@ -17,7 +17,7 @@ typedef struct contact_shape {
     double gap_across;  // R_x b^2/(R_y a^2), the factor of Y^2/2 in the gap
     double flow_across; // (a/b)^2, the factor of the flow across
     double cell;        // width over length of a grid's cells in X and Y: k^(-1/3)
-    double compliance;  // E' a^3/(w R_x) over that of a circle, 2 A/pi in README.md
+    double compliance;  // E' a^3/(w R_x) over its value for a circle, 2 A/pi in README.md
     far_angle far;      // far field for R_x/R_y
 } contact_shape;
 

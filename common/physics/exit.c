@@ -37,7 +37,7 @@ size_t exit_by_flux(const exit_line *line, size_t exit) {
     return found < line->max_exit ? found : line->max_exit;
 }
 
-// ---- the exit within a node
+// ---- the exit within the cell of a node
 
 bool exit_is_within_node(const ehd_grid *grid) {
     return grid->inner_lines == 1 && grid->discretization == DISCRETIZATION_ACCURATE;
@@ -63,7 +63,7 @@ typedef struct quantity {
     double by_offset;
 } quantity;
 
-/* Returns the film at a distance of share * offset steps behind HERE. */
+/* Returns the film `share` * offset steps behind HERE. */
 static quantity film_behind(double offset, double share, const reynolds_stencil *stencil,
                             const double *film) {
     const cubic interpolation = cubic_at(share * offset);
@@ -182,7 +182,7 @@ void exit_cell_add_flux(exit_cell *cell, const reynolds_row *flux) {
     }
 }
 
-// ---- the place in its cell of an exit that lies at a node
+// ---- the place of the exit within a cell, for solutions with exits at nodes
 
 /* A value and its derivative by the offset. */
 typedef struct flow {
@@ -199,10 +199,10 @@ static flow carried_at(double offset, double entrainment, const reynolds_stencil
                   entrainment * density * at_exit.by_offset};
 }
 
-/* Returns the change in time of the fluid between the half node before HERE and the offset t, over
- * the step. On whole cells it is the midpoint rule. Beyond, the rate is linear: through BACK and
- * HERE if the exit is at HERE, and through HERE and AHEAD if it is at AHEAD. So nothing jumps as
- * the exit passes a node. */
+/* Returns the rate of change of the fluid between the half node before HERE and the offset t,
+ * divided by the grid step. For whole cells it is the midpoint rule. Beyond them d(rho H)/dT is
+ * linear: through BACK and HERE if the exit is at HERE, through HERE and AHEAD if it is at AHEAD.
+ * Nothing jumps when the exit passes a node. */
 static flow taken_up_to(double t, const reynolds_squeeze *squeeze, const reynolds_stencil *stencil,
                         const reynolds_fluid *fluid, const double *film) {
     double rate[3]; // d(rho H)/dT at BACK, HERE and AHEAD

@@ -10,11 +10,11 @@
 #include <stdbool.h>
 
 /* Returns the multiplier Lambda of a row at a node without pressure: the flow that is missing in
- * the balance there. It is negative where the node should have pressure. */
+ * the balance of its cell. The multiplier is negative if the node should have pressure. */
 double exit_multiplier(const reynolds_row *row);
 
-/* Returns by how much a node violates P >= 0, if it has pressure, or else Lambda >= 0. Negative if
- * the condition holds. */
+/* Returns by how much a node with pressure violates P >= 0, and a node without pressure Lambda >=
+ * 0. The result is negative if the condition holds. */
 double exit_violation(bool has_pressure, double pressure, double multiplier);
 
 /* Data for the search of the exit on a stationary line contact. In the pressurised zone the flux is
@@ -27,40 +27,40 @@ typedef struct exit_line {
     // largest move downstream, in nodes: far from convergence the flux is not yet uniform
     size_t max_stride;
     double entrainment;
-    double pressure_noise, multiplier_noise;        // negative values down to minus these are
-                                                    // ignored
+    double pressure_noise, multiplier_noise;        // negative values are ignored if their
+                                                    // magnitude is at most this
     void *state;                                    // argument of the functions
     double (*film)(void *state, size_t node);       // H
     double (*flux)(void *state, size_t node);       // through the half node before the node
     double (*multiplier)(void *state, size_t node); // exit_multiplier
 } exit_line;
 
-/* Returns the node at which the exit should be. It moves back if a pressure is negative, and
- * downstream if the multiplier at the exit is negative. It moves as far as the node where an
- * unpressurised film carries the flux. The number of moves therefore does not grow with the number
- * of nodes. */
+/* Returns the node at which the exit should be. The exit moves back if a pressure is negative, and
+ * downstream if the multiplier at the exit is negative. Downstream it moves as far as the node
+ * where an unpressurised film carries the flux. The number of moves therefore does not grow with
+ * the number of nodes. */
 size_t exit_by_flux(const exit_line *line, size_t exit);
 
-/* The exit within a node, in the accurate discretisation of a stationary line contact (README.md,
- * The exit within a node). The exit cuts the last cell with pressure at x = x_k + offset h, behind
- * its node k. Two equations hold there. First, an unpressurised film at the exit carries the flux
- * through the half node before k. This places the exit. Second, the pressure falls from its value
- * at k to zero at the exit. The first equation is eliminated, so the second one replaces the
- * Reynolds row of node k. */
+/* The exit within the cell of a node, in the accurate discretisation of a stationary line contact
+ * (README.md, The exit within a node). The exit cuts the last cell with pressure at x = x_k +
+ * offset h, behind its node k. Two equations hold there. First, an unpressurised film at the exit
+ * carries the flux through the half node before k. This equation places the exit. Second, the
+ * pressure falls from its value at k to zero at the exit. The first equation is eliminated, so the
+ * second one replaces the Reynolds row of node k. */
 typedef struct exit_cell {
     reynolds_row row;    // second equation, scaled as a Reynolds row
     reynolds_row offset; // first equation: residual is the necessary change of the offset
     double row_by_flux, offset_by_flux; // derivatives of both residuals by the flux
-    double curvature;     // pressure before the exit over the squared distance from it in steps
+    double curvature;     // pressure before the exit over the squared distance to the exit in steps
     double flux_residual; // residual of the first equation, scaled as a Reynolds row
 } exit_cell;
 
-/* Checks whether the exit of a stationary contact on a grid lies within a node, as in a line
+/* Checks whether the exit of a stationary contact on a grid may lie between nodes, as in a line
  * contact with the accurate discretisation. */
 bool exit_is_within_node(const ehd_grid *grid);
 
 /* Evaluates the exit cell at HERE of a stencil for a given flux. Derivatives by pressure and film
- * are those at constant flux. The film is interpolated from BACK, HERE, AHEAD and AHEAD2, so HERE
+ * are taken at constant flux. The film is interpolated from BACK, HERE, AHEAD and AHEAD2, so HERE
  * must not be the last inner node. There must be no pressure from AHEAD on. */
 void exit_cell_at(exit_cell *cell, const ehd_grid *grid, double entrainment, double offset,
                   double flux, const reynolds_stencil *stencil, const reynolds_fluid *fluid,
@@ -70,12 +70,12 @@ void exit_cell_at(exit_cell *cell, const ehd_grid *grid, double entrainment, dou
  * reynolds_flux of the stencil of the cell. */
 void exit_cell_add_flux(exit_cell *cell, const reynolds_row *flux);
 
-/* Returns how many steps ahead of HERE the exit lies. The solution has its exits at nodes, and
- * HERE of the stencil is the last node with pressure. At the exit an unpressurised film carries
- * the flux through the half node before HERE, minus the storage of the cell in time. The result is
- * 0 to 1. It lies beyond, by at most a half, only due to the error of an exit at a node. NaN if
- * the film does not rise there. With a reversed stencil, entrainment and flux are positive towards
- * smaller x. */
+/* Returns how many steps ahead of HERE the exit lies. The solution has its exits at nodes, and HERE
+ * of the stencil is the last node with pressure. At the exit an unpressurised film carries the flux
+ * through the half node before HERE, minus the storage of the cell in time. The result is 0 to 1.
+ * Only because of the error of exits at nodes, it may exceed this range by at most a half. NaN if
+ * the film does not rise at the exit. With a reversed stencil, entrainment and flux are positive
+ * towards smaller x. */
 double exit_place(
     const ehd_grid *grid, double entrainment,
     double flux,                     // through the half node before HERE

@@ -3,8 +3,8 @@
  * Called by reynolds.c for the mobility, and by traction.c for the shear stress.
  *
  * Two numbers determine it. The rate N = eta |u1 - u2|/(tau0 h) is the Newtonian stress of the
- * sliding over Eyring's. The gradient Sigma = h |dp/dx|/(2 tau0) is the change of the stress from
- * the middle of the film to a surface, over Eyring's. */
+ * sliding over Eyring's stress. The gradient Sigma = h |dp/dx|/(2 tau0) is the change of the stress
+ * from the middle of the film to a surface, over Eyring's stress. */
 #ifndef EHD_EYRING_FLOW_H
 #define EHD_EYRING_FLOW_H
 
@@ -62,7 +62,7 @@ static inline double eyring_sliding_slope(const eyring_gradient *of) {
                : 0;
 }
 
-/* Returns the factor of a flow along the sliding. It is exact without a gradient across the
+/* Returns the factor of a flow along the sliding. The factor is exact without a gradient across the
  * sliding:
  *
  *     A sqrt(1 + (N Sigma/sinh Sigma)^2) = sqrt(A^2 + (N C)^2)
@@ -78,8 +78,8 @@ static inline eyring_factor eyring_along(const eyring_gradient *of, double rate)
 }
 
 /* Returns the factor of a flow across the sliding, without a gradient along the sliding: A r/asinh
- * r with r = N sqrt(Sigma/sinh Sigma). It is exact without sliding, and without a gradient. At
- * rates up to 1e4 it is off by at most 1.3 % where Sigma = 1, and by 6.8 % where Sigma = 2
+ * r with r = N sqrt(Sigma/sinh Sigma). The factor is exact without sliding, and without a gradient.
+ * At rates up to 1e4 it is off by at most 1.3 % where Sigma = 1, and by 6.8 % where Sigma = 2
  * (tests/unit/test_eyring_flow.c). */
 static inline eyring_factor eyring_across(const eyring_gradient *of, double rate) {
     const double slid = rate * sqrt(of->sliding / of->at_rest);
@@ -109,8 +109,8 @@ static inline eyring_factor eyring_across(const eyring_gradient *of, double rate
 #define EYRING_DOUBT_ACROSS     0.25
 #define EYRING_DOUBT_ACROSS_OWN 0.025
 
-/* Returns the shear stress of the sliding in the middle of the film over Eyring's stress. It is
- * not negative. */
+/* Returns the shear stress of the sliding in the middle of the film over Eyring's stress. The
+ * result is not negative. */
 static inline double eyring_stress(const eyring_gradient *of, double rate) {
     return asinh(rate * (of->sliding / of->at_rest));
 }

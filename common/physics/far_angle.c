@@ -11,9 +11,9 @@
  * keeps_the_flow). */
 static const double LAST = 1.95;
 
-/* Returns the part of S that has a closed form but no exit, 4 cos(phi)/((3 + 2 ratio) q^2).
- * This part is x/H^2 up to a factor. It solves the equation for any constant that is added to
- * the gap. */
+/* Returns the part of S that has a closed form but no exit, 4 cos(phi)/((3 + 2 ratio) q^2). This
+ * part is x/H^2 up to a factor. x/H^2 solves the Reynolds equation for any constant that is added
+ * to the gap. */
 static double driven(const far_angle *self, double phi) {
     const double rise = far_angle_rise(self, phi);
 

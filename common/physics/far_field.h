@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Computes the far field around the grid of a point contact or an ellipse with an open boundary
  * (README.md, Far field).
- * Called by traction.c, by fullrun, and by the rooms state, solve and trust of romrun. */
+ * Called by traction.c, by fullrun, and by the folders state, solve and trust of romrun. */
 #ifndef EHD_FAR_FIELD_H
 #define EHD_FAR_FIELD_H
 
@@ -34,13 +34,14 @@ far_value far_field_pressure(const ehd_contact *contact, double rigid_approach, 
 far_value far_field_load(const ehd_contact *contact, double rigid_approach);
 
 /* Returns the integrals of friction and rolling over the far field (README.md, traction beyond the
- * grid). They begin where the cells of the inner nodes end. They end, with a pressure of 0, where
- * the slope of the gap is one. Returns zeros if the grid has no far field. */
+ * grid). The integrals begin where the cells of the inner nodes end. They end where the slope of
+ * the gap is one; the pressure is taken as 0 at this rim. Returns zeros if the grid has no far
+ * field. */
 traction_sums far_field_traction(const ehd_contact *contact, double rigid_approach);
 
 /* Returns an error estimate for the rolling in far_field_traction, whose pressure is a truncated
- * series. The estimate is the rolling by the last term, the deflection. This term is evaluated at
- * the end of the grid and taken over distances up to e times as far. */
+ * series. The estimate is the contribution of the last term, the deflection. It takes the value of
+ * this term at the end of the grid and holds it up to e times that distance. */
 double far_field_rolling_error(const ehd_contact *contact, double rigid_approach);
 
 /* Checks whether a node of a grid with several lines is a boundary node. */
@@ -89,8 +90,8 @@ void far_field_add(
     const ehd_contact *contact, double rigid_approach);
 
 /* Returns the contact's closure for the pressures of the inner nodes, by_load h^2 sum P +
- * by_approach H0 = value. It contains the load beyond the inner nodes, linearised at this rigid
- * approach. */
+ * by_approach H0 = value. The closure contains the load beyond the inner nodes, linearised at this
+ * rigid approach. */
 contact_closure far_field_closure(const far_field *self, const ehd_contact *contact,
                                   double rigid_approach);
 

@@ -57,13 +57,13 @@ double film_nijenbanning_ellipse(double moes_M, double moes_L, double radius_rat
 /* Returns H of the circular contact: film_nijenbanning_ellipse over (3 M/2)^(2/3). */
 double film_nijenbanning(double moes_M, double moes_L);
 
-/* Returns H at the centre by the fit of Moes for lines, else by that of Nijenbanning, Venner and
+/* Returns H at the centre by the fit of Moes for lines, else by the fit of Nijenbanning, Venner and
  * Moes. */
 double film_central(const ehd_contact *contact);
 
 /* Returns the numbers of a contact at its present state. Most formulas depend only on M and alpha
  * p_H, as the film does (optimum similarity). The formulas of Pan and Hamrock, of Hamrock and
- * Dowson and of Chittenden et al. also depend on E', by 1 % or less for 20 % of E'. Only a
+ * Dowson and of Chittenden et al. also depend on E', by 1 % or less if E' changes by 20 %. Only a
  * physical scene has E'; otherwise steel on steel is assumed. */
 film_numbers film_numbers_of(const ehd_contact *contact);
 

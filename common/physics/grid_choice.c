@@ -9,7 +9,7 @@
  * equals this film. */
 typedef struct grid_rule {
     double coarsest;     // step unless the film is thick; finer steps are 1/2, 1/4 ... of it
-    double thick;        // largest step with thick films, by doublings, over sqrt(2 H)
+    double thick;        // largest step over sqrt(2 H) to which thick films double the step
     double around;       // largest step over sqrt(2 H)
     double steps;        // largest step over the width of the inlet, H^(2/3)
     double inlet_effect; // largest effect of the missing inlet on the central film
@@ -74,7 +74,7 @@ static const grid_rule zero_rule = {
     .sides = 0.75,
 };
 
-/* Smallest step that the surroundings of a contact may require, half widths. It also
+/* Smallest step that the surroundings of a contact may require, half widths. This step also
  * resolves spikes at the centre (README.md, Default grid; test_grid_choice.c,
  * points_with_the_far_field). */
 static const double FINEST_AROUND = 0.0625;
@@ -131,9 +131,9 @@ static double load_effect(const ehd_contact *contact, double length) {
     return 1.66 * 1.925 * lambda * (thicker - 2. / 3) / length;
 }
 
-/* Returns the relative change of the film if the viscous pressure built up before a domain is
- * missing. `all`: grubin_integral up to X = -1. The film follows the viscous pressure with the
- * exponent 8/11 (Ertel and Grubin). */
+/* Returns the relative change of the film if the viscous pressure that is built up upstream of a
+ * domain is missing. `all`: grubin_integral up to X = -1. The film follows the viscous pressure
+ * with the exponent 8/11 (Ertel and Grubin). */
 static double pressure_effect(const ehd_contact *contact, double film, double all, double length) {
     return 8. / 11 * grubin_integral(contact, film, length) / all;
 }
@@ -169,9 +169,10 @@ static double inlet_length(const ehd_contact *contact) {
     return length;
 }
 
-/* Returns y_max. With an open boundary the gap at the sides is that of a circle's domain. With
- * zero pressure at the border, the sides of a wide ellipse are as far from its edge as those of a
- * circle, in half widths along, and at least half of b (README.md, Default grid). */
+/* Returns y_max. With an open boundary the gap at the sides equals the gap at the sides of a
+ * circle's domain. With zero pressure at the border, the distance from the edge of a wide ellipse
+ * to the sides is that of a circle, in half widths along, and at least half of b (README.md,
+ * Default grid). */
 static double sides_needed(const grid_rule *rule, double length, const contact_shape *shape) {
     const double of_circle = rule->sides * length, k = shape->ellipticity;
 
@@ -198,9 +199,9 @@ static double end_needed(const contact_shape *shape, double film, double y_max, 
 }
 
 /* Returns H at the centre for constant viscosity. For a narrow ellipse it is the geometric mean of
- * two estimates, neither of which was made for it. The estimate for the cold start is 1.4 to 20
- * times the true film, the fit for wide ellipses a quarter to 1.3 times, and the mean 1.2 to 2.7
- * times (k of 0.05 and 0.2, M of 0.1 to 100). */
+ * two estimates, neither of which was made for it. Relative to the true film, the estimate for the
+ * cold start is 1.4 to 20, the fit for wide ellipses a quarter to 1.3, and the mean 1.2 to 2.7 (k
+ * of 0.05 and 0.2, M of 0.1 to 100). */
 static double isoviscous_film(const ehd_contact *contact) {
     const contact_shape *shape = &contact->grid.shape;
     const double k = shape->ellipticity, M = contact->moes_M;
@@ -211,8 +212,8 @@ static double isoviscous_film(const ehd_contact *contact) {
                 pow(1.5 * M * shape->compliance, 2. / 3));
 }
 
-/* Returns the step. It follows from the isoviscous film, because a lubricant of higher L has a
- * thicker film, but a narrower spike. For an ellipse narrower than k = 1/2 the step is
+/* Returns the step. The step follows from the isoviscous film, because a lubricant of higher L has
+ * a thicker film, but a narrower spike. For an ellipse narrower than k = 1/2 the step is
  * proportional to the square root of k, because cells are longer across, in half widths. At k of
  * 0.1 and 0.2, M of 1 and 100, L = 0, H_m is 17 and 14 % off with the step of wide ellipses, 6 and
  * 3 % with half of this step, and 1 % with a quarter. */

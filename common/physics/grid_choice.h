@@ -20,13 +20,13 @@ grid_extent grid_extent_within(const ehd_contact *contact, double effect);
  * lines the estimate is 1.1 to 5 times the error, for points with an open boundary 1.4 to 20. */
 double grid_inlet_effect(const ehd_contact *contact, double length);
 
-/* Extends `self` so that it is long, wide and fine enough for both. */
+/* Extends `self` so that it is long, wide and fine enough for both extents. */
 void grid_extent_join(grid_extent *self, const grid_extent *other);
 
-/* Makes a grid from what is given and, where that is NaN, from what is needed. Ends that are not
- * given move outwards, and a step that is not given is reduced, until whole steps fit. The grid
- * has the discretisation, boundary and shape of `like`; that of a point contact is half if `like`
- * is. */
+/* Makes a grid from the values in `given`. Values that are NaN come from `needed`. Ends that are
+ * not given move outwards, and a step that is not given is reduced, until whole steps fit. The grid
+ * has the discretisation, boundary and shape of `like`. For a point contact it is a half grid if
+ * `like` is one. */
 ehd_grid grid_choose(const grid_extent *given, const grid_extent *needed, const ehd_grid *like);
 
 #endif

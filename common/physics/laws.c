@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The tables of lubricant laws. They have a file of their own, so a program that links the library
- * can bring longer ones. */
+/* The tables of lubricant laws. The tables have a file of their own, so that a program that links
+ * the library can replace them by longer tables. */
 #include "common/physics/laws.h"
 
 const lubricant_law *const viscosity_laws[] = {

@@ -3,9 +3,9 @@
  * function of pressure and rate of shear (README.md, Lubricants).
  * Called by contact.c (lubricant_init), by reynolds.c for all nodes, and by traction.c.
  *
- * A law is one lubricant_law and one line in a table of laws.c or shear_laws.c. It also gives the
- * names of its parameters in a scene. Settings, --help and the stored text of a scene follow from
- * the tables. */
+ * A law is one lubricant_law and one line in a table of laws.c or shear_laws.c. The lubricant_law
+ * also gives the names of its parameters in a scene. Settings, --help and the stored text of a
+ * scene follow from the tables. */
 #ifndef EHD_LUBRICANT_H
 #define EHD_LUBRICANT_H
 
@@ -110,8 +110,8 @@ size_t law_num_parameters(const lubricant_law *law);
 const law_parameter *law_key(const lubricant_law *law, const char *key);
 
 /* Returns key number `slot` of a table of laws, or NULL. The keys are in the order of the laws. A
- * key of several laws is numbered once, at the last of these laws. Keys beyond MAX_LAW_KEYS have
- * no number. Stored scenes use this order too, so it must not change. */
+ * key of several laws is numbered once, at the last of these laws. Keys beyond MAX_LAW_KEYS have no
+ * number. Stored scenes also use this order, so it must not change. */
 const law_parameter *laws_key(const lubricant_law *const *laws, size_t slot);
 
 /* Returns the number of a key, or MAX_LAW_KEYS if it has none. */
@@ -126,8 +126,8 @@ bool laws_require(const lubricant_law *const *laws, const char *key);
 /* Returns the law with this name, or NULL. */
 const lubricant_law *laws_find(const lubricant_law *const *laws, const char *name);
 
-/* Writes the names of the laws that have a key, as "barus|roelands". If the key is NULL, writes
- * those of all laws. */
+/* Writes the names of the laws that have a key, as "barus|roelands". If the key is NULL, writes the
+ * names of all laws. */
 void laws_list(
     // output:
     char *list, // [size] bytes; a longer text is truncated

@@ -37,8 +37,8 @@ static double film_at(const film *self, size_t node) {
     return self->value(self->context, node);
 }
 
-/* Returns the node of the same line to which the film falls from a node. The two nodes at either
- * end of the line are left out. */
+/* Descends along the line from a node to a minimum of the film, and returns its node. The two nodes
+ * at either end of the line are skipped. */
 static size_t lowest_along(const film *self, size_t node) {
     const size_t first = node - node % self->width + 2, last = first + self->width - 5;
 

@@ -81,8 +81,9 @@ reynolds_stencil reynolds_stencil_reversed(const ehd_grid *grid, size_t node) {
 
 // ---- fluid
 
-/* Returns the factor of the flow across, which multiplies second differences from line to line
- * over the square of the step. It is (a/b)^2 over the square of a cell's width over its length. */
+/* Returns the factor of the flow across, which multiplies second differences from line to line over
+ * the square of the step. The factor is (a/b)^2, divided by the square of a cell's ratio of width
+ * to length. */
 static inline double flow_across(const contact_shape *shape) {
     return shape->flow_across / (shape->cell * shape->cell);
 }
@@ -325,8 +326,8 @@ typedef struct mobility_falls {
 } mobility_falls;
 
 /* Returns the link with the mobility at the mean pressure, extrapolated to fourth order from the
- * links of the two halves and of the whole. If the mobility falls with the pressure, both halves
- * together are more than half of the whole. The flow is then never against the pressure
+ * links of the two halves and of the whole. If the mobility falls with the pressure, the sum of
+ * both halves is more than half of the whole. The flow is then never against the pressure
  * difference. */
 static inline reynolds_link link_with_middle(const mobility *before, const mobility *middle,
                                              const mobility *after, mobility_falls falls,
@@ -384,9 +385,9 @@ static inline void thin(mobility *self, const reynolds_fluid *fluid, double film
     self->log_by_gradient = by.by_log_gradient;
 }
 
-/* Returns the link of a flow that an Eyring fluid thins, along or across the sliding. It uses the
- * mobilities at both nodes and between them, the gradient between the nodes, and the film at the
- * half node. Two logarithms of ratios replace a logarithm of each mobility and factor. */
+/* Returns the link of a flow that an Eyring fluid thins, along or across the sliding. The link uses
+ * the mobilities at both nodes and between them, the gradient between the nodes, and the film at
+ * the half node. Two logarithms of ratios replace a logarithm of each mobility and factor. */
 static reynolds_link thinned_link(const row_nodes *at, int before, int after, double film,
                                   bool along) {
     const reynolds_fluid *fluid = at->fluid;
@@ -418,8 +419,8 @@ static reynolds_link thinned_link(const row_nodes *at, int before, int after, do
  * the first of them is not used. */
 enum { HALF_BACK2, HALF_BACK, HALF_BEFORE, HALF_AFTER, HALF_AHEAD, NUM_HALF };
 
-/* Returns the weights of the film at a half node: those of the cubic, or beside the boundary those
- * of the mean. */
+/* Returns the weights of the film at a half node: the weights of the cubic, or of the mean beside
+ * the boundary. */
 static const double *film_weights(const int of[NUM_HALF], const row_nodes *at) {
     static const double inside[NUM_HALF] = {0, -1. / 16, 9. / 16, 9. / 16, -1. / 16};
     static const double beside[NUM_HALF] = {0, 0, 0.5, 0.5, 0};
@@ -437,9 +438,8 @@ static double film_at_half(const int of[NUM_HALF], const double weights[NUM_HALF
     return film;
 }
 
-/* Returns the weights of rho H at a half node: those of the cubic through three nodes before the
- * half node and one behind it. Near the inlet they are those of the parabola, and at the inlet
- * those of the mean. */
+/* Returns the weights of rho H at a half node: the weights of the cubic through three nodes before
+ * the half node and one behind it, of the parabola near the inlet, and of the mean at the inlet. */
 static const double *mass_weights(const int of[NUM_HALF], const row_nodes *at) {
     static const double inside[NUM_HALF] = {1. / 16, -5. / 16, 15. / 16, 5. / 16, 0};
     static const double near[NUM_HALF] = {0, -1. / 8, 6. / 8, 3. / 8, 0};

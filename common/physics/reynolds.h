@@ -73,7 +73,7 @@ enum { NUM_FLUID_ARRAYS = 5 };
  * memory and the contact, to which the fluid points. */
 reynolds_fluid reynolds_fluid_in(double *memory, size_t num_nodes, const ehd_contact *contact);
 
-/* Returns the part of a fluid from one of its nodes on. It shares the arrays of `fluid`. */
+/* Returns the nodes of a fluid from `first_node` on. The result shares the arrays of `fluid`. */
 reynolds_fluid reynolds_fluid_from(const reynolds_fluid *fluid, size_t first_node);
 
 /* The BDF time derivative of rho H at the nodes of the rows: rate * rho H + previous. */
@@ -124,11 +124,11 @@ void reynolds_rows(
     const double *pressure,      // [num_nodes]
     const double *film);         // [num_nodes]
 
-/* Returns the largest error bound of the thinned rows upstream of the centre, where the film
- * forms, of a point contact or ellipse. The bound is relative to the entrained flow or, if that is
- * more, to the pressure flow. Rows along the entrainment neglect the gradient across, and rows
- * across neglect the gradient along (README.md, thinned flow). Returns 0 where rows are exact, as
- * in line contacts. */
+/* Returns the largest error bound of the thinned rows of a point contact or ellipse upstream of the
+ * centre, where the film forms. The bound is relative to the larger of the entrained flow and the
+ * pressure flow. Rows along the entrainment neglect the gradient across, and rows across neglect
+ * the gradient along (README.md, thinned flow). Returns 0 where rows are exact, as in line
+ * contacts. */
 double reynolds_flow_doubt(const ehd_contact *contact,
                            const reynolds_stencil *stencils, // [num_rows]
                            const size_t *node,               // [num_rows] of the grid
@@ -150,12 +150,13 @@ reynolds_row reynolds_flux(const ehd_grid *grid, double entrainment,
 /* Change of the reduced pressure, int mobility dP, from one node to the next, in the accurate
  * discretisation. If the viscosity is exponential in the pressure, this change is exactly the
  * logarithmic mean of the mobilities times the pressure difference (D. L. Scharfetter, H. K.
- * Gummel, IEEE Trans. Electron Devices 16, 1969). Otherwise the mobility half way between is used
- * too, and the change is of fourth order in the pressure difference. */
+ * Gummel, IEEE Trans. Electron Devices 16, 1969). Otherwise the mobility half way between the nodes
+ * is used too, and the change is of fourth order in the pressure difference. */
 typedef struct reynolds_link {
     double value, by_before, by_after; // derivatives by the pressures
-    // derivatives for a thinned flow, else 0: by the film at the half node, and by the logarithm
-    // of the gradient between the nodes. by_before and by_after of a whole link include the latter
+    // derivatives for a thinned flow, else 0: by the film at the half node, and by the logarithm of
+    // the gradient between the nodes. by_before and by_after of a whole link include the derivative
+    // by the gradient
     double by_film, by_gradient;
 } reynolds_link;
 

@@ -159,7 +159,8 @@ contact_traction contact_traction_of(const ehd_contact *contact, const double *p
     for (size_t r = 0; r < grid->num_inner; r++) {
         const size_t k = grid_node_of_row(grid, r);
         const double weight = grid_weight(grid, k), in_dry = weight * grid_dry_share(grid, k);
-        // integral from the node before to this node, and at the end of the line to the next node
+        // integral from the previous node to this node; at the end of the line also to the next
+        // node
         rolling += weight * (film[k - 1] + film[k]) / 2 * (pressure[k] - pressure[k - 1]);
         if (r % grid->inner_x == grid->inner_x - 1)
             rolling += weight * (film[k] + film[k + 1]) / 2 * (pressure[k + 1] - pressure[k]);
@@ -201,7 +202,7 @@ void contact_surface_stresses(double *on_1, double *on_2, const ehd_contact *con
     const ehd_grid *grid = &contact->grid;
     ehd_contact around = *contact;
 
-    // the far_speed of the contact may only scale its sliding
+    // far_speed may be set only to scale the sliding of the contact
     around.far_speed = contact->entrainment;
     for (size_t k = 0; k < grid->num_nodes; k++)
         on_1[k] = on_2[k] = 0;

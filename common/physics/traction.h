@@ -19,8 +19,8 @@ typedef struct contact_traction {
     double friction;           // int tau dA: on surface 2 along X, on surface 1 against X
     double rolling_resistance; // 1/2 int h dp/dx dA: on either surface, against X
     double rolling_moment;     // -int p x dA over a: moment of the pressures, against the rolling
-    double power;              // power input of both surfaces, over load times the speed at
-                               // far_speed 1
+    double power;              // power input of both surfaces, over the product of load and speed
+                               // at far_speed 1
     double mean_stress;        // mean of |tau| over the dry contact
     double largest_stress;     // largest |tau|
 } contact_traction;
@@ -33,13 +33,13 @@ bool contact_has_traction(const ehd_contact *contact);
 contact_traction contact_traction_unknown(void);
 
 /* Returns the shear stress tau over p_H, in the middle between the surfaces, at a dimensionless
- * pressure, film and gradient of pressure along X. It is positive if surface 1 is the faster one.
- * The gradient matters only if the law thins the flow too. */
+ * pressure, film and gradient of pressure along X. The stress is positive if surface 1 is the
+ * faster one. The gradient matters only if the law also thins the flow. */
 double contact_shear_stress(const ehd_contact *contact, double pressure, double film,
                             double gradient);
 
-/* Derivatives of contact_shear_stress, by differences for any law. They are accurate to 1e-5 where
- * the law is smooth. */
+/* Derivatives of contact_shear_stress, by differences for any law. The derivatives are accurate to
+ * 1e-5 where the law is smooth. */
 typedef struct stress_slopes {
     double by_pressure, by_film, by_gradient;
 } stress_slopes;
@@ -56,7 +56,7 @@ typedef struct flow_thinning {
 } flow_thinning;
 flow_thinning traction_thinning(const ehd_contact *contact);
 
-/* Checks whether the law of shear stress thins the flow too: its in_film is true. */
+/* Checks whether the law of shear stress also thins the flow: its in_film is true. */
 bool traction_thins_flow(const ehd_contact *contact);
 
 /* Dimensionless integrals over the contact, from which the traction follows. */
@@ -85,8 +85,8 @@ double contact_traction_behind(const ehd_contact *contact, const ehd_grid *grid,
                                double exit);         // X
 
 /* Computes the traction from pressure and film at the nodes of the contact's grid, where there is
- * pressure, and from the part beyond the grid. Behind the last node with pressure the integral
- * goes on to the exit of a line contact, else to the next node. */
+ * pressure, and adds the part beyond the grid. Behind the last node with pressure the integral goes
+ * on to the exit of a line contact, else to the next node. */
 contact_traction
 contact_traction_of(const ehd_contact *contact,
                     const double *pressure,          // [num_nodes]
@@ -95,8 +95,8 @@ contact_traction_of(const ehd_contact *contact,
                                                      // central film and exit
 
 /* Computes the stress of the fluid on each surface along X, over p_H: -tau - h/2 dp/dx and tau -
- * h/2 dp/dx. It is 0 where there is no pressure. At boundary nodes the pressure is that of the far
- * field. */
+ * h/2 dp/dx. Both stresses are 0 where there is no pressure. At boundary nodes the pressure is that
+ * of the far field. */
 void contact_surface_stresses(
     // output:
     double *on_1, double *on_2, // [num_nodes]

@@ -61,8 +61,8 @@ static ehd_status lacks_with_temperature(const char *key, ehd_error *error) {
                     key);
 }
 
-/* Checks that a temperature has its reference temperature, its coefficient and eta0, and that a
- * reference temperature has a temperature. */
+/* Checks that a temperature is given together with a reference temperature, a coefficient and eta0,
+ * and a reference temperature only together with a temperature. */
 static ehd_status check_temperature(const law_value *values, ehd_error *error) {
     const bool reference = !isnan(values[OIL_REFERENCE].number);
 
@@ -140,9 +140,9 @@ static double roelands(const ehd_lubricant *self, double pressure, double *deriv
     return ratio * (power - 1);
 }
 
-/* Changes ln eta0 + 9.67 from its value at the reference temperature to that at the temperature.
- * The exponent of the pressure stays. alpha is proportional to the product of this number and the
- * exponent, so it changes by the same factor. */
+/* Changes ln eta0 + 9.67 from its value at the reference temperature to its value at the
+ * temperature. The exponent of the pressure stays. alpha is proportional to the product of this
+ * number and the exponent, so it changes by the same factor. */
 static void roelands_set_temperature(ehd_lubricant *self, const law_value *values) {
     const double coefficient = values[OIL_COEFFICIENT].number;
     const double ratio = self->viscosity_constants[ROELANDS_RATIO];
@@ -245,8 +245,8 @@ static double wlf(const ehd_lubricant *self, double pressure, double *derivative
 }
 
 /* Returns the largest pressure at which the law holds, to 1e-9 of it. The viscosity turns over
- * where y stops falling, or has a pole where C2 + y reaches zero. The limit is the smaller of both
- * pressures, or 100 GPa if neither lies below that. */
+ * where y stops falling, or has a pole where C2 + y reaches zero. The limit is the smaller of these
+ * two pressures, or 100 GPa if both are larger. */
 static double wlf_pressure_limit(const double *constants) {
     // Step of the search, Pa. With steps from 1e5 to 1e8 the limits are the published ones
     // (test_lubricant.c, wlf_coefficients_and_limits).
@@ -284,9 +284,9 @@ static double gauss_kronrod(ehd_lubricant *self, double left, double right) {
     return integral;
 }
 
-/* Integrates by halves, and again by halves of these, until their sum differs from `whole` by at
- * most `allowed`. Returns NaN if it still differs more after `depth` times. GSL's adaptive rules
- * are not used: they end the process if they do not converge or are refused memory. */
+/* Halves the interval again and again, until the sum over the halves differs from `whole` by at
+ * most `allowed`. Returns NaN if it still differs by more after `depth` halvings. GSL's adaptive
+ * rules are not used: they end the process if they do not converge or are refused memory. */
 static double integrate(ehd_lubricant *self, double left, double right, double whole,
                         double allowed, int depth) {
     const double middle = (left + right) / 2;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Arrays whose size is a product that may overflow, for example of lengths read from a file, and
- * memory that is freed together. An object with many arrays takes all of them from one arena. It
+/* Allocates arrays whose size is a product that may overflow, for example of lengths read from a
+ * file. Frees arrays together: an object with many arrays takes all of them from one arena. It
  * checks once whether memory was refused, and frees all arrays by one call. */
 #ifndef EHD_ARENA_H
 #define EHD_ARENA_H

@@ -75,7 +75,7 @@ static void check_room_while_loaded(void) {
  * - OPENBLAS_NUM_THREADS is 1, whatever the user has set. The programs' own threads are enough.
  *   More threads only slow down small matrices, and where memory is limited they wait for it
  *   without end. Debian's OpenBLAS without threads is no alternative: it has no lock around its
- *   work space. Of 2 million small products in each of four threads, one in 200 was wrong.
+ *   work space. Of 2 million small products in each of four threads, one product in 200 was wrong.
  * - OPENBLAS_CORETYPE is Haswell if the user has set none and the processor has AVX2. OpenBLAS
  *   0.3.21 takes an Intel processor later than itself for a Prescott of 2004, and then has a
  *   quarter of the speed. The environment itself stays as it is, so that programs started from here

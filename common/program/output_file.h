@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* An output file other than HDF5. It is NAME.partial until it is finished, and only then gets its
- * name. */
+/* Writes output files other than HDF5. A file is called NAME.partial until it is finished. */
 #ifndef EHD_OUTPUT_FILE_H
 #define EHD_OUTPUT_FILE_H
 

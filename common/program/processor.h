@@ -13,11 +13,11 @@
 #endif
 
 /* Returns why the build cannot run here, a constant text such as "processor: found one without
- * AVX2, expected …". Returns NULL if it can. */
+ * AVX2, expected …". Returns NULL if the build can run. */
 const char *processor_refusal(void);
 
 /* Ends a program with the line of processor_refusal before main, if the build cannot run here. The
- * library does not contain it: ehdrom_model_open returns an error. */
+ * library does not contain this function: there ehdrom_model_open returns an error. */
 void processor_check(int argc, char **argv, char **environment);
 
 #endif

@@ -129,8 +129,8 @@ bool program_interrupted(void) {
 
 static const char *name_of_program; // NULL: program_start was not called
 
-/* Writes the program's name and a text to stderr. It does not use stdio, which may be in the middle
- * of a call. */
+/* Writes the program's name and a text to stderr. It does not use stdio, because a call of stdio
+ * may be under way. */
 static void say(const char *text) {
     if (write(STDERR_FILENO, name_of_program, strlen(name_of_program)) < 0 ||
         write(STDERR_FILENO, text, strlen(text)) < 0)

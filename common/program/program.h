@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Functions that all programs share: command line, messages, progress, interruption, and the
- * version of the build. */
+/* Declares the functions that all programs share: command line, messages, progress, interruption,
+ * and the version of the build. */
 #ifndef EHD_PROGRAM_H
 #define EHD_PROGRAM_H
 

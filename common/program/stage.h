@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Place of a program in a pipeline of stages that make a model one after the other, and the
- * expected duration of the stages.
+/* Finds the place of a program in a pipeline of stages that make a model, and the expected duration
+ * of these stages.
  *
  * The environment variable EHDROM_STAGES is FILE HERE NAME...: a file, the name of the present
  * stage, and the names of all stages in their order. FILE has a line "NAME SECONDS LEAST" for each
@@ -25,8 +25,8 @@ stage stage_here(void);
 /* Stores the duration of the stage for the next run. */
 void stage_end(const stage *self);
 
-/* Goes on to the next stage, if its name is `last` or ends in "-" and `last`. It is for a program
- * that runs several stages. */
+/* Goes on to the next stage, if its name is `last` or ends in "-" and `last`. This function is for
+ * a program that runs several stages. */
 void stage_next(stage *self, const char *last);
 
 /* Stores a lower bound in seconds for all later stages whose name is `last` or ends in "-" and

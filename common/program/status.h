@@ -6,7 +6,8 @@
 typedef enum ehd_status {
     EHD_OK = 0,
     EHD_NOT_CONVERGED = 3, // a reported outcome: the answer is not to be used
-    EHD_UNTRUSTED = 4,     // solved, but outside of what the model was made for or checked on
+    EHD_UNTRUSTED = 4,     // solved, but outside of the range for which the model was made or
+                           // checked
     EHD_USAGE = 64,        // wrong command line (sysexits.h from here on)
     EHD_DATA = 65,         // bad data or setting
     EHD_NOINPUT = 66,      // input file missing or unreadable

@@ -45,7 +45,7 @@ static void do_parts(team *self, const team_work *work, size_t member) {
 static void *run_member(void *argument) {
     const team_member *own = argument;
     team *self = own->of;
-    size_t last = 0; // last work that this thread took part in
+    size_t last = 0; // number of the last work in which this thread took part
 
     pthread_mutex_lock(&self->lock);
     for (;;) {

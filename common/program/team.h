@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Threads that share one piece of work, such as a loop over the nodes of a grid.
+/* Shares one piece of work, such as a loop over the nodes of a grid, between threads.
  *
  * The list is cut into parts that depend on its length alone. Any free thread does the next part.
  * The results of the parts, and sums over the parts in their order, therefore have the same bits

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Variants of one scene from a table, which has a column for each setting that varies and a row for
- * each variant. It is read row by row, so that memory does not grow with its length. */
+/* Reads variants of one scene from a table. The table has a column for each setting that varies and
+ * a row for each variant. It is read row by row, so that memory does not grow with the number of
+ * rows. */
 #ifndef EHD_CASE_LIST_H
 #define EHD_CASE_LIST_H
 
@@ -49,12 +50,12 @@ ehd_status case_list_fail(const case_list *list, size_t line, ehd_error *error);
 
 /* Returns the number of columns. */
 size_t case_list_num_columns(const case_list *list);
-/* Returns the key of a column, in the order of the table: the full key even where the table has a
- * short one, or "name". */
+/* Returns the key of a column, in the order of the table: the full key even if the table has a
+ * short key, or "name". */
 const char *case_list_key(const case_list *list, size_t column);
 
-/* Returns the settings of the scene as text, as far as they are given without the table; free with
- * free(). NULL: no memory. */
+/* Returns as text the settings of the scene that are given outside of the table; free with free().
+ * NULL: no memory. */
 char *case_list_settings(const case_list *list);
 
 void case_list_free(case_list *list);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Tables as files of comma-separated values: a header with the names of the columns, then one row a
+/* Reads tables of comma-separated values: a header with the names of the columns, then one row per
  * line. If the header has no commas, semicolons or tabs separate the columns. A name or value may
  * stand in double quotes (RFC 4180), which may span lines. Spaces around fields are dropped; blank
  * lines and lines that start with # are skipped. */

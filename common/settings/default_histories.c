@@ -30,7 +30,7 @@ typedef struct trajectory_shape {
 } trajectory_shape;
 
 /* The trajectories of each quantity and of each pair. schemas/plan.md, Histories, has the errors
- * that were measured with them. */
+ * that were measured with these trajectories. */
 static const trajectory_shape shapes[] = {
     {1, {{SINE, false, 0.8, 0}}},
     {1, {{SINE, false, 1.4, 1.6}}},

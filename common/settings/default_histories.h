@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The trajectories of a plan that gives only bounds for the factors of load, speed, radius and
- * modulus, and no histories (schemas/plan.md, Histories). */
+/* Makes the trajectories of a plan that gives only bounds for the factors of load, speed, radius
+ * and modulus, and no histories (schemas/plan.md, Histories). */
 #ifndef EHD_DEFAULT_HISTORIES_H
 #define EHD_DEFAULT_HISTORIES_H
 
@@ -25,8 +25,8 @@ ehd_status default_histories_read(default_histories *self, const tree_node *node
 /* Returns the number of trajectories; 0 without any quantity. */
 size_t default_histories_count(const default_histories *self);
 
-/* Sets the histories of a scene to trajectory `number`; nothing else in it varies. The scene ends
- * at T = 2.5 unless an override gives the end. EHD_DATA: a bad value, another regime than
+/* Sets the histories of a scene to trajectory `number`; nothing else in the scene varies. The scene
+ * ends at T = 2.5 unless an override gives the end. EHD_DATA: a bad value, another regime than
  * transient, or an override of a history. */
 ehd_status default_histories_apply(const default_histories *self, size_t number,
                                    scene_source *source, ehd_error *error);

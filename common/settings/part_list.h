@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A list of reduced models for parts of a region (schemas/models.md). */
+/* Reads a list of reduced models for parts of a region (schemas/models.md). */
 #ifndef EHD_PART_LIST_H
 #define EHD_PART_LIST_H
 
@@ -21,7 +21,7 @@ bool part_list_is(const char *path);
  * EHD_MEMORY. */
 ehd_status part_list_read(
     // output:
-    part_list *self, // free with part_list_free, also where it fails
+    part_list *self, // free with part_list_free, also after a failure
     // input:
     const char *path, ehd_error *error);
 void part_list_free(part_list *self);

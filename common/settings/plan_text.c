@@ -21,8 +21,8 @@ static void print_changes(FILE *stream, const scene *now, const scene *before) {
     }
 }
 
-/* Prints a group and its bounds. Bounds on alpha p_H are always printed, bounds on M only where
- * there are any, so that texts of earlier versions stay the same. */
+/* Prints a group and its bounds. Bounds on alpha p_H are always printed, bounds on M only if they
+ * are given, so that texts of earlier versions stay the same. */
 static void print_group(FILE *stream, size_t group, const plan_where *where) {
     char low[NUMBER_TEXT], high[NUMBER_TEXT];
     fprintf(stream, "# group %zu", group);
@@ -113,7 +113,7 @@ static ehd_status read_group(text_reader *self, const char *line) {
     return EHD_OK;
 }
 
-/* Begins a point. It has the values of the point before, until later lines change them. */
+/* Begins a point. The point has the values of the point before, until later lines change them. */
 static ehd_status read_point(text_reader *self) {
     plan *of = self->plan;
     if (of->num_groups == 0)

@@ -137,7 +137,7 @@ static ehd_status apply_value(scene_source *source, const setting *row, const tr
     if (node->kind != TREE_SCALAR)
         return place_fail(error, where, "%s: found %s, expected a single value", row->key,
                           tree_show(shown, node));
-    // the YAML parser refuses equal keys, but one may be nested and the other dotted
+    // the YAML parser refuses equal keys, but one of two may be nested and the other dotted
     if (known->file)
         return place_fail(error, where, "%s: found again, expected only once (first in line %zu)",
                           row->key, known->line);

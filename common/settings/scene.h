@@ -32,9 +32,9 @@ typedef struct history_settings {
     char interpolation[8]; // spline, linear
 } history_settings;
 
-/* The operating point in SI units. Load, radius, speed, modulus and viscosity are given, or none of
- * them. The speeds of both surfaces may replace the mean speed, and an ellipse may have another
- * radius across. The viscosity may be left to a law that has its own. */
+/* The operating point in SI units. Load, radius, speed, modulus and viscosity are all given, or
+ * none of them is. The speeds of both surfaces may replace the mean speed, and an ellipse may have
+ * another radius across. The viscosity may be left to a law that has its own. */
 typedef struct physical_settings {
     double load;          // N/m of a line contact, N of a point contact
     double radius;        // m
@@ -124,7 +124,7 @@ typedef enum setting_type {
     SETTING_FLAG
 } setting_type;
 
-/* Values that another key must have for a key to be used. */
+/* Condition for the use of a key: the values that another key must have. */
 typedef struct setting_condition {
     const char *key;    // "lubricant.viscosity.law"
     const char *values; // "barus|roelands"
@@ -145,8 +145,8 @@ typedef struct setting {
     double min, max;           // allowed range, both included, for SETTING_REAL and SETTING_WHOLE
     const char *unit;          // "1", "Pa", ...; "N/m|N": of a line contact, and of others
     const char *help;          // one sentence
-    // If one of these conditions does not hold, the key is refused. They end with a NULL key, and
-    // refer to keys of rows before this one
+    // If one of these conditions does not hold, the key is refused. The conditions end with a NULL
+    // key, and refer to keys of rows before this row
     setting_condition when[MAX_CONDITIONS];
     bool required; // if the conditions hold
 } setting;
@@ -227,19 +227,19 @@ typedef struct plan_point {
 /* Quantities that `where` of a plan may bound. */
 enum { WHERE_ALPHA_P_H, WHERE_MOES_M, NUM_WHERE };
 
-/* Bounds of a group, -inf..inf where it has none. */
+/* Bounds of a group; -inf..inf: no bound. */
 typedef struct plan_where {
     double bounds[NUM_WHERE][2];
 } plan_where;
 
 typedef struct plan {
-    // [num_points], in the order of the file, grids with the last key fastest; without points that
-    // equal an earlier one, bounds included
+    // [num_points], in the order of the file; in a grid the last key varies fastest. Points that
+    // equal an earlier one, bounds included, are omitted
     plan_point *points;
     size_t num_points;
     bool has_region; // points are candidates; training solves those that it needs
     // identifies the plan for --resume: the groups with their bounds, scene_text of the first
-    // point, and of each further point what differs from the one before
+    // point, and of each further point what differs from the point before
     char *text;
     plan_where *where; // [num_groups]
     size_t num_groups;
@@ -259,7 +259,7 @@ ehd_status plan_read(
     // input:
     const char *path, const char *const *overrides, size_t num_overrides, ehd_error *error);
 
-/* Reads the plan of a text, which files keep as their settings: the same points, groups and bounds.
+/* Reads a plan from the text that files keep as their settings: the same points, groups and bounds.
  * Lines that others added to the text, which begin with #, are ignored. `name` stands for the file
  * in errors. EHD_DATA, EHD_MEMORY. */
 ehd_status plan_parse(

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A scene while it is read: its values and the source location of each, so that checks across
- * keys can name a line. Shared by scene and plan. */
+/* Holds a scene while it is read: the values of the scene and the source location of each, so that
+ * checks across keys can name a line. Shared by scene and plan. */
 #ifndef EHD_SCENE_SOURCE_H
 #define EHD_SCENE_SOURCE_H
 
@@ -12,7 +12,8 @@
 typedef struct scene_source {
     scene values;
     const char *file;   // named in errors that are about no single key
-    const char *beside; // file names in the map are relative to its folder; NULL: working folder
+    const char *beside; // file names in the map are relative to the folder of `beside`; NULL:
+                        // working folder
     place places[MAX_SETTINGS]; // by row of scene_settings(); file NULL: not given
 } scene_source;
 

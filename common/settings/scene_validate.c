@@ -7,7 +7,8 @@
 
 // ---- groups of keys
 
-/* Numbers of given and of all keys of a group, and the missing ones as a list "moes.M, moes.L". */
+/* Numbers of given keys and of all keys of a group, and the missing keys as a list "moes.M,
+ * moes.L". */
 typedef struct key_count {
     size_t given;
     size_t all;
@@ -89,7 +90,7 @@ static ehd_status check_speeds(const scene_source *source, bool both_speeds, ehd
     if (both_speeds && !isnan(of->slide_roll))
         return place_fail(error, where,
                           "physical.speed_1: found beside slide_roll, expected only one of them");
-    // if one speed is missing, this is NaN, and the count of keys gives the error
+    // if one speed is missing, scene_speed is NaN, and the count of keys gives the error
     if (both_speeds && scene_speed(of) < setting_find("physical.speed")->min)
         return place_fail(error, where,
                           "physical.speed_1: found %g with physical.speed_2 of %g m/s, expected a "
@@ -114,8 +115,8 @@ static ehd_status check_operating_point(const scene_source *source, ehd_error *e
     return status;
 }
 
-/* Checks the settings of the traction. Its stresses are in pascals, so it needs `physical`. A law
- * of shear needs the traction. */
+/* Checks the settings of the traction. The stresses are in pascals, so the traction needs
+ * `physical`. A law of shear needs the traction. */
 static ehd_status check_traction(const scene_source *source, ehd_error *error) {
     const scene *of = &source->values;
     const bool has_law = *of->lubricant.shear.law;
@@ -294,7 +295,7 @@ static bool is_point(const scene *of) {
     return strcmp(of->contact, "line") != 0;
 }
 
-/* Returns the allowed step nearest to the given one that divides the extent. */
+/* Returns the allowed step that divides the extent and is nearest to the given one. */
 static double nearest_step(double extent, double step) {
     const setting *row = setting_find("grid.step");
     double count = round(extent / step);
@@ -341,7 +342,7 @@ static ehd_status check_grid(const scene_source *source, ehd_error *error) {
     const int most = is_point(of) ? MAX_NODES : MAX_LINE_NODES;
     char found[NUMBER_TEXT], valid[NUMBER_TEXT];
     const ehd_status status = check_extent(source, error);
-    // settings that are not given are chosen so that they fit
+    // settings that are not given are later chosen so that the grid fits
     if (status || isnan(steps)) return status;
     if (!(nodes <= most))
         return place_fail(error, place_of_key(source, "grid.step"),

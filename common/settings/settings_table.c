@@ -356,7 +356,7 @@ static const char *last_part(const char *key) {
 
 const setting *setting_find_short(const char *name) {
     const setting *found = setting_find(name), *used = NULL;
-    size_t num_found = 0, num_used = 0; // num_used: of keys without conditions
+    size_t num_found = 0, num_used = 0; // num_used: number of found keys without conditions
     if (found) return found;
     for (const setting *row = scene_settings(); row->key; row++) {
         if (strcmp(last_part(row->key), name) != 0) continue;
@@ -413,8 +413,8 @@ static size_t edit_distance(const char *left, const char *right) {
 /* Other words for the last part of a key. */
 static const char *const synonyms[][2] = {{"velocity", "speed"}, {"force", "load"}};
 
-/* Returns the key that is meant by a key with another word for its last part, "physical.velocity";
- * or NULL. */
+/* Returns the key that a key such as "physical.velocity" means, whose last part is a synonym; or
+ * NULL. */
 static const setting *same_meaning(const char *key) {
     char meant[MAX_KEY];
     const size_t length = (size_t)(last_part(key) - key);

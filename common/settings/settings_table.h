@@ -66,8 +66,8 @@ void setting_clear(const setting *row, scene *of);
  * is not given is less than any other. */
 int setting_compare(const setting *row, const scene *left, const scene *right);
 
-/* Writes a value, which must be given, as setting_assign takes it. Returns its length, like
- * snprintf. */
+/* Writes the value of a setting in the form that setting_assign reads; the value must be given.
+ * Returns the length of the text, like snprintf. */
 size_t setting_show(char *text, size_t size, const setting *row, const scene *of);
 
 /* Prints "key: value"; the value must be given. */

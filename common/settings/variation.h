@@ -32,7 +32,8 @@ typedef struct variation {
     bool grid; // all combinations, the last column fastest; else one point per row
     variation_range ranges[MAX_RANGES];
     size_t num_ranges;           // 0: no region
-    size_t num_candidates;       // places in the region, the same for each combination of columns
+    size_t num_candidates;       // number of places in the region, which are the same for each
+                                 // combination of columns
     double *candidates;          // [num_candidates, num_ranges] from 0 to 1; NULL: no region
     default_histories histories; // without quantities: none
     size_t num_histories;        // trajectories of each combination of columns; 0: none
@@ -40,12 +41,12 @@ typedef struct variation {
     csv_file points;             // owns the texts that come from a CSV file
 } variation;
 
-/* Reads what a group varies: `vary` and `combine`, or `points`, and `region` with its `candidates`,
- * or `histories`. A group without them has one point. Candidates are the corners of the region,
- * places along its edges, and inside of it Sobol's sequence (gsl_qrng_sobol), which leaves no gaps
- * at any length. There are `times` as many candidates as the group gives. `plan_path` is the plan's
- * file, for errors; `points` is relative to its folder. EHD_DATA, EHD_NOINPUT, EHD_IO,
- * EHD_MEMORY. */
+/* Reads what a group varies: columns (`vary` and `combine`, or `points`), and a `region` with its
+ * `candidates`, or `histories`. A group without them has one point. Candidates are the corners of
+ * the region, places along its edges, and inside of it Sobol's sequence (gsl_qrng_sobol), which
+ * leaves no gaps for any number of candidates. There are `times` as many candidates as the group
+ * gives. `plan_path` is the plan's file, for errors; `points` is relative to its folder. EHD_DATA,
+ * EHD_NOINPUT, EHD_IO, EHD_MEMORY. */
 ehd_status variation_read(
     // output:
     variation *self, // free with variation_free

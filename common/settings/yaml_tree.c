@@ -207,7 +207,8 @@ static ehd_status fill_node(reader *self, tree_node *node, const yaml_event_t *e
     return read_children(self, node, depth + 1);
 }
 
-/* Reads one child, which starts with `event`: its key in a map, itself in a list. */
+/* Reads one child of a map or list. `event` is the key of the child in a map, the start of the
+ * child in a list. */
 static ehd_status read_child(reader *self, tree_node *parent, yaml_event_t *event, size_t depth) {
     tree_node *child = NULL;
     ehd_status status = add_node(self, &child, parent, event->start_mark);

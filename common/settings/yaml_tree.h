@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A YAML document as a tree of maps, lists and scalars; the only user of libyaml.
+/* Reads a YAML document as a tree of maps, lists and scalars; the only user of libyaml.
  *
  * Supports what settings need: one document, unique text keys, no anchors, aliases or tags. */
 #ifndef EHD_YAML_TREE_H

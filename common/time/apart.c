@@ -58,7 +58,7 @@ static bool by_load(const contact_frame *frame) {
     return isnan(frame->approach);
 }
 
-/* Decides whether the neglected force between bodies apart is negligible. This force is at most
+/* Decides whether the neglected force between separated bodies is negligible. This force is at most
  * the force of a stationary contact in the same gap. If the bodies do not touch, it is at most the
  * force of the lightest contact. */
 static ehd_status find_known(bool *known, apart_march *self, const contact_frame *frame,
@@ -173,8 +173,8 @@ static double farthest_touch(const apart_march *self, const contact_frame *frame
     return 2 * stationary_film(self, frame, fmin(MIN_MOES_M / contact.moes_M, 1));
 }
 
-/* Decides whether bodies that are apart touch. Bodies that recede do not touch, unless they
- * overlap: only pressure can hold overlapping bodies apart. */
+/* Decides whether bodies that were apart touch now. Bodies that recede do not touch, unless their
+ * undeformed shapes overlap: then only pressure can keep their surfaces separate. */
 static ehd_status find_touch(bool *touches, apart_march *self, const contact_frame *frame,
                              ehd_error *error) {
     const bool may =
@@ -192,7 +192,7 @@ static ehd_status find_touch(bool *touches, apart_march *self, const contact_fra
 }
 
 /* Attempts a step of bodies that are apart. If they touch again, the contact starts from the
- * stationary film, and at rest from the film at the reference's entrainment. */
+ * stationary film. At rest it starts from the film at the reference's entrainment. */
 static ehd_status attempt_apart(march_step *outcome, apart_march *self, const contact_frame *frame,
                                 double step, ehd_error *error) {
     bool touches;

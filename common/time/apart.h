@@ -12,7 +12,7 @@ typedef struct apart_moment {
     double apart;        // 1: the bodies are apart, else 0
     double inner;        // 1: the inner solver has states, perhaps old ones; else 0
     double approach;     // in the reference frame; NaN: apart, and the load was given
-    double doubtful;     // path of the fluid up to which film that formed at rest is in the contact
+    double doubtful;     // path of the fluid up to which the contact has film that formed at rest
     contact_frame frame; // frame of bodies that are apart, scaled by the reference load
 } apart_moment;
 
@@ -26,7 +26,8 @@ typedef struct apart_march {
     apart_moment now, next; // the accepted state; the last attempt
     // in the last attempt the bodies touched again, and the inner solver started
     bool begins;
-    // conditions (speed NaN: none yet), and the approach and load at which bodies touch under them
+    // conditions (speed NaN: none yet); approach and load at which bodies touch under these
+    // conditions
     double speed, radius, modulus, approach, load;
 } apart_march;
 

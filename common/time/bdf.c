@@ -14,10 +14,10 @@ const double bdf_most_growth = 1 + 1.4142135623730951;
  * 5 is too small (test_bdf.c, error_is_that_of_the_next_power). */
 static const double MOST_ENLARGED = 46;
 
-/* Largest ratio of a step of first order to the time between the known states, for which the slope
- * of these states predicts the step. Iterations leave errors of 1e-8 to 1e-5 of a film. If the
- * states lie closer together, their slope consists of such errors. For a longer step the last film
- * is therefore the prediction (test_bdf.c, a_step_much_longer_than_the_last_is_of_lower_order). */
+/* Largest ratio of a step of first order to the time between the known states at which the slope of
+ * these states predicts the step. Iterations leave errors of 1e-8 to 1e-5 of a film. If the states
+ * lie closer together, their slope consists of such errors. The prediction is then the last film
+ * (test_bdf.c, a_step_much_longer_than_the_last_is_of_lower_order). */
 static const double MOST_EXTRAPOLATED = 100;
 
 /* Sets the weights with which the polynomial through the chosen previous states predicts the new
@@ -56,10 +56,10 @@ static void set_first_order(bdf_formula *formula, double step, const double *ago
     formula->error = has_slope ? step / ago[oldest] : oldest > 0 ? 1 : 0;
 }
 
-/* Sets a formula of second order, with the last state and the state `second` before it. Formula
- * and prediction both neglect the third derivative, so the error of one follows from the error of
- * the other. Without a usable third state the prediction neglects the second derivative, and the
- * error estimate is too large. */
+/* Sets a formula of second order, with the last state and the state `second` before it. Formula and
+ * prediction both neglect the third derivative, so the error of the formula follows from the error
+ * of the prediction. Without a usable third state the prediction neglects the second derivative,
+ * and the error estimate is too large. */
 static void set_second_order(bdf_formula *formula, double step, const double *ago, size_t second,
                              double interval, size_t num_previous) {
     const double ratio = step / interval;

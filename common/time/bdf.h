@@ -23,7 +23,7 @@ typedef struct bdf_formula {
     double weight[BDF_PREVIOUS];    // 1 / time
     double predictor[BDF_PREVIOUS]; // dimensionless
     double error;                   // dimensionless; 0: too few previous states for an estimate
-    double interval;                // time between the two states of second order; 0: first order
+    double interval;                // time between the two previous states; 0: first order
 } bdf_formula;
 
 /* Largest ratio r of a step of BDF2 to the time between the two states before it. With y' = 0 a
@@ -40,9 +40,9 @@ bdf_formula bdf_step(double step, const double *intervals, size_t num_previous);
 enum { BDF_STATES = BDF_PREVIOUS + 2 };
 
 /* Places of the states in an array of BDF_STATES states. place[0] is the state being solved.
- * place[i] is the i-th state before it, for i from 1 to num_previous. A state that is accepted too
- * soon after place[1] is passing: it lies at the last place, and the next step begins at place[1]
- * again. */
+ * place[i] is the i-th state before it, for i from 1 to num_previous. A state is called passing if
+ * it is accepted too soon after place[1]: it lies at the last place, and the next step begins at
+ * place[1] again. */
 typedef struct bdf_ring {
     size_t place[BDF_STATES];
     size_t num_previous;
@@ -65,7 +65,7 @@ void bdf_ring_accept(bdf_ring *ring, double time, double least);
  * passing state is the last accepted one. */
 size_t bdf_ring_accepted(const bdf_ring *ring, size_t steps);
 
-/* Lets the next step begin at the passing state after all. The oldest state is left out. */
+/* Lets the next step begin at the passing state after all. Drops the oldest state. */
 void bdf_ring_promote(bdf_ring *ring);
 
 /* Makes the last accepted state the only one. */

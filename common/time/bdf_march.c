@@ -7,11 +7,11 @@
 const double march_exit_margin = 0.1;
 const double march_error_growth = 1.5;
 
-/* Longest path of the fluid in a step, in half widths, at which errors of many steps add up in the
- * central film. A film then takes many steps to reach the centre, and accumulates the error of
- * each step. In a longer step the film reaches the centre within this step, so that only the local
- * error of this step matters. Without this distinction the error after a slow ramp of the load by
- * 8 % was 1.7 %. With it the error is 0.14 %, at a tolerance of 0.15 % (test_full_march.c,
+/* Longest path of the fluid in a step, in half widths, with which errors of many steps add up in
+ * the central film. On such a path a film takes many steps to reach the centre, and accumulates the
+ * error of each step. In a longer step the film reaches the centre within this step, so that only
+ * the local error of this step matters. Without this distinction the error after a slow ramp of the
+ * load by 8 % was 1.7 %. With it the error is 0.14 %, at a tolerance of 0.15 % (test_full_march.c,
  * a_slow_ramp_along_the_path_ends_at_rest). */
 static const double SHORT_PATH = 0.25;
 
@@ -111,8 +111,8 @@ static void forget_attempt(bdf_march *self) {
     self->promoted = false;
 }
 
-/* Filters the accepted states again if they were prepared with another share of the filter than
- * this step requires. */
+/* Filters the accepted states again if this step applies another fraction of the filter than was
+ * applied to them before. */
 static void filter_previous(bdf_march *self) {
     if (!bdf_march_along_path(self)) return;
     const contact_frame *last = self->frame[bdf_march_place(self, 1)];
@@ -257,7 +257,7 @@ static ehd_status take_base(bdf_march *self, const bdf_march *from, handed_state
     return status ? status : self->model->use_base(self, error);
 }
 
-/* Takes the accepted state that lies `steps` steps before the attempt of the other march. */
+/* Takes the accepted state of the other march that lies `steps` steps before its attempt. */
 static ehd_status take_state(bdf_march *self, const bdf_march *from, size_t steps, hand_over *work,
                              ehd_error *error) {
     const size_t place = bdf_march_place(self, steps);
@@ -271,8 +271,8 @@ static ehd_status take_state(bdf_march *self, const bdf_march *from, size_t step
     return EHD_OK;
 }
 
-/* Computes the difference between both models' last accepted films. This model may represent the
- * film less exactly. */
+/* Computes the difference between both models' last accepted films. The model of `self` may
+ * represent the film less exactly. */
 static void find_change(bdf_march *self, const bdf_march *from, hand_over *work) {
     const ehd_grid *grid = &self->reference->grid;
     const size_t line = grid_central_line(grid) / grid_width(grid);

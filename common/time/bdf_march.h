@@ -66,8 +66,8 @@ typedef struct bdf_model {
     void (*keep_errors)(void *self);
     void (*restart)(void *self);                            // as in march_solver; may be NULL
     void (*copy)(void *self, size_t target, size_t source); // copies a state without its frame
-    /* Prepares an accepted state as a previous state of the next steps. `share`: the share of the
-     * filter that is applied to it, 0 … 1. */
+    /* Prepares an accepted state as a previous state of the next steps. `share`: the fraction of
+     * the filter that is applied to the state, 0 … 1. */
     void (*prepare)(void *self, size_t place, double share);
     ehd_status (*use_base)(void *self, ehd_error *error); // prepares the base
     /* Save and restore a state without its frame. EHD_DATA: the numbers are not a state. */
@@ -120,9 +120,9 @@ typedef struct bdf_march {
     bdf_ring ring;
     bdf_ring accepted;        // the ring before the attempt, if `promoted`
     bool promoted;            // the attempt begins at the passing state
-    double share[BDF_STATES]; // share of the filter that a state was prepared with
+    double share[BDF_STATES]; // fraction of the filter that was applied to each state
     // the attempt:
-    bdf_formula formula; // its rate is 0 after a start
+    bdf_formula formula; // the rate is 0 after a start
     double step;         // time from the state at which the formula begins
     double entrainment;
 } bdf_march;
@@ -135,14 +135,15 @@ march_solver bdf_march_solver(bdf_march *self);
 
 bool bdf_march_along_path(const bdf_march *self);
 
-/* Returns the place of the state `steps` before the one being solved, as the formula uses it. */
+/* Returns the place of the state that the formula uses `steps` steps before the one being
+ * solved. */
 size_t bdf_march_place(const bdf_march *self, size_t steps);
 
 /* Returns the place of the accepted state `steps` before the attempt; 1 is the last state. Passing
  * states are included. */
 size_t bdf_march_accepted(const bdf_march *self, size_t steps);
 
-/* Computes the contact in a frame, with the entrainment of its rows in time. With transport along
+/* Computes the contact in a frame, with the entrainment of its transient rows. With transport along
  * the path this entrainment is zero, because the time derivative contains it. *entrainment:
  * entrainment of the fluid. */
 void bdf_march_contact(ehd_contact *contact, double *entrainment, const contact_frame *frame,
@@ -162,7 +163,7 @@ void hand_over_free(hand_over *self);
 void bdf_march_give(handed_state *given, const bdf_march *self, size_t place);
 
 /* Takes the accepted states of another march, with their errors. With transport along the path,
- * takes its base too, unless `has_base`. Sets work->change. Error: EHD_MEMORY. */
+ * also takes the base of that march, unless `has_base`. Sets work->change. Error: EHD_MEMORY. */
 ehd_status bdf_march_take_over(bdf_march *self, const bdf_march *from, bool has_base,
                                hand_over *work, ehd_error *error);
 

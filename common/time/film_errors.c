@@ -17,8 +17,8 @@ static void fit(film_errors *self) {
     spline_curvatures(self->curvature, factor, self->kept, NUM_ERROR_PLACES, 1, 1, false);
 }
 
-/* Where the fluid was in the frame of `kept`: the fluid that is now at place i was at place first
- * + stretch i. */
+/* Positions of the fluid in the frame of `kept`: the fluid that is now at place i was at place
+ * first + stretch i. */
 typedef struct origins {
     double first, stretch;
 } origins;

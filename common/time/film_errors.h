@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Computes errors of rho H in films that time steps and the filter cause. Films take up these
- * errors on the central line of the dry contact and carry them along (common/time/README.md,
+/* Computes the errors of rho H that time steps and the filter cause. A film accumulates these
+ * errors on the central line of the dry contact and carries them along (common/time/README.md,
  * Errors in time).
  * Called by bdf_march.c, by fullrun/full_march.c, and by reduced_march.c and time_indicator.c in
  * romrun. */
@@ -39,9 +39,9 @@ void film_errors_between(
  * contact has no error. */
 void film_errors_carry(film_errors *self, const contact_frame *then, const contact_frame *now);
 
-/* Sets the errors of entering fluid in `next`, after film_errors_carry. The errors are upper
- * bounds and not negative. Places before X get `value`, and so do places whose fluid has entered
- * the dry contact since the state `then`. `then` NULL: only places before X. */
+/* Sets the errors of entering fluid in `next`, after film_errors_carry. The errors are upper bounds
+ * and not negative. Places before `x` get `value`. Places whose fluid has entered the dry contact
+ * since the state `then` also get it. `then` NULL: only places before `x`. */
 void film_errors_enter(film_errors *self, const contact_frame *then, const contact_frame *now,
                        double x, double value);
 

@@ -36,8 +36,8 @@ contact_frame frame_at(const contact_kind *kind, double time, const double *valu
 bool frame_is_valid(const contact_frame *frame);
 
 /* Sets the contact in the frame from the reference contact: lambda, Hertz pressure, U, Moes
- * numbers, closure. Moes M is that of the same speed in either direction. It grows without bound
- * as the speed goes to zero, and is limited to 1e5. */
+ * numbers, closure. Moes M is the same for both directions of a speed. It grows without bound as
+ * the speed goes to zero, and is limited to 1e5. */
 void frame_contact(
     // output:
     ehd_contact *contact,
@@ -64,10 +64,10 @@ double frame_grid_step(const contact_frame *frame, const ehd_grid *grid);
  * integrators may take shorter steps. */
 double frame_shortest_step(const contact_frame *frame, const ehd_grid *grid);
 
-/* Returns the path of a step in sixteenths of the grid's step, at most 1. Noise of the solution
- * does not shrink with the step. The filter, the error estimates, the rates and the load's forecast
- * are multiplied by this share, so that noise adds up along the path and not with the number of
- * steps. */
+/* Returns the ratio of the path of a step to a sixteenth of the grid's step, at most 1. Noise of
+ * the solution does not shrink with the step. The filter, the error estimates, the rates and the
+ * load's forecast are multiplied by this ratio, so that noise adds up along the path and not with
+ * the number of steps. */
 double frame_step_share(const contact_frame *frame, double step, const ehd_grid *grid);
 
 /* Returns the frame scaled by another load. */
@@ -78,8 +78,8 @@ contact_frame frame_with_load(const contact_kind *kind, const contact_frame *fra
  * solution. */
 contact_frame frame_of_load(const contact_kind *kind, const contact_frame *frame, double ratio);
 
-/* Largest load that a trusted result may neglect, relative to the reference load. It equals the
- * default accuracy. The inlet of a lighter contact is not checked (README.md, Bodies apart;
+/* Largest load that a trusted result may neglect, relative to the reference load. The limit equals
+ * the default accuracy. The inlet of a lighter contact is not checked (README.md, Bodies apart;
  * test_time_grid.c, ends_suit_the_smallest_M). */
 extern const double frame_negligible_load;
 
@@ -91,11 +91,11 @@ typedef struct frame_rates {
 /* Returns the mean rates between two frames; 0 for two frames of the same time. */
 frame_rates frame_rates_between(const contact_frame *now, const contact_frame *before);
 
-/* A gap that closes behind the contact, where dh/dt outweighs u dh/dx. While the radius grows,
- * this region lies behind x = 2 R u/(dR/dt). A second zone of pressure builds up there. In the gap
- * X^2/2 of a line contact without deflection, the zone begins at 2/3 of that x and its pressure
- * falls as 1/X^2 (README.md, A gap that closes behind the exit). On a point contact the zone is
- * taken to be as wide as it is far away. */
+/* A gap that closes behind the contact, where dh/dt outweighs u dh/dx. While the radius grows, this
+ * region lies behind x = 2 R u/(dR/dt). A second zone of pressure builds up in this region. In the
+ * gap X^2/2 of a line contact without deflection, the zone begins at 2/3 of that x and its pressure
+ * falls as 1/X^2 (README.md, A gap that closes behind the exit). On a point contact the width of
+ * the zone is taken as its distance from the centre. */
 typedef struct closing_gap {
     double begin; // |X| from which on the gap closes, at least 1; INFINITY: it does not close
     double load;  // load of the second zone, relative to the whole load
@@ -105,9 +105,10 @@ typedef struct closing_gap {
 } closing_gap;
 
 /* Largest missing part of the load at which a result is trusted. Example: a line contact at M = 3,
- * L = 3 lacks 0.84 % on a grid to X = 3, while its radius grows to 3 in T = 40 and its speed falls
- * from 0.05 to 0.005 of the reference. Compared with a grid to X = 24, its central film is 0.05 %
- * off and its minimum film 0.12 % (test_second_zone.c, the_zone_does_not_depend_on_the_grid). */
+ * L = 3 lacks 0.84 % of its load on a grid to X = 3, while its radius grows to 3 in T = 40 and its
+ * speed falls from 0.05 to 0.005 of the reference. Compared with a grid to X = 24, its central film
+ * is 0.05 % off and its minimum film 0.12 % (test_second_zone.c,
+ * the_zone_does_not_depend_on_the_grid). */
 extern const double frame_most_cut_load;
 
 /* Estimates the closing gap from two frames at different times, without a jump between them. `end`

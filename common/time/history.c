@@ -237,7 +237,7 @@ static double table_value(const history *self, double time) {
     return self->spline ? spline_at(self->spline, time) : line_value(self, time);
 }
 
-/* Lowers the minimum to the extrema of the spline within interval i. The slope of the spline there
+/* Lowers the minimum to the extrema of the spline within interval i, where the slope of the spline
  * is a parabola. */
 static void lower_to_turns(minimum_value *minimum, const history *self, size_t i, double end_time) {
     const double left = self->time[i], right = self->time[i + 1];
@@ -279,8 +279,8 @@ static double table_integral(const history *self, double time) {
     return beyond + integral_of_rows(self, within) - integral_of_rows(self, 0);
 }
 
-/* Returns the next row of a table with linear interpolation, because its value has a corner there.
- * A spline has no corners. */
+/* Returns the next row of a table with linear interpolation, because the value has a corner at each
+ * row. A spline has no corners. */
 static double table_next_kink(const history *self, double time, bool *jump) {
     *jump = false;
     if (self->spline || time >= self->time[self->count - 1]) return INFINITY;
@@ -397,7 +397,7 @@ ehd_histories *histories_free(ehd_histories *self) {
 void histories_at(double value[NUM_VARY], const ehd_histories *self, double time) {
     for (int i = 0; i < NUM_VARY; i++)
         value[i] = self->of[i].law->value(&self->of[i], time);
-    // removes round-off from a load of 0, and from a speed of one direction
+    // removes round-off from a load of 0, and from a speed that does not reverse
     if (value[VARY_LOAD] < FACTOR_ROUNDING) value[VARY_LOAD] = 0;
     if (!histories_reverse(self)) value[VARY_SPEED] = fmax(value[VARY_SPEED], 0);
 }

@@ -45,9 +45,9 @@ bool histories_reverse(const ehd_histories *self);
 /* Frees `self`, which may be NULL. Returns NULL. */
 ehd_histories *histories_free(ehd_histories *self);
 
-/* Computes the factors on the reference values at T = `time`. They are continuous from the left: at
- * a jump they still have the value before it, so that a time step that ends there does not see the
- * jump. */
+/* Computes the factors on the reference values at T = `time`. The factors are continuous from the
+ * left: at a jump they still have the value before the jump. A time step that ends at a jump
+ * therefore does not contain the jump. */
 void histories_at(
     // output:
     double value[NUM_VARY], // by VARY_LOAD, …

@@ -23,9 +23,9 @@ static const double PASSAGE = 30;
  * (test_march.c, what_films_have_taken_up_shortens_steps). */
 static const double MOST_TAKEN_UP = 8;
 
-/* First fixed step with transport along the path, as a part of the other fixed steps. A long step
- * of first order causes a front in the film. Example: steps of 0.1 under a load that swings by a
- * fifth (scenes/examples/line-in-time), compared with steps of 0.0125. A whole first step gives
+/* First fixed step with transport along the path, as a fraction of the later fixed steps. A long
+ * step of first order causes a front in the film. Example: steps of 0.1 under a load that swings by
+ * a fifth (scenes/examples/line-in-time), compared with steps of 0.0125. A whole first step gives
  * errors up to 2.1 %, an eighth of a step 1.5 %. */
 static const double FIRST_OF_FIXED = 1. / 8;
 
@@ -34,9 +34,9 @@ static const double FIRST_OF_FIXED = 1. / 8;
  * steps_grow_by_two_at_most). */
 static const double MAX_GROWTH = 2;
 
-/* Smallest ratio of a step to the one before it that follows from the local error. With values
- * from 0.05 to 0.5 the steps of scenes/examples/line-in-time stay the same. After a load step by
- * 30 %, 0.05, 0.2 and 0.5 take 467, 467 and 466 iterations. */
+/* Smallest factor by which the local error shortens a step. With values from 0.05 to 0.5 the steps
+ * of scenes/examples/line-in-time stay the same. After a load step by 30 %, 0.05, 0.2 and 0.5 take
+ * 467, 467 and 466 iterations. */
 static const double MIN_SHRINK = 0.2;
 
 /* Ratio of the next attempt to a step in which Newton did not converge. Such a step has no local
@@ -49,7 +49,7 @@ static const double FAILED_SHRINK = 0.25;
  * tolerance_controls_the_error). */
 static const double SAFETY = 0.85;
 
-/* Part of the noise level of the solver that is kept for the next step. 0.09 is too small for
+/* Fraction of the solver's noise level that is kept for the next step. 0.09 is too small for
  * test_march.c, steps_stand_above_noise. */
 static const double NOISE_KEPT = 0.9;
 
@@ -65,18 +65,18 @@ enum { WATCHED_ATTEMPTS = 3000, STILL_ATTEMPTS = 100 };
  * With 1e-10, fixed steps fail late in time (test_march.c, fixed_steps_go_on_late_in_time). */
 static const double MIN_STEP = 1e-9, SUM_ROUNDING = 8 * DBL_EPSILON;
 
-/* Longest step while the bodies are apart, as a part of the shortest time of smooth histories. No
- * error estimate limits these steps. The shortest time of a sine is 1/(2 pi) of its period. A
+/* Longest step while the bodies are apart, as a fraction of the shortest time of smooth histories.
+ * No error estimate limits these steps. The shortest time of a sine is 1/(2 pi) of its period. A
  * contact that lasts for a hundredth of the period is therefore not missed (test_apart.c,
  * no_contact_is_missed). */
 static const double WATCHED_PART = 1. / 16;
 
-/* Part of a step. Two times that are closer together are treated as one (test_march.c,
- * times_closer_than_a_thousandth_of_the_step_are_one). */
+/* Fraction of a step. Two times that are closer together than this fraction are treated as one
+ * (test_march.c, times_closer_than_a_thousandth_of_the_step_are_one). */
 static const double SLIVER = 1e-3;
 
-/* Largest number of halvings of a step for a surface. They leave 1e-18 of the step (README.md, A
- * surface that is not smooth). */
+/* Largest number of halvings of a step for a surface. So many halvings leave 1e-18 of the step
+ * (README.md, A surface that is not smooth). */
 enum { MAX_HALVINGS = 60 };
 
 march_settings march_settings_of(const scene *given, const ehd_histories *histories,
@@ -257,9 +257,9 @@ static void join_events(next_stop *stop, const march *self, double kink, bool ju
     }
 }
 
-/* Finds the end of the next attempt. It is one step further, or before that an event of the
- * histories, a multiple of the fixed step or the end of the march. If several of these are treated
- * as one time, the attempt ends at the end of the march, or else at the multiple. */
+/* Finds the end of the next attempt. The attempt ends one step further, or earlier at an event of
+ * the histories, a multiple of the fixed step or the end of the march. If several of these times
+ * are treated as one, the end of the march comes first, then the multiple. */
 static next_stop find_next_stop(const march *self) {
     const march_state *state = &self->state;
     const double time = state->time, step = step_of_surface(self);
@@ -297,11 +297,11 @@ static contact_frame frame_at_stop(const march *self, const next_stop *stop, dou
 }
 
 /* Returns the local error of a step, corrected after a kink of the histories. The solvers assume a
- * smooth solution. Right after a kink its second derivative has jumped by some J. The prediction
- * is then off by J step^2 / 2, and BDF2 by the part last_step / (2 step + last_step) of this.
- * After long steps this error is much more than in a smooth solution. The error of a step as short
- * as the first one of the march is not corrected: the first derivative may have jumped too, which
- * is harmless. */
+ * smooth solution. Right after a kink its second derivative has jumped by some J. The prediction is
+ * then off by J step^2 / 2, and BDF2 is off by last_step / (2 step + last_step) times that. After
+ * long steps this error is much more than in a smooth solution. The error of a step as short as the
+ * first one of the march is not corrected: the first derivative may have jumped too, which is
+ * harmless. */
 static double error_after_kink(const march *self, const march_step *outcome) {
     const double step = outcome->step, interval = outcome->formula.interval;
     const double smooth = outcome->formula.error, local_error = outcome->local_error;
@@ -321,8 +321,8 @@ static bool is_along_path(const march *self) {
     return self->reference->transport == TRANSPORT_PATH;
 }
 
-/* Returns the local error of a step. With transport along the path, this error is multiplied by
- * the ratio of the films' accumulated error to its bound, if the bound is exceeded. */
+/* Returns the local error of a step. With transport along the path, if the films' accumulated error
+ * exceeds its bound, the local error is multiplied by the ratio of the two. */
 static double error_with_taken_up(const march *self, const march_step *outcome) {
     const double most = MOST_TAKEN_UP * self->settings.tolerance;
 
@@ -335,11 +335,11 @@ static double error_order(const march *self) {
 }
 
 /* Raises the estimate of the solver's noise. If a step is shorter than the attempt before, but its
- * error is not smaller in proportion, the rest is noise of exits that move by whole nodes. Shorter
- * steps do not reduce it. For some steps the march then accepts this noise, but not more than
- * PASSAGE tolerances, the error that all steps of a passage together may make. With this rule a
- * reduced model of a point contact (33 nodes a side, 60 modes, 180 rows, load of an unseen period
- * 3/4, upwind) takes 571 steps to T = 3; without it the march does not get beyond T = 1.31.
+ * error is not smaller in proportion, the excess is noise of exits that move by whole nodes.
+ * Shorter steps do not reduce this noise. For some steps the march then accepts this noise, but not
+ * more than PASSAGE tolerances, the error that all steps of a passage together may make. With this
+ * rule a reduced model of a point contact (33 nodes a side, 60 modes, 180 rows, load of an unseen
+ * period 3/4, upwind) takes 571 steps to T = 3; without it the march does not get beyond T = 1.31.
  * Transport along the path does not need the rule, because its steps have a shortest length. */
 static void watch_noise(march *self, const march_step *outcome) {
     march_state *state = &self->state;
@@ -478,7 +478,7 @@ static void accept(march *self, march_step *outcome, const next_stop *reached) {
     if (outcome->apart && is_adaptive(self))
         state->step = fmin(state->step, WATCHED_PART * histories_smooth_time(self->histories));
     state->rejected_step = 0;
-    // if this step is too long, the march ends as soon as it is rejected
+    // if this step is too long, it is rejected, and the march ends
     state->step = fmax(state->step, 2 * min_step(self));
 }
 
@@ -509,8 +509,8 @@ typedef struct stillness {
 } stillness;
 
 /* Ends a march that stands still: its mean step is shorter than a thousandth of the first one, and
- * with such steps the end is more than a million attempts away. At least one attempt must be
- * rejected: otherwise steps become shorter only at events of the histories. */
+ * with such steps the end is more than a million attempts away. At least one attempt must have been
+ * rejected: without rejections, steps become shorter only at events of the histories. */
 static void watch_standstill(march *self, stillness *mark) {
     // mean step relative to the first one; attempts to the end (test_march.c, crawling_ends)
     const double shrunk = 1e-3, most_attempts = 1e6;

@@ -65,9 +65,9 @@ typedef struct march_solver {
     ehd_status (*start)(march_step *outcome, void *self, const contact_frame *frame,
                         ehd_error *error);
     /* Finds the lightest stationary contact that the solver can solve, at the speed, radius and
-     * modulus of a frame with a load of 1. Returns its rigid approach H0 in the reference frame
-     * and its load, or NaN for both if there is no such contact. apart_march (apart.h), the only
-     * caller, takes this approach as the one at which the bodies touch. After the call the
+     * modulus of a frame with a load of 1. Returns its rigid approach H0 in the reference frame and
+     * its load, or NaN for both if there is no such contact. apart_march (apart.h), the only
+     * caller, takes this approach as the approach at which the bodies touch. After the call the
      * accepted states are valid, and the last attempt is not. */
     ehd_status (*touching)(double *approach, double *load, void *self, const contact_frame *frame,
                            ehd_error *error);
@@ -82,8 +82,8 @@ typedef struct march_solver {
      * the frame of the state on each line, the farthest downstream first; NaN: there is none. */
     void (*exits)(double *positions, const void *self);
     /* Computes the traction of the last accepted state in its frame, without its fields. `contact`
-     * is the contact in that frame, `scalars` are those of the step. NULL: the caller computes the
-     * traction from the fields. */
+     * is the contact in that frame, `scalars` are the scalars of the step. NULL: the caller
+     * computes the traction from the fields. */
     contact_traction (*traction)(void *self, const ehd_contact *contact,
                                  const contact_scalars *scalars);
 } march_solver;
@@ -109,8 +109,8 @@ typedef struct load_forecast {
     double last_step; // length of that step; 0: none since the start, a jump or a contact's loss
 } load_forecast;
 
-/* State of a march: together with the solver's states it has everything needed to go on. All
- * members are doubles, so that the struct can be saved. */
+/* State of a march: together with the solver's states it suffices to go on. All members are
+ * doubles, so that the struct can be saved. */
 typedef struct march_state {
     double time, step;                    // reached time, and length of the next attempt
     double rejected_step, rejected_error; // step and error of the last rejected attempt; 0: none
@@ -161,10 +161,10 @@ bool march_deviates(char reason[MARCH_REASON], double central, double minimum, d
 void load_forecast_start(load_forecast *self, const march_step *start);
 void load_forecast_accept(load_forecast *self, const march_step *step);
 
-/* Returns a load near the next one, to scale the frame of a step. The rate is extrapolated over at
- * most bdf_most_growth times the last step, since a shorter step gives no reliable rate. In short
- * steps the scale moves only by frame_step_share towards the forecast. Otherwise the error of the
- * last forecast would change the frame at an unlimited rate. */
+/* Returns an estimate of the next load, to scale the frame of a step. The rate is extrapolated over
+ * at most bdf_most_growth times the last step, since a shorter step gives no reliable rate. In
+ * short steps the scale moves only by frame_step_share towards the forecast. Otherwise the error of
+ * the last forecast would change the frame at an unlimited rate. */
 double load_forecast_scale(const load_forecast *self, double step, const ehd_grid *grid);
 
 /* Solves the start of the march, at time 0. EHD_NOT_CONVERGED is an outcome; no other call may

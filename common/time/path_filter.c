@@ -33,7 +33,7 @@ static void assemble(double *matrix, const double *weight, size_t width) {
 }
 
 /* Replaces the matrix M by its factor L, M = L L'. The diagonal holds the reciprocals. Returns
- * false if round-off leaves no factor, because the length is too many steps. */
+ * false if round-off leaves no factor, because the filter has too many steps. */
 static bool factorise(double *matrix, size_t width) {
     for (size_t i = 0; i < width; i++) {
         double *row = matrix + i * BAND;
@@ -55,8 +55,8 @@ double path_filter_length(const ehd_contact *contact) {
     // filter length at the default tolerance, half widths, and this tolerance (README.md, Along
     // the path; test_path_filter.c, the_length_goes_with_the_tolerance)
     const double usual = 0.014, usual_tolerance = 1.5e-3;
-    // at fronts the filter changes the central film in proportion to the third power of the
-    // length; the share is 1 if no tolerance is known
+    // at fronts the filter changes the central film in proportion to the third power of its length;
+    // without a known tolerance `share` is 1
     const double share = fmin(cbrt(contact->time_tolerance / usual_tolerance), 1);
 
     if (!isnan(contact->smoothing)) return contact->smoothing;

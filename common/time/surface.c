@@ -274,8 +274,8 @@ static double line_y(const ehd_surface *self, size_t line) {
     return self->y[line * self->num_x];
 }
 
-/* Computes the height of a line and its slope across at one x. The slope is that of the parabola
- * through the line and its neighbours. Both are 0 at the edge. */
+/* Computes the height of a line and its slope across at one x. The slope is the slope of the
+ * parabola through the line and its neighbours. Both are 0 at the edge. */
 static void line_at(double *height, double *slope, const ehd_surface *self, size_t line, double x) {
     *height = *slope = 0;
     if (line == 0 || line + 1 == self->num_lines) return;
@@ -342,8 +342,8 @@ static void set_position(ehd_surface *self, double of_length, const ehd_grid *gr
             given->speed > 0 ? first_x(grid) - self->front : last_x(grid) - self->rear;
 }
 
-/* Checks that the speed is that of one of the two surfaces, if the scene gives the speeds of
- * both. */
+/* Checks that the speed equals the speed of one of the two surfaces, if the scene gives both
+ * speeds. */
 static ehd_status check_slide_roll(double speed, double slide_roll, ehd_error *error) {
     const double faster = 1 + slide_roll / 2, slower = 1 - slide_roll / 2;
 

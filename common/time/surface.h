@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Computes a waviness, a dent or a table of heights on one of the surfaces. It moves with that
- * surface, and the gap of a contact grows by its height (README.md, A surface that is not smooth).
+/* Computes a waviness, a dent or a table of heights on one of the surfaces. The shape moves with
+ * that surface, and the gap of a contact grows by its height (README.md, A surface that is not
+ * smooth).
  * Called by full_march.c and previous.c of fullrun for each step. */
 #ifndef EHD_SURFACE_H
 #define EHD_SURFACE_H
@@ -14,8 +15,8 @@
 typedef struct ehd_surface ehd_surface;
 
 /* Makes the surface of a valid scene; *self is NULL if both surfaces are smooth. EHD_DATA or
- * EHD_NOINPUT: the table is missing or not valid, or its height is not 0 where it ends. EHD_DATA:
- * units si without physical, or a speed other than those of the slide-roll ratio. EHD_MEMORY. Reads
+ * EHD_NOINPUT: the table is missing or not valid, or its height is not 0 at its edge. EHD_DATA:
+ * units si without physical, or a speed that contradicts the slide-roll ratio. EHD_MEMORY. Reads
  * HDF5, so only one call at a time (artefact.h). */
 ehd_status surface_init(
     // output:
@@ -25,17 +26,17 @@ ehd_status surface_init(
 
 ehd_surface *surface_free(ehd_surface *self); // accepts and returns NULL
 
-/* Checks whether the surface has a speed of 0. It is then part of the state at the start. Returns
- * false for NULL. */
+/* Checks whether the surface has a speed of 0. Such a surface is part of the state at the start.
+ * Returns false for NULL. */
 bool surface_rests(const ehd_surface *self);
 
 /* Checks that a surface that moves is in front of the grid in the frame of a start, because the
- * start is smooth. EHD_DATA: some of it is on the grid already. */
+ * start is smooth. EHD_DATA: a part of the surface is on the grid already. */
 ehd_status surface_check_start(const ehd_surface *self, const contact_frame *frame,
                                const ehd_grid *grid, ehd_error *error);
 
-/* Checks that the nodes of the reference's grid resolve the surface. EHD_DATA: it rests outside of
- * the grid, or is too fine for the steps of the grid. */
+/* Checks that the nodes of the reference's grid resolve the surface. EHD_DATA: the surface rests
+ * outside of the grid, or is too fine for the steps of the grid. */
 ehd_status surface_check_grid(const ehd_surface *self, const ehd_grid *grid, ehd_error *error);
 
 /* Returns the height at a place of a frame, in the scales of the frame. */

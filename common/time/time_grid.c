@@ -67,7 +67,7 @@ static ehd_contact contact_of_least_M(const ehd_histories *histories, const ehd_
 }
 
 /* Returns the extent whose ends suit both contacts and, if the entrainment reverses, either
- * direction. The step is that of the reference. */
+ * direction. The step is the step of the reference. */
 static grid_extent extent_of(const ehd_contact *reference, const ehd_contact *lowest,
                              bool reverses) {
     const double given = reference->grid_given.x_min;

@@ -9,12 +9,12 @@
 #include "common/physics/grid_choice.h"
 #include "common/time/history.h"
 
-/* Returns the extent that a contact needs from T = 0 to `end_time`. Its step is that of the
+/* Returns the extent that a contact needs from T = 0 to `end_time`. Its step is the step of the
  * reference. Its inlet suits the time of the smallest M, when the film is thickest: the estimated
- * error of the central film is at most 3 % there. Three rules limit the length:
+ * error of the central film is then at most 3 %. Three rules limit the length:
  * - Loads below frame_negligible_load are taken as this load.
- * - A grid has at most 10,000 nodes, or twice those of the reference. M is
- *   doubled until the grid is small enough.
+ * - A grid has at most 10,000 nodes, or twice the nodes of the reference. M is doubled until the
+ *   grid is small enough.
  * - If the entrainment reverses, both ends have an inlet. */
 grid_extent time_grid_extent(const ehd_histories *histories, const ehd_contact *reference,
                              double end_time);

@@ -244,7 +244,8 @@ ehd_status between_neighbours(plan *between, const plan *of, const training_set 
 
 // ---- choices
 
-/* Chooses at most `count` scenes far from one another, of points at least one of each kind. */
+/* Chooses at most `count` scenes far from one another. Of points it chooses at least one of each
+ * kind. */
 static ehd_status spread(bool *chosen, const crowd *self, size_t count, ehd_error *error) {
     const bool each_kind = self->points != NULL;
     // squared distance to the nearest chosen scene

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Makes scenes between those of a training, for the validation of a model made from it. Neighbours
- * are those of Gabriel's graph (deimselect/README.md, The check).
+/* Makes scenes between the scenes of a training, for the validation of a model that was made from
+ * the training. Which scenes are neighbours follows from Gabriel's graph (deimselect/README.md, The
+ * check).
  * Called by romrun/calibrate/check_scenes.c. */
 #ifndef EHD_BETWEEN_H
 #define EHD_BETWEEN_H
@@ -8,15 +9,15 @@
 #include "common/training/training_set.h"
 
 /* Makes the scenes half-way between neighbours of a training. Stationary points and trajectories
- * are separate. Each number in which two scenes differ takes the value in the middle. It is the
- * geometric mean if both are positive, so that ln M and ln(alpha p_H) of physical scenes are in the
- * middle too.
+ * are separate. Each number in which two scenes differ takes the value in the middle. If both
+ * numbers are positive, this is the geometric mean, so that ln M and ln(alpha p_H) of physical
+ * scenes also lie in the middle.
  *
  * Two points of one lubricant and group are neighbours if no third point sees them at an obtuse
  * angle (Gabriel's graph). In a grid these are the neighbours along its lines and its diagonals;
- * the common middle of two diagonals is taken once. The same holds for two trajectories that
- * differ only in numbers. A trajectory without such a partner gives a scene with half its own
- * swing: half the amplitudes, and half of each ramp and step.
+ * the common middle of two diagonals is taken once. Two trajectories that differ only in numbers
+ * are neighbours on the same condition. A trajectory that differs from all others in more than
+ * numbers gives a scene with half its swing: half the amplitudes, and half of each ramp and step.
  *
  * Pairs are in the order of the plan. The result may have no points at all. O(num_points^3) at
  * worst. EHD_MEMORY. */
@@ -29,17 +30,17 @@ ehd_status between_neighbours(
     const char *name,            // name of the plan, for errors
     ehd_error *error);
 
-/* Chooses points far from one another. It begins with the first point and adds the point that is
- * farthest from those chosen, of equally far points the first. Each lubricant and group gets one
- * point before any gets a second one, even if `count` is smaller. EHD_MEMORY. */
+/* Chooses points far from one another. It begins with the first point. It then adds the point that
+ * is farthest from the chosen points; of equally far points it adds the first. Each lubricant and
+ * group gets one point before any gets a second one, even if `count` is smaller. EHD_MEMORY. */
 ehd_status between_spread(
     // output:
     bool *chosen, // [num_points]
     // input:
     const training_set *set, size_t count, ehd_error *error);
 
-/* Chooses `count` more points evenly along the walk through the set's tree. Each part of the
- * region gets its share of these points, so they are a sample. Points far from one another are
+/* Chooses `count` more points evenly along the walk through the set's tree. Each part of the region
+ * gets points in proportion, so the chosen points are a sample. Points far from one another are
  * mostly at the edge. EHD_MEMORY. */
 ehd_status between_sweep(
     // in and out:

@@ -17,7 +17,7 @@ typedef struct pool {
     const pool_work *work;
     pthread_mutex_t lock; // guards everything below, and `start` and `finish` of the work
     pthread_cond_t changed;
-    size_t next;   // place in the order; earlier points that wait for no other are taken
+    size_t next;   // place in the order; all earlier points that wait for no other point are taken
     size_t *ready; // [room] places of free points that waited for another: a heap, lowest first
     size_t num_ready;
     size_t *place; // [num_points] place of a point in the order; NULL: the point's number
@@ -125,8 +125,8 @@ static size_t take_point(pool *self) {
     return point;
 }
 
-/* Checks whether a worker that was refused memory leaves its work to others, which hold the memory
- * that it lacks. The last worker reports the failure. */
+/* Checks whether a worker without memory leaves its work to the other workers, which hold the
+ * memory that it lacks. The last worker reports the failure. */
 static bool leaves_to_others(pool *self, ehd_status status) {
     return status == EHD_MEMORY && !self->status && self->num_active > 1;
 }
@@ -219,7 +219,7 @@ static size_t workers_with_memory(size_t num_wanted, double worker_bytes) {
         if (found == num) return num;
         num = found;
     }
-    return 0; // the caller's own thread has this memory already
+    return 0; // the thread of the caller already has this memory
 }
 
 static void run_threads(pool *self) {

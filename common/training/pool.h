@@ -35,8 +35,8 @@ typedef struct pool_work {
 /* Runs the tasks of all points. Returns EHD_OK when all points are finished. After a failure the
  * points under way are completed, and the first error is returned. After a signal this error is
  * EHD_INTERRUPTED with an empty text. A thread that is refused memory, by `begin` or by a
- * repeatable `solve`, ends and leaves its point to the others. If no thread is left, the result is
- * EHD_MEMORY. */
+ * repeatable `solve`, ends and leaves its point to the other threads. If no thread is left, the
+ * result is EHD_MEMORY. */
 ehd_status pool_run(const pool_work *work, ehd_error *error);
 
 /* Returns the number of processors that this process may use, at least 1. */

@@ -110,7 +110,7 @@ static ehd_status check_carriages(const training_set *set, const char *plan_path
     return EHD_OK;
 }
 
-/* Checks that all points have the kind of the first one and, if they are ellipses, its shape. */
+/* Checks that all points have the kind of the first point and, if they are ellipses, its shape. */
 static ehd_status check_alike(training_set *set, contact_shape *shape, const ehd_contact *contact,
                               const char *plan_path, ehd_error *error) {
     if (!set->kind) {
@@ -173,13 +173,15 @@ static ehd_contact *contact_at(const training_set *set, size_t i) {
                                : &set->trajectories[i - set->num_points].contact;
 }
 
-/* Returns the grid extent that contact i needs, a trajectory at all times of its histories. */
+/* Returns the grid extent that contact i needs; a trajectory needs it at all times of its
+ * histories. */
 static grid_extent needed_at(const training_set *set, size_t i) {
     return i < set->num_points ? grid_extent_needed(&set->contacts[i])
                                : set->trajectories[i - set->num_points].needed;
 }
 
-/* Puts all contacts on the grid that they need together, where their scenes leave it open. */
+/* Puts all contacts whose scenes leave the grid open on the grid that all contacts need
+ * together. */
 static ehd_status set_common_grid(training_set *set, ehd_error *error) {
     grid_extent needed = needed_at(set, 0);
     ehd_status status = EHD_OK;
@@ -201,7 +203,8 @@ static const ehd_contact *find_contact(const training_set *set, bool open) {
     return NULL;
 }
 
-/* Puts all contacts on one grid: the one that some scenes give, or else the one that all need. */
+/* Puts all contacts on one grid: the grid that some scenes give, or else the grid that all contacts
+ * need. */
 static ehd_status settle_grid(training_set *set, const char *plan_path, ehd_error *error) {
     const ehd_contact *first = contact_at(set, 0), *given = find_contact(set, false);
     ehd_error cause = {""};
@@ -271,10 +274,10 @@ static ehd_status make_tree(training_set *set, const size_t *branch, const char 
 
 // ---- parts
 
-/* Returns the number of branches of a plan. It is about the root of the number of points, so that
- * both cold starts and long chains of neighbours are few. It is a multiple of four, so that four
- * shards have equal numbers of branches. In the plan of stationary-line these branches take 597
- * Newton iterations, one branch takes 915, and twice as many branches take 748. */
+/* Returns the number of branches of a plan. This number is about the root of the number of points,
+ * so that both cold starts and long chains of neighbours are few. It is a multiple of four, so that
+ * four shards have equal numbers of branches. In the plan of stationary-line these branches take
+ * 597 Newton iterations, one branch takes 915, and twice as many branches take 748. */
 static size_t count_branches(size_t num_points) {
     size_t count = 4;
 
@@ -297,8 +300,8 @@ static void keep_points(training_set *set, const bool *keep) {
     set->num_points = count;
 }
 
-/* Cuts the points into branches, in the order of the plan, and keeps those of the shard. The tree
- * contains all points, so neither the cuts nor the start of a point depend on the shards. */
+/* Cuts the points into branches, in the order of the plan, and keeps the branches of the shard. The
+ * tree contains all points, so neither the cuts nor the start of a point depend on the shards. */
 static ehd_status keep_branches(training_set *set, const char *plan_path, shard piece,
                                 ehd_error *error) {
     const size_t num_points = set->num_points, num_branches = count_branches(num_points);
@@ -344,8 +347,8 @@ static size_t shards_with_points(size_t first, size_t num_branches, size_t total
     return branches < first ? branches : first;
 }
 
-/* Keeps the trajectories of the shard. Shards without points get theirs before the others, so that
- * no shard is empty. */
+/* Keeps the trajectories of the shard. Shards without points get trajectories before the other
+ * shards, so that no shard is empty. */
 static void keep_trajectories(training_set *set, size_t num_branches, shard piece) {
     size_t before = shards_with_points(piece.number - 1, num_branches, piece.total);
     bool has_points = shards_with_points(piece.number, num_branches, piece.total) > before;

@@ -47,8 +47,8 @@ typedef struct training_set {
  *
  * Branches are pieces of the list of points and depend on the plan alone. A shard has whole
  * branches. Therefore it needs no other shard, and each of its points starts as it does without
- * shards. One after another, the shards have the points in the order of the plan. Trajectories are
- * dealt out in turn, and no shard is empty.
+ * shards. Joined in their order, the shards have the points in the order of the plan. Trajectories
+ * are dealt out in turn, and no shard is empty.
  *
  * EHD_DATA: a point that is not a contact, different grids, no point left. EHD_USAGE: more shards
  * than branches and trajectories. EHD_MEMORY. */
@@ -74,7 +74,7 @@ ehd_status training_set_make_cold(training_set *set, const char *plan_path, ehd_
 void training_set_places(tree_point *places, const training_set *set);
 
 /* Removes the points for which `keep`, [num_points], is false. The branches are then those of a
- * plan with only the points that are left. EHD_MEMORY. */
+ * plan that has only the remaining points. EHD_MEMORY. */
 ehd_status training_set_keep(training_set *set, const bool *keep, const char *plan_path,
                              ehd_error *error);
 
@@ -85,8 +85,8 @@ ehd_status training_check_outcome(const training_set *set, size_t num_failed, co
                                   ehd_error *error);
 
 /* Returns the paths of the files that the training reads, with NULL at the end: the plan, the basis
- * (NULL: none) and the tables of the trajectories. They point into plan_path, basis_path and the
- * set. Returns NULL when out of memory. */
+ * (NULL: none) and the tables of the trajectories. These paths point into plan_path, basis_path and
+ * the set. Returns NULL when out of memory. */
 const char **training_inputs(const training_set *set, const char *plan_path,
                              const char *basis_path); // free with free()
 
