@@ -579,8 +579,8 @@ static ehd_status march_with(const transient_run *self, const part_sizes *sizes,
                                   self->scene_lines, again, error);
 }
 
-/* Checks whether a march may be repeated with more accurate sizes. It may not with --fallback full,
- * where the full model solves single steps instead. */
+/* Checks whether a march may be repeated with more accurate sizes. With --fallback full it may not,
+ * because the full model solves single steps instead. */
 static bool has_other_sizes(const romrun_options *options) {
     return options->accuracy > 0 && !falls_back(options) &&
            memcmp(&options->sizes, &options->fallback, sizeof options->sizes) != 0;
@@ -626,8 +626,8 @@ static ehd_status choose_sizes_of(romrun_options *options, size_t index, const p
         program_note(self, "--accuracy %g: %s%s%s", options->accuracy, one ? "" : path,
                      one ? "" : ": ", choice.note);
     }
-    // goes on: a single scene may reach an accuracy that no size is measured to have, and else the
-    // full model solves it
+    // goes on: a single scene may reach an accuracy that no size has in the calibration; otherwise
+    // the full model solves the scene
     if (status == EHD_DATA && falls_back(options)) {
         if (in_time) options->distrust = "an --accuracy that the model was not measured to have";
         const size_t best = trade_most_accurate(&table, in_time);
@@ -776,7 +776,7 @@ static ehd_status check_regime(const romrun_options *options, bool transient, eh
 }
 
 /* Prints a note if a file has no digest, so that changes of it cannot be noticed. Other programs
- * and older versions write none. */
+ * and older versions write no digest. */
 static void note_content(const program *self, const char *model) {
     bool is_flat = true;
     if (online_is_flat(&is_flat, model, NULL) || is_flat ||

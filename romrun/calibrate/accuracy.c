@@ -181,7 +181,7 @@ void accuracy_judge_rolling(run_result *result, const accuracy_limits *limits) {
     const double minimum = result->indicated_deviation_minimum;
     double films = isnan(central + minimum) ? NAN : fmax(central, minimum);
 
-    // a result of the full model has only the error by its grid
+    // the grid causes the only error of a result of the full model
     if (result->solved_by == SOLVED_BY_FULL) films = 0;
     const double found = result->traction && result->effects && !isnan(films)
                              ? film_effects_of_rolling(result->effects) + films

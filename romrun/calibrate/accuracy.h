@@ -18,9 +18,9 @@ typedef struct accuracy_choice {
     char note[ACCURACY_NOTE];  // text about `fastest` and its measured accuracy
 } accuracy_choice;
 
-/* Chooses the model size for a relative accuracy of both films; in time, without an error estimate,
- * for the central film alone. If no size meets the accuracy in time, but steps have error
- * estimates, chooses the most accurate size. `name`: name of the model, for error messages.
+/* Chooses the model size for a relative accuracy of both films. In time without error estimates, it
+ * considers the central film alone. If no size meets the accuracy in time, but steps have error
+ * estimates, it chooses the most accurate size. `name`: name of the model, for error messages.
  * EHD_DATA: the model is not calibrated in this regime, or no size meets the accuracy. */
 ehd_status accuracy_choose(
     // output:
@@ -60,7 +60,7 @@ ehd_status accuracy_read_limit(void *limits, const char *argument, ehd_error *er
 /* Checks whether any limit is set. */
 bool accuracy_limits_any(const accuracy_limits *limits);
 
-/* Writes the limits that are set as comments of the settings text, one line each. */
+/* Writes each given limit into the settings text, as a comment on a line of its own. */
 void accuracy_write_limits(const accuracy_limits *limits, FILE *stream);
 
 /* Sets EHD_UNTRUSTED if an error estimate in result->indicated exceeds its limit, or is not known
@@ -68,8 +68,8 @@ void accuracy_write_limits(const accuracy_limits *limits, FILE *stream);
 void accuracy_judge_others(run_result *result, const accuracy_limits *limits);
 
 /* Sets EHD_UNTRUSTED if the error estimate of the rolling resistance exceeds its limit, or is not
- * known although a limit is set. The estimate is that for the grid (result->effects). A reduced
- * result adds the larger estimate of both films. */
+ * known although a limit is set. The estimate is that for the grid (result->effects). For a reduced
+ * result the larger estimate of both films is added. */
 void accuracy_judge_rolling(run_result *result, const accuracy_limits *limits);
 
 #endif

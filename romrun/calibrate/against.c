@@ -170,13 +170,13 @@ void against_print(const run_result *result, const stored_result *stored, const 
 
 // ---- over time
 
-/* Relative deviation of one quantity, at the times of the first run that the second run covers.
- * If the times differ, a cubic spline interpolates the second run. */
+/* Relative deviation of one quantity, at those times of the first run that lie in the time span of
+ * the second run. If the times differ, a cubic spline interpolates the second run. */
 typedef struct time_deviation {
     double largest;     // relative
     double at;          // time T of the largest deviation
-    double sum, length; // integral over T of the magnitude of the relative deviation; length of T
-                        // covered
+    double sum, length; // integral of |relative deviation| over T; length of the integrated
+                        // intervals of T
 } time_deviation;
 
 /* Two times are equal up to this relative difference, which allows for the round-off of summed
@@ -244,7 +244,7 @@ static bool next_period(contact_period *period, const double *sign, size_t count
 static ehd_status compare_contacts(time_deviation *deviation, const time_trace *trace,
                                    const double *reduced, const time_series *full,
                                    const double *other, ehd_error *error) {
-    enum { MIN_SPLINE = 3 }; // number of times of the full run that an interpolation needs
+    enum { MIN_SPLINE = 3 }; // smallest number of times of the full run for an interpolation
     contact_period now = {0, 0}, then = {0, 0};
     bool more = next_period(&now, trace->central_pressure, trace->count) &&
                 next_period(&then, full->load, full->num_times);

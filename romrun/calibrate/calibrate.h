@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* romrun --calibrate: measures errors and time of the sizes of a model and writes the model with
- * this table (README.md, Calibration and the accuracy dial).
- * Called by romrun/main.c, and by deimselect/checked_model.c for the settings text. */
+/* romrun --calibrate: measures errors and time of each size of a model, and writes the model with a
+ * table of them (README.md, Calibration and the accuracy dial). Called by romrun/main.c, and by
+ * deimselect/checked_model.c for the settings text. */
 #ifndef EHD_CALIBRATE_H
 #define EHD_CALIBRATE_H
 

@@ -17,8 +17,8 @@ enum { REPEATS = 3 }; // number of solutions of each scene; the time is their me
 
 /* A shear law and the ratio of the Newtonian stress at P = 0 and H = 1 to the stress of the law, as
  * in deimselect/cubature.c. The friction of each scene is measured for all `slidings`, whatever the
- * scene's own law is. The Eyring fluid of ratio 1e-1 has high stresses in the whole contact. The
- * errors by few nodes, and by exits that are wrong by one node, are then largest. With 1e-2 in
+ * scene's own law is. The Eyring fluid of ratio 1e-1 has high stresses in the whole contact. Errors
+ * caused by few nodes, and by exits that are one node off, are largest for this fluid. With 1e-2 in
  * place of 1e-1, the estimates of 2 of 2235 unseen frictions are only 0.4 times the errors. */
 typedef struct sliding {
     const lubricant_law *law;
@@ -52,15 +52,16 @@ typedef struct samples {
     bool exits_are_nodes;
     double *deviation[NUM_TRADE_QUANTITIES]; // [count]
     double *bound, *bound_minimum;           // [count] bounds of the central and minimum film
-    double *indicated;                       // [count + failures] the films' larger estimate
-    double *effectivity;                     // [count] estimate over error, the films' smaller
-                                             // ratio
+    double *indicated;                       // [count + failures] the larger estimate of both films
+    double *effectivity;                     // [count] ratio of estimate to error, the smaller one
+                                             // of both films
     double *off[NUM_INDICATED];              // [count] deviations of the other quantities
     double *other_bound[NUM_INDICATED];      // [count]
     double *friction_off, *friction_bound;   // [num_frictions]
     size_t num_frictions;                    // 0 if the model has no traction nodes
     double *seconds;                         // [count * REPEATS]
-    double iterations, max_iterations;       // sum over scenes; largest number for a scene
+    double iterations, max_iterations;       // iterations: sum over the scenes; largest number of a
+                                             // scene
     double largest_residual;
     double *pressure, *film; // [num_nodes]
     double *full_film;       // [num_nodes]
@@ -172,7 +173,7 @@ static void add_sample(samples *self, const online_result *result, const solved_
 }
 
 /* Stores the friction errors and bounds of the scene that was added last; self->full_film must be
- * its film. */
+ * the film of this scene. */
 static void add_frictions(samples *self, online_solver *solver, const solved_scene *solved) {
     for (size_t i = 0; i < NUM_SLIDINGS; i++) {
         const ehd_contact contact = slide(solved->contact, &slidings[i]);
@@ -263,7 +264,7 @@ static ehd_status fit_indicator(trade_position *position, samples *self, ehd_err
                             self->bound_minimum[i]);
         // For the choice of a model size, estimates use constant factors without shapes. With few
         // modes, lubricants outside of the calibration have errors up to four times the estimate
-        // with shapes: 3 of 431 exceeded 1 % without a warning.
+        // with shapes: 3 of 431 errors exceeded 1 % without a warning.
         self->indicated[i] = fmax(position->indicator_factor * self->bound[i],
                                   position->indicator_factor_minimum * self->bound_minimum[i]);
         self->effectivity[i] = fmin(of_central / central[i], of_minimum / minimum[i]);

@@ -12,7 +12,7 @@ typedef struct cases_task {
     const program *caller; // arguments[0] is the scene
     const char *model;     // path of the model
     part_sizes sizes;
-    part_sizes most_accurate; // solves cases that `sizes` do not solve well; 0 modes: not used
+    part_sizes most_accurate; // for cases that `sizes` do not solve well; 0 modes: not used
     double accuracy;          // 0: not given
     const accuracy_limits *limits;
     size_t num_jobs; // number of threads
@@ -30,7 +30,7 @@ typedef struct cases_summary {
 
 /* Solves all cases and writes their table (case_table.h). The rows do not depend on num_jobs, and
  * the memory does not depend on the number of cases. A case that does not converge or is not
- * trusted is a row with its status. Errors: EHD_DATA (before any case is solved: a row is no
+ * trusted gets a row with its status. Errors: EHD_DATA (before any case is solved: a row is no
  * stationary contact, or has another grid than the model); EHD_INTERRUPTED (the solved cases are
  * written, and a run with `resume` continues); errors of online_open. */
 ehd_status cases_solve(

@@ -11,9 +11,9 @@
  * and largest number of trajectories. Scenes far apart lie mostly at the edge of the region and
  * find the largest errors. The other scenes represent the usual errors. The factors of the
  * estimates were compared with the factors that cover all errors of 118 and 149 random scenes (both
- * loaded regions). With 20 scenes far apart and 10 others the factors are at least 1.6 times as
- * large. With 20 scenes along the walk alone they are as low as 0.65 times (deimselect/README.md,
- * The check). */
+ * loaded regions). With 20 scenes that are far apart and 10 other scenes, the factors are at least
+ * 1.6 times as large. With 20 scenes along the walk alone they are only 0.65 times as large
+ * (deimselect/README.md, The check). */
 enum { MIN_SCENES = 10, MAX_SCENES = 30, PERCENT_SPREAD = 67, MAX_TRAJECTORIES = 3 };
 
 static const shard all = {1, 1};
@@ -30,8 +30,8 @@ static ehd_status make_set(training_set *set, const plan *of, const reduced_mode
     return status;
 }
 
-/* Keeps only the points that the model was trained on; points that failed or were not solved go.
- * Keeps all trajectories. */
+/* Keeps only the points that the model was trained on. Removes points that failed or were not
+ * solved. Keeps all trajectories. */
 static ehd_status keep_trained(training_set *set, const reduced_model *model, const char *name,
                                ehd_error *error) {
     bool *keep = calloc(set->num_points + 1, sizeof *keep);

@@ -13,11 +13,11 @@
 size_t check_scenes_count(size_t num_trained, const training_set *set);
 
 /* Chooses stationary scenes and trajectories half-way between those of the training (between.h), on
- * the grid of the model. All are inside of the trained range, and none is a training point.
+ * the grid of the model. All of them lie inside of the trained range, and none is a training point.
  *
  * - Stationary scenes: half as many as training points, at least 10, and at most 30 for each pair
- *   of a viscosity law and a density law. Some are far apart, with at least one of each lubricant
- *   and group. The others are an even sample of the region.
+ *   of a viscosity law and a density law. Some scenes are far apart, with at least one scene of
+ *   each lubricant and group. The other scenes are an even sample of the region.
  * - Trajectories: half as many as were trained, 1 to 3.
  *
  * EHD_DATA: the text is no plan, the plan has another grid, or no scene lies between training

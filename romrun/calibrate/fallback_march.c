@@ -13,13 +13,13 @@
  * an array of numbers. */
 typedef struct standing {
     double full;        // 1 while the full model takes the steps, else 0
-    double full_states; // 1 if the full model holds the last accepted states, else 0
-    // pause: number of full steps between two tries of the reduced model; left: number until the
-    // next try
+    double full_states; // 1 if the last accepted states are in the full model, else 0
+    // pause: number of full steps between two tries of the reduced model; left: number of full
+    // steps until the next try
     double pause, left;
     double held; // number of reduced steps since the last return to the reduced model
-    // numbers of Newton iterations. useful: of accepted steps; wasted: of attempts that became no
-    // step; open: of the attempt that is neither accepted nor rejected yet
+    // numbers of Newton iterations. useful: of accepted steps; wasted: of attempts that were not
+    // accepted; open: of the attempt that is neither accepted nor rejected yet
     double useful, wasted, open;
     double full_steps, since, seconds_full, seconds_reduced; // members of time_run_share
 } standing;
@@ -29,8 +29,8 @@ _Static_assert(sizeof(standing) == NUM_STANDING * sizeof(double), "these are dou
 
 struct fallback_march {
     ehd_contact reference;
-    // limit of the films' error estimates of a reduced step, and of their `deviation` from the full
-    // model's films
+    // limit of the films' error estimates in a reduced step, and of the `deviation` of these films
+    // from the full model's films
     double limit;
     const char *distrust; // why the full model takes all steps; NULL: it takes single steps
     parts_march *reduced;
@@ -40,11 +40,11 @@ struct fallback_march {
     char reason[MARCH_REASON]; // reason of the first full step
     // state of the attempt:
     bool by_full;      // the full model solved the step
-    bool tried;        // the reduced model got the full model's states
+    bool tried;        // the reduced model has taken over the full model's states
     bool returns;      // the reduced model solved the step as the full model did, and takes the
                        // next steps
     const char *doubt; // why the reduced model does not take the step
-    bool base_taken;   // the reduced model has the full model's base
+    bool base_taken;   // the reduced model has taken over the full model's base
     hand_over work;
 };
 
@@ -132,8 +132,8 @@ static double deviation(fallback_march *self, reduced_march *part, size_t steps,
 }
 
 /* Hands the states of the full model to a part of the reduced model, which projects them onto its
- * modes. *off: largest difference of the films by this projection. The difference at the last state
- * enters the error estimate. */
+ * modes. *off: largest difference of the films that this projection causes. The difference at the
+ * last state enters the error estimate. */
 static ehd_status to_reduced(double *off, fallback_march *self, reduced_march *part,
                              double central_film, ehd_error *error) {
     const bdf_march *full = full_march_steps(self->full);
@@ -156,9 +156,9 @@ static void judge_indicated(march_step *outcome, const fallback_march *self) {
         march_distrust(outcome, "a film indicated to deviate by more than a tenth of the accuracy");
 }
 
-/* Checks whether attempts that became no step have taken more iterations than the accepted steps.
- * While they have, the full model takes all steps. A march therefore needs at most twice the
- * iterations of its steps, plus those of one attempt. */
+/* Checks whether attempts that were not accepted have cost more iterations than the accepted steps.
+ * As long as this is true, the full model takes all steps. A march therefore needs at most twice
+ * the iterations of its steps, plus those of one attempt. */
 static bool is_budget_spent(const fallback_march *self) {
     return self->now.wasted > self->now.useful;
 }
@@ -212,7 +212,7 @@ static ehd_status start(march_step *outcome, void *solver, const contact_frame *
         if (!outcome->status) return EHD_OK;
     }
     begun = program_seconds();
-    if (isnan(self->now.since)) { // since is not NaN if the contact was lost and found again
+    if (isnan(self->now.since)) { // `since` is not NaN if the contact was lost and found again
         snprintf(self->reason, sizeof self->reason, "%s",
                  self->distrust ? self->distrust : outcome->reason);
         self->now.since = frame->time;
@@ -275,8 +275,8 @@ static ehd_status attempt(march_step *outcome, void *solver, const contact_frame
 }
 
 /* Sets the number of full steps before the next try of the reduced model. A failed try doubles the
- * pause. A return doubles it if the reduced model then took fewer steps than the pause before it
- * had. Failures thus cost little. */
+ * pause. A return doubles the pause if the reduced model then took fewer steps than the pause had.
+ * Failures thus cost little. */
 static void set_pause(fallback_march *self) {
     standing *now = &self->now;
 

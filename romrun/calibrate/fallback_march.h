@@ -13,10 +13,10 @@
 typedef struct fallback_march fallback_march;
 
 /* Creates a march with fallback. `reduced` must outlive the march, and nothing else may use it.
- * `accuracy`: accuracy of the films. A tenth of it limits the error estimate of a reduced step. It
- * also limits the difference of both models' films before reduced steps are taken again.
- * `distrust`: reason why the full model takes all steps; NULL: it takes only some. Errors:
- * EHD_MEMORY. */
+ * `accuracy`: accuracy of the films. A tenth of the accuracy limits the error estimate of a reduced
+ * step. This tenth also limits the difference of both models' films before reduced steps are taken
+ * again. `distrust`: reason why the full model takes all steps; NULL: it takes single steps.
+ * Errors: EHD_MEMORY. */
 ehd_status fallback_march_create(
     // output:
     fallback_march **self, // free with fallback_march_free
@@ -28,8 +28,8 @@ fallback_march *fallback_march_free(fallback_march *self); // accepts and return
 /* Returns the march as a solver for march_run. */
 march_solver fallback_march_solver(fallback_march *self);
 
-/* Return the full model's share of the steps, and the effort of both models in seconds, for
- * time_run. */
+/* Return the fraction of the steps that the full model took, and the effort of both models in
+ * seconds, for time_run. */
 time_run_share fallback_march_share(const void *solver);
 void fallback_march_effort(double *rows, double *linear, double *exit, const void *solver);
 

@@ -13,8 +13,8 @@
 run_result reduced_result(const online_result *solution);
 
 /* Sets EHD_UNTRUSTED if the error estimate of a film exceeds accuracy_limit(accuracy), the model
- * was never checked, or another quantity exceeds its limit. `unchecked`: the reason of
- * online_unchecked; NULL: the model was checked. */
+ * was never checked, or the estimate of another quantity exceeds its limit. `unchecked`: the reason
+ * of online_unchecked; NULL: the model was checked. */
 void reduced_result_judge(run_result *result, const char *unchecked, double accuracy,
                           const accuracy_limits *limits);
 

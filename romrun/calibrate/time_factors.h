@@ -20,7 +20,7 @@ typedef struct step_sample {
 typedef struct step_samples {
     size_t trajectory; // trajectory of the steps that are added next
     size_t count;
-    step_sample *samples; // [count]; the steps of a trajectory stand together
+    step_sample *samples; // [count]; the steps of a trajectory are contiguous
 } step_samples;
 
 /* Smallest ratio of error estimate to error over the steps of a calibration. With 2 in place of 3
@@ -32,11 +32,12 @@ extern const double time_margin;
  * a floor of 0, a single step whose bound is lost in noise would decide the factor. The fit
  * therefore takes the floor for which the largest estimate, averaged over the trajectories, is
  * smallest. With this floor it takes the smallest factor, at least time_margin. If a floor of 0 and
- * the factor time_margin suffice for the central film, the floor stays 0. Without steps all are 0.
+ * the factor time_margin suffice for the central film, the floor stays 0. Without steps all factors
+ * and floors are 0.
  *
  * A floor is at least time_margin times the error that 95 % of the steps do not exceed. With
  * smaller floors and a margin of 2, 3 of 106 steps of tests/pipeline/calibrate.bats, "step by
- * step", had estimates below the errors. With a margin of 3 none had. */
+ * step", had estimates below the errors. With a margin of 3 no step had. */
 film_factors time_factors_fit(
     // input:
     const step_samples *steps,

@@ -9,8 +9,8 @@
 // ---- the ladder
 
 /* Numbers of modes in the ladder. MIN_MODES: smallest number. STRIDE: ratio of successive numbers;
- * two strides double the number. HALVED: how many strides at the end, among the accurate sizes, are
- * halved (README.md, Calibration and the accuracy dial; test_trade.c,
+ * two strides double the number. HALVED: number of strides at the end, among the accurate sizes,
+ * that are halved (README.md, Calibration and the accuracy dial; test_trade.c,
  * the_ladder_goes_from_ten_modes_to_all). */
 static const double MIN_MODES = 10, STRIDE = 1.4142;
 static const size_t HALVED = 2;
@@ -109,8 +109,8 @@ static void ratios_free(ratios *self) {
     free(self->ratio);
 }
 
-/* Returns the sum over the scenes of the estimates' logarithms, with the largest ratio as the
- * factor. */
+/* Returns the sum over the scenes of ln(estimate). The factor of the estimates is the largest
+ * ratio. */
 static double indicated_sum(const ratios *self, indicator_shape shape) {
     double sum = 0;
 
@@ -127,9 +127,9 @@ static size_t smallest_bound(const ratios *self) {
     return smallest;
 }
 
-/* Returns the best straight line above the ratios (ratio over bound): an edge of their upper hull,
- * or the constant largest ratio. The hull begins at a bound of zero with the ratio of the smallest
- * bound, and ends at the largest ratio. */
+/* Returns the best straight line above the ratios, as functions of the bound: an edge of their
+ * upper hull, or the constant largest ratio. The hull begins at a bound of zero with the ratio of
+ * the smallest bound, and ends at the largest ratio. */
 static indicator_shape best_line(const ratios *self) {
     indicator_shape best = plain_shape;
     double least = indicated_sum(self, best), bound = 0;
@@ -155,11 +155,11 @@ static indicator_shape best_line(const ratios *self) {
     return best;
 }
 
-/* Fits an offset and the share of the bound that is added to it. The offset is the deviation of one
- * of the scenes. To first order a deviation equals the bound, so the share is at least 1; if all
- * ratios are below 1, it is at least the largest ratio. With a smaller share the offset alone might
- * cover all scenes of the calibration. Any other scene would then get the offset as its estimate,
- * whatever its residual is. */
+/* Fits an offset and the multiple of the bound that is added to the offset. The offset is the
+ * deviation of one of the scenes. To first order a deviation equals the bound, so the multiple is
+ * at least 1; if all ratios are below 1, it is at least the largest ratio. With a smaller multiple
+ * the offset alone might cover all scenes of the calibration. Any other scene would then get the
+ * offset as its estimate, whatever its residual is. */
 static indicator_shape best_offset(const ratios *self, indicator_shape line) {
     const double first_order = fmin(1, self->largest);
     indicator_shape best = line;
@@ -213,13 +213,14 @@ trade_price trade_price_of(const trade_position *position, bool in_time) {
                          position->seconds, position->num_failures};
 }
 
-/* Checks whether a model size may be chosen in spite of failures. In time, with error estimates, it
- * may, because after jumps all sizes may fail. */
+/* Checks whether a model size may be chosen in spite of failures. This is allowed in time with
+ * error estimates, because all sizes may fail after jumps. */
 static bool may_fail(const trade_position *position, bool in_time) {
     return in_time && position->factor_in_time > 0;
 }
 
-/* Checks whether a model size may be chosen for a deviation, whatever failures other sizes have. */
+/* Checks whether a model size may be chosen for a deviation, regardless of the failures of other
+ * sizes. */
 static bool is_candidate(const trade_position *position, double deviation, bool in_time) {
     const trade_price price = trade_price_of(position, in_time);
 

@@ -39,10 +39,10 @@ bool trade_is_dominated(const trade_table *table, size_t position, bool in_time)
  * right. If no candidate has such pressures, the candidate with the best pressures is returned.
  *
  * In time, with error estimates: candidates have estimates within `deviation` on at least half of
- * the trajectories, since the estimates mark the steps that exceed it. Three criteria decide in
- * this order: fewest lost trajectories, most trajectories within `deviation`, shortest time. Lost
- * trajectories are allowed: on 5 of 20 random histories, whose films rupture in the inlet after a
- * jump or fill the outlet, all sizes fail (scenes/studies/silent-in-time). */
+ * the trajectories, since the estimates mark the steps that exceed `deviation`. Three criteria
+ * decide in this order: fewest lost trajectories, most trajectories within `deviation`, shortest
+ * time. Lost trajectories are allowed: on 5 of 20 random histories, whose films rupture in the
+ * inlet after a jump or fill the outlet, all sizes fail (scenes/studies/silent-in-time). */
 size_t trade_cheapest(const trade_table *table, double deviation, bool in_time);
 
 /* Returns the position without failures that has the smallest deviation (trade_price_of);
@@ -52,12 +52,12 @@ size_t trade_cheapest(const trade_table *table, double deviation, bool in_time);
 size_t trade_most_accurate(const trade_table *table, bool in_time);
 
 /* Deviation and time by which model sizes are chosen. Error estimates mark the scenes that deviate
- * by more. With them it suffices if 90 % of the scenes have estimates of at most the wanted
- * deviation. */
+ * by more than is wanted. It therefore suffices with estimates if 90 % of the scenes have estimates
+ * of at most the wanted deviation. */
 typedef struct trade_price {
     // Stationary: the worst deviation of the films or, with error estimates, the estimates' 90 %
-    // quantile. In time: the worst deviation of the central film or, with error estimates, their
-    // median over the trajectories (infinite if more than half are lost).
+    // quantile. In time: the worst deviation of the central film or, with error estimates, the
+    // median of the estimates over the trajectories (infinite if more than half are lost).
     double deviation;
     double seconds;      // time of a solution or a step
     size_t num_failures; // stationary with error estimates: 0 if up to 10 % of the scenes fail; in
@@ -65,8 +65,9 @@ typedef struct trade_price {
 } trade_price;
 trade_price trade_price_of(const trade_position *position, bool in_time);
 
-/* Returns the largest fraction of the trajectories (from trade_time_parts) whose error estimates
- * are at most `deviation`; 0 if it is less than half, or without error estimates. */
+/* Returns the largest fraction in trade_time_parts with this property: that fraction of the
+ * trajectories has error estimates of at most `deviation`. 0 if it is less than half, or without
+ * error estimates. */
 double trade_part_in_time(const trade_position *position, double deviation);
 
 /* Writes the sizes as text, for example "80 pressure modes, 120 rows". */
@@ -91,9 +92,9 @@ double trade_indicator_factor(const double *deviations, const double *bounds, si
  * bound). As with a constant factor, each scene's estimate is at least trade_margin times its
  * deviation. The fit is the straight line above all scenes' ratios of deviation to bound with the
  * smallest geometric mean of the estimates. At a bound of zero the line is not below the ratio of
- * the scene with the smallest bound. `with_offset`: then fits an offset and a share of the bound.
- * The estimate is the smaller of both; its geometric mean is minimised. Without scenes the shape is
- * plain_shape. Errors: EHD_MEMORY. */
+ * the scene with the smallest bound. `with_offset`: then also fits an offset plus a multiple of the
+ * bound. The estimate is the smaller value of both fits; its geometric mean is minimised. Without
+ * scenes the shape is plain_shape. Errors: EHD_MEMORY. */
 ehd_status trade_indicator_shape(
     // output:
     indicator_shape *shape,

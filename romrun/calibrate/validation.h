@@ -40,8 +40,8 @@ ehd_status validation_measure(
     // input:
     const validation *scenes, const program *caller, const char *model_path, ehd_error *error);
 
-/* Finds a scene that the whole model does not solve or else the scene with its largest film error.
- * *worst is NULL if there are no scenes. */
+/* Finds a scene that the whole model does not solve, or else the scene where this model has its
+ * largest film error. *worst is NULL if there are no scenes. */
 ehd_status validation_worst(const ehd_contact **worst, const validation *scenes,
                             const char *model_path, ehd_error *error);
 

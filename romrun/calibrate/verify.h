@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* romrun --verify: evaluates the residual of the full model at a reduced solution, and one of its
- * Newton steps (fullrun/README.md, Newton).
- * Called by romrun/main.c. */
+/* romrun --verify: evaluates the residual of the full model at a reduced solution, and one Newton
+ * step of the full model (fullrun/README.md, Newton). Called by romrun/main.c. */
 #ifndef EHD_VERIFY_H
 #define EHD_VERIFY_H
 
@@ -19,7 +18,7 @@ typedef struct verification {
 } verification;
 
 /* Verifies the last solution of `solver`, which is the `result` of the stationary `contact`.
- * Changes none of them. Errors of online_fields and full_solve. */
+ * Changes none of these objects. Errors of online_fields and full_solve. */
 ehd_status verify(verification *outcome, online_solver *solver, const online_result *result,
                   const ehd_contact *contact, ehd_error *error);
 

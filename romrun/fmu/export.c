@@ -182,7 +182,7 @@ static ehd_status library_failed(const export_job *job, const ehdrom_contact *co
                     job->caller->arguments[0], ehdrom_contact_error(contact));
 }
 
-/* Starts the contact of the resources, and takes its approach at the start and its time scale. */
+/* Starts the contact of the resources, and reads its approach at the start and its time scale. */
 static ehd_status ask_contact(export_job *job, ehdrom_contact *contact, ehd_error *error) {
     ehdrom_result result = EHDROM_RESULT_INIT;
     ehdrom_scales scales = EHDROM_SCALES_INIT;

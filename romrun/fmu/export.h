@@ -15,10 +15,10 @@ typedef struct fmu_request {
     int fmi;         // version of FMI, 2 or 3
 } fmu_request;
 
-/* Writes caller->output. Before, starts the FMU's contact and takes one step; if this fails, writes
- * nothing and returns EHD_NOT_CONVERGED. EHD_DATA: a scene without SI units; EHD_NOINPUT: the
- * shared object or the model is missing; and the errors of package_write. If the start is not
- * trusted, the program only prints a note. */
+/* Writes caller->output. Before writing, starts the FMU's contact and takes one step; if this
+ * fails, writes nothing and returns EHD_NOT_CONVERGED. EHD_DATA: a scene without SI units;
+ * EHD_NOINPUT: the shared object or the model is missing; and the errors of package_write. If the
+ * start is not trusted, the program only prints a note. */
 ehd_status fmu_export(const program *caller, const fmu_request *request, ehd_error *error);
 
 #endif

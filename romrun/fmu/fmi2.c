@@ -248,8 +248,8 @@ fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReferenc
                                   direction, derivative));
 }
 
-/* Returns the time of the last successful step. The other kinds do not apply, because a step is
- * complete when its call returns. */
+/* Returns the time of the last successful step. Other kinds of status do not apply, because a step
+ * is complete when its call returns. */
 fmi2Status fmi2GetRealStatus(fmi2Component c, fmi2StatusKind kind, fmi2Real *value) {
     if (kind != fmi2LastSuccessfulTime) return refuse(c, __func__);
     *value = fmu_time(contact_of(c));

@@ -16,7 +16,7 @@ typedef enum fmu_mode {
     MODE_TERMINATED
 } fmu_mode;
 
-/* Inputs at one time, in the contact's form. */
+/* Inputs at one time, in the form that the contact takes. */
 typedef struct conditions {
     double given; // load or approach
     double speed, radius;
@@ -33,7 +33,7 @@ typedef struct moment {
     bool solved;      // during initialization: the outputs belong to the present inputs
     double pending;   // s, length of a step that the contact has taken but not accepted; 0: none
     double last;      // s, length of the last internal step; 0: none
-    double noise;     // size of recent local errors that were taken for noise
+    double noise;     // magnitude of recent local errors that were accepted as noise
     bool noisy;       // the noise has been logged
     conditions held;  // conditions of the contact's last accepted state
     conditions aimed; // conditions at the end of the pending step
@@ -468,21 +468,22 @@ static bool accept(fmu_instance *self) {
 }
 
 /* Largest number of halvings of a step that does not converge: to a millionth of the communication
- * step. After these the communication step is discarded (fmu.bats, "a step that cannot be done
- * changes nothing"). */
+ * step. After these halvings the communication step is discarded (fmu.bats, "a step that cannot be
+ * done changes nothing"). */
 enum { MOST_HALVINGS = 20 };
 
 /* A communication step is discarded if it hardly proceeds. This is checked after every
  * WATCHED_ATTEMPTS attempts: at the rate of these attempts, the rest of the step may take at most
  * MOST_ATTEMPTS. Without this check one step of fmu.bats, "a step that cannot be done changes
- * nothing", took more than 17 minutes. The given load changed to a value that no contact has. Steps
- * of a millionth may then still converge. */
+ * nothing", took more than 17 minutes. The given load changed to a value that no contact can have.
+ * Steps of a millionth may converge even then. */
 enum { WATCHED_ATTEMPTS = 100, MOST_ATTEMPTS = 100000 };
 
-/* Largest number of halvings of a step whose local error is too large. After these the error is
- * taken as noise. A local error is proportional to the third power of the step; after a kink of the
- * inputs, to the second or first power. For the line contact of fmu.bats, "a tolerance below the
- * solver's noise", errors stop falling after 6 to 10 halvings, at 2e-8 to 8e-8 of the film. */
+/* Largest number of halvings of a step whose local error is too large. After these halvings the
+ * error is taken as noise. A local error is proportional to the third power of the step; after a
+ * kink of the inputs, to the second or first power. For the line contact of fmu.bats, "a tolerance
+ * below the solver's noise", errors stop falling after 6 to 10 halvings, at 2e-8 to 8e-8 of the
+ * film. */
 enum { MOST_FOR_ERROR = 10 };
 
 // factor on the noise level from step to step, as NOISE_KEPT in march.c (fmu.bats, "a tolerance
@@ -520,7 +521,7 @@ static fmu_outcome halve(stretch *of) {
 static bool is_noise(fmu_instance *self, stretch *of, double error, double accuracy) {
     moment *now = &self->now;
 
-    // after a kink of the inputs half of a step has half of the error; this is no noise
+    // after a kink of the inputs, half of a step has half of the error; such an error is no noise
     of->idle = of->error > 0 && error > 0.75 * of->error ? of->idle + 1 : 0;
     of->error = error;
     if (of->idle < 2 && of->part > ldexp(1, -MOST_FOR_ERROR)) return false;

@@ -2,11 +2,11 @@
 /* The contact of an FMU, for both versions of the standard. It uses the library through ehdrom.h
  * alone.
  *
- * A communication step is one step of BDF2 (the first one of BDF1) to the inputs that were set
- * before it, which hold at its end. It is divided into steps of a half, a quarter …, with inputs
- * in proportion, in three cases: it does not converge, its local error exceeds step_accuracy, or
- * it is more than twice as long as the last step. A local error that shorter steps do not reduce
- * is noise of the solver; it is accepted. */
+ * A communication step is one step of BDF2 (the first one of BDF1). The inputs that were set before
+ * the step hold at its end. In three cases the step is divided into steps of a half, a quarter …,
+ * with inputs in proportion: it does not converge, its local error exceeds step_accuracy, or it is
+ * more than twice as long as the last step. A local error that shorter steps do not reduce is noise
+ * of the solver; it is accepted. */
 #ifndef EHD_FMU_INSTANCE_H
 #define EHD_FMU_INSTANCE_H
 
@@ -57,9 +57,9 @@ fmu_outcome fmu_step(fmu_instance *self, double time, double step);
 double fmu_time(const fmu_instance *self);
 
 /* Computes derivative[k] = sum over i of direction[i] d unknowns[k] / d knowns[i], of outputs by
- * inputs. It does so at the end of the last internal step or, at the start, for the stationary
- * contact. It uses the library's tangent. Outputs without a tangent get central differences, which
- * take three more steps for all of them together. */
+ * inputs. The derivatives are those at the end of the last internal step or, at the start, of the
+ * stationary contact. They come from the library's tangent. Outputs without a tangent get central
+ * differences, which take three more steps for all of them together. */
 bool fmu_derivative(fmu_instance *self, const unsigned unknowns[], size_t num_unknowns,
                     const unsigned knowns[], size_t num_knowns, const double direction[],
                     double derivative[]);

@@ -70,9 +70,10 @@ typedef struct fmu_variable {
     fmu_type type;
     const char *unit, *unit_of_point; // for a line contact, and for a point contact; NULL: none
     fmu_when when;                    // which FMUs have the variable
-    const char *key;                  // setting of its start value; NULL: none
+    const char *key;                  // setting that gives the start value; NULL: none
     size_t offset;                    // offset of an output in ehdrom_result; 0: not a member
-    size_t derivative;                // offset of its derivative in ehdrom_derivatives; 0: none
+    size_t derivative;                // offset of the output's derivative in ehdrom_derivatives; 0:
+                                      // none
     const char *help;
 } fmu_variable;
 

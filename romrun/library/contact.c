@@ -236,7 +236,7 @@ static void take_shape(scene *of, const ehdrom_contact *self) {
 }
 
 /* Makes a scene of one regime from settings of any regime. It omits the settings for output. It
- * also omits how conditions change in time, which the caller gives instead of the scene. */
+ * also omits the histories of the conditions, which the caller gives instead of the scene. */
 static void take_regime(scene *of, const ehdrom_contact *self, bool in_time) {
     const online_properties properties = online_describe(self->model->online);
 

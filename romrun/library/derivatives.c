@@ -4,9 +4,9 @@
 
 #include <math.h>
 
-/* Returns the contact of the last ehdrom_solve. The approach of a line contact is measured from
- * approach_length, or else from the default for a given approach. Measured from 1 half width its
- * derivative has no meaning. */
+/* Returns the contact of the last ehdrom_solve. The approach of a line contact is relative to a
+ * point at approach_length or, without this setting, at the default for a given approach. If the
+ * point lies at 1 half width, the derivative has no meaning. */
 static ehd_contact contact_from_afar(const ehdrom_contact *self) {
     const double length = self->settings.approach_length;
     ehd_contact contact = self->solved;
@@ -29,8 +29,8 @@ static const unit_factors *units_of_last(const ehdrom_contact *self) {
     return self->differentiable == OF_SOLUTION ? &self->solved_units : &self->reference_units;
 }
 
-/* Converts a direction. If the direction has neither load nor approach, it holds the one that was
- * given for the solution. */
+/* Converts a direction. If the direction has neither load nor approach, the quantity that was given
+ * for the solution stays constant. */
 static ehd_status take_direction(online_direction *own, ehdrom_contact *self,
                                  const ehdrom_conditions *given) {
     const bool by_approach = self->differentiable != OF_SOLUTION && self->by_approach;

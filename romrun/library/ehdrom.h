@@ -91,8 +91,8 @@ typedef struct ehdrom_model_options {
  *   - a model in HDF5;
  *   - a flat model (romrun --export), which opens in milliseconds and has the sizes with which it
  *     was exported; it must not be written into while it is open;
- *   - a list of models for parts of a region (schemas/models.md), whose name ends with .yml. It
- *     is loaded whole; with sizes in `options` it is EHDROM_DATA.
+ *   - a list of models for parts of a region (schemas/models.md), whose name ends with .yml. It is
+ *     loaded whole; sizes in `options` are EHDROM_DATA.
  * Close *model in any case; after an error it holds the text for ehdrom_model_error. *model is
  * NULL if there is no memory for it, or if the processor lacks instructions that the library was
  * built with (EHDROM_INTERNAL). EHDROM_DATA: the file is no model, or it is in HDF5 and
@@ -180,10 +180,11 @@ EHDROM_API ehdrom_status ehdrom_contact_set_units(ehdrom_contact *contact, int u
 EHDROM_API ehdrom_status ehdrom_contact_set_accuracy(ehdrom_contact *contact, double accuracy);
 
 /* Sets the tolerance of ehdrom_solve; default 1e-8. The iteration ends when the next one is
- * expected to change the central film by a smaller fraction. */
+ * expected to change the central film by less than this fraction. */
 EHDROM_API ehdrom_status ehdrom_contact_set_tolerance(ehdrom_contact *contact, double tolerance);
 /* Sets the relative error of the central film that all steps together may cause. The tolerance of a
- * step's iterations is a tenth of its share. By default it is that of ehdrom_solve. */
+ * step's iterations is a tenth of the step's share of this error. By default this tolerance is that
+ * of ehdrom_solve. */
 EHDROM_API ehdrom_status ehdrom_contact_set_step_tolerance(ehdrom_contact *contact,
                                                            double tolerance);
 
@@ -212,9 +213,9 @@ typedef struct ehdrom_result {
     int trusted;          /* 1 with EHDROM_OK */
     double time;          /* s; 0 for a stationary solution */
     double load;          /* N/m or N, force between the bodies */
-    /* m, H0 a^2/R: distance of the undeformed bodies from touching. For a line contact ehdrom_solve
-     * measures it from 1 half width; steps in time measure it from approach_length half widths (10
-     * unless set). */
+    /* m, H0 a^2/R: distance of the undeformed bodies from touching. For a line contact it is
+     * relative to a point: at 1 half width in ehdrom_solve, at approach_length half widths (10
+     * unless set) in time. */
     double approach;
     double central_film_thickness; /* m */
     double minimum_film_thickness; /* m */
@@ -226,8 +227,8 @@ typedef struct ehdrom_result {
      * grid and steps; NaN: the model was not checked for this regime. */
     double indicated_deviation, indicated_deviation_minimum;
     /* Local error of this step, relative to the central film; 0: not known yet. With transport
-     * along the path, for steps shorter than the grid's step: this step's share of the error of a
-     * longer step. */
+     * along the path, the value of a step shorter than the grid's step is this step's share of the
+     * error of a longer step. */
     double local_error;
     double residual; /* of the reduced equations */
     size_t iterations;
@@ -335,9 +336,9 @@ EHDROM_API ehdrom_status ehdrom_state_restore(ehdrom_contact *contact, const dou
 typedef struct ehdrom_derivatives {
     size_t size; /* sizeof(ehdrom_derivatives) */
     double load;
-    /* For a line contact measured from approach_length half widths (10), even after ehdrom_solve.
-     * The result of ehdrom_solve measures the approach from 1 half width, so differences of results
-     * differ from this derivative. */
+    /* For a line contact this approach is relative to a point at approach_length half widths (10),
+     * even after ehdrom_solve. The approach in the result of ehdrom_solve is relative to a point at
+     * 1 half width, so differences of results differ from this derivative. */
     double approach;
     double central_film_thickness;
     double minimum_film_thickness;
@@ -355,8 +356,8 @@ typedef struct ehdrom_derivatives {
  * change, in the members' units. Other conditions stay constant.
  *
  * The direction prescribes either the load or the approach, whichever bit is set; the value 0 holds
- * it constant. The other one is an outcome. If neither bit is set, the one that was given for the
- * solution stays constant.
+ * it constant. The other quantity is an outcome. If neither bit is set, the quantity that was given
+ * for the solution stays constant.
  *
  * For a solution the derivatives are those of stationary solutions. For a step they are the
  * tangent at its end: the change with the conditions at the end, from the same accepted state.
@@ -376,9 +377,9 @@ typedef struct ehdrom_response {
     size_t size;      /* sizeof(ehdrom_response) */
     double stiffness; /* -dF/dh, N/m^2 for a line contact, N/m for a point contact */
     double damping;   /* N s/m^2 or N s/m, by the squeeze term */
-    /* Unit as damping. The effect on the damping of that part of the squeeze term that the modes
-     * do not contain. For ten models the error of the damping was 2 to 8 times this value. Modes
-     * of line contacts trained in time contain this part, modes of stationary solutions often do
+    /* Unit as damping. Effect of a part of the squeeze term on the damping: the part that the modes
+     * do not contain. For ten models the error of the damping was 2 to 8 times this value. Modes of
+     * line contacts trained in time contain this part, modes of stationary solutions often do
      * not. */
     double damping_bound;
 } ehdrom_response;
@@ -390,7 +391,7 @@ typedef struct ehdrom_response {
 EHDROM_API ehdrom_status ehdrom_respond(ehdrom_contact *contact, ehdrom_response *response);
 
 /* ---- traction of the last ehdrom_solve or the accepted state, whichever came last. After a state
- * was restored: from the next accepted step on. */
+ * was restored, traction is available from the next accepted step on. */
 
 typedef struct ehdrom_traction {
     size_t size;                 /* sizeof(ehdrom_traction) */
@@ -410,12 +411,12 @@ typedef struct ehdrom_traction {
     { sizeof(ehdrom_traction), 0, 0, 0, 0, 0, 0, 0, 0 }
 
 /* Computes the traction of surfaces that slide at u1 - u2 = `sliding`, m/s. NAN: the mean speed
- * times slide_roll, or times the ratio of both speeds in the settings. This setting and the law,
- * lubricant.shear, are those with which the contact was last solved or started. The sliding does
- * not change the films, except with lubricant.shear.in_film. A model of this version sums over
- * few nodes; with other models the cost grows with the grid. EHDROM_DATA: a scene of moes.M and
- * moes.L, no sliding, or with in_film another sliding than the film's. EHDROM_INTERNAL: no
- * solution before. */
+ * times slide_roll, or times the ratio of both speeds in the settings. The settings for this
+ * default and the law, lubricant.shear, are those with which the contact was last solved or
+ * started. The sliding does not change the films, except with lubricant.shear.in_film. A model of
+ * this version sums over few nodes; with other models the cost grows with the grid. EHDROM_DATA: a
+ * scene of moes.M and moes.L, no sliding, or with in_film another sliding than the film's.
+ * EHDROM_INTERNAL: no solution before. */
 EHDROM_API ehdrom_status ehdrom_slide(ehdrom_contact *contact, double sliding,
                                       ehdrom_traction *traction);
 
@@ -426,7 +427,7 @@ EHDROM_API ehdrom_status ehdrom_slide_step(ehdrom_contact *contact, double slidi
 
 /* ---- fields, of the last solution or the accepted state, whichever came last */
 
-/* Returns the numbers of the solution's nodes along and across. They are those of
+/* Returns the numbers of the solution's nodes along and across. These numbers are those of
  * ehdrom_model_info, except after a solution with a list of models on different grids. Then they
  * belong to the model that has solved the contact, and the arrays below are filled with NaN behind
  * these nodes, up to the lengths of ehdrom_model_info. Either pointer may be NULL. */

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Replaces common/artefact and passes its calls on. One thread at a time makes them
- * (library_lock). Before artefact_open has found the table, only artefact_visit, artefact_leave
- * and artefact_close may be called. */
+/* Replaces common/artefact and passes the calls on. One thread at a time makes calls
+ * (library_lock). Before artefact_open has found the table, only artefact_visit, artefact_leave and
+ * artefact_close may be called. */
 #include "romrun/library/hdf5_calls.h"
 
 static const hdf5_calls *calls; // NULL: not needed yet, or missing

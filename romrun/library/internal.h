@@ -14,7 +14,7 @@ struct ehdrom_model {
     ehd_error error;
 };
 
-/* Factors from dimensionless quantities to the caller's. */
+/* Factors from dimensionless quantities to the caller's units. */
 typedef struct unit_factors {
     double length, film, pressure, load, time;
     double length_across;          // factor of Y

@@ -291,8 +291,8 @@ ehdrom_status ehdrom_step(ehdrom_contact *self, const ehdrom_conditions *conditi
     return (ehdrom_status)status;
 }
 
-/* The size of the caller's structs may differ from the library's, so the arrays are indexed by
- * it. */
+/* The size of the caller's structs may differ from the library's, so the arrays are indexed with
+ * the caller's size. */
 ehdrom_status ehdrom_step_many(ehdrom_contact *const *contacts, const ehdrom_conditions *conditions,
                                double step, ehdrom_result *results, size_t count) {
     const char *given = (const char *)conditions;

@@ -77,8 +77,8 @@ static ehd_status find_traction(contact_traction *found, ehdrom_contact *self, c
     return status;
 }
 
-/* Estimates the error of the friction of a stationary solution. Returns NaN for other states, and
- * at no cost if the caller's struct has no member for it. */
+/* Estimates the error of the friction of a stationary solution. Returns NaN for other states. If
+ * the caller's struct has no member for the estimate, returns NaN at no cost. */
 static double indicated_friction(ehdrom_contact *self, const slid_state *of,
                                  const ehd_contact *contact, double friction,
                                  const ehdrom_traction *traction) {

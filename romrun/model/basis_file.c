@@ -267,7 +267,8 @@ ehd_status states_read(reduced_states *states, artefact *file, size_t num_pressu
     } parts[] = {{"state_pressure", 0, num_pressure},
                  {"state_deformation", num_pressure, num_deformation},
                  {"state_rigid_approach", num_pressure + num_deformation, 1}};
-    // the exit of a line contact lies behind the centre, and the stencil of a row fits between them
+    // the exit of a line contact lies behind the centre, and the stencil of a row fits between
+    // centre and exit
     bool on_line = grid->inner_lines == 1;
     int64_t min_exit =
         on_line ? (int64_t)(-grid->x_min / grid->step) + 1 + (int64_t)reynolds_reach_back(grid) : 0;

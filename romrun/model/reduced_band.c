@@ -84,8 +84,8 @@ static void find_extremes(reduced_model *model, const reduced_basis *basis,
     }
 }
 
-/* Widens the range of the exit on each grid line by the margin, but leaves the nodes that the
- * stencil needs before this range. */
+/* Widens the range of the exit on each grid line by the margin. Before this range it leaves the
+ * nodes that the stencil needs. */
 static void widen_exits(reduced_model *model) {
     const ehd_grid *grid = &model->grid;
     size_t margin =
@@ -108,8 +108,8 @@ static void widen_exits(reduced_model *model) {
 }
 
 /* Sets the columns of the band on each grid line. The band begins before the first film minimum,
- * and before the first node needed by rows at the exits of this and the neighbouring lines. It ends
- * behind the last of these exits. */
+ * and before the first node needed by rows at the exits of this and the neighbouring grid lines. It
+ * ends behind the last of these exits. */
 static void set_band(reduced_model *model) {
     const ehd_grid *grid = &model->grid;
     const size_t width = grid_width(grid), ahead = reynolds_reach_ahead(grid);

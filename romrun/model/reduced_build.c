@@ -52,8 +52,8 @@ static double *gather_band(reduced_model *model, const double *source, size_t wi
     return target;
 }
 
-/* Fills the cut table for an exit at the beginning of the band: deflections at the needed nodes
- * for a coupled basis, V_delta^T K V_p for an independent basis. The last row is the load
+/* Fills the cut table for an exit at the beginning of the band: deflections at the needed nodes for
+ * a coupled basis, V_delta^T K V_p for an independent basis. The last row of the table is the load
  * balance. */
 static void fill_cut_base(reduced_model *model, const reduced_basis *basis, const double *coupled) {
     size_t num_pressure = model->num_pressure, last = model->cut.num_rows - 1;
@@ -76,9 +76,9 @@ static void fill_cut_base(reduced_model *model, const reduced_basis *basis, cons
     }
 }
 
-/* Fills the left sides of an independent basis without the load: row i is V_delta^T K e_i = K^T
- * V_delta at node i. K^T = W K W^-1 with the quadrature weights W, which differ from 1 on a half
- * grid. */
+/* Fills the left sides (`left` of exit_cut) of an independent basis, except the column of the load.
+ * Row i is V_delta^T K e_i = K^T V_delta at node i. K^T = W K W^-1 with the quadrature weights W,
+ * which differ from 1 on a half grid. */
 static void fill_left_independent(reduced_model *model, const reduced_basis *basis,
                                   ehd_deflection *deflection, double *work) {
     const ehd_grid *grid = &basis->grid;

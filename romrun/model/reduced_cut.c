@@ -130,9 +130,9 @@ static ehd_status space_checkpoints(reduced_model *model, ehd_error *error) {
     return EHD_OK;
 }
 
-/* Chooses the checkpoints of a point contact among the exit lines in training. Each new one is
- * farthest from those already chosen (farthest-point sampling), until none is left or
- * CHECKPOINT_MEMORY is used. */
+/* Chooses the checkpoints of a point contact among the exit lines in training. Each new checkpoint
+ * is the exit line farthest from those chosen before (farthest-point sampling), until no line is
+ * left or CHECKPOINT_MEMORY is used. */
 static ehd_status spread_checkpoints(reduced_model *model, ehd_error *error) {
     const reduced_states *states = &model->states;
     size_t table =
@@ -192,8 +192,8 @@ static void change_control(double *films, const reduced_model *model, const cut_
                      reduced_model_position(model, control->needed_node[q]), 1);
 }
 
-/* Fills the first checkpoint's tables from the base, and each other checkpoint's from the nearest
- * filled checkpoint. */
+/* Fills the tables of the first checkpoint from the base, and those of each other checkpoint from
+ * the nearest filled checkpoint. */
 static ehd_status fill_checkpoints(const kept_table *tables, size_t num_tables,
                                    const reduced_model *model, ehd_error *error) {
     cut_run *runs = malloc(model->band.num_lines * sizeof *runs);

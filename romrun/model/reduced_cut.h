@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Updates cut tables from one exit line to another (Maier et al. (2015), eq. 36), and makes
- * checkpoints: stored tables of some exit lines, which keep these updates small.
- * Called by reduced_model.c for checkpoints, and by the rooms state, solve and trust. */
+ * checkpoints: stored tables of some exit lines, which keep these updates small. Called by
+ * reduced_model.c for checkpoints, and by the folders state, solve and trust. */
 #ifndef EHD_REDUCED_CUT_H
 #define EHD_REDUCED_CUT_H
 
@@ -30,8 +30,8 @@ void reduced_model_change_cut(
     const reduced_model *model, const cut_run *runs, size_t num_runs,
     double *work); // [CUT_BLOCK, rows of the cut table + num_pressure]; unused on a line contact
 
-/* Returns the checkpoint for an exit line: for a point contact the nearest one, for a line contact
- * the last one that does not lie behind the exit. */
+/* Returns the checkpoint for an exit line. For a point contact it is the nearest checkpoint, for a
+ * line contact the last checkpoint that does not lie behind the exit. */
 size_t reduced_model_checkpoint(const reduced_model *model, const size_t *exit);
 
 /* Choose the checkpoints of an otherwise complete model; reduced_model_make_checkpoints also fills

@@ -164,8 +164,8 @@ ehd_status reduced_model_place_rows(reduced_model *model, row_set *set, ehd_erro
 
 // ---- tables that follow from the stored ones
 
-/* Fills the left sides of a coupled basis without the load: row i is K from band node i to the
- * needed nodes. */
+/* Fills the left sides (`left` of exit_cut) of a coupled basis, except the column of the load. Row
+ * i is K from band node i to the needed nodes. */
 static void fill_left_coupled(reduced_model *model) {
     const double unit = 1;
 

@@ -37,8 +37,8 @@ typedef struct reduced_states {
     flow_thinning *thinning; // [num_states] thinning of the flow
     double *central_film_thickness; // [num_states]
     bool *stationary;               // [num_states] false: the state is from a trajectory
-    // [num_states] rates of change of the contact (frame_rates): `all`, and the largest `load` on
-    // the trajectory so far; 0 for stationary states
+    // [num_states] rates of change of the contact (frame_rates): the rate `all`, and the largest
+    // rate `load` on the trajectory so far; 0 for stationary states
     double *rate, *load_rate;
     film_effects *effects;  // [num_states] errors by the full model's grid
     lubricant_rises *rises; // [num_states] rises to the Hertz pressure
@@ -83,8 +83,8 @@ void reduced_basis_free(reduced_basis *basis);
 size_t reduced_num_unknowns(size_t num_pressure, size_t num_deformation);
 
 /* Checks that the least squares have enough rows. The projected elasticity equation and the load
- * balance leave num_pressure unknowns to the rows. EHD_DATA: fewer rows. `object`: begins the
- * message. */
+ * balance leave num_pressure unknowns, which the rows determine. EHD_DATA: fewer rows. `object`:
+ * begins the message. */
 ehd_status reduced_check_num_rows(size_t num_rows, size_t num_pressure, size_t num_deformation,
                                   const char *object, ehd_error *error);
 
@@ -130,8 +130,8 @@ typedef struct exit_band {
 
 /* The cut table: linear maps of the pressure modes cut at the exit. For a coupled basis it contains
  * the modes' deflections at the needed nodes, for an independent basis V_delta^T K V_p. The last
- * row is the modes' load. The table of an exit is `base` plus the sum of left[i, :]^T V_p[i, :]
- * over the band's nodes i before the exit (eq. 36). */
+ * row of the table is the load of the modes. The table of an exit is `base` plus the sum of
+ * left[i, :]^T V_p[i, :] over the band's nodes i before the exit (eq. 36). */
 typedef struct exit_cut {
     size_t num_rows; // coupled: num_needed + 1; independent: num_deformation + 1
     double *left;    // [nodes of the band, num_rows]

@@ -67,7 +67,7 @@ static bool is_same(double left, double right) {
     return fabs(left - right) <= ROUNDING * fmax(fabs(left), fabs(right));
 }
 
-/* Compares two lubricants. Two unknown rises are equal. */
+/* Compares two lubricants. Two unknown rises count as equal. */
 static bool is_same_lubricant(const lubricant_rises *left, const lubricant_rises *right) {
     bool same = true;
 

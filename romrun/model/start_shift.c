@@ -201,7 +201,8 @@ ehd_status start_shift_build(reduced_model *model, ehd_error *error) {
 
 // ---- the sum
 
-/* Returns, at a node, the sum at the same coordinate minus the sum at the same X. */
+/* Returns the change of a sum of pressures at a node: the sum at equal coordinates minus the sum at
+ * equal X. */
 static double change_at(const start_shift *self, size_t q, double spike, const size_t *states,
                         const double *weights, size_t count) {
     const profile_place at = place_at(self, point_of(self, self->x[q], spike));

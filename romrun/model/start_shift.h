@@ -10,8 +10,8 @@
 #include "romrun/model/reduced_model.h"
 
 /* Fills model->shift from the states and from the bases at the needed nodes. Point contacts and
- * independent bases have no shift; the deflection of an independent basis would have to follow the
- * pressure. EHD_MEMORY. */
+ * independent bases have no shift: with an independent basis, the deflection would have to follow
+ * the shifted pressure. EHD_MEMORY. */
 ehd_status start_shift_build(reduced_model *model, ehd_error *error);
 
 /* Changes the coordinates of a weighted sum of states. The new coordinates fit the sum with aligned

@@ -64,10 +64,10 @@ static const column reals[] = {
     {"position_step_iterations", offsetof(trade_position, step_iterations), NULL, true},
     {"position_step_seconds", offsetof(trade_position, step_seconds), NULL, true}};
 
-/* Columns of the error estimates, at least 0. Older files may lack all but the first. If the factor
- * of the minimum film is missing, it is that of the central film. If the largest residuals are
- * missing, any residual is accepted. If the factors of other quantities are missing, these have no
- * estimate. */
+/* Columns of the error estimates, at least 0. Older files may lack all columns but the first. If
+ * the factor of the minimum film is missing, it is that of the central film. If the largest
+ * residuals are missing, any residual is accepted. If the factors of other quantities are missing,
+ * these quantities have no estimate. */
 static const column of_indicator[] = {
     {"indicator_factor", offsetof(trade_position, indicator_factor), NULL, false},
     {"indicator_factor_minimum", offsetof(trade_position, indicator_factor_minimum), NULL, false},

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Reads and writes the table of sizes of a calibrated model, with accuracy and time of each, as
- * part of its file (schemas/model.md).
- * Called by deimselect/checked_model.c, romrun/calibrate and romrun/online/part.c. */
+/* Reads and writes the table of sizes of a calibrated model, with accuracy and time of each size.
+ * The table is a part of the model's file (schemas/model.md). Called by deimselect/checked_model.c,
+ * romrun/calibrate and romrun/online/part.c. */
 #ifndef EHD_TRADE_FILE_H
 #define EHD_TRADE_FILE_H
 
@@ -56,12 +56,13 @@ typedef struct trade_position {
     // error estimates of the films
     double indicator_factor; // central film; 0: not calibrated, the members below are unknown
     double indicator_factor_minimum;     // minimum film
-    double indicated[NUM_TRADE_PARTS];   // quantiles over all scenes of the films' larger estimate;
-                                         // infinite: not solved
-    double effectivity[NUM_TRADE_PARTS]; // estimate over error, the smaller ratio of both films
+    double indicated[NUM_TRADE_PARTS];   // quantiles, over all scenes, of the larger estimate of
+                                         // both films; infinite: not solved
+    double effectivity[NUM_TRADE_PARTS]; // ratio of estimate to error, the smaller one of both
+                                         // films
     double largest_residual;             // residual of the least squares; infinite: not known
     double other_factor[NUM_INDICATED];  // factors of the other quantities; 0: not known
-    indicator_shape shape[NUM_BOUNDED];  // shapes of the estimates with these factors
+    indicator_shape shape[NUM_BOUNDED];  // shapes of the estimates; the factors above multiply them
     // trajectories that were repeated with the steps of the full model
     double worst_in_time[TRADE_PRESSURE]; // largest error over all steps; without TRADE_PRESSURE
     double step_iterations, step_seconds; // means over steps
@@ -69,8 +70,8 @@ typedef struct trade_position {
     double factor_in_time_minimum; // factor of errors that arise at the minimum film
     double floor_in_time;          // added to the estimate of the central film; 0 before schema 2.9
     double floor_in_time_minimum;  // added to the estimate of the minimum film
-    // quantiles over the trajectories of the largest estimate of both films, which is 1 if a
-    // trajectory was lost
+    // quantiles, over the trajectories, of the largest estimate of both films; a lost trajectory
+    // has the estimate 1
     double indicated_in_time[NUM_TIME_PARTS];
     size_t num_lost; // trajectories with a step that did not converge or is not trusted
 } trade_position;

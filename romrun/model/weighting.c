@@ -32,10 +32,10 @@ ehd_status weighting_plain(double *factors, const double *sampled, size_t num_ro
 }
 
 /* Solves min w^T C w / 2 - g^T w with w >= min_weight by projected Gauss-Seidel, which converges
- * since the problem is convex. On the examples' models, more than ten sweeps change the worst film
- * by less than 1 % of its error. The loop ends after 20 to 600 sweeps; one selection (112 rows of a
- * line contact, method `exits`) would take 5000. w: start and solution. `slope`: C w - g, kept up
- * to date, so that rows that stay at the bound cost nothing. */
+ * since the problem is convex. On the examples' models, the sweeps after the tenth change the worst
+ * film by less than 1 % of its error. The loop ends after 20 to 600 sweeps; one selection (112 rows
+ * of a line contact, method `exits`) would take 5000. w: start and solution. `slope`: C w - g, kept
+ * up to date, so that rows that stay at the bound cost nothing. */
 static void solve_bounded(double *w, double *slope, const double *matrix, size_t size,
                           double min_weight) {
     // enough: change of a weight over the largest weight at which the sweeps end. max_sweeps: their

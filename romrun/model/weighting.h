@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Computes weights of the selected rows in the online least squares, besides D
- * (deimselect/README.md, Weights of the rows). They belong to a list of rows as a whole, so a part
- * of the list has its own weights.
- * Called by deimselect/row_choice.c, and by model_read.c for a part of a model. */
+ * (deimselect/README.md, Weights of the rows). The weights belong to a list of rows as a whole, so
+ * a part of the list has its own weights. Called by deimselect/row_choice.c, and by model_read.c
+ * for a part of a model. */
 #ifndef EHD_WEIGHTING_H
 #define EHD_WEIGHTING_H
 

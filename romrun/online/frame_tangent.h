@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Computes derivatives of a contact's results in the reference frame by its conditions. They
- * follow by the chain rule through the frame, which scales with load, radius and modulus
- * (romrun/library/README.md, The tangent).
- * Called by online_derivatives.c for derivatives and responses. */
+/* Computes derivatives of a contact's results by its conditions. The results are in the reference
+ * frame. The derivatives follow by the chain rule through the frame, which scales with load, radius
+ * and modulus (romrun/library/README.md, The tangent). Called by online_derivatives.c for
+ * derivatives and responses. */
 #ifndef EHD_FRAME_TANGENT_H
 #define EHD_FRAME_TANGENT_H
 
@@ -42,8 +42,8 @@ ehd_status frame_tangent(
     const contact_frame beside[2], double distance, const ehd_contact *reference,
     const frame_equations *equations, ehd_error *error);
 
-/* Computes derivatives by s, in 1/T, for s -> 0, if the parameter of the last frame_tangent varies
- * as exp(sT). For stationary contacts only. */
+/* If the parameter of the last frame_tangent varies as exp(sT), the tangent depends on s. Computes
+ * the derivative of this tangent by s at s = 0 (unit of s: 1/T). For stationary contacts only. */
 ehd_status frame_tangent_slow(
     // output:
     contact_scalars *slow, // rigid_approach and load in the reference frame

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Solves scenes online, as programs call it: open a model once, solve many scenes (README.md).
- * Called by romrun/main.c, and by the rooms library, fmu and calibrate of romrun.
+ * Called by romrun/main.c, and by the folders library, fmu and calibrate of romrun.
  *
  *     online_model *model = NULL;
  *     online_solver *solver = NULL;
@@ -61,9 +61,9 @@ typedef struct online_properties {
     size_t states;                            // number of training solutions
     size_t parts; // number of models for parts of a region; the numbers above are those of the
                   // largest part
-    // true: the sizes in use were calibrated (deimselect, romrun --calibrate) on stationary scenes;
-    // on trajectories. Otherwise no error is estimated, and a result with EHD_OK may have any
-    // error.
+    // true: the sizes in use were calibrated (deimselect, romrun --calibrate); checked: on
+    // stationary scenes, checked_in_time: on trajectories. Otherwise no error is estimated, and a
+    // result with EHD_OK may have any error.
     bool checked, checked_in_time;
 } online_properties;
 
@@ -107,9 +107,10 @@ online_model *online_close(online_model *model); // accepts and returns NULL
  * were calibrated. Call it before any solver is created. Errors: EHD_MEMORY. */
 ehd_status online_show(online_model *model, const shown_lubricants *shown, ehd_error *error);
 
-/* Closes the model's file, which stays open for online_prepare_fields, online_prepare_transient and
- * online_export. Afterwards these functions work only if the data was prepared before; otherwise
- * they return EHD_INTERNAL. HDF5 is not called again, not even by online_close. */
+/* Closes the model's file, which is otherwise kept open for online_prepare_fields,
+ * online_prepare_transient and online_export. Afterwards these functions work only if the data was
+ * prepared before; otherwise they return EHD_INTERNAL. HDF5 is not called again, not even by
+ * online_close. */
 void online_release_file(online_model *model);
 online_properties online_describe(const online_model *model);
 
@@ -151,8 +152,8 @@ ehd_status online_solver_create(online_solver **solver, const online_model *mode
 online_solver *online_solver_free(online_solver *solver); // accepts and returns NULL
 
 /* Sets the relative tolerance of online_solve, by default 1e-8. The iteration ends when the next
- * iteration is expected to change the central film by less, relatively. A looser tolerance may save
- * one iteration in three. */
+ * iteration is expected to change the central film by a smaller fraction. A looser tolerance may
+ * save one iteration in three. */
 void online_solver_set_tolerance(online_solver *solver, double tolerance);
 
 /* Solves one contact, starting from the trained solutions. result->status reports a solution that
@@ -176,14 +177,14 @@ typedef struct online_indications {
     double deviation[NUM_INDICATED]; // estimated error; NaN: there is no estimate
 } online_indications;
 
-/* Estimates the errors of the other quantities. It takes twice as long as a solution, so it is a
- * separate call. `contact`: the contact of the last online_solve. If the load is given, the
+/* Estimates the errors of the other quantities. The call takes twice as long as a solution, so it
+ * is a separate call. `contact`: the contact of the last online_solve. If the load is given, the
  * deviation of the load is the known difference between the result's load and the given load. */
 online_indications online_indicate(online_solver *solver, const ehd_contact *contact);
 
 /* Returns the estimated error of the largest pressure of the last solution, in Hertz pressures.
- * NaN: not calibrated. At a spike it is about the estimate of the pressure from online_indicate. It
- * takes no longer than the estimate of a film. */
+ * NaN: not calibrated. At a spike this error is about the estimate of the pressure from
+ * online_indicate. The call takes no longer than the estimate of a film. */
 double online_indicate_peak(online_solver *solver);
 
 /* Returns error estimates of central and minimum film due to the grid of the model's training: by
@@ -248,8 +249,9 @@ typedef struct online_transient online_transient;
 
 /* Conditions at the end of a step, relative to the reference. */
 typedef struct online_conditions {
-    /* If the approach is NaN: the given load. Otherwise the load is an outcome, and this is a value
-     * near it that scales the frame; NaN: extrapolated from the last steps. */
+    /* If the approach is NaN: the given load. Otherwise the load is an outcome, and this member is
+     * an estimate of the load that scales the frame; NaN: estimate extrapolated from the last
+     * steps. */
     double load;
     /* H0 in the reference frame; NaN: the load is given. For a line contact H0 is measured from
      * approach_length, which has to lie outside of the pressurised zone (else EHD_DATA). */
@@ -284,10 +286,10 @@ ehd_status online_transient_create(online_transient **transient, const online_mo
                                    const ehd_contact *reference, ehd_error *error);
 online_transient *online_transient_free(online_transient *transient); // accepts and returns NULL
 
-/* Sets the error that the steps may cause in the central film, as transient.tolerance. With
- * transport along the path, the tolerance of the iterations is then a tenth of the step's share of
- * this error, which saves a fifth of the iterations. By default steps have the tolerance of
- * online_solve. */
+/* Sets the error that the steps may cause in the central film, like the setting
+ * transient.tolerance. With transport along the path, the tolerance of the iterations is then a
+ * tenth of the step's share of this error, which saves a fifth of the iterations. By default steps
+ * have the tolerance of online_solve. */
 void online_transient_set_tolerance(online_transient *transient, double tolerance);
 
 /* Allows steps that are much shorter than the grid's step (reduced_march_allow_short_steps). */
@@ -339,8 +341,8 @@ double online_transient_peak(const online_transient *transient);
 contact_frame online_transient_frame(const online_transient *transient);
 
 /* Returns the part that solved the last step, or the start. A contact stays with its part while it
- * lies in the part's trained range. Then another part takes it over. The error estimates include
- * the error made thereby. */
+ * lies in the part's trained range. When it leaves this range, another part takes it over. The
+ * error estimates include the error of this transfer. */
 size_t online_transient_part(const online_transient *transient);
 
 /* Return a solver for march_run, and its effort so far in seconds. march_run chooses the steps
@@ -378,8 +380,9 @@ ehd_status online_differentiate(online_derivatives *derivatives, online_solver *
  * dF = -(stiffness + s damping) dH0 for s -> 0, s in 1/T. */
 typedef struct online_response {
     double stiffness, damping;
-    // Effect on the damping of the residual that least squares leave of the squeeze term. For ten
-    // models the error of the damping was 2 to 8 times this bound (romrun/library/README.md).
+    // The least squares leave a residual of the squeeze term. This is its effect on the damping.
+    // For ten models the error of the damping was 2 to 8 times this bound
+    // (romrun/library/README.md).
     double damping_bound;
 } online_response;
 ehd_status online_respond(online_response *response, online_solver *solver,

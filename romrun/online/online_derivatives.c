@@ -23,10 +23,10 @@ typedef struct solved_frame {
     bool *linearised; // true: the tangent is linearised at this solution, for all directions
 } solved_frame;
 
-/* Relative distance between the two sets of conditions of a central difference (distance_of). Only
- * the residuals of the rows are differenced, at fixed coordinates. The derivatives of central and
- * minimum film by load and speed were computed for the line contact of scenes/examples. With 2e-3
- * to 2e-5 they change by less than 1e-6, with 2e-2 by 6e-4 and with 2e-7 by 6e-5
+/* Relative distance between the two sets of conditions of a central difference (distance_of).
+ * Differences are taken only of the residuals of the rows, at fixed coordinates. The derivatives of
+ * central and minimum film by load and speed were computed for the line contact of scenes/examples.
+ * With 2e-3 to 2e-5 they change by less than 1e-6, with 2e-2 by 6e-4 and with 2e-7 by 6e-5
  * (test_derivatives.c, derivatives_of_lines_are_those_of_differences). */
 static const double DISTANCE = 2e-4;
 

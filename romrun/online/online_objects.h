@@ -13,7 +13,7 @@
 struct online_model {
     char *path;
     part_list list; // files that the model consists of
-    flat *files;    // [list.num] tables of the flat ones among these files
+    flat *files;    // [list.num] tables of those files that are flat
     size_t num_parts;
     model_part parts[MAX_PARTS]; // all have the same kind, discretisation and carriage
 };
@@ -72,8 +72,8 @@ contact_frame transient_frame_of(const online_transient *self, const online_cond
  * state. */
 bool transient_is_apart(const online_transient *self);
 
-/* Returns the place of the last step among the states of its march: 0 for an attempt, 1 for a start
- * (a start is accepted at once). */
+/* Returns the index of the last step among the states of its march: 0 for an attempt, 1 for a
+ * start, which is accepted at once. */
 size_t transient_steps_before(const online_transient *self);
 
 #endif

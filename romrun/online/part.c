@@ -237,9 +237,9 @@ static void indicate(online_result *result, part_solver *solver, const ehd_conta
     if (model->indicator_factor > 0) {
         result->indicated =
             trade_indicated(model->indicator_factor, model->shape[OF_CENTRAL_FILM], result->bound);
-        // at least the central film's estimate. In 452 scenes inside the trained range, with 78 of
-        // 110 modes, the minimum film's own estimate is below the error in 16. The larger of both
-        // is below it in 1 (0.96 of the error)
+        // the estimate is at least that of the central film. In 16 of 452 scenes inside the trained
+        // range, with 78 of 110 modes, the minimum film's own estimate is below the error. The
+        // larger of both estimates is below the error in 1 scene (0.96 of the error)
         result->indicated_minimum =
             fmax(trade_indicated(model->indicator_factor_minimum, model->shape[OF_MINIMUM_FILM],
                                  result->bound_minimum),
@@ -250,7 +250,7 @@ static void indicate(online_result *result, part_solver *solver, const ehd_conta
 
 /* Multiple of the calibration's largest residual above which a result is not trusted. A false
  * solution with a spike that the contact does not have has a residual of 0.95; the scenes of the
- * calibration have at most 3e-3. The limit does not flag additional good results with untrained
+ * calibration have at most 3e-3. The limit rejects no further good results with untrained
  * lubricants (scenes/studies/silent-failures, seed 22). */
 static const double MAX_RESIDUAL_OVER_CALIBRATION = 100;
 

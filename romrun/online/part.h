@@ -25,9 +25,10 @@ typedef struct model_part {
     trained_range *range;
     double indicator_factor; // factor of the central film; 0: not calibrated at these sizes
     double indicator_factor_minimum;
-    double largest_residual; // largest one in the calibration; infinite: not known
+    double largest_residual; // largest residual in the calibration; infinite: not known
     bool checked_in_time;
-    double most_iterations;             // largest one in the calibration; infinite: not known
+    double most_iterations;             // largest number of iterations in the calibration;
+                                        // infinite: not known
     double other_factor[NUM_INDICATED]; // 0: not calibrated
     indicator_shape shape[NUM_BOUNDED]; // shapes of the factors
     film_factors in_time;               // NaN: not calibrated at these sizes

@@ -38,8 +38,8 @@ typedef struct error_estimate {
     size_t *way_row; // [num_way] row at the node, or NO_ROW
     double *x;       // [num_way] X of the place
     double *missed;  // [num_way] error of rho H in the attempt, without the formula's factor
-    // [num_way] change of the last accepted rho H by the filter, and the places X to which the
-    // fluid has carried this change
+    // [num_way] change of the last accepted rho H that the filter causes, and the places X to which
+    // the fluid has carried this change
     double *changed, *changed_x;
     double *way_mass; // [num_way] rho H at the place; infinite where no error is estimated
 } error_estimate;
@@ -272,7 +272,7 @@ ehd_status reduced_march_create(reduced_march **created, const reduced_model *mo
                                 const reduced_settings *settings, ehd_error *error) {
     reduced_settings in_time = *settings;
 
-    in_time.exit_at_node = true; // holds for the start too, as in the full model
+    in_time.exit_at_node = true; // the exit of the start is a node too, as in the full model
     *created = NULL;
     ehd_status status = check_carriage(model, reference, error);
     if (!status) status = discretization_check_in_time(model->grid.discretization, error);
@@ -340,9 +340,9 @@ static void add_effort(reduced_march *self, const reduced_info *info) {
 
 // ---- trust
 
-/* Checks whether an exit lies at the edge of its range. An exit at the end of the grid is accepted:
- * the exit of the training's full model is there for a moment after a step up of the load, when the
- * whole outlet is full. */
+/* Checks whether an exit lies at the edge of its range. Accepts an exit at the end of the grid.
+ * Right after a sudden rise of the load the whole outlet is full, and the full model of the
+ * training has its exit there for a moment. */
 static bool is_at_edge(const reduced_model *model, const reduced_state *state) {
     const size_t *exit = reduced_state_exits(state), end = grid_width(&model->grid) - 2;
 
@@ -357,7 +357,7 @@ static bool is_at_edge(const reduced_model *model, const reduced_state *state) {
 }
 
 /* Marks steps as untrusted while the contact contains a film that formed in an untrusted step. Such
- * a film has to travel from the edge of the contact to the exit. */
+ * a film leaves the contact after it has travelled from the edge to the exit. */
 static void judge_films(march_step *outcome, reduced_march *self, const contact_frame *frame) {
     const double exit = outcome->scalars.exit_position;
 
@@ -379,7 +379,7 @@ static bool lacks_zone(const reduced_march *self) {
 
 /* Returns the rates of change in the attempt. A load that is an outcome has noise. Over short
  * steps, the change of the load is therefore measured from an earlier state. Until there is such a
- * state, it is multiplied by frame_step_share. */
+ * state, the change is multiplied by frame_step_share. */
 static frame_rates rates_of_step(const reduced_march *self) {
     const contact_frame *now = &self->load_frame, *last = &self->rate_frame;
     frame_rates rates = frame_rates_between(now, &self->last_load_frame);
@@ -392,8 +392,8 @@ static frame_rates rates_of_step(const reduced_march *self) {
     return rates;
 }
 
-/* From now on measures rates from the accepted state, if it is far enough from the present
- * rate_frame or is the first state after a jump. */
+/* Makes the accepted state the one from which rates are measured, if it is far enough from the
+ * present rate_frame or is the first state after a jump. */
 static void move_rate_frame(reduced_march *self) {
     const contact_frame *now = &self->load_frame, *last = &self->rate_frame;
 
@@ -493,9 +493,9 @@ static ehd_status find_load(reduced_info *info, reduced_march *self, contact_fra
     return EHD_OK;
 }
 
-/* Finds the load at an approach that find_load does not reach. The secant method solves contacts
- * whose load is given, each from a trained start, until the approach is right to a tenth of the
- * film. Then find_load takes over. */
+/* Finds the load for an approach at which find_load does not converge. The secant method solves
+ * contacts whose load is given, each from a trained start, until the approach is right to a tenth
+ * of the film. Then find_load takes over. */
 static ehd_status walk_to_approach(reduced_info *info, reduced_march *self, contact_frame *frame,
                                    ehd_error *error) {
     // `near`: largest error of the approach for find_load, in central films. `max_loads`: largest
@@ -550,8 +550,8 @@ static ehd_status touching(double *approach, double *load, void *solver, const c
     return EHD_OK;
 }
 
-/* Returns d/dX of the base's rho H at a node as its row evaluates it: the row at an entrainment of
- * 1 without pressure flow. */
+/* Returns d/dX of the base's rho H at a node, as the row of the node evaluates it: the value of
+ * this row at an entrainment of 1 without pressure flow. */
 static double entrain(const reduced_march *self, size_t node) {
     const reduced_model *model = self->model;
     reynolds_stencil stencil = reynolds_stencil_at(&model->grid, node);
@@ -786,7 +786,8 @@ static void sum_at_rows(double *sum, double *const *masses, const reduced_march 
     }
 }
 
-/* Prepares an accepted state. With transport along the path it applies `share` of the filter. */
+/* Prepares an accepted state. With transport along the path it applies the fraction `share` of the
+ * filter. */
 static void prepare(void *solver, size_t place, double share) {
     reduced_march *self = solver;
     previous_film *film = &self->states[place];
@@ -846,8 +847,9 @@ static double exit_margin(const ehd_grid *grid) {
     return fmax(march_exit_margin, min_nodes * grid->step);
 }
 
-/* Sets estimate.end for all grid lines: the first exit among the states of the step and the lines
- * within the margin. The local error is estimated up to the margin before this column. */
+/* Sets estimate.end for all grid lines: the first exit of all states of the step, on this grid line
+ * and on the grid lines within the margin. The local error is estimated up to the margin before
+ * this column. */
 static void find_error_end(reduced_march *self) {
     const reduced_model *model = self->model;
     size_t margin = (size_t)ceil(exit_margin(&model->grid) / model->grid.step);
@@ -913,10 +915,10 @@ static void miss_on_the_way(reduced_march *self) {
     }
 }
 
-/* Returns the error of rho H that a film accumulates until it reaches the centre, divided by the
- * path of the step, as the full model does. The error is an integral along the central grid line,
- * linear between the places. If the step is shorter than frame_shortest_step, it is divided by the
- * path of the latter, since noise does not shrink further. */
+/* Returns the error of rho H that a film accumulates until it reaches the centre. Like the full
+ * model, divides it by the path of the step. The error is an integral along the central grid line,
+ * linear between the places. If the step is shorter than frame_shortest_step, divides by the path
+ * of this shortest step, since noise does not shrink further. */
 static double error_on_the_way(void *solver) {
     const reduced_march *self = solver;
     const error_estimate *estimate = &self->estimate;
@@ -959,8 +961,8 @@ static double largest_taken_up(const reduced_march *self) {
     return largest;
 }
 
-/* Adds to the errors the filter's change of the last accepted film, at the places to which the
- * fluid has carried this film. */
+/* Adds to the errors the change of the last accepted film that the filter causes, at the places to
+ * which the fluid has carried this film. */
 static void add_filter_errors(reduced_march *self, const contact_frame *now) {
     const previous_film *last = state_before(self, 1);
     const double shift = frame_shift(now, &last->frame), stretch = frame_stretch(now, &last->frame);
@@ -978,9 +980,9 @@ static void add_filter_errors(reduced_march *self, const contact_frame *now) {
                     estimate->changed, estimate->changed_x, estimate->num_way);
 }
 
-/* Carries the errors of the films along, and adds the errors of the attempt. Sets the relative
- * changes of the films that ever smaller steps would cause, as in the full model. They are not
- * known with upwind transport. */
+/* Carries the errors of the films along, and adds the errors of the attempt. Like the full model,
+ * sets the relative changes of the films in the limit of small steps. With upwind transport these
+ * changes are not known. */
 static void set_effects(march_step *outcome, reduced_march *self, const ehd_contact *contact) {
     const contact_scalars *scalars = &outcome->scalars;
     const previous_film *next = state_before(self, 0);
@@ -1026,8 +1028,8 @@ static void indicate(march_step *outcome, reduced_march *self, const ehd_contact
 /* Returns whether a step whose exit did not settle is repeated with a shorter step. It is not
  * repeated if it is already much shorter than the step before. */
 static bool shorter_may_settle(const reduced_march *self) {
-    // Length of the step over that of the previous step, above which the step is repeated. In
-    // scenes/examples/line-in-time all exits settle, so no step reaches this limit.
+    // Ratio of the length of the step to that of the previous step. Above this ratio the step is
+    // repeated. In scenes/examples/line-in-time all exits settle, so no step reaches this limit.
     const double much_shorter = 0.05;
     const size_t *index = self->bdf.ring.place;
 
@@ -1245,8 +1247,8 @@ reduced_state reduced_march_state_before(const reduced_march *self, size_t steps
     return found->state;
 }
 
-/* Computes pressure, film and exits of a state, but not its frame, for `given`. `given->exits` may
- * be NULL. */
+/* Fills `given` with pressure, film and exits of a state, but not with its frame. `given->exits`
+ * may be NULL. */
 static void give(handed_state *given, const void *solver, size_t place) {
     const reduced_march *self = solver;
     const reduced_state *state = &self->states[place].state;
@@ -1295,10 +1297,10 @@ static ehd_status mean_lift(double *lift, const reduced_march *self, const hande
     return EHD_OK;
 }
 
-/* Projects a handed state: finds the coordinates of its pressure and, for an independent basis, of
- * its deflection in the orthonormal modes, and the nearest exits that the model has. The approach
- * is set so that the mean film stays the same, since pressures outside of the modes would lift or
- * lower the whole film. Errors: EHD_MEMORY. */
+/* Projects a handed state. Finds the coordinates of its pressure in the orthonormal modes and, for
+ * an independent basis, those of its deflection. Finds the nearest exits that the model has. The
+ * approach is set so that the mean film stays the same, since pressures outside of the modes would
+ * lift or lower the whole film. Errors: EHD_MEMORY. */
 static ehd_status project(reduced_state *target, const reduced_march *self,
                           const handed_state *state, ehd_error *error) {
     const reduced_model *model = self->model;
@@ -1366,9 +1368,9 @@ static contact_frame load_frame(const void *solver, size_t place) {
     return self->last_load_frame;
 }
 
-/* The errors are stored without the models' factors, so they are converted by the ratio of both
- * factors. If one factor is not known, nothing is estimated, and no result of such a model is
- * trusted. */
+/* The stored errors are not yet multiplied by the factor of their model. They are converted by the
+ * ratio of both models' factors, so that error times factor stays the same. If one factor is not
+ * known, nothing is estimated, and no result of such a model is trusted. */
 void reduced_march_take_indicated(reduced_march *self, const reduced_march *from,
                                   const double *change) {
     const film_factors *own = &self->of_films, *other = from ? &from->of_films : own;

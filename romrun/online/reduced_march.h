@@ -25,8 +25,8 @@ ehd_status reduced_march_create(
 reduced_march *reduced_march_free(reduced_march *self); // accepts and returns NULL
 
 /* Factors and floors of the error estimates, relative to the films. The estimate of the central
- * film is central * bounds.central + central_floor, and the estimate of the minimum film is central
- * * bounds.arriving + minimum * bounds.arising + minimum_floor, with film_bounds below. */
+ * film is central * bounds.central + central_floor. The estimate of the minimum film is central *
+ * bounds.arriving + minimum * bounds.arising + minimum_floor. `bounds`: the film_bounds below. */
 typedef struct film_factors {
     double central, minimum;
     double central_floor, minimum_floor;
@@ -49,8 +49,8 @@ film_bounds reduced_march_bounds(const reduced_march *self);
  * steps have the tolerance of the settings, which the start always has. */
 void reduced_march_set_tolerance(reduced_march *self, double tolerance);
 
-/* With transport along the path, lets accepted states be passing (bdf.h) if steps are short, as
- * those of an external integrator may be. A march with its own histories (march.h) does not need
+/* With transport along the path, lets accepted states be `passing` (bdf.h) if steps are short, for
+ * example those of an external integrator. A march with its own histories (march.h) does not need
  * this. */
 void reduced_march_allow_short_steps(reduced_march *self);
 
@@ -88,8 +88,8 @@ double reduced_march_outside(const reduced_march *self, const contact_frame *fra
 
 /* After states were taken over: takes over the error estimates of their films, converted to this
  * model's factors. `from`: the march of these states; NULL: the full model, whose films have no
- * estimates. `change`, [NUM_ERROR_PLACES]: error of H caused by taking over the last state; it is
- * added. */
+ * estimates. `change`, [NUM_ERROR_PLACES]: error of H caused by taking over the last state; this
+ * error is added. */
 void reduced_march_take_indicated(reduced_march *self, const reduced_march *from,
                                   const double *change);
 

@@ -16,9 +16,9 @@ struct reduced_tangent {
     row_system system;
     exit_search exits;
     reduced_state state; // state at which the equations are linearised
-    bool with_cell;      // true: the exit lies within a node and has a row
-    bool at_place;       // true: the equations set the exit to a node; its place in the cell behind
-                         // follows from the flux
+    bool with_cell;      // true: the exit lies within the cell of a node, and this cell has a row
+    bool at_place;       // true: the equations set the exit to a node; the flux gives the place of
+                         // the exit in the cell behind this node
     size_t num_rows;
     double *rights;       // [2, system_max_rows] right sides of both neighbouring equations
     double *along, *slow; // [num_unknowns] changes
@@ -65,8 +65,8 @@ static ehd_status singular(ehd_error *error) {
 
 // ---- the equations
 
-/* Evaluates the rows at the linearised state and its exit line and, if the exit lies within a node,
- * its cell. Returns whether there is such a cell. */
+/* Evaluates the rows at the linearised state and its exit line. If the exit lies within the cell of
+ * a node, evaluates this cell too. Returns whether there is such a cell. */
 static bool evaluate(reduced_tangent *self, const reduced_equations *of, bool with_cell) {
     reduced_state *state = &self->state;
     const double approach = state->coordinates[self->model->num_unknowns - 1];
@@ -92,8 +92,8 @@ static void move_along(reduced_tangent *self, const reduced_change *change, doub
 }
 
 /* Fills the right side of the least squares and returns its number of rows. The place of an exit
- * within a node stays fixed. The necessary change of the place is eliminated from the right side as
- * from the matrix (exit.h). */
+ * within its cell stays fixed. The necessary change of the place is eliminated from the right side
+ * as from the matrix (exit.h). */
 static size_t fill_right(reduced_tangent *self, const reduced_equations *of) {
     const size_t num_rows =
         system_fill_right(&self->system, &self->nodes, self->state.coordinates, self->system.active,

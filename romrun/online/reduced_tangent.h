@@ -36,7 +36,8 @@ ehd_status reduced_tangent_at(
 /* A change of the solution. */
 typedef struct reduced_change {
     const double *coordinates; // [num_unknowns] owned by the tangent; one array for each function
-    double exit_offset;        // move of an exit within a node, in grid steps; 0 if exits are nodes
+    double exit_offset;        // move of an exit within its cell, in grid steps; 0 if exits are
+                               // nodes
 } reduced_change;
 
 /* Computes the change of the solution per unit of a parameter, from the equations at -distance/2
@@ -52,17 +53,17 @@ ehd_status reduced_tangent_along(
     const reduced_equations beside[2], double distance, ehd_error *error);
 
 /* Motion of the frame of the equations: the contacts at -distance/2 and +distance/2, and their
- * scales divided by those in the middle. */
+ * scales divided by the scales in the middle. */
 typedef struct reduced_motion {
     const ehd_contact *contacts; // [2]
     double film_scale[2], half_width[2];
     double distance;
 } reduced_motion;
 
-/* Computes the derivative by s, at s = 0, of the change of the solution if a parameter varies as
- * exp(sT). `change`: the change at s = 0, from reduced_tangent_along. In the moving frame the
- * squeeze term takes d(rho H)/dT + rho H d(ln film scale)/dT - X d(rho H)/dX d(ln a)/dT. For
- * stationary solutions only. */
+/* If a parameter varies as exp(sT), the change of the solution depends on s. Computes the
+ * derivative of this change by s at s = 0. `change`: the change at s = 0, from
+ * reduced_tangent_along. In the moving frame the squeeze term takes d(rho H)/dT + rho H d(ln film
+ * scale)/dT - X d(rho H)/dX d(ln a)/dT. For stationary solutions only. */
 ehd_status reduced_tangent_slow(
     // output:
     reduced_change *slow,

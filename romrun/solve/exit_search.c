@@ -219,9 +219,9 @@ static size_t find_by_signs(exit_query *query, size_t line) {
     return column;
 }
 
-/* Computes P and H at the band nodes around the exit line. They are the nodes that the rows at the
- * exits of each grid line and of its neighbours need. P covers the whole window; behind the exit it
- * is that of the uncut modes. */
+/* Computes P and H at the band nodes around the exit line. The rows at the exits of each grid line
+ * and of the neighbouring lines need these nodes. P covers the whole window; behind the exit it is
+ * the pressure of the uncut modes. */
 static void expand_around(exit_query *query) {
     const reduced_model *model = query->search->model;
     const size_t *exits = query->nodes->exit;
@@ -278,8 +278,8 @@ static void interpolate_exits(size_t *exits, const exit_search *self) {
     }
 }
 
-/* Sets self->wanted to the nodes where the exits should be. On grid lines that are not searched
- * these are the present exits. */
+/* Sets self->wanted to the nodes where the exits should be. On grid lines that are not searched,
+ * self->wanted is the present exit. */
 static void find_exits(exit_query *query) {
     exit_search *self = query->search;
     const reduced_model *model = self->model;
@@ -330,7 +330,7 @@ void exits_margins(double *margin, exit_search *self, node_state *nodes, const d
     }
 }
 
-// ---- within a node
+// ---- exit in the cell of a node
 
 /* Computes P and H around the last node with pressure. */
 static void expand_cell(band_stencil *around, const exit_query *query, size_t node) {

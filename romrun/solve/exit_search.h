@@ -10,8 +10,8 @@
 #include "romrun/state/node_state.h"
 
 /* Keeps the exit of a grid line out of a limit cycle: the solution with the exit at one node
- * requires another node, and the reverse. The least squares then leave pressure or multiplier with
- * the wrong sign. */
+ * requires the exit at another node, and vice versa. The least squares then leave pressure or
+ * multiplier with the wrong sign. */
 typedef struct exit_watch {
     double change; // change of the pressure in the last iteration
     int direction, turns;
@@ -23,12 +23,12 @@ typedef struct exit_watch {
 typedef enum {
     // in time, near the solution (`far`): after the first turn the exit moves by single nodes. If
     // it would then go back by one node, it is held for good. It is held at the downstream one of
-    // these two nodes; at the upstream one, if the wanted exit was far from the downstream one
+    // these two nodes, or at the upstream one if the wanted exit was far from the downstream node
     HELD_AT_TURN,
     // stationary, on the way from another contact: after the first turn the exit moves by single
-    // nodes, and after three more turns it is held. It is held at once if it would move by a node
-    // or two, and the pressure changes by less than `small`, or hardly less than in the previous
-    // iteration
+    // nodes, and after three more turns it is held. It is held already after the first turn if two
+    // conditions hold: it would move by a node or two, and the pressure changes by less than
+    // `small` or hardly less than in the previous iteration
     HELD_IN_CYCLE
 } exit_hold;
 
@@ -45,7 +45,7 @@ typedef struct exit_search {
     double *band_film;           // [nodes of the band] H, evaluated on demand
     size_t search, *band_search; // number of the search; [nodes of the band] search of each
                                  // band_film
-    exit_cell cell;              // cell of an exit within a node
+    exit_cell cell;              // cell in which an exit between two nodes lies
 } exit_search;
 
 /* Initialises a search with memory from an arena; the model must outlive it. `spacing` as in
@@ -95,8 +95,8 @@ bool exits_find_cell(exit_search *self, node_state *nodes, reduced_state *state,
 double exits_place(exit_search *self, node_state *nodes, const reduced_state *state,
                    const ehd_contact *contact, const reduced_squeeze *squeeze);
 
-/* Moves the exit of the cell by a number of steps. Returns false if it is held at the end of the
- * band. */
+/* Moves the exit of the cell by a number of steps. Returns false if the end of the band stops the
+ * exit. */
 bool exits_move_cell(reduced_state *state, const reduced_model *model, double change);
 
 /* Checks whether the mean distance of the exits from the wanted exits, over all grid lines, is

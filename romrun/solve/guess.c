@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Starts from the trained solutions, and error estimates of the grid interpolated between them. */
+/* Computes starts from the trained solutions, and interpolates error estimates of the grid between
+ * them. */
 #include "romrun/solve/guess.h"
 #include "common/algebra/cholesky.h"
 #include "common/algebra/rounding.h"
@@ -168,8 +169,8 @@ typedef struct neighbour_fit {
 
 enum { MAX_TERMS = 6 + NUM_COORDINATES - ALONG_VISCOSITY };
 
-/* The fits, best first. With half as many neighbours, those of the quadratic fit would lie in only
- * two rows of a regular plan. */
+/* The fits, best first. With half as many neighbours, the neighbours of the quadratic fit would lie
+ * on only two lines of a regular plan. */
 static const neighbour_fit FITS[] = {{NUM_NEIGHBOURS, 6, 1.5}, {6, 3, 2}};
 
 /* Fits that include the coordinates of lubricant and thinning, for neighbours that differ in these.

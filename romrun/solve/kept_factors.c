@@ -32,14 +32,14 @@ void kept_factors_set(kept_factors *self, const row_system *system, const node_s
     self->valid = least_squares_factorise(self->factors, self->matrix, num_rows) == EHD_OK;
 }
 
-/* Largest distance between the present exit and the exit of the kept Jacobian at which its factors
- * are tried, half widths (romrun/online/README.md, In time; test_kept_factors.c,
+/* Largest distance between the present exit and the exit of the kept Jacobian, half widths. Up to
+ * this distance the kept factors are tried (romrun/online/README.md, In time; test_kept_factors.c,
  * factors_serve_while_exits_are_near). */
 static const double MAX_EXIT_DISTANCE = 0.025;
 
 /* Returns at least one node for point contacts, whose grid steps are longer than MAX_EXIT_DISTANCE.
- * Without this node, exits that move by a node would make the factors useless in six time steps of
- * seven. The node saves 21 to 25 % of the instructions (65 nodes a side, periods 1/2 and 3/4). */
+ * Without this node, exits that move by a node would make the factors useless in six of seven time
+ * steps. The node saves 21 to 25 % of the instructions (65 nodes a side, periods 1/2 and 3/4). */
 size_t kept_factors_reach(const reduced_model *model) {
     const double nodes = MAX_EXIT_DISTANCE / model->grid.step;
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Holds the factorised Jacobian of an earlier step, which the iterations of later steps use
- * (romrun/online/README.md, In time).
- * Called by reduced_solver.c, and by romrun/trust/time_indicator.c for its reach. */
+ * (romrun/online/README.md, In time). Called by reduced_solver.c, and by
+ * romrun/trust/time_indicator.c for kept_factors_reach. */
 #ifndef EHD_KEPT_FACTORS_H
 #define EHD_KEPT_FACTORS_H
 

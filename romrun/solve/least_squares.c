@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Normal equations with scaled columns, which cost a fifth of a QR. If their Cholesky factorisation
- * is not safe, QR is used. Newton's limit is given by J^T f = 0, evaluated from J itself, so that
- * the squared condition number affects the convergence only. */
+/* Solves normal equations with scaled columns, at a fifth of the cost of QR. If their Cholesky
+ * factorisation is not safe, QR is used. Newton's limit is given by J^T f = 0, evaluated from J
+ * itself, so that the squared condition number affects the convergence only. */
 #include "romrun/solve/least_squares.h"
 
 #include "common/algebra/cholesky.h"

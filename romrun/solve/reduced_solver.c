@@ -209,8 +209,8 @@ typedef struct iterate {
     double film;   // H at X = 0 after the step
     double change; // largest change of P at the needed nodes, undamped
     double factor; // damping factor
-    double rate;   // ratio of this change to that of the last iteration
-    double moved;  // undamped move of an exit within its node, in grid steps
+    double rate;   // ratio of `change` to the change in the last iteration
+    double moved;  // undamped move of an exit within its cell, in grid steps
 } iterate;
 
 /* Adds the damped step to the state. */
@@ -456,7 +456,7 @@ const reduced_state *reduced_take_factors(reduced_solver *self) {
 typedef struct kept_iterate {
     double change; // change of P, L2 norm; NaN before the first step
     bool converged;
-    bool slow; // the last step was small, but not taken because its rate was too slow
+    bool slow; // the last step was small, but not taken because the iteration converged too slowly
 } kept_iterate;
 
 /* Outcomes without convergence. KEPT_SLOW: the state is near the solution. KEPT_FAILED: the state
@@ -489,8 +489,8 @@ static bool take_kept_step(kept_iterate *at, reduced_info *info, reduced_state *
     return true;
 }
 
-/* Iterates with `factors`: the kept ones, or those near the solution, which it makes at the
- * start. */
+/* Iterates with `factors`: the kept factors, or the factors near the solution. It makes the latter
+ * at the start. */
 static kept_outcome iterate_with(kept_factors *factors, reduced_info *info, reduced_state *state,
                                  reduced_solver *self, const ehd_contact *contact,
                                  const reduced_squeeze *squeeze) {
@@ -509,7 +509,8 @@ static kept_outcome iterate_with(kept_factors *factors, reduced_info *info, redu
         if (!converges) return at.slow ? KEPT_SLOW : KEPT_FAILED;
         bool moved = exits_adapt(&self->exits, &self->nodes, state, contact, squeeze, at.change);
         start = add_seconds(&info->seconds_exit, start);
-        // away from the exit of the factors the active rows no longer match the factorisation
+        // far from the exit at which the factors were made, the active rows do not match the
+        // factorisation
         if (!kept_factors_are_near(factors, self->model, state)) return KEPT_FAILED;
         if (!moved && at.converged) {
             info->status = EHD_OK;

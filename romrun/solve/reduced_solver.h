@@ -21,7 +21,7 @@ typedef ehd_status reduced_linear_solver(double *step, // out: [num_unknowns]
                                          size_t num_rows, size_t num_unknowns);
 
 typedef struct reduced_settings {
-    // the iteration ends when the next one would change the central film by less, relatively;
+    // the iteration ends when the next one would change the central film by a smaller fraction;
     // default 1e-8
     double tolerance;
     size_t max_iterations; // default 40
@@ -30,7 +30,8 @@ typedef struct reduced_settings {
     // the default: all lines are searched, since interpolation needs more iterations and saves no
     // time.
     double exit_spacing;
-    bool exit_at_node; // true: each exit is a node, as in time; false: unless exit_is_within_node
+    bool exit_at_node; // true: each exit is a node, as in time; false: it may lie between nodes
+                       // (exit_is_within_node)
     reduced_linear_solver *solve_linear; // NULL: least_squares_solve
     void *linear_context;
 } reduced_settings;

@@ -21,13 +21,13 @@ typedef struct row_system {
     double *about;           // [num_needed] pressures of system_about
     contact_closure closure; // closure at the state, including the load beyond the grid
     size_t num_active;       // rows before the exit
-    size_t num_cells;        // 1 if the exit lies within a node (the cell's row is then the last
-                             // row), else 0
+    size_t num_cells;        // 1 if the exit lies between two nodes (the row of its cell is then
+                             // the last row), else 0
     size_t *active;          // [rows of the model] indices of the rows before the exit
     double *matrix;          // [system_max_rows, num_unknowns]
     double *right;           // [system_max_rows]
     double *step;            // [num_unknowns]
-    double *offset;          // [num_unknowns] gradient of the exit's offset within its node
+    double *offset;          // [num_unknowns] gradient of the exit's offset within its cell
     double *flux_step;       // [num_unknowns] gradient of the flux
     reynolds_row flux;       // flux and its derivatives, from system_flux
     size_t flux_row;         // row of the model at which the flux is taken

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Gives the least squares with which a solution ended (Maier et al. (2015), eq. 28), for estimates
- * of its error.
- * Called by romrun/trust/functionals.c; reduced_solver.c makes it. */
+ * of the solution's error. Called by romrun/trust/functionals.c; reduced_solver.c makes it. */
 #ifndef EHD_SOLVED_SYSTEM_H
 #define EHD_SOLVED_SYSTEM_H
 
@@ -11,7 +10,7 @@
 #include "romrun/state/node_state.h"
 
 /* The order of rows: selected Reynolds rows before the exit, linear equations and, if the exit lies
- * within a node, the row of its cell. */
+ * between two nodes, the row of its cell. */
 typedef struct solved_system {
     const reduced_model *model;
     node_state *nodes; // nodes at the solution
@@ -23,7 +22,7 @@ typedef struct solved_system {
     least_squares *factors;     // factors of the matrix
     const double *right, *step; // [num_rows] D f before the last step; [num_unknowns] the last step
     double remaining;           // estimated ratio of the next step's change to the last step's
-    const double *offset;       // [num_unknowns] gradient of the exit's offset within its node;
+    const double *offset;       // [num_unknowns] gradient of the exit's offset within its cell;
                                 // NULL: exits are nodes
     size_t matrix_number;       // number of the kept matrix; 0: a matrix of this solution
     size_t solution_number;     // number of the solution

@@ -7,8 +7,9 @@
 
 #include <stddef.h>
 
-/* Values at the nodes of a band. `at` returns the value at a node. `around` returns the minimum
- * between nodes around a node that is lower than its neighbours; NULL: the node's value. */
+/* Values at the nodes of a band. `at` returns the value at a node. For a node that is lower than
+ * its neighbours, `around` returns the minimum between the nodes around it. If `around` is NULL,
+ * the node's value is taken. */
 typedef struct band_values {
     double (*at)(const void *context, size_t node);
     double (*around)(const void *context, size_t node);

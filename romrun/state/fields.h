@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Computes fields of a reduced state on the whole grid: the only work whose cost grows with the
- * grid. They are sums of modes and of the deflections of these modes (eqs. 24 and 26 of Maier et
- * al. (2015)), which are made once. The kernel adds the change of the deflection by a state's own
- * exits.
- * Called by film_splines.c, and by romrun/online for results with fields. */
+ * grid. They are sums of modes and of the modes' deflections (eqs. 24 and 26 of Maier et al.
+ * (2015)). These deflections are computed once. A state's own exits change the deflection; this
+ * change is computed with the kernel and added. Called by film_splines.c, and by romrun/online for
+ * results with fields. */
 #ifndef EHD_FIELDS_H
 #define EHD_FIELDS_H
 
@@ -34,9 +34,9 @@ void field_modes_free(field_modes *self);
 /* Computes deflections that the object owns. Errors: EHD_MEMORY. */
 ehd_status field_modes_deflect(field_modes *self, const reduced_model *model, ehd_error *error);
 
-/* Writes the modes to a flat file (romrun/model/flat.h), or reads them from it in place of both
- * functions above. `own`: the file has deflections, and owns them. Free with field_modes_free in
- * either case. */
+/* Writes the modes to a flat file (romrun/model/flat.h), or reads them from it instead of
+ * field_modes_init and field_modes_deflect. `own`: the file has deflections, and owns them. Free
+ * with field_modes_free in either case. */
 void field_modes_flat(flat *file, field_modes *self, const reduced_model *model,
                       const double *pressure_basis, bool own);
 
@@ -47,7 +47,8 @@ ehd_status field_modes_fill(
                    // numbers apart
     size_t column,
     // input:
-    const ehd_grid *grid, // the model's, with `margin` nodes before it and `side` lines beside it
+    const ehd_grid *grid, // the model's grid, with `margin` nodes before it and `side` lines beside
+                          // it
     size_t margin, size_t side, const field_modes *self, const reduced_model *model,
     ehd_error *error);
 

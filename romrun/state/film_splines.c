@@ -727,7 +727,7 @@ void path_film_masses(double *mass, const previous_film *const *films, size_t nu
                         evaluate_one(path->base_cut, &path->base_layout, along, across);
         double stays =
             base_film(path, &here.along[i], &here.across[i], here.x[i], here.y[i], splines);
-        if (compressible) { // else the base's films at the earlier place cancel
+        if (compressible) { // without compressibility the base's films at the earlier place cancel
             const double film = base_film(path, along, across, before.x[i], before.y[i], splines);
             const double of_base = density_at(base, along, across, splines, path, reference);
             const double own = density_at(self, along, across, splines, path, reference);

@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Computes film and pressure of previous reduced states at any point, at a cost independent of the
  * grid (romrun/online/README.md, In time). Cubic splines of all modes are made once. A state's
- * spline is a combination of them. Splines of the kernel add what its own exit line cuts. Values
- * and curvatures at a node are summed once per state, when they are first needed.
- * Called by romrun/online for each step, and by snapgen/residuals.c. */
+ * spline is a combination of them. Splines of the kernel add the deflection by the nodes between
+ * cut_exits and the state's own exit line. Values and curvatures at a node are summed once per
+ * state, when they are first needed. Called by romrun/online for each step, and by
+ * snapgen/residuals.c. */
 #ifndef EHD_FILM_SPLINES_H
 #define EHD_FILM_SPLINES_H
 
@@ -16,11 +17,12 @@
 
 /* Natural cubic splines of `width` functions on a grid; for a point contact, tensor products. Each
  * node has the values and their curvatures along x (second derivatives times step^2 / 6). For a
- * point contact it also has the curvatures across of both. All distances are numbers of doubles in
+ * point contact it also has the curvatures of both along y. All distances are numbers of doubles in
  * the table. */
 typedef struct spline_layout {
     size_t num_columns, num_lines, width;
-    bool even_x, even_y;             // mirrored at the first column; at the first line
+    bool even_x, even_y;             // true: mirrored at the first column (even_x); at the first
+                                     // line (even_y)
     size_t column, line;             // distance to the next column, to the next line
     size_t x_curvature, y_curvature; // distance from a value to its curvatures
 } spline_layout;
@@ -63,8 +65,8 @@ void film_splines_flat_free(film_splines *splines);
 struct previous_film;
 
 /* Additional data to carry films along the path of the fluid (common/time/README.md). All steps
- * have the same base. Its film is therefore summed over the modes once, into splines of one
- * function. */
+ * have the same base. The film of the base is therefore summed over the modes once, into splines of
+ * one function. */
 typedef struct path_films {
     double *film,
         *pressure;                    // tables of the filtered modes; `pressure`: compressible only
@@ -114,7 +116,7 @@ typedef struct previous_film {
     size_t num_cut;          // number of nodes in the runs
     grid_position *cut_node; // [num_cut] the runs' nodes in the splines' grid
     double *cut_pressure;    // [num_cut] P at the runs' nodes, uncut, with the run's sign
-    node_sums film;          // deflection by the pressures cut at its own exits, without H0
+    node_sums film;          // deflection by the pressures cut at the state's own exits, without H0
     node_sums pressure;      // uncut; compressible only
     // line contacts only:
     size_t window_begin, window_size;                   // first node of the window, and its size
@@ -130,13 +132,14 @@ void previous_film_free(previous_film *self);
 void previous_film_prepare(previous_film *self, const reduced_model *model,
                            const film_splines *splines, const ehd_contact *reference);
 
-/* Prepares a state for transport along the path, with a share of the filter (frame_step_share). */
+/* Prepares a state for transport along the path, with a fraction of the filter
+ * (frame_step_share). */
 void previous_film_prepare_path(previous_film *self, const path_films *path, double share,
                                 const reduced_model *model, const film_splines *splines,
                                 const ehd_contact *reference);
 
-/* Returns how much the filter's share changes the film, at a node of the state's own frame. The
- * state comes from previous_film_prepare_path. */
+/* Returns how much the applied fraction of the filter changes the film, at a node of the state's
+ * own frame. The state comes from previous_film_prepare_path. */
 double path_filter_change(const previous_film *self, size_t node, const reduced_model *model,
                           const film_splines *splines);
 

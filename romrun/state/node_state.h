@@ -14,7 +14,8 @@
 /* Fields of coordinates at the present exit line. */
 typedef struct node_fields {
     reduced_values values;   // values at the exit's checkpoint; not filled if the caller has them
-    double *pressure, *film; // [num_needed] P, zero behind the exit; H, for a step without the gap
+    double *pressure, *film; // [num_needed] P, zero behind the exit; H (for a step: without the
+                             // gap)
     double *cut;             // [rows of the cut table] the cut table times z
 } node_fields;
 
@@ -77,11 +78,11 @@ void nodes_add_band_films(double *target, const double *factors, const node_stat
                           size_t node, size_t count);
 
 /* Returns the smallest H of the present state in the band and at the needed nodes, and its node.
- * For a line contact it is the lowest minimum between nodes of all dips. */
+ * For a line contact it is the lowest minimum of all dips, which may lie between nodes. */
 double nodes_minimum_film(size_t *node, node_state *self, const double *z);
 
-/* Returns a more accurate minimum film, after nodes_minimum_film. In dips before the band and at
- * its first nodes it also uses the films between the needed nodes, which `film` returns. */
+/* Call it after nodes_minimum_film. Returns a more accurate minimum film. In dips before the band
+ * and at its first nodes it also uses the films between the needed nodes, which `film` returns. */
 double nodes_minimum_between(size_t *node, const node_state *self, film_function *film,
                              const void *context);
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Computes traction of a state from its values at nodes, by the model's cubature
- * (romrun/solve/README.md, Traction): nothing has the size of the grid.
- * Called by reduced_solver.c (reduced_traction) and by romrun/trust/functionals.c. */
+ * (romrun/solve/README.md, Traction). No array has the size of the grid. Called by reduced_solver.c
+ * (reduced_traction) and by romrun/trust/functionals.c. */
 #ifndef EHD_NODE_TRACTION_H
 #define EHD_NODE_TRACTION_H
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Holds the unknowns of a reduced solution and its exit line (Maier et al. (2015), eqs. 24 and
- * 39), and computes what follows from them at few nodes.
- * Called by all later rooms of romrun, by podbuild/test_weight.c and by snapgen. */
+/* Holds the unknowns of a reduced solution and its exit line (Maier et al. (2015), eqs. 24 and 39),
+ * and computes what follows from them at few nodes. Called by the folders solve, trust and online
+ * of romrun, by podbuild/test_weight.c and by snapgen. */
 #ifndef EHD_REDUCED_STATE_H
 #define EHD_REDUCED_STATE_H
 
@@ -13,8 +13,8 @@ typedef struct reduced_state {
     double *coordinates; // [num_unknowns]
     size_t exit;         // column of the exit on the line Y = 0; for a line contact a grid node
     size_t *exits;       // [num_lines] columns of the exit on all grid lines; NULL: line contact
-    // distance of the exit from the node before `exit`, in grid steps, 0 to 1, if the exit lies
-    // within a node; in time as in exit_place. NaN: the exit is a node, or the distance is not
+    // for an exit between two nodes: distance of the exit from the node before `exit`, in grid
+    // steps, 0 to 1; in time as in exit_place. NaN: the exit is a node, or the distance is not
     // known yet.
     double exit_offset;
 } reduced_state;
@@ -32,8 +32,8 @@ void reduced_state_copy(reduced_state *target, const reduced_state *source,
 const size_t *reduced_state_exits(const reduced_state *state);
 void reduced_state_set_exits(reduced_state *state, const reduced_model *model, const size_t *exits);
 
-/* Check whether the exit of a state lies within the node before `exit`, and return X at which the
- * pressure ends, at Y = 0. */
+/* Check whether the exit of a state lies in the cell behind the node before `exit`, and return X at
+ * which the pressure ends, at Y = 0. */
 bool reduced_exit_divides(const reduced_state *state, const reduced_model *model);
 double reduced_exit_position(const reduced_state *state, const reduced_model *model);
 

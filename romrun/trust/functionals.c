@@ -26,8 +26,8 @@ typedef struct film_moves {
 struct functionals {
     const reduced_model *model;
     solved_system solved;   // the last solution
-    double *left, *unknown; // [system_max_rows] residual after the last step; its square plus that
-                            // of the iterations that were not made
+    double *left, *unknown; // [system_max_rows] residual after the last step; square of this
+                            // residual plus the square for the iterations that were not made
     double *square;         // [system_max_rows] sum of the squares of all residuals
     double *gradients;      // [BLOCK, num_unknowns]
     double *moves;          // [BLOCK, system_max_rows]
@@ -284,9 +284,9 @@ double functionals_peak_error(functionals *self, reduced_solver *solver, const d
 
 // ---- friction
 
-/* Finds self->exit_risk. For each grid line of a point contact it is the error of the pressure at
- * the last node with pressure, divided by the margin of the exit (exits_margins), at most 1. For a
- * line contact, whose exit follows from the flux, it is 1. */
+/* Finds self->exit_risk. For each grid line of a point contact the risk is a ratio, at most 1: the
+ * error of the pressure at the last node with pressure over the margin of the exit (exits_margins).
+ * For a line contact, whose exit follows from the flux, the risk is 1. */
 static void find_exit_risks(functionals *self, const reduced_state *state,
                             const ehd_contact *contact, const double *added) {
     const reduced_model *model = self->model;

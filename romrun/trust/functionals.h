@@ -4,9 +4,9 @@
  * A quantity is given by its gradient, the derivatives by the unknowns. The factors of the last
  * step turn the gradient into the change of the quantity by an error of 1 in each row. The rows are
  * taken as independent: the error is the root of the sum of the squares of residual times change.
- * Residuals are those that the last least squares leave, D f + D J dz; for the iterations that were
- * not made, solved_system.remaining times D J dz; and those of other rows, `added`. Called by the
- * indicators. */
+ * There are three kinds of residuals: those that the last least squares leave, D f + D J dz; those
+ * of the iterations that were not made, solved_system.remaining times D J dz; those of other rows,
+ * `added`. Called by the indicators. */
 #ifndef EHD_FUNCTIONALS_H
 #define EHD_FUNCTIONALS_H
 

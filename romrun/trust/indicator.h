@@ -24,9 +24,9 @@ const double *indicator_control_residuals(indicator *self, const reduced_state *
 
 /* Returns the bound of the relative error of the central film, without the factor of a calibration
  * (trade_indicator_factor). The bound is the root of a sum of squares over the selected and control
- * rows. Each square is that of the change of the film by the row's residual. A control row has the
- * influence of the nearest selected row. `solver` has just solved `state` for the stationary
- * `contact`, with the outcome `scalars`. */
+ * rows. Each term is the square of the change of the film by the residual of a row. The influence
+ * of a control row is that of the nearest selected row. `solver` has just solved `state` for the
+ * stationary `contact`, with the outcome `scalars`. */
 double indicator_bound(indicator *self, reduced_solver *solver, const reduced_state *state,
                        const ehd_contact *contact, const contact_scalars *scalars);
 
@@ -36,9 +36,9 @@ double indicator_bound_minimum(indicator *self, reduced_solver *solver,
                                const contact_scalars *scalars);
 
 /* Computes the bounds of the other quantities, by indicated_quantity, for the solution that
- * indicator_bound was just called for. The bounds of the fields make it take twice as many
- * instructions as a solution. The bound of a field is the largest bound over the rows' nodes. NaN:
- * the quantity has no bound. */
+ * indicator_bound was just called for. Because of the bounds of the fields, the call takes twice as
+ * many instructions as a solution. The bound of a field is the largest bound over the rows' nodes.
+ * NaN: the quantity has no bound. */
 void indicator_bound_others(double bounds[NUM_INDICATED], indicator *self, reduced_solver *solver,
                             const reduced_state *state, const ehd_contact *contact,
                             const contact_scalars *scalars);

@@ -11,7 +11,8 @@
 #include <string.h>
 
 /* Differences of two lubricants at the same alpha p: of ln(viscosity) / (alpha p) at the Hertz
- * pressure, of the same at half the Hertz pressure, and of ln(density) at the Hertz pressure. */
+ * pressure, of this quotient at half the Hertz pressure, and of ln(density) at the Hertz
+ * pressure. */
 enum { OF_VISCOSITY, OF_VISCOSITY_HALF, OF_DENSITY, NUM_DIFFERENCES };
 _Static_assert((int)NUM_DIFFERENCES <= (int)HULL_AXES, "the hull has no room for the differences");
 

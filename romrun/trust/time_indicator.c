@@ -13,15 +13,15 @@ enum { NUM_INLET = 12, NUM_INSIDE = 12, MOST_NODES = NUM_INLET + NUM_INSIDE };
 
 // Places X of the control nodes, half widths. Films form between FAR_INLET and ENTRY. They are then
 // carried unchanged to CONSTRICTION, and adjust again behind it. DENSER: exponent that makes nodes
-// denser towards the entry, where a larger share of a residual enters the contact (README.md, Error
-// estimates in time).
+// denser towards the entry, where a larger fraction of a residual enters the contact (README.md,
+// Error estimates in time).
 static const double FAR_INLET = -2.6, ENTRY = -0.85, CONSTRICTION = 0.6, DENSER = 1.7;
 // The estimate is the largest carried error within these distances, half widths: before the centre,
-// behind the centre, and before the minimum. They are needed since short waves behind a front move
-// more slowly than the fluid. The largest error of the central film was compared with its bound. In
-// 20 histories (scenes/studies/silent-in-time, calibration seed 1000007) the error is 5.7 times the
-// bound with 0.1 behind the centre, and 1.4 times with 0.3 or more. In 75 other histories it is 1.4
-// times with 0.4 or more (README.md, Error estimates in time).
+// behind the centre, and before the minimum. These distances are needed since short waves behind a
+// front move more slowly than the fluid. The largest error of the central film was compared with
+// its bound. In 20 histories (scenes/studies/silent-in-time, calibration seed 1000007) the error is
+// 5.7 times the bound with 0.1 behind the centre, and 1.4 times with 0.3 or more. In 75 other
+// histories it is 1.4 times with 0.4 or more (README.md, Error estimates in time).
 static const double CENTRE = 0.1, BEHIND_CENTRE = 0.4, ARRIVING = 0.3;
 
 void time_indicator_free(time_indicator *self) {
@@ -106,8 +106,8 @@ static void list_needed(time_indicator *self) {
 
 // ---- around the exit
 
-/* Returns the number of nodes on each side of the exit: one more than the nodes that the exit may
- * have moved since the Jacobian was made. */
+/* Returns the number of nodes on each side of the exit: one more than the number of nodes by which
+ * the exit may have moved since the Jacobian was made. */
 static size_t reach_at_exit(const reduced_model *model) {
     return kept_factors_reach(model) + 1;
 }
@@ -205,9 +205,9 @@ static void expand(time_indicator *self, const previous_film *state, const reduc
     }
 }
 
-/* Finds the share of a source of fluid that flows on into the contact, at each node of the inlet. A
- * source raises the pressure on both of its sides. This pressure is an integral of 1/H^3, and the
- * share is the fraction of the integral that lies before the source. */
+/* Finds, for each node of the inlet, the fraction of a source of fluid that flows on into the
+ * contact. A source raises the pressure on both of its sides. This pressure is an integral of
+ * 1/H^3. The wanted fraction is that of the integral before the source. */
 static void find_shares(time_indicator *self) {
     double before = 0;
 
@@ -254,7 +254,7 @@ void time_indicator_evaluate(time_indicator *self, const previous_film *state,
 
 // ---- effect of the residuals on the films
 
-/* Returns the smaller of an error and the film at a control node. An error of NaN gives the
+/* Returns the smaller of an error and the film at a control node. If the error is NaN, returns the
  * film. */
 static double at_most_all(const time_indicator *self, size_t i, double error) {
     const double film = self->film[self->stencils[i].node[NODE_HERE]];

@@ -3,8 +3,8 @@
  * Called by romrun/online/reduced_march.c for each step.
  *
  * An error of a film that forms in the inlet goes through the contact with the fluid. Control nodes
- * on the central line sample the residual; they take no part in the solution. The effect on the
- * film is a field of errors of rho H that enters, is carried along and grows on the way.
+ * on the central grid line sample the residual; they take no part in the solution. The effect on
+ * the film is a field of errors of rho H that enters, is carried along and grows on the way.
  *
  * The residuals of the rows, and those at nodes that a moving exit has passed, change the films at
  * once. This error stays until the fluid has gone from the lowest film through the exit. */
@@ -29,8 +29,8 @@ typedef struct local_errors {
 
 typedef struct time_indicator {
     const reduced_model *model;
-    // numbers of control nodes: in the inlet, on the central grid line (the inlet's first,
-    // ascending), and around the exit (after these)
+    // numbers of control nodes. num_inlet: in the inlet. num_nodes: on the central grid line,
+    // ascending, those of the inlet first. num_at_exit: around the exit; these nodes come last
     size_t num_inlet, num_nodes, num_at_exit;
     size_t *node;               // [num_nodes + num_at_exit]
     size_t *row;                // [num_nodes + num_at_exit] the model's row at the node, or NO_NODE
@@ -45,7 +45,8 @@ typedef struct time_indicator {
     double *fluid_memory;    // [NUM_FLUID_ARRAYS, num_needed]
     double *previous;        // [num_nodes + num_at_exit] sums of previous rho H, set by the caller
     double *entrained;       // [num_nodes] d(rho H)/dX of the base, set by the caller
-    double *share;           // [num_inlet] share of the node's fluid source that enters the contact
+    double *share;           // [num_inlet] fraction of the node's fluid source that enters the
+                             // contact
     reynolds_row *rows;      // [num_nodes + num_at_exit]
     double *residual;        // [num_nodes + num_at_exit] absolute value of the residual
     film_errors errors;      // bound of the carried errors, without the factor
@@ -86,13 +87,13 @@ void time_indicator_start(time_indicator *self, double entrainment);
 
 /* Returns the change of a film by rows around the exit that the least squares do not include: rows
  * that the exit has passed since the Jacobian was made, and rows behind the exit whose nodes should
- * have pressure. `influence`, [rows of the model]: that of the last evaluated solution on this
- * film. */
+ * have pressure. `influence`, [rows of the model]: influence of the rows on this film, for the last
+ * evaluated solution. */
 double time_indicator_at_exit(const time_indicator *self, const double *influence);
 
 /* Adds `errors`, indexed by reduced_film, that rows cause in the films of the attempt. Adds them to
- * what remains of the errors of the last state, in frame `then` (NULL: there is none). The errors
- * leave with the fluid between minimum and exit. Errors that arose in the constriction are
+ * what remains of the errors of the last state, in frame `then` (NULL: there is no last state). The
+ * errors leave with the fluid between minimum and exit. Errors that arose in the constriction are
  * therefore soon gone, even if the film is lowest in a dip far upstream. */
 void time_indicator_add_local(time_indicator *self, const double errors[NUM_REDUCED_FILMS],
                               const contact_scalars *scalars, const contact_frame *then,
@@ -105,7 +106,8 @@ void time_indicator_clear(time_indicator *self);
 /* Returns the sum of the local errors of a film, at most its thickness. */
 double time_indicator_local(const time_indicator *self, reduced_film film, double thickness);
 
-/* Return the largest error of rho H around the centre, and that of the films that arrive at X. */
+/* Return the largest error of rho H around the centre, and the largest error of the films that
+ * arrive at X. */
 double time_indicator_central(const time_indicator *self);
 double time_indicator_arriving(const time_indicator *self, double x);
 

@@ -14,8 +14,8 @@
 _Static_assert((int)RANGE_AXES <= (int)HULL_AXES, "axes of a hull");
 
 void trained_place(double place[RANGE_AXES], contact_place of) {
-    // Smaller alpha p_H are taken as this value. Below it the viscosity rises by less than a
-    // thousandth (README.md, Results that are rejected).
+    // Smaller values of alpha p_H are replaced by this value. Below it the viscosity rises by less
+    // than a thousandth (README.md, Results that are rejected).
     const double least = 1e-3;
 
     place[0] = log(of.moes_M);
@@ -146,8 +146,8 @@ static void find_extent(trained_range *self, const reduced_states *states) {
     self->extent.pressure = high.pressure > low.pressure ? high.pressure - low.pressure : 1;
     self->low = in_units(low, self);
     self->high = in_units(high, self);
-    // accepts the training points themselves. Also accepts points of a trajectory, which is a
-    // curve, between the few states that are kept of it
+    // accepts the training points themselves. For a trajectory, which is a curve, also accepts the
+    // points between its few stored states
     self->slack = stationary ? ROUNDING : 2e-3;
 }
 
@@ -307,8 +307,9 @@ range_memory *range_memory_create(const trained_range *of) {
 }
 
 static bool is_faster(double rate, double trained) {
-    // `slack`: factor on the trained rate, since this is a mean between two states. `least`: rate
-    // per unit of T that is accepted for any contact (README.md, Error estimates in time).
+    // `slack`: factor on the trained rate, since the trained rate is a mean between two states.
+    // `least`: rate per unit of T that is accepted for any contact (README.md, Error estimates in
+    // time).
     const double slack = 1.05, least = 1e-3;
 
     return rate > fmax(slack * trained, least);
@@ -387,7 +388,8 @@ double trained_range_outside(const trained_range *self, range_memory *memory, co
     trained_place(place, of);
     const double of_plane = outside_plane(self, place);
     if (!trained_range_check(self, memory, of, NULL)) return fmin(of_plane, 0);
-    // outside of the hull but in its box: converts the distance by the smaller extent
+    // outside of the hull but inside of the box around it: converts the distance by the smaller
+    // extent
     const double beside = fmin(self->extent.M, self->extent.pressure) * of_plane;
     return fmax(fmax(outside_box(self, place), beside), DBL_MIN);
 }

@@ -17,8 +17,8 @@
 enum { RANGE_AXES = 4 };
 void trained_place(double place[RANGE_AXES], contact_place of);
 
-/* The trained range: convex hull of the training points in these coordinates, and fastest
- * change. */
+/* The trained range: convex hull of the training points in these coordinates, and fastest change in
+ * training. */
 typedef struct trained_range trained_range;
 trained_range *trained_range_create(const reduced_model *model); // NULL: no memory
 trained_range *trained_range_free(trained_range *range);         // accepts and returns NULL
@@ -37,9 +37,9 @@ const char *trained_range_check(const trained_range *range, range_memory *memory
                                 contact_place place, const frame_rates *rates);
 
 /* Returns how far outside of the range a contact lies, to choose among the parts of a model.
- * Inside, the result is at most 0, and smaller the deeper the contact lies; it is divided by the
- * range's extent. Outside, it is above 0: a distance in the coordinates themselves, which all
- * ranges share. */
+ * Inside, the result is at most 0, and smaller the deeper the contact lies; it is relative to the
+ * extent of the range. Outside, the result is above 0: a distance in the coordinates themselves,
+ * which are the same for all ranges. */
 double trained_range_outside(const trained_range *range, range_memory *memory, contact_place place);
 
 #endif
