@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Measures the compression of 10000 snapshots of 1201 nodes, of rank about 250, in blocks, and the
- * POD of all of them in one piece, both on one core.
+/* Measures two computations on one core: the compression, in blocks, of 10000 snapshots of 1201
+ * nodes and rank about 250, and the POD of all snapshots in one piece.
  *
  *     bench_compress [num_nodes num_snapshots [block]] */
 #include "common/program/program.h"
@@ -11,8 +11,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-/* Fills the snapshots with a hump that travels back and forth over twenty periods. Its width
- * differs in each period. */
+/* Fills the snapshots with a hump that travels back and forth over twenty periods. The width of the
+ * hump differs in each period. */
 static void fill(double *snapshots, size_t num_snapshots, size_t num_nodes) {
     for (size_t s = 0; s < num_snapshots; s++) {
         const double time = 20.0 * (double)s / (double)num_snapshots;
@@ -52,7 +52,8 @@ static double time_one_piece(pod_basis *basis, const double *snapshots, size_t n
     return program_seconds() - start;
 }
 
-/* Returns the largest difference of a singular value, relative to the first one. */
+/* Returns the largest difference between corresponding singular values, relative to the first
+ * value. */
 static double deviation(const pod_basis *set, const pod_basis *basis) {
     double largest = 0;
     for (size_t i = 0; i < set->num_modes; i++)

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Measures the full-order solver: against the dense Newton, and the growth of time and memory with
- * the nodes.
+/* Compares the full-order solver with Newton on dense matrices, and measures how time and memory
+ * grow with the number of nodes.
  *
  *     bench_full [repeats] */
 #include "tests/bench/cold.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Compares the rate of the reduced least squares with that of an OpenBLAS product of their size, on
- * one core.
+/* Compares the floating-point rate of the reduced least squares with that of an OpenBLAS product of
+ * the same size, on one core.
  *
  *     bench_least_squares rows columns [repeats] */
 #include "common/program/program.h"
@@ -43,7 +43,7 @@ int main(int argc, char **argv) {
     openblas_set_num_threads(1);
     fill_random(matrix, num_rows * num_columns);
     fill_random(right, num_rows);
-    // alternately, so that a busy moment of the machine affects both
+    // measures alternately, so that a busy moment of the machine affects both
     for (size_t i = 0; i < repeats; i++) {
         double start = program_seconds();
         if (least_squares_solve(solution, workspace, matrix, right, num_rows)) return 1;

@@ -3,12 +3,12 @@
  *
  *     bench_many MODEL SCENE.yml STEPS CONTACTS [REPEATS]
  *
- * Each contact takes steps of 0.005 under a load that swings by a tenth, by ehdrom_step_many and
- * ehdrom_accept. With REPEATS it compares one thread with two, alternately, by the least time of
- * each. The exit code is 1 if two threads are less than 1.9 times as fast, or if one waits for the
- * other. On a busy machine the threads do not run all the time, so processor time is compared
- * instead: shared memory or caches make it longer, and a lock shows as waiting. Without REPEATS it
- * runs once in one thread, for callgrind (costs.sh). */
+ * Each contact takes steps of 0.005 by ehdrom_step_many and ehdrom_accept, under a load that swings
+ * by a tenth. With REPEATS the program runs one and two threads alternately, and compares their
+ * least times. The exit code is 1 if two threads are less than 1.9 times as fast, or if one waits
+ * for the other. On a busy machine the threads do not run all the time, so processor time is
+ * compared instead: contention for memory or caches makes it longer, and a lock shows as waiting.
+ * Without REPEATS the program runs once in one thread, for callgrind (costs.sh). */
 #include <ehdrom.h>
 
 #include <limits.h>
@@ -24,9 +24,9 @@ static const double STEP = 0.005, SWING = 0.1;
 static const double GOAL = 1.9;
 /* Least ratio of processor time to elapsed time on an idle machine. */
 static const double IDLE = 0.98;
-/* How often threads may give up their processor voluntarily; at the end one thread waits for the
- * other. With a lock around each step this happens 5 times or more, although mostly the same thread
- * takes the lock again. */
+/* Largest number of times that threads may give up their processor voluntarily: at the end one
+ * thread waits for the other. With a lock around each step they do so 5 times or more, although
+ * mostly the same thread takes the lock again. */
 static const long MOST_WAITS = 2;
 enum { MOST_CONTACTS = 64 };
 

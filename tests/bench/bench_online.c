@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Measures the online solver: time of a scene with the model open, its parts, and the change of the
- * film by one more iteration.
+/* Measures the online solver: the time of a scene when the model is already open, the parts of this
+ * time, and the change of the film by one more iteration.
  *
  *     bench_online MODEL.h5 SCENE.yml repeats tolerance modes rows [key=value ...]
  *
  * The tolerance is that of reduced_settings; 0 modes or rows means all of the model. With repeats =
- * 0 it solves once, from the trained solution nearest to the scene. Use this to count instructions
- * by callgrind with --toggle-collect=reduced_solve. */
+ * 0 the program solves once, from the trained solution nearest to the scene. Use this to count
+ * instructions by callgrind with --toggle-collect=reduced_solve. */
 #include "common/program/program.h"
 #include "common/settings/scene_contact.h"
 #include "romrun/model/model_file.h"

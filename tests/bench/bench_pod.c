@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Compares the POD of 1500 snapshots of 3001 nodes to 160 modes with LAPACK's dgesdd alone, on one
- * core.
+/* Compares the time of a POD (1500 snapshots of 3001 nodes, 160 modes) with that of LAPACK's dgesdd
+ * alone, on one core.
  *
  *     bench_pod [num_nodes num_states num_modes [repeats]] */
 #include "common/program/program.h"
@@ -75,7 +75,7 @@ int main(int argc, char **argv) {
 
     openblas_set_num_threads(1);
     fill(snapshots, num_states, num_nodes);
-    // alternately, so that a busy moment of the machine affects both
+    // measures alternately, so that a busy moment of the machine affects both
     for (size_t i = 0; i < repeats; i++) {
         lapack[i] = time_dgesdd(snapshots, (int)num_states, (int)num_nodes);
         ours[i] = time_pod(snapshots, num_states, num_nodes, num_modes);

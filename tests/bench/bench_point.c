@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Measures the full-order solver on a point contact: M = 20, L = 10, Barus, incompressible, cold
- * start, half domain, one thread. The grids are those with published times of the multigrid program
- * of Venner and Lubrecht (Multilevel Methods in Lubrication, Elsevier 2000). With 257 nodes across,
- * that program takes 46 times a product of two matrices of 2000 rows to converge, and 4.7 times to
- * reach the truncation error.
+ * start, half domain, one thread. The grids are those for which Venner and Lubrecht published times
+ * of their multigrid program (Multilevel Methods in Lubrication, Elsevier 2000). The unit of time
+ * is a product of two matrices of 2000 rows. With 257 nodes across, that program takes 46 units to
+ * converge, and 4.7 units to reach the truncation error.
  *
  *     bench_point [repeats [largest number of cells]] */
 #include "common/program/program.h"

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Measures each selection method: 160 of 3001 rows, for two random orthonormal bases of 160 modes,
- * on one core. With the name of a method it runs this one alone, once, for callgrind. */
+/* Measures each selection method on one core. It selects 160 of 3001 rows, for two random
+ * orthonormal bases of 160 modes. With the name of a method only this method runs, once, for
+ * callgrind. */
 #include "common/program/program.h"
 #include "deimselect/selection.h"
 #include "tests/bench/measure.h"

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Measures the POD of more snapshots than fit in memory. The reference is the least that any method
- * needs: reading the snapshots once, and products for one Gram matrix, with as many vectors as the
- * snapshots have directions. Makes a file of snapshots and removes it.
+/* Measures the POD of more snapshots than fit in memory. The reference is the least work that any
+ * method needs: reading the snapshots once, and multiplying them with as many vectors as they have
+ * directions, for one Gram matrix. Makes a file of snapshots and removes it.
  *
  *     bench_stream FILE [num_snapshots num_nodes gigabytes] */
 #include "common/program/program.h"
@@ -21,7 +21,7 @@ typedef struct task {
     const char *path;
     size_t num_snapshots, num_nodes;
     double limit;
-    size_t rank; // rank of the Gram matrix: directions of the snapshots
+    size_t rank; // rank of the Gram matrix: number of directions
 } task;
 
 typedef struct outcome {
@@ -66,7 +66,7 @@ static void put_number(hid_t file, const char *name, double value) {
     H5Sclose(space);
 }
 
-/* Fills a pressure whose width, centre and spike vary with a period each. */
+/* Fills a pressure whose width, centre and spike vary, each with its own period. */
 static void fill(double *pressure, size_t s, size_t num_nodes, double step) {
     const double t = (double)s, width = 1 + 0.15 * sin(0.7 * t), centre = 0.1 * sin(1.3 * t + 1);
     const double spike = 0.6 + 0.3 * sin(2.1 * t + 2), height = 0.2 * (1 + sin(0.37 * t));
@@ -272,7 +272,8 @@ int main(int argc, char **argv) {
            memory[1], modes.bytes * 1e-6, work.limit * 1e-6);
     printf("modes and coordinates %.1f s (%.1f), %.2f times (%.2f), %.0f MB\n", bases.passed,
            bases.processor, bases.passed / least, bases.processor / least_work, memory[2]);
-    // processor time depends less on other programs; libraries and the caches of HDF5 take less than 60 MB
+    // processor time, because it depends less on other programs; libraries and the caches of HDF5
+    // take less than 60 MB
     return modes.processor <= 2.5 * least_work &&
                    fmax(memory[1], memory[2]) <= work.limit * 1e-6 + 60
                ? 0

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Measures cold solutions of the full model, with creation of solver and state, as a program would
- * do them. */
+/* Measures cold solutions of the full model. The time includes the creation of solver and state, as
+ * in a program. */
 #ifndef EHD_COLD_H
 #define EHD_COLD_H
 

@@ -79,9 +79,9 @@ __attribute__((destructor)) static void log_count(void) {
     if (atomic_load(&counting)) log_line("calls", atomic_load(&num_calls), "-");
 }
 
-/* Logs the library that made the call. Calls by libc and this library are made for others and are
- * skipped. Programs contain HDF5. Its public functions have names there (Makefile); up to two of
- * its other functions may stand between them and the call. */
+/* Logs the library that made the call. Libc and this library make calls for others and are skipped.
+ * Programs contain HDF5, whose public functions keep their names (Makefile). Up to two other
+ * functions of HDF5 may stand between a public function and the call. */
 static void log_fault(long call) {
     enum { DEPTH = 32, MOST_NAMELESS = 3 };
     void *frames[DEPTH];
@@ -208,8 +208,8 @@ static bool toss(void) {
     return state >> 63;
 }
 
-/* Decides whether a write has reached the disk. It has if a later write to the same page has;
- * otherwise the decision is random. */
+/* Decides whether a write has reached the disk. A write has reached it if a later write to the same
+ * page has; otherwise the decision is random. */
 static bool is_kept(const change *one) {
     for (const change *later = changes; later != one; later = later->before)
         if (later->kept && later->of == one->of && later->at / PAGE == one->at / PAGE) return true;

@@ -13,10 +13,10 @@
  *                 times in all
  *
  * A run is right in three cases: it behaves as without the fault; or it prints one line, exits with
- * the code of the kind and leaves no output; or it was killed. After each run, a file under the
- * name of the output is whole, and the command, started again, makes the same data to the last bit.
- * If a library that is not ours made the refused allocation, the process may end in any way; such
- * foreign ends are counted apart.
+ * the code of the kind and leaves no output; or it was killed. After each run, a file with the name
+ * of the output is whole. If the command is then started again, it makes the same data to the last
+ * bit. If a library that is not ours made the refused allocation, the process may end in any way;
+ * such ends are counted separately.
  *
  * Prints one line of counts, and a line to stderr for each wrong run. The exit code is 1 if there
  * was a wrong run. */
@@ -168,8 +168,8 @@ static void *read_dataset(size_t *bytes, hid_t file, const char *name) {
     return data;
 }
 
-/* Compares two property lists and closes them. They hold fill value, filters, chunks and allocation
- * time of a dataset, or the paging of a file. */
+/* Compares two property lists and closes them. The lists hold fill value, filters, chunks and
+ * allocation time of a dataset, or the paging of a file. */
 static bool same_properties(hid_t left, hid_t right) {
     const bool same = H5Pequal(left, right) > 0;
     H5Pclose(left);
@@ -290,8 +290,8 @@ static const char *fault_of_end(const outcome *found, const outcome *without) {
     return exists(output) ? "it failed, but its output is there" : NULL;
 }
 
-/* If the command left a partial file, starts it again. Returns NULL if its data are then those of a
- * run without a fault. */
+/* If the command left a partial file, starts it again. Returns NULL if the output then has the data
+ * of a run without a fault. */
 static const char *fault_of_recovery(const outcome *without) {
     const bool was_there = exists(output), left = exists(partial) || exists(finishing);
     const char *wrong = was_there ? difference() : NULL;

@@ -82,8 +82,8 @@ static void set_scale(const edited *self, const char *field, const char *axis, u
     if (scale >= 0) H5Dclose(scale);
 }
 
-/* Removes a dataset that will be replaced. A large one is only renamed: to free its storage HDF5
- * would walk through all of its chunks, and a file may name very many. */
+/* Removes a dataset that will be replaced. A large dataset is only renamed: to free its storage
+ * HDF5 would visit all chunks, and a file may have very many. */
 static void take_away(const edited *self, const char *name) {
     static unsigned count;
     char other[32];

@@ -21,7 +21,7 @@
 #include <stddef.h>
 
 /* Applies edits to a file. `schema` assigns datasets to axes; NULL: no schema. Edits are made in a
- * separate process. Returns false if HDF5 itself crashed or hung there; the file may then have any
+ * separate process. Returns false if HDF5 itself crashed or hung; the file may then have any
  * content. HDF5 1.10.8 crashes when it removes attributes from objects of its newer format
  * (H5O_condense_header). */
 bool edit_file(const char *path, const artefact_schema *schema, const char *text, size_t length);

@@ -34,8 +34,8 @@ enum {
 
 typedef struct interrupted {
     const char *name;
-    const char *command; // interrupted command; resumed with --resume
-    int at;              // per cent of its writes at which it was killed
+    const char *command; // interrupted command, later resumed with --resume
+    int at;              // percentage of the command's writes at which it was killed
 } interrupted;
 
 static const interrupted targets[] = {
@@ -183,7 +183,7 @@ static void meet_others(const interrupted *of, const char *bytes, size_t length)
         fuzz_complain("podbuild --print", code, "a code that no file must lead to", fuzz_said());
 }
 
-/* Resumes from the file; the result must be refused or equal to that without a flip. */
+/* Resumes from the file. The file must be refused, or the result must equal that without a flip. */
 static void meet(const interrupted *of, const char *bytes, size_t length, const char *digest) {
     char command[256], found[1 << 13];
     snprintf(command, sizeof command, "%s --resume", of->command);

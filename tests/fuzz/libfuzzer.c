@@ -39,7 +39,7 @@ static const fuzz_target *target(void) {
     return found;
 }
 
-static int standard_error; // a copy, because libFuzzer closes it before the first input
+static int standard_error; // a copy, because libFuzzer closes the original before the first input
 
 int LLVMFuzzerInitialize(int *argc, char ***argv) {
     (void)argc, (void)argv;

@@ -283,7 +283,7 @@ static ehd_status read_rows(ehd_error *error) {
 }
 
 /* Reads the bytes as a table: as points of a plan if they name a setting, else as rows. Then reads
- * them as a history and returns the status of that. */
+ * them as a history, and returns the status of this second reading. */
 static ehd_status read_csv(const char *bytes, size_t length, ehd_error *error) {
     static scene given;
     plan points = {0};

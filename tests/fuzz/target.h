@@ -32,13 +32,13 @@ const fuzz_target *fuzz_find(const char *name);
 
 /* Prepares fuzz_run. Call it once, in a folder with the valid files (with-bases.sh). From then on
  * standard output and error belong to the programs. Complaints of fuzz_run and reports of
- * sanitizers go to `standard_error`, a duplicate of the first one. */
+ * sanitizers go to `standard_error`, a duplicate of the original standard error. */
 void fuzz_start(int standard_error);
 
 /* Runs a target. Returns the exit code of the command that "run N" chooses, or the status of
  * `read`; EHD_INTERNAL if HDF5 could not make the edits (edit_file), so that nothing was tested.
- * Ends the process (abort) if a program exits with a code that no file may cause, or fails without
- * a line. Does so too if it prints anything but its own lines, or fails and leaves an output. */
+ * Ends the process (abort) in four cases: a program exits with a code that no file may cause, fails
+ * without a line, prints anything but its own lines, or fails and leaves an output. */
 int fuzz_run(const fuzz_target *target, const uint8_t *bytes, size_t length);
 
 // ---- parts of fuzz_run

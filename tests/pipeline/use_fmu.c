@@ -345,8 +345,8 @@ static void restore(char **argv) {
     finish();
 }
 
-/* A step that is much longer than the previous one is divided into internal steps. Its result
- * equals that of the same steps, requested one by one. */
+/* A step that is much longer than the previous one is divided into internal steps. The result
+ * equals that of the same internal steps, requested one by one. */
 static void parts(void) {
     static const double ends[] = {0, 2e-6, 4e-6, 8e-6};
     double film = 0;
@@ -375,7 +375,7 @@ static void parts(void) {
 static void try_others(char **names, int count) {
     static double room[64];
 
-    // an unsupported call uses only its instance, so any arguments do
+    // an unsupported call uses only its instance, so the other arguments may have any value
     for (int i = 0; i < count; i++) {
         int (*call)(void *, void *, size_t, void *, void *, void *) =
             (int (*)(void *, void *, size_t, void *, void *, void *))dlsym(object, names[i]);
@@ -406,7 +406,7 @@ static void calls_of_3(void) {
                   NULL, NULL, NULL));
     EXPECT(!CALL3(InstantiateCoSimulation, "one", token, folder, 0, 0, true, false, NULL, 0,
                   &num_errors, show3, NULL));
-    EXPECT(num_errors == 4); // the fourth error is that of `calls`
+    EXPECT(num_errors == 4); // the function `calls` has caused the fourth error
     EXPECT(CALL3(SetInt32, instance, NULL, 0, NULL, 0) == fmi3OK);
     EXPECT(CALL3(SetBoolean, instance, NULL, 0, NULL, 0) == fmi3OK);
     const unsigned reference = 0;
@@ -515,7 +515,7 @@ static void derivatives(void) {
             EXPECT(found == again && output("central_film_thickness") == film);
             const double expected = difference(before, of, by, duration, length);
             printf("d %s / d %s = %.10g, differences %.10g\n", of->name, by->name, found, expected);
-            // the FMU's derivative of friction is also a difference, with another increment
+            // the FMU's derivative of friction is itself a difference, with another increment
             const double both = k == MOST_OUTPUTS - 1 ? 5e-2 : 0;
             EXPECT(fabs(found - expected) <=
                    (near[i] + both) * fabs(expected) + 1e-4 * fabs(get(of) / get(by)));
@@ -542,7 +542,7 @@ static void far(void) {
             EXPECT(set(given_name, given_at(0.01 * i)) == 0 && step(i * 1e-6, 1e-6) == 0);
         for (int i = 0; with && i < NUM_TRIES; i++) {
             const double before = output("peak_pressure");
-            const bool by_speed = i == 1; // otherwise the contact is one that no step can reach
+            const bool by_speed = i == 1; // otherwise by a load or approach that no step can reach
             EXPECT(set("surface_speed_1", by_speed ? -100 : speed_start) == 0);
             const double far_off = strcmp(given_name, "load") == 0 ? 1e6 : -1e6;
             EXPECT(set(given_name, by_speed ? given_start : far_off * fabs(given_start)) == 0);
@@ -594,8 +594,8 @@ static void tolerances(void) {
     finish();
 }
 
-/* Moves the bodies out of contact and back three times. While they are apart the force is zero; it
- * is never negative. */
+/* Moves the bodies out of contact and back three times. While they are apart, the force is zero.
+ * The force is never negative. */
 static void apart(void) {
     enum { NUM_STEPS = 150, PERIOD = 50 };
     size_t num_lost = 0, num_found = 0;
@@ -687,7 +687,8 @@ static void by_library(int argc, char **argv) {
                result.indicated_deviation_minimum, result.local_error, (double)result.trusted,
                (double)result.iterations, i > 0 ? 1. : 0., response.stiffness, response.damping,
                response.damping_bound);
-        // traction of the accepted state; the FMU returns the traction of the step
+        // the library returns the traction of the last accepted state at this slide speed; the FMU
+        // returns the traction at the end of its step
         EXPECT(argc <= 7 || !ehdrom_slide(contact, i > 0 ? (v + 0.25) - (v - 0.25) : 0, &traction));
         if (argc > 7)
             printf(" friction_force=%a friction_coefficient=%a power_loss=%a rolling_resistance=%a "

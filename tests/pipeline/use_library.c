@@ -470,8 +470,8 @@ static double jump(ehdrom_contact *contact, double step) {
     return result.central_film_thickness;
 }
 
-/* The history of a contact that rests in its state only sets the order of the next step. So a step
- * after a restart equals the first step. */
+/* If a contact rests in its state, its history only determines the order of the next step. A step
+ * after a restart therefore equals the first step. */
 static void restart(char **argv) {
     ehdrom_model *model = open_model(argv[2]);
     ehdrom_contact *contact = new_contact(model, argv[3]);
@@ -638,7 +638,7 @@ static void sizes(char **argv) {
     CHECK(!ehdrom_start(contacts[0], &conditions, &result));
     CHECK(!ehdrom_start(contacts[1], &of_newer[0].known, &newer[0].known));
     CHECK(same_as(&newer[0], &result));
-    // in arrays, entries are as far apart as the size of the caller's structs
+    // in an array the distance of entries is the size of the caller's struct
     CHECK(!ehdrom_start(contacts[0], NULL, &result) && !ehdrom_start(contacts[1], NULL, &result));
     of_newer[1].known.load = conditions.load = 1.02;
     // the model was trained on stationary states, so no step is trusted

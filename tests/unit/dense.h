@@ -6,9 +6,10 @@
 
 #include "fullrun/full_solver.h"
 
-/* Solves with the exact Jacobian of a line or of a whole point contact. The deflection uses the
- * values of the kernel instead of an FFT, in O(n^2) time and memory; dgesv takes O(n^3). The
- * tolerance is not used. Returns EHD_MEMORY, or EHD_NOT_CONVERGED if the matrix is singular. */
+/* Solves with the exact Jacobian of a line contact, or of a point contact on a whole grid. The
+ * deflection uses the values of the kernel instead of an FFT, in O(n^2) time and memory; dgesv
+ * takes O(n^3). The tolerance is not used. Returns EHD_MEMORY, or EHD_NOT_CONVERGED if the matrix
+ * is singular. */
 full_linear_solver dense_solve;
 
 #endif

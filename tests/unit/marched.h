@@ -50,8 +50,8 @@ void marched_all(marched *self, const scene *of);
 void marched_check_restored(marched *other, // work
                             const marched *stopped, const double *saved, const marched *whole);
 
-/* Returns the largest relative difference of the central film from that of a run with many more
- * steps. */
+/* Returns the largest relative difference of the central film from the central film of a run with
+ * many more steps. */
 double marched_deviation(const marched *self, const marched *from);
 
 #endif

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Marches of a reduced model, with all rows or some, for tests of transients. */
+/* Marches of a reduced model, with all rows or with some of them, for tests of transients. */
 #ifndef EHD_MARCHING_H
 #define EHD_MARCHING_H
 
@@ -19,7 +19,7 @@ void marching_trainings_free(marching_trainings *self);
 /* A march with its contact and model. */
 typedef struct marching {
     ehd_contact reference;
-    reduced_model model; // trained with the transport of the contact
+    reduced_model model; // trained with the same transport setting as the contact
     film_splines splines;
     reduced_march *march;
     march_solver solver;
@@ -33,7 +33,7 @@ void marching_start(
     marching *self, // free with marching_free
     // input:
     const ehd_contact *contact, const reduced_basis *of, const contact_frame *frame);
-/* Starts like marching_start, with some rows only (as in reduced_model_build). */
+/* Starts like marching_start, but with some of the rows (as in reduced_model_build). */
 void marching_start_with(marching *self, const ehd_contact *contact, const reduced_basis *of,
                          const size_t *rows, size_t num_rows, const contact_frame *frame);
 void marching_free(marching *self);

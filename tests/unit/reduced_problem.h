@@ -42,7 +42,7 @@ reduced_basis identity_basis(
     const double *weight); // [num_nodes]
 
 /* Returns the basis of a half grid on the whole grid. Two mirrored rows together have the weight of
- * the one row on the half grid. */
+ * their single row on the half grid. */
 reduced_basis mirrored_basis(const reduced_basis *half);
 
 /* Builds a model with some or all rows and writes its file, as deimselect would. */

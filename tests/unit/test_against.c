@@ -45,7 +45,7 @@ static void check_pair(const ehd_grid *grid, const ehd_grid *other, size_t row, 
     free(inner);
 }
 
-/* The other grid is equal, finer, coarser, longer, shorter or shifted. */
+/* Tries other grids that are equal, finer, coarser, longer, shorter or shifted. */
 static void interpolates_lines(void **state) {
     (void)state;
     const ehd_grid own = line(-4, 0.05, 121);
@@ -108,8 +108,8 @@ static void print_to(char text[1024], const time_trace *trace, const time_series
     assert_int_equal(status, EHD_OK);
 }
 
-/* The film is 10 % off after the bodies have been apart. Both periods of contact are compared, and
- * the mean is over their duration. */
+/* The film is 10 % off after the bodies have been apart. Both periods of contact are compared. The
+ * mean is taken over the duration of these periods. */
 static void compares_all_contacts(void **state) {
     (void)state;
     enum { COUNT = 31 };

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Loss and return of a contact, with a solver whose load follows from the approach. */
+/* Loss and return of a contact. The load of the test's solver follows from the approach. */
 #include "common/settings/scene_contact.h"
 #include "common/time/apart.h"
 #include "tests/unit/check.h"
@@ -10,10 +10,10 @@
 
 static const double STIFFNESS = 2, TOUCHING = 0.1, LIGHTEST = 0.005;
 
-/* A linear spring: its load is negative beyond the touching approach. */
+/* A linear spring. Beyond the touching approach its load is negative. */
 typedef struct spring {
     double state, attempted; // approaches
-    double speed_of_loss;    // bodies that recede faster have no load; 0: no limit
+    double speed_of_loss;    // no load if bodies recede faster; 0: no limit
     bool fails;
     size_t num_starts;
 } spring;
@@ -193,7 +193,7 @@ static void a_contact_below_touching_is_found_again(void **state) {
     const march_step lost = step_to(0.1, 1, -0.2);
     assert_true(lost.apart);
     check_close(lost.scalars.load, 0, 0, 0);
-    assert_int_equal(lost.status, EHD_UNTRUSTED); // a stationary contact has 60 % of the load there
+    assert_int_equal(lost.status, EHD_UNTRUSTED); // a stationary contact has 60 % of the load here
     const march_step found = step_to(0.2, 1, -0.2);
     assert_true(found.begins && !found.apart);
     check_close(found.scalars.load * found.frame.load, load_at(-0.2), 1e-12, 0);
@@ -277,7 +277,7 @@ static void a_step_that_fails_is_no_lost_contact(void **state) {
     inner.fails = true;
     assert_int_equal(step_to(0.1, 0.5, NAN).status, EHD_NOT_CONVERGED);
     assert_int_equal(step_to(0.1, 0.009, NAN).status,
-                     EHD_NOT_CONVERGED); // not below the lightest load
+                     EHD_NOT_CONVERGED); // the lightest load is below this load
     const march_step lost = step_to(0.1, 0.004, NAN);
     assert_true(lost.apart && lost.status == EHD_OK);
     assert_true(isnan(lost.scalars.central_film_thickness));
@@ -309,8 +309,8 @@ static void steps_in_which_bodies_part_or_touch_are_short(void **state) {
     assert_true(step_to(0.1, 0, NAN).apart);
 }
 
-/* The state of the solver is saved with that of the bodies. If a start fails, the bodies stay
- * apart. */
+/* The state of the solver is saved together with the state of the bodies. If a start fails, the
+ * bodies stay apart. */
 static void a_state_apart_is_saved(void **state) {
     (void)state;
     scene given;
@@ -326,7 +326,7 @@ static void a_state_apart_is_saved(void **state) {
     assert_int_equal(step_to(0.2, 1, 0).status, EHD_NOT_CONVERGED);
     assert_true(step_to(0.2, 1, 0.9).apart);
     inner.fails = false;
-    check_close(inner.state, 0, 0, 0); // left by the start that failed
+    check_close(inner.state, 0, 0, 0); // the failed start left this state
     assert_int_equal(solver.restore(solver.self, saved, &error), EHD_OK);
     check_close(inner.state, -0.5, 0, 0);
     solver.save(again, solver.self);

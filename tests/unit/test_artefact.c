@@ -259,7 +259,7 @@ static void round_trip(void **state) {
     artefact_close(&file);
 }
 
-/* Returns the content of a copy after the copy's own provenance. */
+/* Copies a file and returns the content that follows the copy's own provenance. */
 static char *copied_content(const char *name, const char *const *except_axes) {
     artefact *from = reopen(), *to = NULL;
 
@@ -558,7 +558,7 @@ static void refused_memory_ends_no_file(void **state) {
     }
 }
 
-static int refused_looks; // how many of the next calls fail
+static int refused_looks; // number of calls that fail from now on
 
 /* Replaces H5Lexists of HDF5. */
 htri_t H5Lexists(hid_t where, const char *name, hid_t access) {
@@ -831,7 +831,7 @@ static void fuzz(void **state) {
 
 // ---- failing writes
 
-/* Writes like write_snapshots, but returns failures. The file needs more than one block. */
+/* Writes like write_snapshots, but returns errors. The file needs more than one block. */
 static ehd_status attempt(bool streaming, ehd_error *text) {
     enum { MANY = 400 };
     static double field[NUM_STATES][MANY];
@@ -882,7 +882,7 @@ static int write_with_limit(size_t size) {
         bool known = status == EHD_OK || ((status == EHD_IO || status == EHD_CANTCREATE) &&
                                           strstr(error.text, "File too large"));
         if (!known) fprintf(stderr, "%d %s\n", (int)status, error.text);
-        exit(sound && known ? 0 : 1); // with the exit handlers of HDF5
+        exit(sound && known ? 0 : 1); // exit runs the exit handlers of HDF5
     }
     int outcome = 0;
     waitpid(child, &outcome, 0);
@@ -1052,7 +1052,7 @@ static void unfinished_runs(void **state) {
     artefact_close(&file);
     check_ok(artefact_create(&file, path, &schema_snapshots, &caller, "", NULL, &error));
     artefact_close(&file);
-    // a check of more entries than can be read, none of which is stored, must end
+    // if a file claims more entries than can be read, and stores none of them, the check must end
     const hid_t made_up = open_for_change();
     replace_dataset(made_up, "status", H5T_NATIVE_INT64, 1, (hsize_t)1 << 40, 1);
     H5Fclose(made_up);
@@ -1244,7 +1244,7 @@ static void fuzz_grown(void **state) {
     artefact *file = start_growing();
     put_states(file, 0, NUM_STATES);
     check_ok(artefact_finish(&file, &error));
-    fuzz_file(5 * fuzz_stride()); // fewer flips, since most of its pages are empty
+    fuzz_file(5 * fuzz_stride()); // fewer flips, since most pages of the file are empty
 }
 
 static void misuse_of_growth_is_internal(void **state) {

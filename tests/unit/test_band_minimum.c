@@ -59,7 +59,8 @@ static void one_dip_anywhere(void **state) {
         }
 }
 
-/* The coarse search may hit the shallower of two dips more closely. */
+/* The coarse search may come nearer to the bottom of the shallower dip than to that of the deeper
+ * one. */
 static void the_deeper_of_two_dips(void **state) {
     (void)state;
     for (double place = 240; place < 300; place += 0.5)

@@ -61,14 +61,15 @@ static void predictor_is_exact_to_its_degree(void **state) {
         }
 }
 
-/* With exact previous states the solution of dy/dT = given is off by the local error. Formula and
- * prediction give this error exactly for the first power that the formula gets wrong. */
+/* If the previous states are exact, the solution of dy/dT = given has only the local error. For the
+ * lowest power of T that the formula does not solve exactly, formula and prediction give this error
+ * exactly. */
 static void error_is_that_of_the_next_power(void **state) {
     (void)state;
     for (size_t s = 0; s < NUM_STEPS; s++)
         for (size_t num_previous = 2; num_previous <= BDF_PREVIOUS; num_previous++) {
             bdf_formula formula = bdf_step(steps[s][0], steps[s] + 1, num_previous);
-            // with two states the estimated error is that of the first-order formula
+            // with two states the error estimate is that of the first-order formula
             bdf_formula judged = bdf_step(steps[s][0], steps[s] + 1, num_previous - 1);
             size_t n = num_previous;
             double time[BDF_PREVIOUS + 1], given, solution, prediction = 0;
@@ -87,7 +88,7 @@ static void error_is_that_of_the_next_power(void **state) {
 }
 
 /* After much shorter steps the formula has second order if an earlier state is far enough away; it
- * uses the latest such state. Otherwise it has first order. */
+ * uses the latest such state. Otherwise the formula has first order. */
 static void a_step_much_longer_than_the_last_is_of_lower_order(void **state) {
     (void)state;
     const struct {
@@ -120,7 +121,7 @@ static void a_step_much_longer_than_the_last_is_of_lower_order(void **state) {
     }
 }
 
-/* States with errors of 1e-9 lie 1e-7 apart. The error after a step of 0.1 must also be about
+/* States 1e-7 apart in time have errors of 1e-9. The error after a step of 0.1 must also be about
  * 1e-9. */
 static void a_short_step_does_not_enlarge_what_states_are_off(void **state) {
     (void)state;

@@ -130,8 +130,8 @@ static void test_grid(void **state) {
     free_sample(&grid);
 }
 
-/* Points with different lubricants or groups have no middle. A point left out of the set does not
- * separate its neighbours. */
+/* Points with different lubricants or groups have no middle. A point that is left out of the set
+ * does not separate its neighbours. */
 static void test_families(void **state) {
     const bool keep[] = {true, false, true, true, true, true, true};
     sample points = {0};
@@ -161,8 +161,8 @@ static void test_families(void **state) {
     free_sample(&points);
 }
 
-/* Trajectories that differ only in numbers have middles. A trajectory without such a partner is
- * taken with half of its change. */
+/* Trajectories that differ only in numbers have middles. A trajectory without such a partner gives
+ * a scene with half of its own change. */
 static void test_trajectories(void **state) {
     sample moved = {0};
     size_t count = 0;

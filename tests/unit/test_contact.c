@@ -30,7 +30,7 @@ static void physical_scene(void **state) {
     check_close(contact.load, 2e5, 0, 0);
 }
 
-/* The Moes numbers of physical scenes have the same bounds as given ones. */
+/* The Moes numbers of physical scenes have the same bounds as given Moes numbers. */
 static void moes_bounds_of_physical_scenes(void **state) {
     (void)state;
     scene given = sample_scene("barus", "incompressible", NAN, NAN);
@@ -48,7 +48,8 @@ static void moes_bounds_of_physical_scenes(void **state) {
                                     "100000 and L up to 100");
 }
 
-/* Refuses a half width above the radius, as it results from a modulus in MPa. */
+/* Refuses a half width above the radius. A modulus in MPa instead of Pa causes such a half
+ * width. */
 static void a_contact_is_narrower_than_its_bodies(void **state) {
     (void)state;
     scene given = sample_scene("barus", "incompressible", NAN, NAN);
@@ -202,8 +203,9 @@ static void grid_nodes(void **state) {
 }
 
 /* The half grid has three lines, of which the first is y = 0, and a boundary line. The pressure of
- * the first line ends inside. The pressure of the second has a gap, and a negative value behind its
- * end. The third has no pressure. On the whole grid the other half is mirrored. */
+ * the first line ends inside the grid. The pressure of the second line has a gap, and a negative
+ * value behind its end. The third line has no pressure. The whole grid also has the mirrored
+ * lines. */
 static void exits_of_a_pressure(void **state) {
     (void)state;
     const ehd_grid grid = grid_of(-1, 0.5, 4, 3, true, DISCRETIZATION_PUBLISHED);

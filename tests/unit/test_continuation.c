@@ -78,8 +78,8 @@ static void continuation_takes_strides_that_help(void **state) {
     problem_free(&hopeless);
 }
 
-/* Contacts with extreme parameters all converge from the dry contact. This takes no more iterations
- * than a start from the film that would be used without it. */
+/* Contacts with extreme parameters all converge from the dry contact. This start takes no more
+ * iterations than a start from the film that would otherwise be used. */
 static void extremes_converge(void **state) {
     (void)state;
     static const double corners[][2] = {{1, 0},  {2, 0.5}, {10, 0},   {20, 0},  {50, 0}, {200, 0},

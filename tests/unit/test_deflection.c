@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The deflection of lines and points: against integrals, a direct sum, and Hertz. */
+/* Compares the deflection of lines and points with integrals, a direct sum, and Hertz. */
 #include "common/physics/deflection.h"
 #include "tests/unit/allocation.h"
 #include "tests/unit/check.h"
@@ -77,7 +77,7 @@ static void point_kernel_is_the_integral_over_a_cell(void **state) {
         check_close(contact_point.kernel(&shape_round, x, y, step),
                     integral_over_cell(&influence, y, step), 2e-12, 0);
     }
-    // a square acting on its own centre: 8 triangles of (step/2) asinh(1)
+    // a square cell at its own centre: 8 triangles of (step/2) asinh(1)
     check_close(contact_point.kernel(&shape_round, 0, 0, step), 8 / (M_PI * M_PI) * step * asinh(1),
                 1e-14, 0);
     // a cell far away acts like a point load
@@ -105,7 +105,7 @@ static void check_against_direct_sum(const ehd_contact *contact, double toleranc
             double x = grid_x(grid, k) - grid_x(grid, j), y = grid_y(grid, j);
             direct[k] +=
                 pressure[j] * deflection_influence(contact->kind, grid, x, grid_y(grid, k) - y);
-            if (grid->half && y > 0) // and the mirror image of this cell
+            if (grid->half && y > 0) // adds the mirror image of this cell
                 direct[k] +=
                     pressure[j] * deflection_influence(contact->kind, grid, x, grid_y(grid, k) + y);
         }
@@ -247,8 +247,8 @@ static void order_of_the_deflection(void **state) {
     }
 }
 
-/* Threads share the lines and columns of the grid. Their number changes no bit, on coarse and fine
- * grids. */
+/* Threads divide the lines and columns of the grid. The number of threads changes no bit, on coarse
+ * and fine grids. */
 static void threads_deflect_to_the_same_bits(void **state) {
     (void)state;
     for (size_t cells = 8; cells <= 128; cells *= 4)

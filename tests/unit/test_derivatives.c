@@ -38,8 +38,8 @@ typedef struct problem {
 
 static problem tested;
 
-/* Makes a model with one mode for each node and all rows, so that its residuals vanish. Solves a
- * contact between the training points to round-off. */
+/* Makes a model with one mode for each node and all rows; the residuals of its solutions vanish.
+ * Solves a contact between the training points to round-off. */
 static void problem_init(problem *self, deformation_kind kind) {
     const size_t num_nodes = self->training.set.grid.num_nodes;
     double *weight = malloc(num_nodes * sizeof *weight);
@@ -102,11 +102,11 @@ static void check_all_close(const online_derivatives *found, const online_deriva
     check_close(f->rigid_approach, e->rigid_approach, relative, absolute);
     check_close(f->load, e->load, relative, absolute);
     check_close(found->half_width, expected->half_width, relative, absolute);
-    // the pressure maximum of a point contact is rather a corner at a node
+    // in a point contact the pressure maximum is a corner at a node, not smooth
     check_close(found->peak_pressure, expected->peak_pressure, relative, 3e-5);
 }
 
-/* Returns the central difference of two solutions, whose parameters differ by 2 `change`. */
+/* Returns the central difference of two solutions. Their parameters differ by 2 `change`. */
 static online_derivatives difference(const online_derivatives *before,
                                      const online_derivatives *behind, double change) {
     online_derivatives found = {.half_width = 0};
@@ -162,7 +162,7 @@ static void check_left_alone(problem *self) {
     assert_memory_equal(behind.bound, before.bound, sizeof before.bound);
 }
 
-/* Checks that derivatives of the next solution equal those of another solver. */
+/* Checks that derivatives of the next solution equal the derivatives by another solver. */
 static void check_follows(problem *self) {
     const online_direction by_load = {.load = 1, .approach = NAN};
     const online_derivatives before = differentiate(self, &by_load);
@@ -255,7 +255,7 @@ static void what_cannot_be_told_is_refused(void **state) {
         assert_int_equal(
             online_differentiate(&found, tested.solver, &tested.contact, &wrong[i], &error),
             EHD_DATA);
-    // an approach measured inside the pressurised zone
+    // an approach relative to a point inside the pressurised zone
     tested.contact.approach_length = 1;
     assert_int_equal(
         online_differentiate(&found, tested.solver, &tested.contact, &by_approach, &error),

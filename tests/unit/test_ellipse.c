@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The elliptical contact: its shape against integrals and tables, its parameters against the
- * dimensional contact, and its constant gap under Hertz pressure. */
+/* The elliptical contact: compares its shape with integrals and tables, and its parameters with the
+ * dimensional contact. Under Hertz pressure its gap is constant. */
 #include "common/physics/deflection.h"
 #include "common/physics/grid_choice.h"
 #include "common/physics/reynolds.h"
@@ -19,7 +19,7 @@ enum { NUM_RATIOS = sizeof ratios / sizeof *ratios };
 
 // ---- the shape
 
-/* Returns the integrand of A with t = s^2/(1 - s)^2. The next function is that of B. */
+/* Returns the integrand of A with t = s^2/(1 - s)^2. The next function returns that of B. */
 static double along(double s, void *parameters) {
     const double k2 = pow(*(double *)parameters, 2), root = s / (1 - s), t = root * root;
     return 2 / (pow(1 + t, 1.5) * sqrt(k2 + t)) / ((1 - s) * (1 - s));
@@ -53,7 +53,8 @@ static void shapes_are_those_of_the_integrals(void **state) {
         check_close(ellipse_radius_ratio(k), A / B, 1e-11, 0);
         check_close(ellipse_ellipticity(ellipse_radius_ratio(k)), k, 1e-13, 0);
     }
-    // a circle is exact to the last bit, also from the ratio of radii
+    // a circle is exact to the last bit, also if its ellipticity is computed from the ratio of
+    // radii
     const contact_shape circle = shape_of(ellipse_ellipticity(1));
     assert_memory_equal(&circle, &shape_round, sizeof circle);
 }
@@ -160,8 +161,8 @@ static void moes_numbers_give_the_same_contact(void **state) {
     assert_false(grid_same(&contact.grid, &physical.grid));
 }
 
-/* The grid of ellipticity 1 is that of a point contact. Wide ellipses need sides that are nearer in
- * units of b. */
+/* The grid of ellipticity 1 is that of a point contact. For wide ellipses the sides of the grid
+ * must lie nearer to the centre, in units of b. */
 static void default_grid_knows_the_sides(void **state) {
     (void)state;
     static const double of[] = {0.5, 1, 2, 4, 9};
@@ -235,8 +236,8 @@ static ehd_contact ellipse_on(double k, size_t cells) {
     return contact;
 }
 
-/* Computes the largest deviation of gap plus deflection: inside the ellipse from the value at the
- * centre, outside of it, on Y = 0, from the dry gap. */
+/* Computes two largest deviations of gap plus deflection: inside the ellipse, from the value at the
+ * centre; outside of it on Y = 0, from the dry gap. */
 static void deviations_under_hertz(double *inside, double *outside, double k, size_t cells) {
     const ehd_contact contact = ellipse_on(k, cells);
     const ehd_grid *grid = &contact.grid;
@@ -294,8 +295,8 @@ static void dry_gap_opens_from_the_edge(void **state) {
 
 // ---- the rows
 
-/* On a grid of ellipticity b/a the flow across has the factor (a/b)^2. Its grid step is the step
- * across. */
+/* For ellipticity b/a the flow across has the factor (a/b)^2. The grid step across replaces the
+ * step along. */
 static void flow_across_has_its_factor(void **state) {
     (void)state;
     const double k = 2.5;

@@ -72,9 +72,9 @@ static void negative_pressure_brings_it_back_to_where_the_film_carries_the_flux(
     exit_line line = line_of(&known, pressure);
     assert_int_equal(exit_by_flux(&line, 20), 17);
     assert_int_equal(known.flux_node, 14);
-    known.flux = 2 * 5; // even at the negative node the film carries more than the flux
+    known.flux = 2 * 5; // even at the negative pressure the film carries more than the flux
     assert_int_equal(exit_by_flux(&line, 20), 14);
-    known.flux = 2 * 30; // always at least one node back
+    known.flux = 2 * 30; // the exit moves back by at least one node
     assert_int_equal(exit_by_flux(&line, 20), 19);
     line.min_exit = 16;
     known.flux = 2 * 5;
@@ -91,13 +91,13 @@ static void a_negative_multiplier_takes_it_on(void **state) {
     assert_int_equal(known.flux_node, 20);
     known.flux = 0; // at least one node
     assert_int_equal(exit_by_flux(&line, 20), 21);
-    known.flux = 2 * 100; // at most the longest stride
+    known.flux = 2 * 100; // the exit moves by at most the longest stride
     assert_int_equal(exit_by_flux(&line, 20), 28);
     assert_int_equal(exit_by_flux(&line, 38), 40);
     assert_int_equal(exit_by_flux(&line, 40), 40);
 }
 
-// ---- an exit within a node
+// ---- an exit between two nodes
 
 enum { NUM_NODES = 9, LAST = 5 }; // size of the grid and last node with pressure
 
@@ -217,8 +217,9 @@ static double what_flows_before_the_last(small_exit *small) {
     return flux_before(small, LAST) - 0.8 * small->film[LAST + 1];
 }
 
-/* If an exit at the next node satisfies the fluxes of the Reynolds rows, it satisfies the equations
- * of the cell with offset 1 exactly. So nothing jumps when the exit passes a node. */
+/* An exit at the next node that satisfies the fluxes of the Reynolds rows also satisfies the
+ * equations of the cell with offset 1 exactly. Therefore nothing jumps when the exit passes a
+ * node. */
 static void at_a_node_the_cell_s_equations_are_the_rows(void **state) {
     small_exit small;
     (void)state;

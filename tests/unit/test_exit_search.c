@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The search for exits in the online solver, and its handling of exits that cannot be at their
- * place. */
+/* The search for exits in the online solver, and the handling of exits that cannot move to their
+ * right place. */
 #include "romrun/solve/exit_search.h"
 #include "romrun/solve/least_squares.h"
 #include "tests/unit/check.h"
@@ -26,7 +26,7 @@ static reduced_basis whole_basis(const trained *from) {
 
 static int set_up(void **state) {
     (void)state;
-    trained_init_published(&line, 0.02); // its exits are at nodes
+    trained_init_published(&line, 0.02); // the published discretisation has its exits at nodes
     trained_init_point(&half_point, true, "open");
     line_basis = whole_basis(&line);
     point_basis = whole_basis(&half_point);
@@ -56,7 +56,8 @@ static reduced_squeeze no_squeeze(const reduced_model *model) {
     return (reduced_squeeze){.rate = 0, .previous = previous, .previous_at = nothing_previous};
 }
 
-/* A transient model on the whole basis of the line, with a linear solver of the test. */
+/* A transient model of the line contact with the whole basis. The test replaces the linear
+ * solver. */
 typedef struct own_steps {
     reduced_problem reduced;
     reduced_squeeze squeeze;
@@ -104,9 +105,9 @@ static void solve_on(own_steps *self, size_t s) {
 // ---- an exit that is fixed after oscillating
 
 /* A linear solver that makes the last pressure before the exit alternately negative and positive
- * until the exit is fixed. Then it solves the least squares. Far from the solution no exit is
- * searched, so each change is small. Each is also less than 0.6 of the previous change; otherwise
- * the exit would be fixed at once. */
+ * until the exit is fixed. Then it solves the least squares. The changes are small, because far
+ * from the solution no exit is searched. Each change is also less than 0.6 of the previous one;
+ * otherwise the exit would be fixed at once. */
 static const double SWINGS[] = {3e-3, -1.8e-3, 9e-4, -5e-4, 2e-4, -1e-4};
 enum { NUM_SWINGS = sizeof SWINGS / sizeof *SWINGS };
 
@@ -135,7 +136,7 @@ static reduced_info solve_held(size_t s, size_t behind) {
     own_steps own;
 
     own_steps_init(&own, go_to_and_fro, &other);
-    // mode k is the pressure at node k + 1; the pressure of the node before keeps the exit from
+    // mode k is the pressure at node k + 1; the pressure of the node upstream keeps the exit from
     // moving farther
     other = (to_and_fro){.mode = exit - 2, .usual = own.usual};
     start_at(&own, s, exit);
@@ -149,9 +150,9 @@ static reduced_info solve_held(size_t s, size_t behind) {
     return info;
 }
 
-/* Behind the true exit the pressure is negative. One node too many changes the central film by less
- * than 1e-5, which is accepted. Two nodes change it by up to 3e-5 and four by 1e-4, which is not
- * trusted. */
+/* Behind the true exit the pressure is negative. An exit one node too far changes the central film
+ * by less than 1e-5, which is accepted. Two nodes change it by up to 3e-5 and four by 1e-4, which
+ * is not trusted. */
 static void an_exit_held_elsewhere_is_not_trusted(void **state) {
     (void)state;
     for (size_t s = 0; s < TRAINED_STATES; s += 5)
@@ -221,7 +222,7 @@ typedef struct far_away {
     const reduced_state *state;
     size_t mode;
     double suction;     // change of the pressure at this node
-    size_t calls, exit; // number of calls; exit at the second one
+    size_t calls, exit; // number of calls; exit at the second call
     least_squares *usual;
 } far_away;
 

@@ -33,9 +33,9 @@ static void integrate(double sums[NUM_SUMS], const double middle[2], double x, d
     }
 }
 
-/* Returns the profile for a rate of sliding and two gradients. Bisection finds the stress in the
- * middle along the sliding; inside of it, another bisection finds the stress across that prevents
- * sliding to the side. */
+/* Returns the profile for a rate of sliding and two gradients. An outer bisection finds the stress
+ * in the middle along the sliding. An inner bisection finds the stress across at which nothing
+ * slides to the side. */
 static profile profile_of(double rate, double sigma_x, double sigma_y) {
     const double x = 2 * sigma_x, y = 2 * sigma_y;
     const double most = asinh(rate) + sigma_x + sigma_y;
@@ -86,8 +86,8 @@ static void across_the_sliding_the_factor_is_near(void **state) {
     }
 }
 
-/* The rows of point contacts neglect the pressure gradient in the other direction; EYRING_DOUBT
- * bounds this error. */
+/* For the flow in one direction, the rows of point contacts neglect the pressure gradient in the
+ * other direction. EYRING_DOUBT bounds this error. */
 static void doubt_is_a_bound(void **state) {
     (void)state;
     for (double x = 0.1; x < 3.1; x *= 3)

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The full model as a fallback for a reduced solution gives its own solution, whatever its start. */
+/* The full model as a fallback for a reduced solution gives its own solution, from any start. */
 #include "romrun/calibrate/fallback.h"
 #include "tests/unit/check.h"
 #include "tests/unit/folder.h"

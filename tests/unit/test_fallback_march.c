@@ -30,8 +30,8 @@ static int tear_down(void **state) {
     return 0;
 }
 
-/* A march and its results at each step. `both` has the full model beside the reduced one; NULL: the
- * full model runs alone. */
+/* A march and its results at each step. `both` has the full and the reduced model; NULL: the full
+ * model runs alone. */
 typedef struct run {
     marching reduced;
     parts_march *parts; // its only part is the march of `reduced`
@@ -44,8 +44,8 @@ typedef struct run {
     bool by_full_model[NUM_STEPS + 1];
 } run;
 
-/* Returns a load that leaves the trained range, returns and leaves it again. With a phase of pi/2
- * it starts outside. */
+/* Returns a load that leaves the trained range, comes back and leaves the range again. With a phase
+ * of pi/2 it starts outside. */
 static double load_at(size_t i, double phase) {
     return 1 + 0.15 * sin(2 * M_PI * (double)i * STEP + phase);
 }
@@ -140,7 +140,8 @@ static void check_turns(const ehd_contact *contact, const reduced_basis *basis, 
     assert_true(both->by_full_model[NUM_STEPS]);
     check_close_array(both->film, full->film, NUM_STEPS + 1, tolerance, 0);
     if (contact->transport == TRANSPORT_PATH && contact->kind->dimensions == 1) {
-        // errors along the path: the full model adds them, later the reduced model reports them
+        // errors along the path: the full model accumulates them, later the reduced model reports
+        // them
         check_close(both->effect[36], full->effect[36], 0.15, 0);
         check_close_array(both->effect + 60, full->effect + 60, NUM_STEPS - 59, 0.15, 0);
     }
@@ -187,7 +188,7 @@ static void of_a_point_contact(void **state) {
     reduced_basis_free(&nodes);
 }
 
-/* A march saved after any step, solved by either model, and restored into another object continues
+/* A march is saved after any step of either model, and restored into another object. It continues
  * with the same bits. */
 static void saved_and_restored(void **state) {
     (void)state;
@@ -256,8 +257,8 @@ static void a_start_by_the_full_model(void **state) {
 }
 
 /* The reduced model takes over when films that its basis cannot represent have left the contact.
- * Twelve modes represent the transient film with errors of 4 to 15 % of the central film. This
- * meets one accuracy and not the other. */
+ * Twelve modes represent the transient film with errors of 4 to 15 % of the central film. These
+ * errors meet the first accuracy and not the second. */
 static void the_film_has_to_leave_before(void **state) {
     (void)state;
     reduced_basis few;
@@ -311,8 +312,9 @@ static void where_the_reduced_model_does_not_converge(void **state) {
     reduced_basis_free(&nodes);
 }
 
-/* Rejected attempts cost iterations. Once these are as many as those of the accepted steps, the
- * full model takes the steps until the accepted steps have more iterations again. */
+/* Rejected attempts cost iterations. If these are more than the iterations of all accepted steps,
+ * the full model takes the steps. It does so until the accepted steps, its own included, have more
+ * iterations again. */
 static void iterations_in_vain_are_limited(void **state) {
     (void)state;
     reduced_basis nodes =

@@ -42,8 +42,8 @@ static void solves_its_equation(void **state) {
 }
 
 /* Nothing flows through Y = 0 or behind the exit. So the integral of the equation gives the flow
- * that enters through a circle in front of the contact. This tests the whole solution, to more
- * digits than differences have. */
+ * that enters through a circle in front of the contact. This integral tests the whole solution, to
+ * more digits than differences have. */
 static void keeps_the_flow(void **state) {
     (void)state;
     const int num = 4000;

@@ -60,7 +60,7 @@ static double reynolds_at(const ehd_contact *contact, double approach, double x,
     return (sum / (d * d) / contact->lambda - slope) / fabs(slope);
 }
 
-/* Away from the exit the residual falls with r^-3 or faster; it is c^2/r^4 with a c that varies. */
+/* Away from the exit the residual falls with r^-3 or faster; it is c^2/r^4, where c varies. */
 static void solves_the_reynolds_equation(void **state) {
     (void)state;
     const double ellipticities[] = {1, 0.5, 1.5, 3}, directions[] = {0, 0.4, 0.8, 1.2};
@@ -121,7 +121,7 @@ static void counts_the_load_beyond(void **state) {
         for (double x = -6.125 + step / 2; x < 4.125; x += step)
             for (size_t l = 0; l < lines; l++) {
                 const double y = ((double)l + 0.5) * width;
-                // share of a strip that lies beside the cells of the inner grid
+                // fraction of a strip that lies beside the cells of the inner grid
                 const double share = fmin(fmax((y + width / 2 - inside) / width, 0), 1);
                 between += 2 * step * width * (x < -4.125 || x > 2.125 ? 1 : share) *
                            pressure_at(&one, approach, x, y);
@@ -140,7 +140,7 @@ static void counts_the_load_beyond(void **state) {
                     (2 * d),
                 1e-6, 0);
 
-    // at this approach the load balance is closed, and the slope is that of the balance
+    // at this approach the load balance holds, and the slope is that of the balance
     arena memory = {0};
     far_field prepared;
     far_field_init(&prepared, &one.grid, NULL, one.grid.num_nodes, &memory);
@@ -214,7 +214,7 @@ static contact_scalars films_of(const ehd_contact *contact) {
 }
 
 /* With a far field, a domain from -4 on is as accurate as one from -16 on. With zero pressure
- * around, their films differ. */
+ * around the grid, the films of both domains differ. */
 static void short_domains_are_as_good_as_long_ones(void **state) {
     (void)state;
     static const double points[][4] = {{5, 0, 1, 3},     {10, 0, 1, 3},     {10, 5, 1, 3},

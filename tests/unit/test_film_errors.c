@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Errors of films that enter the contact and go through it with the fluid. */
+/* Errors of films. These errors enter the contact and move through it with the fluid. */
 #include "common/time/film_errors.h"
 #include "tests/unit/check.h"
 
@@ -28,7 +28,7 @@ static void go_on(const contact_frame *then, const contact_frame *now, double en
  * zero. */
 static void an_error_goes_with_the_fluid(void **state) {
     (void)state;
-    const double last = 0.3, smooth = 0.06; // `smooth`: splines smooth the ends
+    const double last = 0.3, smooth = 0.06; // `smooth`: splines smooth the ends of the error
 
     film_errors_set(&errors, NULL);
     for (int i = 1; i <= 80; i++) {

@@ -171,7 +171,7 @@ static double moes_units(double moes_M, double moes_L) {
 
 static void moes_goes_to_its_asymptotes(void **unused) {
     // rigid isoviscous: Martin's h0/R = 4.896 U/W with the mean velocity. At the pressure maximum
-    // the film is as thick as at its end, x = 0.4754 sqrt(2 R h0)
+    // the film is as thick as where the pressure ends, x = 0.4754 sqrt(2 R h0)
     const double martin = 4.896 / 2 * (1 + 0.4754 * 0.4754);
     (void)unused;
 
@@ -311,7 +311,7 @@ static void slender_ellipses_are_lines(void **unused) {
         }
 }
 
-/* A contact has the numbers of its shape, with and without a known modulus. */
+/* A contact has the film numbers of its shape, with and without a known modulus. */
 static void an_elliptical_contact(void **unused) {
     const ehd_contact contact = steel("ellipse", BALL_LOAD, 226e9);
     const ehd_contact bare = without_modulus(&contact);
@@ -401,7 +401,7 @@ static double ertel_film(const ehd_contact *contact) {
     return least;
 }
 
-/* Grubin's formula is a fit to this film, in this range. */
+/* In this range, Grubin's formula is a fit to the film of ertel_film. */
 static void grubin_fits_the_inlet(void **unused) {
     (void)unused;
 

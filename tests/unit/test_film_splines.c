@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Earlier films of the reduced model, against those of the full model, which are carried by splines
- * of GSL and direct sums. */
+/* Compares earlier films of the reduced model with those of the full model. Splines of GSL and
+ * direct sums carry the films of the full model. */
 #include "common/physics/deflection.h"
 #include "fullrun/previous.h"
 #include "romrun/state/film_splines.h"
@@ -12,7 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-// number of a training state whose exit differs from that at which the modes' splines are cut
+// number of a training state. Its exit differs from the one at which the modes' splines are cut
 enum { STATE = 7 };
 
 static trained training;
@@ -82,7 +82,7 @@ static void compare(const reduced_basis *basis, const ehd_contact *reference,
     fill_full(&full, &carrier, &film, basis, reference);
     previous_mass(expected, &full, now, &carrier);
     for (size_t k = 1; k <= grid->num_inner; k++) {
-        // three times the same state, and the state alone
+        // three identical states, and the state alone
         const previous_film *films[] = {&film, &film, &film};
         double mass[3], alone;
         double place = frame_stretch(now, &then) * grid_x(grid, k);
@@ -119,8 +119,8 @@ static void films_equal_those_of_the_full_model(void **unused) {
     }
 }
 
-/* In a wider frame the grid starts farther upstream. There the film also needs the deflection, on
- * its stored part and beyond. */
+/* In a wider frame the grid starts farther upstream. There the film also needs the deflection, both
+ * where it is stored and beyond. */
 static void films_go_on_before_the_grid(void **unused) {
     (void)unused;
     reduced_basis basis;
@@ -247,7 +247,8 @@ static void plane_free(plane *self) {
     free(self->x);
 }
 
-/* Makes a spline along each line; plane_at makes a spline across from their values. */
+/* Makes a spline along each line. From the values of these splines, plane_at makes a spline
+ * across. */
 static void plane_prepare(plane *self) {
     for (size_t l = 0; l < self->lines; l++) {
         self->along[l] = gsl_spline_alloc(gsl_interp_cspline, self->width);
@@ -286,7 +287,7 @@ static void fill_pressure(plane *self, const point_film *of, bool cut) {
         }
 }
 
-/* Computes H0 plus the deflection of that pressure, by direct summation. */
+/* Computes H0 plus the deflection of `pressure`, by direct summation. */
 static void fill_deflection(plane *self, const plane *pressure, const point_film *of) {
     double step = of->basis->grid.step;
     size_t size = self->width * self->lines;
@@ -381,8 +382,8 @@ static void films_of_point_contacts_equal_tensor_splines(void **unused) {
     }
 }
 
-/* In an unchanged frame the values are those at the nodes, also for the next state in the same
- * memory. */
+/* In an unchanged frame the values are those at the nodes. This also holds for the next state in
+ * the same memory. */
 static void a_frame_that_stands_still_gives_the_nodes(void **unused) {
     (void)unused;
     point_film self;

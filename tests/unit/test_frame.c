@@ -132,8 +132,8 @@ static void scalars_of_a_frame_are_physical(void **state) {
     }
 }
 
-/* The dry contact has H0 = -(1/4 + ln 2 / 2) in every frame. So the approach changes only by the
- * scale and by the logarithm of the half width. */
+/* The dry contact has H0 = -(1/4 + ln 2 / 2) in every frame. So between frames the approach changes
+ * only by the scale and by the logarithm of the half width. */
 static void approach_of_dry_contacts(void **state) {
     (void)state;
     ehd_contact reference = physical_contact(&contact_line, (double[]){1, 1, 1, 1});

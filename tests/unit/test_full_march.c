@@ -114,7 +114,7 @@ static void start_is_the_stationary_contact(void **state) {
 // ---- accuracy of time steps
 
 /* Returns the largest difference of the central films of two runs, at the times of the coarse run.
- * Its steps are twice as long as those of the fine run. */
+ * The steps of the coarse run are twice as long as those of the fine run. */
 static double film_difference(const marched *coarse, const marched *fine) {
     double largest = 0;
 
@@ -170,8 +170,9 @@ static void fixed_steps_are_of_second_order(void **state) {
     }
 }
 
-/* Checks the error of the film under error control, also after long steps before a kink. On this
- * coarse grid the accurate discretisation has up to twice the error of the published one. */
+/* Checks the error of the film under error control, including the error at a kink after long
+ * steps. On this coarse grid the accurate discretisation has up to twice the error of the
+ * published one. */
 static void tolerance_holds(void **state) {
     static const struct {
         const char *law;
@@ -224,7 +225,7 @@ static void a_slow_ramp_along_the_path_ends_at_rest(void **state) {
     marched_end(&second);
 }
 
-/* While the film follows the load, the exit within a node agrees with the exit on a grid with a
+/* While the film follows the load, the exit between two nodes agrees with the exit on a grid with a
  * quarter of the step. */
 static void the_exit_lies_within_its_node(void **state) {
     static const char transient[] =
@@ -304,9 +305,9 @@ static ehd_status check_local_error(void *sink, const march_step *step, size_t i
     return EHD_OK;
 }
 
-/* The local error is the largest one up to a tenth of a half width before the exit. Nearer errors
- * are left out, since the exit moves by whole nodes, which causes noise. The speed oscillates, so
- * that the exit moves and disturbances of the film travel to it. */
+/* The local error is the largest one up to a tenth of a half width before the exit. Errors nearer
+ * to the exit are left out: the exit moves by whole nodes, which causes noise. The speed
+ * oscillates, so that the exit moves and disturbances of the film travel to it. */
 static void local_error_is_that_before_the_exit(void **state) {
     (void)state;
     static error_check check;
@@ -345,9 +346,9 @@ static void sine_leads_to_a_periodic_state(void **state) {
     marched_end(&first);
 }
 
-/* After all changes the contact is the stationary one of the last values. With upwind transport
- * it is so to round-off, with transport along the path except for the errors of transport and
- * filter. */
+/* After all changes the contact is the stationary one of the last values. With upwind transport the
+ * only difference is round-off. With transport along the path there are also the errors of
+ * transport and filter. */
 static void ramps_end_in_the_stationary_contact(void **state) {
     static const char ramps[] = "load: {law: ramp, from: 1.4, to: 0.8, start: 0.5, duration: 1}, "
                                 "speed: {law: ramp, from: 0.7, to: 1.2, start: 0.1, duration: 2}, "
@@ -380,7 +381,7 @@ static void ramps_end_in_the_stationary_contact(void **state) {
 
 // ---- the approach given
 
-/* Returns the usual contact, whose approach is measured from as far away as is allowed. */
+/* Returns the usual contact. Its approach is relative to a point as far away as is allowed. */
 static scene measured_scene(const char *transient) {
     scene of = usual_scene(transient);
     of.approach_length = 10;
@@ -392,7 +393,7 @@ static void run_measured(marched *self, const char *transient) {
     marched_all(self, &of);
 }
 
-/* The approach that results from a load, given as a table, leads to that load. */
+/* The approach that results from a load is given as a table. It leads to the same load. */
 static void approach_gives_the_load_back(void **state) {
     static const char name[] = "approach.csv";
     (void)state;
@@ -426,7 +427,7 @@ static void approach_gives_the_load_back(void **state) {
     }
 }
 
-/* The start from a given approach has the load that belongs to this approach. */
+/* A start from a given approach finds the load that belongs to this approach. */
 static void start_from_a_given_approach(void **state) {
     (void)state;
     scene of = marched_scene(20, 6, "dowson-higginson", 0.05,
@@ -447,7 +448,8 @@ static void start_from_a_given_approach(void **state) {
     marched_end(&second);
 }
 
-/* An approach that removes nearly all of the load: the continuation takes steps of 1/32 of the way. */
+/* Starts from an approach that removes nearly all of the load. The continuation takes steps of 1/32
+ * of the way. */
 static void start_from_an_approach_far_away(void **state) {
     (void)state;
     scene of = marched_scene(20, 8, "dowson-higginson", 0.02,
@@ -473,7 +475,7 @@ static void approach_is_well_posed(void **state) {
     marched_end(&second);
 }
 
-/* An approach measured inside the pressurised zone is not well posed, and is refused. */
+/* An approach relative to a point inside the pressurised zone is not well posed, and is refused. */
 static void approach_from_within_is_refused(void **state) {
     (void)state;
     scene of =
@@ -586,7 +588,7 @@ static void bad_saves_are_refused(void **state) {
     const march_solver *solver = &first.march.solver;
     size_t size = solver->saved_size(solver->self);
     double *saved = calloc(size, sizeof *saved);
-    double *states = saved + first.reference.grid.num_nodes; // behind the errors along the path
+    double *states = saved + first.reference.grid.num_nodes; // errors along the path come first
     ehd_error error = {""};
 
     assert_non_null(saved);
@@ -760,8 +762,8 @@ static void a_ripple_is_damped(void **state) {
 }
 
 /* A load step traps a pocket of lubricant three times as thick as the film. The pocket passes the
- * centre. With fixed steps of 0.0025 and half of the grid step its film is 0.092 to 0.095, with
- * transport along the path and upwind. A solution with a ruptured inlet, which Newton passes on the
+ * centre. With time steps of 0.0025 and half of the grid step, the film of the pocket is 0.092 to
+ * 0.095 for both kinds of transport. A solution with a ruptured inlet, which Newton passes on the
  * way, would leave 0.055. */
 static void a_trapped_pocket_passes(void **state) {
     double most = 0;
@@ -838,8 +840,8 @@ static double mean_of(const double *values, size_t count) {
     return sqrt(sum);
 }
 
-/* Returns the part of a film's change that `effect` does not predict. The film of the run `first`
- * changes to `better`, which the run `second` gives with steps a quarter as long and no filter. */
+/* Returns the part of a film's change that `effect` does not predict. The change is from `film`, of
+ * the run `first`, to `better`, of the run `second`, with steps a quarter as long and no filter. */
 static double left_of_change(const double *film, const double *better, const double *effect) {
     static double change[MARCHED_STEPS], rest[MARCHED_STEPS];
 
@@ -852,8 +854,9 @@ static double left_of_change(const double *film, const double *better, const dou
     return mean_of(rest, first.count) / mean_of(change, first.count);
 }
 
-/* Checks the effects with upwind transport and with transport along the path, including the
- * filter's. The minimum film of a point contact hardly changes, and its effect is overestimated. */
+/* Checks the effects with upwind transport and with transport along the path, including the effect
+ * of the filter. The minimum film of a point contact hardly changes, and its effect is
+ * overestimated. */
 static void effects_are_those_of_shorter_steps(void **state) {
     static const char history[] = "load: {law: sine, amplitude: 0.1, period: 1}";
     char of_line[128], of_point[128];

@@ -147,10 +147,10 @@ static void newton_count_does_not_grow(void **state) {
     }
 }
 
-/* The pressure zone starts a tenth of a half width too short or too long. The flux gives the
- * place of the exit at once, so Newton takes no more iterations than for the pressure, on coarse
- * and fine grids. Measured: 4 or 5 iterations; with a flux that is 10 % off, up to 10 at the
- * smallest step. */
+/* The pressure zone starts a tenth of a half width too short or too long. The flux gives the place
+ * of the exit at once, so Newton takes no more iterations than the pressure needs, on coarse and
+ * fine grids. Measured: 4 or 5 iterations; with a flux that is 10 % off, up to 10 at the smallest
+ * step. */
 static void flux_finds_the_exit_at_once(void **state) {
     (void)state;
     static const double steps[] = {0.02, 0.01, 0.005};
@@ -188,7 +188,7 @@ static void steps_are_searched(void **state) {
     problem_free(&solved);
 }
 
-// ---- an exit within a node, with the accurate discretisation
+// ---- an exit between two nodes, with the accurate discretisation
 
 static ehd_contact accurate_contact(double moes_M, double moes_L, double step) {
     ehd_contact contact = sample_contact("barus", "incompressible", moes_M, moes_L, step);
@@ -267,7 +267,8 @@ static void exit_is_smooth_in_the_load(void **state) {
     problem_free(&solved);
 }
 
-/* A result stores pressure and approach; the place of the exit within its node follows from them. */
+/* A result stores pressure and approach. The place of the exit within the cell of its node follows
+ * from them. */
 static void pressure_holds_the_exit(void **state) {
     (void)state;
     const full_settings settings = full_default_settings();
@@ -292,8 +293,8 @@ static void pressure_holds_the_exit(void **state) {
     }
 }
 
-/* Rows before the exit's node are balanced; the rows of this node and of cavitated nodes are
- * not. */
+/* Rows before the node of the exit have zero residuals. The row of this node and the rows of
+ * cavitated nodes do not. */
 static void rows_before_the_exit_hold(void **state) {
     (void)state;
     const ehd_contact contact = accurate_contact(20, 10, 0.01);
@@ -331,7 +332,7 @@ static void the_cell_is_part_of_the_linear_system(void **state) {
     problem_free(&solved);
 }
 
-/* With so fine a step, round-off leaves residuals of 5e-12. With a smaller tolerance, as in
+/* With so fine a step, round-off leaves residuals of 5e-12. If the tolerance is smaller, as in
  * training, the iteration ends when the residuals no longer fall. On its default grid this contact
  * takes 6 iterations; waiting until the residual falls below 1e-12 by chance would take 47. */
 static void rounding_ends_the_iteration(void **state) {

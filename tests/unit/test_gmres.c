@@ -92,7 +92,7 @@ static ehd_status watch_iterations(full_system *system, double tolerance, size_t
 }
 
 /* On 19201 nodes a system takes up to 46 iterations, each of which stores a vector. The limit must
- * allow them, and memory must be allocated only when needed. */
+ * allow so many vectors, and memory must be allocated only when needed. */
 static void vectors_suffice_for_a_fine_grid(void **state) {
     (void)state;
     const ehd_contact contact = sample_contact("barus", "dowson-higginson", 200, 5, 0.0003125);
@@ -157,7 +157,7 @@ static void factors_serve_the_whole_step(void **state) {
         step_from_stationary(&contacts[i], 0.05);
         assert_true(num_systems >= 3);
         assert_int_equal(num_kept, num_systems - 1);
-        // measured iterations: 122 in 4 systems of the line, 90 in 5 systems of the point
+        // measured: 122 iterations in 4 systems of the line, 90 in 5 systems of the point
         assert_true(kept_iterations <= (i ? 100 : 135));
     }
 }

@@ -129,8 +129,8 @@ static void rigid_films(void **state) {
     }
 }
 
-/* Returns the larger of two ratios: the error of the central film to 1 %, that of the minimum film
- * to 3 %. */
+/* Returns the larger of two ratios: error of the central film over 1 %, and error of the minimum
+ * film over 3 %. */
 static double error_on(const ehd_contact *contact, double central, double smallest) {
     const full_settings settings = full_default_settings();
     problem found;
@@ -173,9 +173,9 @@ static void grids_are_fine_and_wide_enough(void **state) {
         check_just_enough("line", &cases[i]);
 }
 
-/* A point contact of low M and L with zero pressure around it is limited by the load beyond the
- * domain: with half of the length the film is off by 1.5 %. The reference films are those of the
- * next test. */
+/* For a point contact of low M and L with zero pressure around the grid, the load beyond the domain
+ * determines the length. With half of the length the film is off by 1.5 %. The reference films are
+ * those of the next test. */
 static void points_count_the_load_beyond(void **state) {
     (void)state;
     const double central = 0.26890, smallest = 0.19779;

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Starts from trained solutions. Fields that are quadratic in the place are exact inside the
- * training, affine ones wherever the training spans a plane; otherwise the nearest state is used. */
+/* Starts from trained solutions. Inside the training, starts are exact for fields that are
+ * quadratic in the place. For affine fields they are exact wherever the training spans a plane.
+ * Otherwise the nearest state is used. */
 #include "common/settings/scene.h"
 #include "romrun/solve/guess.h"
 #include "romrun/solve/reduced_solver.h"
@@ -156,8 +157,8 @@ static void places_of_two(places *self, const ehd_lubricant of[2], size_t column
 
 /* Two lubricants have states at the same places. The states of the compressible lubricant differ by
  * five times the rise of its density. The incompressible contact gets its own field. Without a
- * lubricant the guess lies between both fields. States of one lubricant only are used unchanged for
- * another lubricant. */
+ * lubricant the guess lies between both fields. If only one lubricant has states, they are used
+ * unchanged for another lubricant. */
 static void lubricants_are_told_apart(void **state) {
     enum { ALL = 2 * MOST * MOST };
     const ehd_lubricant of[2] = {barus(false), barus(true)};
@@ -205,8 +206,9 @@ static void lubricants_are_told_apart(void **state) {
     places_free(&self);
 }
 
-/* If the contact's lubricant has too few states for a quadratic fit, states of others are used with
- * their own lubricant. The guess of an affine field of two lubricants is then exact. */
+/* If the contact's lubricant has too few states for a quadratic fit, states of other lubricants are
+ * used too, each with its own lubricant. The guess of an affine field of two lubricants is then
+ * exact. */
 static void few_states_of_two_lubricants(void **state) {
     enum { COLUMNS = 4, ROWS = 2 };
     const ehd_lubricant of[2] = {barus(false), barus(true)};
@@ -337,7 +339,7 @@ static void spoil_nearest(reduced_states *states, const ehd_contact *contact, si
     }
 }
 
-/* If a start fails the next trained solutions are tried, here up to the eleventh. */
+/* If a start fails, the next trained solutions are tried, here up to the eleventh. */
 static void goes_on_to_other_starts(void **state) {
     (void)state;
     trained training;
@@ -415,7 +417,7 @@ static void trained_range_is_the_hull(void **state) {
     rate[3] = 0.1;
     assert_true(is_trained(&model, 15, 3, 0.1));
     assert_false(is_trained(&model, 15, 3, 0.11));
-    // the load changed more slowly in training; the speed caused the rest
+    // in training the load changed more slowly; the speed caused the other changes
     load_rate[2] = 0.04;
     assert_true(is_trained_at(&model, 15, 3, (frame_rates){.all = 0.1, .load = 0.04}));
     assert_false(is_trained_at(&model, 15, 3, (frame_rates){.all = 0.1, .load = 0.045}));
@@ -486,7 +488,7 @@ static void outside_the_nearest_range(void **state) {
             assert_non_null(range);
             for (int i = 0; i < 4; i++) {
                 contact_place place = at[i];
-                // inside the small range, and thinned too much for both
+                // inside the small range, and too much thinning for both
                 place.thinning.sliding = kind == 0 ? 0 : i == 3 ? 0.3 : 0.15;
                 found[r][i] = trained_range_outside(range, NULL, place);
             }
@@ -525,8 +527,8 @@ static const char *judge(const reduced_model *model, double M, double alpha_p_H,
     return judge_place(model, place);
 }
 
-/* Tests a trained range like a wedge, more thinned at larger M, and a model that was trained
- * without thinned flow. */
+/* Tests a trained range with the shape of a wedge: at larger M the flow is thinned more. Also tests
+ * a model that was trained without thinned flow. */
 static void trained_range_knows_thinning(void **state) {
     (void)state;
     static const char less[] = "a flow that is thinned less than any in training";

@@ -56,7 +56,7 @@ static void refuses_with(ehd_status expected, const char *histories, const char 
         fail_msg("status %d, text \"%s\", expected \"%s\"", status, error.text, part);
 }
 
-/* Checks that with transport along the path only reduced models refuse a reversing speed. */
+/* Checks that with transport along the path, only reduced models refuse a speed that reverses. */
 static void is_refused_by_reduced_models(const char *speed, const char *part) {
     scene of = scene_of(speed);
     ehd_histories *self;
@@ -215,7 +215,7 @@ static void kinks_and_jumps_come_in_order(void **state) {
                  "speed: {law: step, to: 2, at: 0.75}, modulus: {law: step, to: 2, at: 1.5}, "
                  "radius: {law: ramp, to: 2, start: -1, duration: 2}",
                  4, (double[]){0.5, 0.75, 1, 1.5}, (bool[]){false, true, false, true});
-    // a kink and a jump at one time are a jump, whichever comes first
+    // a kink and a jump at the same time count as a jump, in either order
     check_events("load: {law: ramp, to: 2, start: 0.5, duration: 1}, "
                  "speed: {law: step, to: 2, at: 0.5}",
                  2, (double[]){0.5, 1.5}, (bool[]){true, false});
@@ -325,8 +325,8 @@ static void a_reversal_is_refused_but_not_rest(void **state) {
     histories_free(self);
 }
 
-/* All knots are positive. The second derivative of the spline is 1.14 at the inner knots, so its
- * value midway between them is 0.05 - 1.14/8. */
+/* All knots are positive. The second derivative of the spline is 1.14 at the inner knots. So the
+ * spline has the value 0.05 - 1.14/8 midway between them. */
 static void splines_are_checked_between_their_knots(void **state) {
     (void)state;
     write_file("dip.csv", "T,F\n-1,1\n0,0.05\n1,0.05\n2,1\n");

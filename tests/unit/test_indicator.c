@@ -43,8 +43,8 @@ enum { NODES = 12, MODES = 2, SELECTED = 3 };
 
 static const size_t selected[SELECTED] = {1, 4, 9};
 
-/* Makes converged residuals of three states that differ from the modes at nodes 7, 2 and 10, by
- * decreasing amounts. Before each of them comes the residual of an iteration that is not converged,
+/* Makes the converged residuals of three states. They differ from the modes at nodes 7, 2 and 10,
+ * by decreasing amounts. Before each of them is the residual of an iteration that is not converged,
  * at node 5. */
 static void make_snapshots(double residuals[6][NODES], double modes[MODES][NODES]) {
     const size_t places[] = {7, 2, 10};
@@ -76,7 +76,7 @@ static void control_rows_are_where_selected_ones_predict_least(void **state) {
     assert_int_equal(control[0], 7);
     assert_int_equal(control[1], 2);
     assert_int_equal(control[2], 10);
-    // at most one control row for each converged state; states on trajectories are left out
+    // each converged state gives at most one control row; states on trajectories give none
     count = 4;
     assert_int_equal(control_choose(control, &count, true, &snapshots, NODES, modes[0], MODES,
                                     selected, SELECTED, &error),
@@ -316,7 +316,7 @@ static double moved(const problem *last, const double *left, const double *gradi
     return sqrt(sum);
 }
 
-/* Errors of pressures, load and fields follow from the residual of each row, like that of the
+/* Errors of pressures, load and fields follow from the residual of each row, like the error of the
  * central film. `added` are further squared residuals. */
 static void other_errors_are_what_each_row_does(void **state) {
     static problem last;
@@ -454,7 +454,7 @@ static void film_error_is_what_each_row_does(void **state) {
     }
 }
 
-/* With all modes and rows a result differs only by the unfinished iteration. */
+/* With all modes and rows, a result has only the error that the last iteration leaves. */
 static void what_the_iteration_leaves_is_indicated(void **state) {
     size_t num_ended_early = 0;
     reduced_model model;

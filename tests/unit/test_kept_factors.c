@@ -98,10 +98,10 @@ static void kept_factors_serve_steps_alike(void **state) {
         }
 }
 
-/* Far from the solution the mobility in the rows is linear in the pressure. At first it is
- * linearised about the higher of the pressures of the current and the last state. Later, where the
- * pressure has fallen, it is linearised where the mobility equals that of the linear rows; where it
- * has risen, at the pressure itself. */
+/* Far from the solution the mobility in the rows is linear in the pressure. At first the line
+ * touches the mobility at the higher of two pressures, of the current and the last state. Later, if
+ * the pressure of a node has risen, it touches at this pressure. If the pressure has fallen, it
+ * touches where the mobility equals that of the linear rows. */
 static void rows_are_linear_about_other_pressures(void **state) {
     const size_t s = 5;
     const scene exponential = sample_scene("barus", "incompressible", 20, 10);

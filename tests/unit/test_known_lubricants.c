@@ -94,8 +94,9 @@ static void one_lubricant_is_known_alone(void **state) {
                         "not in training");
 }
 
-/* A lubricant is known if it lies between those of the training. It is not known outside of them,
- * or if its viscosity law was trained with one density law alone and it has another. */
+/* A lubricant is known if it lies between those of the training; outside of them it is unknown.
+ * It is also unknown if its viscosity law was trained with only one density law, and it has
+ * another. */
 static void lubricants_between_are_known(void **state) {
     const double alphas[] = {1.4e-8, 1.6e-8, 1.8e-8};
     sample model = {0}, pairs = {0};
@@ -125,8 +126,8 @@ static void lubricants_between_are_known(void **state) {
                         "viscosity law barus with density law incompressible: not in training");
 }
 
-/* A calibration makes lubricants known: its stationary scenes for stationary contacts, its
- * trajectories for transient ones. */
+/* A calibration makes lubricants known: stationary scenes of the calibration for stationary
+ * contacts, trajectories for transient contacts. */
 static void calibrations_make_lubricants_known(void **state) {
     const ehd_lubricant own = oil("roelands", 1.6e-8, 0.06, "dowson-higginson");
     const ehd_lubricant rigid = oil("roelands", 1.6e-8, 0.06, "incompressible");

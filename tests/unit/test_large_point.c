@@ -40,8 +40,9 @@ static void threads_change_no_bit(void **state) {
     }
 }
 
-/* A small grid, solved as a stage of a large one, uses a multigrid cycle instead of factors. Its
- * solution is that of the small grid up to round-off. Threads change no bit of it. */
+/* A small grid that is solved as a stage of a large one uses a multigrid cycle instead of factors.
+ * The solution is that of the small grid alone, up to round-off. Threads change no bit of this
+ * solution. */
 static void a_small_grid_is_solved_as_a_large_one(void **state) {
     (void)state;
     const ehd_contact contact = sample_point("barus", "dowson-higginson", 20, 10, 96, true);

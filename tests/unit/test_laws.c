@@ -239,8 +239,8 @@ static void a_law_that_there_is_no_room_for_is_refused(void **state) {
                                     "expected at most 31");
 }
 
-/* Returns the need of a parameter if it is a preset or a constant, else -1: other needs may differ
- * between laws. */
+/* Returns how a parameter is needed if it is a preset or a constant; else -1, because other needs
+ * may differ between laws. */
 static int role_of(const law_parameter *parameter) {
     return parameter->need == LAW_PRESET || parameter->need == LAW_CONSTANT ? (int)parameter->need
                                                                             : -1;
@@ -281,7 +281,7 @@ static void laws_agree_on_shared_keys(void **state) {
         "temperature", "A1"};
     for (size_t i = 0; i < sizeof order / sizeof *order; i++)
         assert_string_equal(laws_key(viscosity_laws, i)->key, order[i]);
-    assert_null(laws_key(viscosity_laws, 15));                // these, seven more of wlf, slope
+    assert_null(laws_key(viscosity_laws, 15));                // 15 keys: these, 7 of wlf, slope
     assert_null(laws_default(viscosity_laws, "temperature")); // only wlf has a default
     assert_false(laws_require(viscosity_laws, "eta0"));       // only roelands requires it
     assert_true(laws_require(viscosity_laws, "alpha"));

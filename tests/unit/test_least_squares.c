@@ -102,9 +102,10 @@ static void equals_lapack(void **state) {
         }
 }
 
-/* The error of the normal equations is proportional to the square of the condition. It is 1e-5 at a
- * condition of 1e6. Up to there they are used, since their factors are cheap and can be reused by
- * least_squares_again. At 1e8 they would fail; QR has an error of 1e-9. */
+/* The error of the normal equations is proportional to the square of the condition. It is 1e-5 at
+ * a condition of 1e6. Up to this condition the normal equations are used, since their factors are
+ * cheap and can be reused by least_squares_again. At 1e8 they would fail; QR has an error of
+ * 1e-9. */
 static void qr_takes_over_where_normal_equations_fail(void **state) {
     (void)state;
     double matrix[ROWS * COLUMNS], right[ROWS], x[COLUMNS], expected[COLUMNS];
@@ -251,7 +252,7 @@ static void not_finite_is_said(void **state) {
         random_vector(right, ROWS);
         matrix[17] = bad[i];
         assert_int_equal(least_squares_solve(x, workspace, matrix, right, ROWS), EHD_NOT_CONVERGED);
-        // in the first column only, which is not a column of zeros
+        // not finite in the first column only, which is not a column of zeros
         random_matrix(matrix, ROWS, 5);
         matrix[COLUMNS] = bad[i];
         assert_int_equal(least_squares_solve(x, workspace, matrix, right, ROWS), EHD_NOT_CONVERGED);

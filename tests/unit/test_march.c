@@ -18,7 +18,7 @@ enum { MOST_STEPS = 20000 };
 /* The solver, its faults and counts of its calls. */
 typedef struct follower {
     double delay, first_value;
-    // true: the load of the history is the right-hand side; false: zero is, so y = exp(-T/delay)
+    // true: the right-hand side is the load of the history; false: it is zero, so y = exp(-T/delay)
     bool by_history;
     bdf_ring ring;
     double value[BDF_PREVIOUS + 1];
@@ -546,7 +546,7 @@ static void times_closer_than_a_thousandth_of_the_step_are_one(void **state) {
 }
 
 /* Two jumps just before and after a multiple of the step count as one jump, which follows the
- * multiple. A jump that round-off moves to just before the end is left out. */
+ * multiple. A jump at the end that round-off moves to just before the end is left out. */
 static void jumps_beside_multiples_are_one(void **state) {
     (void)state;
     run_begin(&first, "end_time: 1, fixed_step: 0.1, load: {law: step, to: 1.5, at: 0.299999999}, "
@@ -655,7 +655,8 @@ static void step_size_underflows(void **state) {
     }
 }
 
-/* Steps below the round-off of the time are not tried, however short the first step was. */
+/* Steps shorter than the round-off of the time are not tried, even if the first step was as
+ * short. */
 static void step_size_ends_above_rounding(void **state) {
     (void)state;
     for (int i = 0; i < 2; i++) {
@@ -710,8 +711,8 @@ static void steps_stand_above_noise(void **state) {
     run_end(&first);
 }
 
-/* With transport along the path no step is shorter than a quarter of the grid step. A length whose
- * last step had too large an error is not tried again. */
+/* With transport along the path no step is shorter than a quarter of the grid step. If a step had
+ * too large an error, its length is not tried again. */
 static void steps_along_the_path_stay_at_the_shortest(void **state) {
     (void)state;
     static const ehd_contact line = {.kind = &contact_line,
@@ -730,7 +731,7 @@ static void steps_along_the_path_stay_at_the_shortest(void **state) {
 }
 
 /* Errors along the path that exceed eight tolerances shorten later steps. At four times this value
- * each error is multiplied by four, so steps with an error of third order are 4^(1/3) times
+ * each step's error counts four times, so steps with an error of third order are 4^(1/3) times
  * shorter. Upwind transport has no such errors. */
 static void what_films_have_taken_up_shortens_steps(void **state) {
     (void)state;
@@ -908,7 +909,7 @@ static void forecast_of_the_load_is_bounded(void **state) {
     check_close(load_forecast_scale(&of, 1, &grid), 6, 0, 0);
     of.rate = -100;
     check_close(load_forecast_scale(&of, 1, &grid), 1.5, 0, 0);
-    // the rate of a last step of a thousandth is used for a limited time only
+    // the rate during a last step of 1e-3 is used for a limited time only
     of = (load_forecast){.load = 3, .scale = 2.9, .rate = 1, .last_step = 1e-3};
     check_close(load_forecast_scale(&of, 1, &grid), 3 + bdf_most_growth * 1e-3, 1e-15, 0);
     // a short step leaves the scale almost as it was

@@ -5,7 +5,8 @@
 
 #include <math.h>
 
-/* A film whose minimum is 0.3. Its place is given in grid steps from node (30, 7). */
+/* A film whose minimum is 0.3. The place of the minimum is given in grid steps from node (30,
+ * 7). */
 typedef struct valley {
     ehd_grid grid;
     double along, across, third, fourth;
@@ -57,8 +58,8 @@ static void exact_for_quartics(void **state) {
     }
 }
 
-/* The film has a slanting valley, as in the horseshoe of a point contact, which crosses several
- * nodes from line to line. */
+/* The film has a slanting valley, as in the horseshoe of a point contact. From line to line the
+ * valley moves by several nodes. */
 static void along_a_slanting_valley(void **state) {
     (void)state;
     for (double slant = -4; slant <= 4; slant += 0.5) {

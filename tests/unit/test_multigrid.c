@@ -138,8 +138,8 @@ static void cycles_converge_on_any_grid(void **state) {
 }
 
 /* Cycles also converge with much larger flow across the lines, as in narrow ellipses. If the
- * coarser grids had every second node of a line, the errors of these three would be 2e-2, 4e-2 and
- * 1e-3. */
+ * coarser grids had every second node of a line, the errors on these three grids would be 2e-2,
+ * 4e-2 and 1e-3. */
 static void cycles_converge_on_narrow_ellipses(void **state) {
     (void)state;
     for (double ellipticity = 0.05; ellipticity < 0.3; ellipticity *= 2) {

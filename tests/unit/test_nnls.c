@@ -67,8 +67,8 @@ static void solutions_are_optimal(void **state) {
     free(matrix);
 }
 
-/* If the right-hand side is made of nonnegative unknowns, these are found, with columns of any
- * norm. */
+/* If the right-hand side is made of nonnegative unknowns, these unknowns are found, with columns of
+ * any norm. */
 static void what_is_not_negative_is_found_again(void **state) {
     double matrix[ROWS * 20], right[ROWS], x[20], expected[20];
     (void)state;
@@ -86,7 +86,7 @@ static void what_is_not_negative_is_found_again(void **state) {
 }
 
 /* With the unit matrix the solution is the positive part of the right-hand side. If no column
- * points to the right-hand side, the solution is zero. */
+ * points towards the right-hand side, the solution is zero. */
 static void simple_ones_are_known(void **state) {
     static const double unit[] = {1, 0, 0, 0, 1, 0, 0, 0, 1}, right[] = {2, -3, 0.5};
     static const double away[] = {-1, -1, -1};

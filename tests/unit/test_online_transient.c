@@ -253,8 +253,8 @@ static bool is_path(void) {
 
 // ---- steps
 
-/* In every step the exit lies where the full model has it, within a node. An exit at nodes would be
- * off by up to a step of the grid, and jump. */
+/* In every step the exit lies between two nodes, at the place where the full model has it. An exit
+ * at nodes would be off by up to one grid step, and would jump. */
 static void the_exit_moves_as_in_the_full_model(void **unused) {
     (void)unused;
     const double near = is_path() ? 0.1 : 0.03; // in steps of the grid
@@ -295,7 +295,7 @@ static void a_constant_contact_stays(void **unused) {
 
 static void a_step_can_be_repeated(void **unused) {
     (void)unused;
-    const size_t before = 10, count = 20; // by then there are kept factors
+    const size_t before = 10, count = 20; // after so many steps there are kept factors
     for_both_models {
         online_transient *straight = create(models[m]), *repeating = create(models[m]);
         online_state expected[20], first, again;
@@ -452,8 +452,8 @@ static void steps_may_have_any_lengths(void **unused) {
     }
 }
 
-/* An integrator that locates an event may take a step of 1e-7. The step after it has the same
- * result as without it. */
+/* An integrator that locates an event may take a step of 1e-7. The next step has the same result
+ * with and without this short step. */
 static void a_short_step_leaves_the_next_one_as_it_is(void **unused) {
     (void)unused;
     // just after the start a short step is a state of its own, and least squares leave a larger error
@@ -539,9 +539,9 @@ static void a_contact_is_lost_and_regained(void **unused) {
     }
 }
 
-/* Bodies that are apart reach a given approach in one step. Their load is that of this approach,
- * even if the lightest contact, where the start begins, is not trusted. At rest the load is the
- * same, but untrusted. */
+/* Bodies that are apart reach a given approach in one step. They get the load of this approach,
+ * even if the lightest contact, from which the start begins, is not trusted. At rest the load is
+ * the same, but untrusted. */
 static void bodies_touch_at_the_approach_that_is_given(void **unused) {
     (void)unused;
     for_both_models {
@@ -623,7 +623,7 @@ static bool find_position(online_state *state, const bouncing *self, double step
             return true;
         }
         if (trial > 0) slope = (before - defect) / correction;
-        if (!(fabs(slope) > 0.05)) slope = 1; // beyond a sudden rise of the force
+        if (!(fabs(slope) > 0.05)) slope = 1; // the force rises suddenly between the two positions
         correction = defect / slope;
         position -= correction;
     }
@@ -789,9 +789,9 @@ static void derivatives_leave_the_contact_as_it_is(void **unused) {
     }
 }
 
-/* Under a slow and small oscillation of the load the approach is A sin wT + w B cos wT. At the
- * zeros of the load's oscillation, rising and falling, the approach differs by +-w B, at its
- * maximum by A. BDF2 has an error of 0.2 %. */
+/* Under a slow and small oscillation of the load the approach is A sin wT + w B cos wT. When the
+ * load passes its mean, rising and falling, the approach differs by +-w B; at the maximum of the
+ * load it differs by A. BDF2 has an error of 0.2 %. */
 static void the_stationary_response_is_that_to_a_slow_swing(void **unused) {
     (void)unused;
     enum { A_QUARTER = 20, NUM = 8 * A_QUARTER };
@@ -881,7 +881,8 @@ static void fields_are_those_of_the_accepted_state(void **unused) {
         for (size_t k = 0; k < grid->num_nodes; k++)
             load += pressure[k] * grid->step;
         check_close(load / reference.kind->load * width * width, last->scalars.load, 1e-9, 0);
-        // with an independent basis, too, this is the deflection of the pressure, not its modes
+        // also with an independent basis this is the deflection of the pressure, not the sum of
+        // modes
         check_close(film[centre] * film_scale, last->scalars.central_film_thickness,
                     m == 0 ? 1e-9 : 1e-6, 0);
         // p_H / p_H,ref = load / half width
@@ -907,11 +908,11 @@ static void a_saved_state_goes_on_to_the_bit(void **unused) {
         go(expected, one, 0, before);
         online_save(saved, one);
         go(expected, one, before, count);
-        // restored into the same object, which is further on
+        // restored into the same object, which has made steps since then
         check_ok(online_restore(one, saved, &error));
         go(found, one, before, count);
         check_all_same(found, expected, count);
-        // restored into a new object, with a step before it that is not accepted
+        // restored into a new object, which has made a step that was not accepted
         check_ok(online_restore(other, saved, &error));
         step_from(other, (double)before * STEP, 2 * STEP);
         go(found, other, before, count);
@@ -1106,7 +1107,8 @@ static void march_run_takes_the_same_steps(void **unused) {
 
 // ---- approach and force
 
-/* Makes steps with the approaches that a run under a given load had. They must give this load. */
+/* Makes steps with the approaches that a run under a given load had. These steps must give the same
+ * load. */
 static void follow_approach(const online_state *by_load, online_transient *contact, bool known,
                             double tolerance) {
     const size_t before = known ? 0 : 10; // until the rate of the load is known
@@ -1129,7 +1131,8 @@ static void follow_approach(const online_state *by_load, online_transient *conta
     }
 }
 
-/* If the contact predicts its frames itself, it differs a little more on this coarse grid. */
+/* If the contact predicts its frames itself, the result differs a little more on this coarse
+ * grid. */
 static void the_approach_gives_the_load_back(void **unused) {
     (void)unused;
     for_both_models {

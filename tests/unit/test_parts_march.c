@@ -136,8 +136,8 @@ static void check_parts(const trained *of, deformation_kind kind, const double *
     check_close_array(both->film, one->film, NUM_STEPS + 1, of_film, 0);
     check_close_array(both->least_film, one->least_film, NUM_STEPS + 1, of_least, 0);
     check_close_array(both->exit, one->exit, NUM_STEPS + 1, of_film, 0);
-    // starts well inside the range of the high part, keeps this part in the common range, and
-    // returns to it
+    // the run starts well inside the range of the high part, keeps this part in the common range,
+    // and returns to it
     assert_int_equal(both->part[0], HIGH);
     assert_int_equal(both->part[13], HIGH);
     assert_int_equal(both->part[26], HIGH); // load 0.98
@@ -197,7 +197,7 @@ static void attempts_that_are_not_accepted(void **state) {
     free(tried);
 }
 
-/* A march saved after any step, solved by either part, and restored into another object continues
+/* A march is saved after any step of either part, and restored into another object. It continues
  * with the same bits. */
 static void saved_and_restored(void **state) {
     (void)state;
@@ -281,8 +281,8 @@ static void by_the_load_that_an_approach_leads_to(void **state) {
     free(self);
 }
 
-/* Pressure that the modes of the next part cannot represent would change its whole film, so the
- * mean film is kept. */
+/* Pressure that the modes of the next part cannot represent would change the whole film of this
+ * part, so the mean film is kept. */
 static void a_handed_film_is_as_thick_in_the_mean(void **state) {
     (void)state;
     const ehd_contact contact = marching_contact(&trained_on.line, 12, true);

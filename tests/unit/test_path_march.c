@@ -203,7 +203,7 @@ static void march_as_the_full_model(const problem *of, bool compressible, double
         assert_true(self.last.local_error >= 0.2 * step.local_error);
         // the residuals of all rows vanish
         assert_true(self.last.indicated < bound);
-        // inside its margin at the exit the reduced model reports no errors
+        // within a margin at the exit the reduced model reports no errors
         assert_true(self.last.taken_up <= 1.5 * step.taken_up);
         assert_true(self.last.taken_up >= 0.6 * step.taken_up);
         effects += step.effect * step.effect;
@@ -212,7 +212,7 @@ static void march_as_the_full_model(const problem *of, bool compressible, double
         most = fmax(most, film);
     }
     assert_true(most > 1.04 * least);
-    // the effects differ, since they are carried by splines at other places
+    // the effects differ, since the models carry them by splines at different places
     assert_true(effects > 0 && sqrt(off / effects) < (of == &problems[OPEN_POINT] ? 0.5 : 0.25));
     full_march_free(full);
     marching_free(&self);
@@ -227,7 +227,7 @@ static void full_rank_marches_as_the_full_model(void **state) {
 }
 
 /* Points agree as well as with upwind transport. Splines differ at the ends of the grid. From the
- * fifteenth step on exits move outwards, and those of the reduced model are behind by a node. */
+ * fifteenth step on exits move outwards, and exits of the reduced model lag by a node. */
 static void so_does_a_point(void **state) {
     (void)state;
     for (int others = 0; others < (check_all() ? 2 : 1); others++) {
@@ -274,8 +274,8 @@ static bool is_on_the_way(const ehd_grid *grid, size_t row) {
     return grid_x(grid, k) > -1 && grid_x(grid, k) < 0.1 && fabs(grid_y(grid, k)) < 0.1;
 }
 
-/* Checks the local error on the way to the centre, which is evaluated at nodes. A model that has
- * only one row left there must not report a smaller error than with all rows. */
+/* Checks the local error on the way to the centre; it is evaluated at nodes. A model that has only
+ * one row on this way must not report a smaller error than a model with all rows. */
 static void check_error_of_few_rows(const problem *of) {
     const ehd_grid *grid = &of->basis.grid;
     size_t *rows = calloc(grid->num_inner, sizeof *rows), num_rows = 0, on_the_way = 0;
@@ -359,8 +359,8 @@ static double film_in(const void *context, size_t node) {
     return ((const double *)context)[node];
 }
 
-/* A transient dip of the film in front of the band is found with the depth from all nodes, not only
- * from those that rows need. */
+/* The depth of a transient dip in front of the band is computed from all nodes, not only from those
+ * that rows need. */
 static void a_dip_is_found_between_the_needed_nodes(void **state) {
     (void)state;
     enum { EVERY = 5, BEGIN = 30 };
@@ -453,8 +453,8 @@ static void a_doubtful_film_is_doubtful_until_it_has_left(void **state) {
     marching_free(&self);
 }
 
-/* Checks that a repeated step, also after a step of another length, and a march restored into
- * another object have the same bits. */
+/* Checks that two computations give the same bits: a repeated step, also after a step of another
+ * length, and a march restored into another object. */
 static void check_same_bits(const problem *of) {
     marching self, restored;
     march_step one, again;

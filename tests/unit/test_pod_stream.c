@@ -11,8 +11,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-// share of the root of the allowed energy that the distance from the directions may take, as in
-// podbuild
+// fraction of the root of the allowed energy that is allowed for the distance from the directions,
+// as in podbuild
 static const double LOCAL = 0.05;
 
 static double *numbers(size_t count) {
@@ -305,7 +305,7 @@ static void little_left_out_equals_the_direct_svd(void **state) {
     free(snapshots);
 }
 
-/* Tests a limit that is below the number of directions but above the number that must be kept. The
+/* Tests a limit of directions below their number, but above the number that must be kept. The
  * stream drops weak directions within their share of the energy. With a lower limit the stream
  * fails. */
 static void weak_directions_give_way(void **state) {
@@ -317,7 +317,7 @@ static void weak_directions_give_way(void **state) {
     pod_basis basis;
     ehd_error error;
 
-    // the first snapshots have less energy than all of them, so that the stream may omit less
+    // the first snapshots have less energy than all snapshots, so the stream may omit less
     pod_stream_settings tight = settings_for(energy, 4, 40);
     tight.local_energy = 1e-14;
     assert_int_equal(stream(&basis, all.snapshots, NUM_SNAPSHOTS, NUM_NODES, tight, wanted, &error),

@@ -129,8 +129,8 @@ static void the_worst_come_first_and_apart(void **state) {
     const candidates from = make_line(indicated, 0);
     (void)state;
 
-    // 4 is 4 away from the taken candidates; then 9 is 2 away from 11, then 2 is 2 away from 0 and
-    // 4
+    // candidate 4 is 4 away from the taken ones; then 9 is 2 away from 11; then 2 is 2 away from 0
+    // and 4
     check_choice(&from, 3, (size_t[]){4, 9, 2}, 3);
 }
 
@@ -139,7 +139,7 @@ static void what_is_good_enough_or_taken_is_left(void **state) {
     const candidates from = make_line(indicated, 2.5);
     (void)state;
 
-    // all candidates that are not good enough, and no others; 3 is nearer to the taken ones than 5
+    // all candidates that are not good enough, and no others; 3 is nearer to taken ones than 5 is
     check_choice(&from, NUM_LINE, (size_t[]){4, 9, 3, 5}, 4);
     const candidates none = make_line(indicated, 9);
     check_choice(&none, NUM_LINE, NULL, 0);
@@ -177,8 +177,8 @@ static void what_has_a_number_comes_every_second_time(void **state) {
                               INFINITY, INFINITY, 1, 1,        1,        99};
     (void)state;
 
-    // 6 is farthest from all; of those with an estimate, 3 with 7 is the worst that is far enough
-    // from 6
+    // candidate 6 is farthest from all others; among those with an estimate and far enough from 6,
+    // the worst is 3, with 7
     check_choice(&from, 2, (size_t[]){6, 3}, 2);
     const candidates more = make_line(unknown, 0);
     check_choice(&more, 4, (size_t[]){6, 2, 1, 9}, 4);

@@ -184,8 +184,8 @@ static ehd_status count_up(void *shared, void *worker, size_t point, size_t pare
     return EHD_OK;
 }
 
-/* Solves a million points, without parents and in a thousand chains from one root. If each point
- * were searched from the first one, this would take many minutes. */
+/* Solves a million points, without parents and in a thousand chains from one root. If the search
+ * for each point began at the first point, this test would take many minutes. */
 static void test_many_points(void **state) {
     const size_t num_points = 1000000;
     size_t *parent = test_malloc(num_points * sizeof *parent), count = 0;
@@ -263,7 +263,7 @@ static void test_workers_without_memory_leave_the_work_to_others(void **state) {
     for (int enough = 1; enough < 7; enough++) {
         notes noted = new_notes();
         noted.max_begun = (enough - 1) % 3 + 1;
-        noted.too_late = enough > 3; // the others do not wait for these
+        noted.too_late = enough > 3; // workers with memory do not wait for the others
         assert_int_equal(run(&noted, 4, NULL, NULL), EHD_OK);
         check_all_solved_once(&noted);
     }
@@ -300,7 +300,7 @@ static void test_no_memory(void **state) {
         allocation_fail_at(call);
         status = run(&noted, 2, NULL, NULL);
         assert_true(allocation_failed());
-        // without memory for the list of threads the caller's thread works alone
+        // if there is no memory for the list of threads, the caller's thread works alone
         assert_int_equal(status, call < 5 ? EHD_MEMORY : EHD_OK);
     }
 }

@@ -69,8 +69,8 @@ static double density_at(const ehd_contact *contact, double pressure, double her
     return lubricant_density(&contact->lubricant, pressure * hertz);
 }
 
-/* Returns the largest error of the mass, compared with that at the previous place of the fluid, one
- * path upstream. Places outside of the grid are left out. */
+/* Returns the largest error of the mass, compared with the mass at the previous place of the fluid,
+ * one path upstream. Places outside of the grid are left out. */
 static double carry_error(const ehd_contact *reference, size_t i, size_t j, double path) {
     const double *then_factor = factors[i], *now_factor = factors[j];
     const contact_frame then = frame_of_case(reference->kind, i);
@@ -156,8 +156,8 @@ static void same_frame_changes_nothing(void **state) {
     compare_in_the_same_frame(&half);
 }
 
-/* A rigid plug moves along the path of the fluid, in either direction. Between nodes its film has
- * the error of cubic splines; if it moves from node to node, only round-off. */
+/* A rigid plug moves along the path of the fluid, in either direction. Between nodes the film has
+ * the error of cubic splines. If the plug moves from node to node, the film has only round-off. */
 static void a_rigid_plug_is_shifted(void **state) {
     (void)state;
     const double paths[] = {0.37, -0.73};

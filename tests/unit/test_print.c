@@ -26,9 +26,9 @@ static int set_up(void **state) {
 
 #define check_ok(call) assert_string_equal(((call) == EHD_OK) ? "" : error.text, "")
 
-/* Writes a result with num_times times, of a point contact or (one line) a line contact. A
- * pressure is 100 times the index of its time, plus 10 times the index of its line, plus that of
- * its node. */
+/* Writes a result with num_times times, of a point contact or (one line) a line contact. A pressure
+ * is 100 times the index of its time, plus 10 times the index of its line, plus the index of its
+ * node. */
 static void write_result(size_t num_times, size_t num_lines) {
     const double times[] = {0, 0.1}, lines[] = {0, 0.5}, nodes[] = {-1, 0, 1. / 3};
     const double scalar[] = {0.1, NAN};

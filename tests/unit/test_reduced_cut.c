@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Tables of a pressure that is cut at the exit: at checkpoints, against direct sums. Moving the
- * tables from exit to exit is tested in test_reduced_solver.c and, for point contacts, in
+/* Compares tables of a pressure that is cut at the exit with direct sums, at checkpoints. Moving
+ * the tables from exit to exit is tested in test_reduced_solver.c and, for point contacts, in
  * test_reduced_point.c. */
 #include "common/physics/deflection.h"
 #include "romrun/model/reduced_cut.h"
@@ -78,8 +78,8 @@ static void cut_tables_equal_plain_sums(void **state) {
     trained_free(&training);
 }
 
-/* The checkpoints of a point contact take 400 MB at most, plus one more. The band of an independent
- * basis has no film table, so much less memory is filled than is counted here. */
+/* The checkpoints of a point contact take 400 MB at most, plus one more checkpoint. The band of an
+ * independent basis has no film table, so much less memory is filled than is counted here. */
 static void memory_bounds_the_checkpoints_of_a_point(void **state) {
     enum { LINES = 2, COLUMNS = 20, STATES = 12 };
     (void)state;

@@ -207,7 +207,7 @@ static void a_gap_that_closes_behind_the_exit_is_told(void **state) {
             assert_int_not_equal(self.last.status, EHD_NOT_CONVERGED);
             self.solver.accept(self.solver.self);
             const bool told = strstr(self.last.reason, "a second zone of pressure");
-            assert_true(told == (grows && i > 1)); // the first step may follow a jump
+            assert_true(told == (grows && i > 1)); // step 1 may follow a jump
         }
         marching_free(&self);
     }

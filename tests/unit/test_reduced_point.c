@@ -340,8 +340,8 @@ static void exits_between_lines_are_interpolated(void **state) {
     reduced_problem_free(&reduced);
 }
 
-/* Neighbouring states of one M lie on a straight line. A fit to the neighbours of two such lines
- * must not be taken for a plane. */
+/* Neighbouring states of one M lie on a straight line. A fit to neighbours on two such lines must
+ * not be taken for the fit of a plane. */
 static void a_start_beside_a_row_of_neighbours_is_near_it(void **state) {
     (void)state;
     reduced_states *states;
@@ -372,8 +372,8 @@ static void a_start_beside_a_row_of_neighbours_is_near_it(void **state) {
 }
 
 /* Exits on lines beside the boundary lines, for which the band has no nodes, must not read behind
- * the table of the only checkpoint. The numbers there are NaN, and the exits must still move to
- * their places. */
+ * the table of the only checkpoint. The numbers behind this table are NaN; the exits must still
+ * move to their places. */
 static void exits_beside_the_boundary_need_nothing_behind_the_band(void **state) {
     (void)state;
     for (int g = 0; g < 2; g++) {

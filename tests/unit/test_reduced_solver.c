@@ -140,7 +140,7 @@ static void full_rank_reproduces_the_full_model(void **state) {
     reduced_basis_free(&basis);
 }
 
-/* Starts near the solution with its exit. From a later exit the exit might stay some nodes too
+/* Starts near the solution, with its exit. From a later exit the solver might stop some nodes too
  * far downstream: this basis has no pressure there whose sign would show the error
  * (moving_the_exit_…). */
 static void a_basis_with_the_solution_finds_it(void **state) {
@@ -360,7 +360,7 @@ static void any_trained_solution_leads_to_any_other(void **state) {
     trained_free(&published);
 }
 
-// ---- an exit within a node, with the accurate discretisation
+// ---- an exit between two nodes, with the accurate discretisation
 
 static const deformation_kind both_kinds[] = {DEFORMATION_COUPLED, DEFORMATION_INDEPENDENT};
 
@@ -679,7 +679,7 @@ static void minimum_film_is_that_of_the_fields(void **state) {
 
 typedef struct observation {
     size_t num_rows, count;
-    double *residual, *step; // [num_rows] of the first iteration
+    double *residual, *step; // [num_rows], of the first iteration
 } observation;
 
 static ehd_status observe_first(void *context, const double *residual, const double *step,
@@ -735,7 +735,8 @@ static void the_observer_is_told_what_became_of_a_solution(void **state) {
     }
 }
 
-/* (D f(z + t dz) - D f(z - t dz)) / 2t against the recorded D J dz, for states off the solution. */
+/* Compares (D f(z + t dz) - D f(z - t dz)) / 2t with the recorded D J dz, for states off the
+ * solution. */
 static void jacobian_equals_finite_differences(void **state) {
     (void)state;
     const reduced_settings once = {.tolerance = 1e-12, .max_iterations = 1};

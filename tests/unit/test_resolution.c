@@ -64,7 +64,7 @@ static void set_inlet(ehd_contact *contact, double x_min) {
 }
 
 /* Compares an inlet from -4 on with one from -32 on. Under light loads the load of the missing
- * inlet matters, and the minimum film changes by more or less than the central one. */
+ * inlet matters, and the minimum film may change more or less than the central film. */
 static void inlet_effect_is_what_a_long_inlet_does(void **state) {
     (void)state;
     static const struct {
@@ -118,9 +118,9 @@ static ehd_contact point_from(double moes_M, double moes_L, double length, doubl
     return contact;
 }
 
-/* Compares with the change of the film in the limit of long domains, from which the film differs by
- * one over the length. Its grids have twice the step, like that of the estimate. For the minimum
- * film the estimate is a bound. */
+/* Compares with the change of the film up to the limit of long domains. The distance from this
+ * limit is proportional to one over the length. These grids, like the estimate's, have twice the
+ * step. For the minimum film the estimate is a bound. */
 static void inlet_effect_of_a_point_contact(void **state) {
     (void)state;
     static const struct {
@@ -333,7 +333,7 @@ static void films_without_an_order(void **state) {
     // the finest two agree although the third is far off: by second order the error is 0.12 / 4 / 3
     check_close(full_step_effect(by_chance, 2, 0.02), 0.01, 1e-6, 0);
     check_close(full_step_effect(by_chance, 3, 0.02), 0.12 / 8 / 7, 1e-6, 0);
-    // half of the larger one: the finer change, or the coarser one reduced by second order
+    // half of the larger of two: the finer change, and the coarser one reduced by second order
     check_close(full_step_effect(across, 2, 0.001), 0.005, 1e-12, 0);
     check_close(full_step_effect((const double[]){1, 1.01, 0.77}, 2, 0.001), 0.03, 1e-12, 0);
 }

@@ -89,8 +89,8 @@ static void check_row_derivatives(const ehd_contact *contact) {
     }
 }
 
-/* Returns the contact with a flow that the sliding thins. Its Eyring stress makes the rate of shear
- * in the middle `rate` times that at which thinning begins. */
+/* Returns the contact with a flow that is thinned by sliding. With the chosen Eyring stress the
+ * rate of shear in the middle is `rate` times the rate at which thinning begins. */
 static ehd_contact thinned(ehd_contact contact, double rate) {
     contact.grid.discretization = DISCRETIZATION_ACCURATE;
     contact.half_width = 1e-4;
@@ -122,7 +122,7 @@ static void row_derivatives(void **state) {
 }
 
 /* As the Eyring stress grows, the rows approach those of the Newtonian flow. The difference falls
- * with the square of the stress. */
+ * with one over the square of the stress. */
 static void thinned_rows_have_the_newtonian_limit(void **state) {
     (void)state;
     const ehd_contact contact = sample_contact("roelands", densities[1], 5, 6, 0.1);

@@ -85,8 +85,8 @@ static double sum_of(const double *pressure, double begin, double end, size_t nu
 enum { PLACES = 200000 };
 static double pressures[PLACES + 1];
 
-/* Pressure and place of the second zone agree with the quadrature. The flow out of its end is what
- * the gap squeezes out. */
+/* Pressure and place of the second zone agree with the quadrature. The flow out of the end of the
+ * zone is what the gap squeezes out. */
 static void the_zone_is_that_of_a_closing_gap(void **state) {
     (void)state;
     const double duration = 0.5, growth = 0.4;
@@ -149,8 +149,8 @@ static void a_growing_radius_does_not_stop_the_march(void **state) {
     }
 }
 
-/* The zone begins at the same time on a fine and on a coarse grid. On the coarse grid it violates
- * single nodes more. */
+/* The zone begins at the same time on a fine and on a coarse grid. On the coarse grid the
+ * conditions at single nodes are violated more. */
 static void the_zone_does_not_depend_on_the_grid(void **state) {
     double load[2] = {0};
     (void)state;
@@ -196,7 +196,7 @@ static void loads_are_those_of_a_parabola(void **state) {
         const double lacks = load - sum_of(pressures, start, ends[i], PLACES);
         assert_true(told.beyond * whole > 0.95 * lacks && told.beyond * whole < 2 * lacks);
     }
-    // an opening gap, and one that fluid passes too fast to be squeezed
+    // an opening gap, and a gap that the fluid passes too fast to be squeezed
     assert_true(isinf(frame_closing_gap(&opens, &before, &first.reference, 4).begin));
     assert_true(frame_closing_gap(&now, &before, &first.reference, begins / 2).beyond == 0);
     marched_end(&first);

@@ -53,7 +53,7 @@ static void joint_hand_worked_example(void **state) {
     size_t rows[2];
     assert_int_equal(selection_joint(rows, &bases, 2, NULL), EHD_OK);
     check_rows(rows, (size_t[]){1, 2}, 2);
-    // with the residual basis twice, the other row is next
+    // with the residual basis in both places, the other row is next
     const selection_bases twice = {
         .num_nodes = 3, .num_modes = {2, 2}, .modes = {residual_modes, residual_modes}};
     assert_int_equal(selection_joint(rows, &twice, 2, NULL), EHD_OK);

@@ -277,7 +277,8 @@ static const struct {
      "reference_temperature: found a value, expected none with the law wlf"},
     {VISCOSITY, "law: barus, alpha: 1e-8, preset: no1", "preset: found a value"},
     {VISCOSITY, "law: roelands, alpha: 1e-8, eta0: 0.1, B1: 1", "B1: found a value"},
-    // grids that do not fit; published: given ends need a whole number of steps
+    // grids that do not fit; the distance between two known ends must be a whole number of steps,
+    // and the published discretisation has default ends
     {GRID, "x_min: -1", "s.yml:7: grid.x_min: found -1, expected less than -1"},
     {GRID, "x_max: 1", "grid.x_max: found 1, expected more than 1"},
     {GRID, "x_min: -4, x_max: 2, step: 0.007",

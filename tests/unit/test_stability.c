@@ -97,7 +97,7 @@ static double naive_sigma_min(double *at_nodes, const selection_bases *bases, si
     return values[num_modes - 1];
 }
 
-/* Returns the worst sigma_min over all exits and bases; *row: the unselected row where its
+/* Returns the worst sigma_min over all exits and bases. *row: the unselected row at which the worst
  * direction is largest. */
 static double naive_worst(size_t *row, const selection_bases *bases, const size_t *rows,
                           size_t num_rows) {
@@ -159,7 +159,7 @@ static void too_few_rows_before_an_exit_are_not_stable(void **state) {
     const selection_bases bases = make_bases();
     size_t rows[NUM_NODES], num_rows = 0;
     for (size_t i = 24; i < NUM_NODES; i++)
-        rows[num_rows++] = i; // seven before the first exit, for eight modes
+        rows[num_rows++] = i; // seven rows before the first exit, for eight modes
     double inverse;
     assert_int_equal(row_stability_of(&inverse, &bases, rows, num_rows, NULL), EHD_OK);
     assert_true(isinf(inverse));

@@ -63,7 +63,7 @@ static void test_position(void **state) {
     assert_null(stage_here().names);
 }
 
-/* The next stage is taken only if it has this name, because models may be left unchecked. */
+/* The next stage begins only if it has this name: checks of models may be left out. */
 static void test_next(void **state) {
     stage self = stage_at("a-rows");
     (void)state;
@@ -93,7 +93,7 @@ static void test_left(void **state) {
     check_close(stage_left(&at_least, &self, 5, true), 54325, 0, 1e-9);
     assert_false(at_least);
     assert_true(isnan(stage_left(&at_least, &self, NAN, true)));
-    // a part of the current stage: at least its known time
+    // during the current stage: at least its known time
     self.started = program_seconds() - 3;
     check_close(stage_left(&at_least, &self, 1, false), 54324, 0, 0.5);
     check_close(stage_left(&at_least, &self, NAN, false), 54324, 0, 0.5);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Sums of pressures whose spikes lie at different places. With a basis that holds any pressure at
- * the nodes, the sum must have one spike between them, not two. */
+ * the nodes, the sum must have one spike between the two places, not two spikes. */
 #include "romrun/model/start_shift.h"
 #include "tests/unit/check.h"
 

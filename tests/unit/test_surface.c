@@ -438,7 +438,7 @@ static double film_at(const marched *self, double x) {
 }
 
 /* In pure rolling a film shaped by a dent passes the middle of a heavily loaded contact unchanged,
- * because only the surfaces move the fluid there. */
+ * because there only the surfaces move the fluid. */
 static void a_dented_film_passes_the_middle_as_it_is(void **state) {
     (void)state;
     scene of = marched_scene(100, 10, "incompressible", 0.02, "end_time: 4.1, fixed_step: 0.02");
@@ -617,7 +617,7 @@ static void a_waviness_at_rest_is_pressed_flat(void **state) {
     marched_end(&second);
 }
 
-/* A surface that moves at 1/5000 of the fluid's speed gives the result of one at rest. */
+/* A surface that moves at 1/5000 of the fluid's speed gives the result of a surface at rest. */
 static void one_that_hardly_moves_is_as_at_rest(void **state) {
     (void)state;
     scene of = marched_scene(10, 3, "dowson-higginson", 0.05, "end_time: 1, fixed_step: 1");

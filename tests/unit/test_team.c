@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Threads that share a list: each part is done once, by any free thread; sums do not depend on
- * their number. */
+/* Threads that share a list: each part is done once, by any free thread. Sums do not depend on the
+ * number of threads. */
 #include "common/program/team.h"
 #include "tests/unit/allocation.h"
 #include "tests/unit/check.h"

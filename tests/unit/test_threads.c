@@ -193,7 +193,7 @@ static void several_threads_may_call_openblas(void **state) {
 static void two_threads_agree_with_one(void **state) {
     (void)state;
 #ifdef __SANITIZE_THREAD__
-    skip(); // OpenBLAS is built without it, so the synchronisation of its threads is not visible
+    skip(); // OpenBLAS is built without the sanitizer, which does not see its synchronisation
 #endif
     for (size_t p = 0; p < NUM_PARTS; p++) {
         double *one = run_with(&parts[p], 1), *two = run_with(&parts[p], 2);

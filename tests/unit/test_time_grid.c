@@ -52,8 +52,8 @@ static ehd_contact still_contact(const char *kind, double moes_M) {
 }
 
 /* M is proportional to the load. For a line it is also proportional to one over the root of the
- * speed. At the smallest M the estimated error is at most 3 %. With three quarters of the length
- * the error is larger. */
+ * speed. At the smallest M the default grid has an estimated error of at most 3 %. With three
+ * quarters of the length the error is larger. */
 static void ends_suit_the_smallest_M(void **state) {
     (void)state;
     static const struct {
@@ -167,7 +167,7 @@ static void both_ends_have_an_inlet(void **state) {
     assert_true(found.x_max == -found.x_min && found.x_min < -3);
 }
 
-/* Errors of the central film, by fullrun against four times the length of the default grid
+/* Errors of the central film, computed by fullrun against four times the length of the default grid
  * (Roelands, compressible). The estimate is 1.1 to 5 times the error. */
 static void estimates_are_bounds(void **state) {
     (void)state;

@@ -105,8 +105,9 @@ static size_t row_at(size_t node) {
     return row;
 }
 
-/* A row of the least squares has no effect here, because it is counted among those rows. A row that
- * an exit has passed since has the influence and weight of the nearest row of the least squares. */
+/* A row of the least squares has no effect here: the residual of this row is counted with the least
+ * squares. A row that an exit has passed since has the influence and weight of the nearest row of
+ * the least squares. */
 static void rows_that_an_exit_has_passed_count(void **state) {
     const row_set *rows = &at_rest.model.rows;
     const reduced_state at = reduced_march_state(at_rest.march, NULL);

@@ -27,8 +27,8 @@ static const double ATTEMPT_SECONDS = 2e-3;
 typedef struct stub_solver {
     double time, new_time;
     size_t num_attempts;   // number in this process
-    size_t before;         // number in earlier processes, from the saved state
-    size_t interrupted_at; // number of the attempt, over all processes
+    size_t before;         // attempts of earlier processes, from the saved state
+    size_t interrupted_at; // attempt to interrupt, over all processes
     bool interrupted_at_start, fails_at_start;
     double fails_from; // time T
 } stub_solver;

@@ -289,8 +289,9 @@ static void inlet_of_a_rigid_line(void **state) {
         }
 }
 
-/* The surroundings of points and ellipses, by another rule: rings of equal parts of ln r around the
- * cells of the grid, with the pressure minus that at the rim in the same direction. */
+/* Compares the effect of the surroundings of points and ellipses with another rule: rings of equal
+ * parts of ln r around the cells of the grid. The rule uses the pressure minus that at the rim in
+ * the same direction. */
 static void around_a_point(void **state) {
     (void)state;
     const double ellipticities[] = {1, 0.5, 3}, approach = -0.4;
@@ -353,8 +354,8 @@ static contact_traction traction_from(double x_min, const char *kind, double M, 
     return found;
 }
 
-/* The rolling resistance does not depend on the begin of the grid. Without the inlet before it, 5 %
- * of a line's resistance and a third of a point's would be missing. */
+/* The rolling resistance does not depend on where the grid begins. Without the inlet before the
+ * grid, 5 % of a line's resistance and a third of a point's would be missing. */
 static void hardly_depends_on_the_domain(void **state) {
     (void)state;
     const double line = traction_from(-24, "line", 10, 5, 0.02).rolling_resistance;
@@ -404,7 +405,8 @@ static double specific_work(const ehd_contact *contact, double pressure) {
 }
 
 /* Returns the dissipation of the pressure flow, eps |grad P|^2/rho, from the rows of the Reynolds
- * operator at rest: summed by parts, fluxes of the mobilities times differences of the pressure. */
+ * operator at rest. Summation by parts gives fluxes of the mobilities times differences of the
+ * pressure. */
 static double dissipated(const problem *solved) {
     const ehd_contact *contact = &solved->contact;
     const ehd_grid *grid = &contact->grid;

@@ -241,8 +241,8 @@ static void a_factor_grows_with_the_bound(void **state) {
     assert_true(isnan(indicated_with(deviations, bounds, NUM, false, NAN)));
 }
 
-/* If ratios do not increase with the bound, the largest one is used for all. Without scenes the
- * shape is the default. */
+/* If ratios do not increase with the bound, the largest ratio is used for all bounds. Without
+ * scenes the shape is the default. */
 static void a_factor_may_be_the_same_for_all(void **state) {
     const double bounds[] = {1e-6, 0, 1e-5, INFINITY, 1e-3};
     const double deviations[] = {3e-6, 1, 1e-5, 1, 5e-4};
@@ -373,7 +373,7 @@ static void accuracy_goes_by_the_most_trajectories(void **state) {
         positions[i].sizes = (model_sizes){10 + i, 0, 20 + 2 * i};
         positions[i].factor_in_time = 1;
         positions[i].step_seconds = 1e-4 * (double)(i + 1);
-        // 60, 80 and 80 % of the trajectories meet 1e-3, the others are lost
+        // 60, 80 and 80 % of the trajectories meet 1e-3; the rest are lost
         for (int k = 0; k < NUM_TIME_PARTS; k++)
             positions[i].indicated_in_time[k] = k > (i == 0 ? 1 : 3) ? 1 : 1e-3 / (double)(i + 1);
     }

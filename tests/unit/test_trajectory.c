@@ -144,7 +144,7 @@ static void compression_is_the_svd_of_all_steps(void **state) {
     assert_int_equal(trained.num_steps, steps.count);
     assert_int_equal(trained.num_failed, 0);
     assert_int_equal(trained.second.num_modes, 0);
-    // fewer rows than snapshots, and no energy is lost
+    // the compression has fewer rows than snapshots, and no energy is lost
     assert_true(compressed->num_modes < steps.count && compressed->num_modes > 20);
     double energy = compressed->energy, first = whole.singular_values[0];
     assert_true(pod_discarded(compressed) <= 4e-22);
@@ -191,7 +191,7 @@ static void workers_change_no_bit(void **state) {
     training_set_free(&set);
 }
 
-/* A trajectory that fails, on so coarse a grid, is counted, and none of its steps is kept. */
+/* On so coarse a grid a trajectory fails. It is counted, and none of its steps is kept. */
 static void failed_trajectory_leaves_nothing(void **state) {
     (void)state;
     training_set set, alone;

@@ -10,8 +10,8 @@
 
 enum { NUM_SMALL = 5, NUM_LARGE = 60 };
 
-/* Points at 0, 1, 2, 10 on a line, of which the second is the easiest, and a single point of
- * another family. */
+/* Points at 0, 1, 2, 10 on a line, and a single point of another family. The second point is the
+ * easiest. */
 static const tree_point small[NUM_SMALL] = {
     {0, {0, 5}, 2}, {0, {1, 5}, 1}, {0, {2, 5}, 3}, {0, {10, 5}, 4}, {1, {1, 5}, 9}};
 
@@ -61,8 +61,8 @@ static double length(const tree_point *left, const tree_point *right) {
     return hypot(left->place[0] - right->place[0], (left->place[1] - right->place[1]) / 40);
 }
 
-/* Returns the longest edge of the path through the tree. A spanning tree is minimal if this is, for
- * each pair of points, not longer than the direct edge. */
+/* Returns the longest edge of the path through the tree. A spanning tree is minimal if, for each
+ * pair of points, this edge is not longer than the direct edge. */
 static double longest_edge(const tree_point *points, const size_t *parent, size_t from, size_t to) {
     double longest = 0;
     bool above[NUM_LARGE] = {false};

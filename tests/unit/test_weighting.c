@@ -14,8 +14,8 @@
 
 enum { NUM_MODES = 3, NUM_PAIRS = 12, NUM_NODES = 2 * NUM_PAIRS };
 
-/* Samples orthonormal cosines over NUM_PAIRS nodes, each doubled, at some rows, [num_rows,
- * NUM_MODES]. Rows k and k + NUM_PAIRS are equal. */
+/* Samples orthonormal cosines at some rows. The cosines extend over NUM_PAIRS nodes, and each node
+ * occurs twice. `sampled`: [num_rows, NUM_MODES]. Rows k and k + NUM_PAIRS are equal. */
 static void sample_cosines(double *sampled, const size_t *rows, size_t num_rows) {
     for (size_t r = 0; r < num_rows; r++)
         for (size_t j = 0; j < NUM_MODES; j++) {
@@ -58,9 +58,9 @@ static void half_of_the_rows_stand_for_all(void **state) {
         }
 }
 
-/* Rows are crowded on one side, and some get the least weight, so Gauss-Seidel takes hundreds of
- * sweeps. At the minimum the gradient vanishes for free weights and is not negative for those at
- * the bound. */
+/* Rows are crowded on one side, and some rows get the least weight. Gauss-Seidel therefore takes
+ * hundreds of sweeps. At the minimum the gradient vanishes for free weights and is not negative for
+ * those at the bound. */
 static void weights_are_those_of_the_minimum(void **state) {
     enum { ROWS = 20, MODES = 8 };
     const double tolerance = 1e-4;

@@ -50,7 +50,8 @@ void trained_basis(
 enum { FEW_ROWS = 40 };
 
 /* Makes a training on 121 nodes, an independent and a coupled basis with nine pressure modes, and
- * rows for a model of either. The rows are unsorted, from before the contact to behind the exits. */
+ * rows for a model of either basis. The unsorted rows extend from before the contact to behind the
+ * exits. */
 void trained_few_init(trained *self, reduced_basis bases[2], size_t rows[FEW_ROWS]);
 void trained_few_free(trained *self, reduced_basis bases[2]);
 
