@@ -224,9 +224,9 @@ fuzz-coverage: $(PROGRAMS) | deps coverage-deps ## what each fuzz target reaches
 	@for target in $(FUZZ_TARGETS); do BIN="$$PWD"/$(BIN) tests/fuzz/coverage.sh $$target || exit; done
 
 # Counts of an earlier run do not count.
-coverage: | deps coverage-deps ## lines and branches that `make check` runs, a folder; files below 90 % of lines
+coverage: | deps coverage-deps ## lines and branches that `make check-all` runs, a folder; files below 90 % of lines
 	@mkdir -p build/cov && find build/cov -name '*.gcda' -delete
-	@$(MAKE) check VARIANT=cov; code=$$?; \
+	@$(MAKE) check-all VARIANT=cov; code=$$?; \
 	gcovr --root . --object-directory build/cov $(addprefix --filter ,common/ $(PROGRAM_FOLDERS:%=%/)) \
 	    --csv > build/cov/coverage.csv && \
 	awk -F, -f tests/coverage.awk build/cov/coverage.csv && exit $$code

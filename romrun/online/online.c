@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "romrun/online/online_objects.h"
 
-#include <math.h>
 #include <stdlib.h>
 
 ehd_status online_solver_create(online_solver **solver, const online_model *model,

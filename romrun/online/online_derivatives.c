@@ -5,7 +5,6 @@
 #include "romrun/online/online_objects.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 /* A solution and its conditions. */

@@ -1,12 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Opens models and lists of models, and prepares them for fields and for scenes in time. Called by
- * romrun, the library and snapgen through online.h. */
+ * romrun, the library and FMUs through online.h. */
 #include "romrun/model/model_file.h"
 #include "romrun/online/online_objects.h"
 #include "romrun/solve/guess.h"
 
 #include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 

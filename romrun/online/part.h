@@ -2,7 +2,7 @@
 /* Holds one reduced model as the online solver uses it, and its solver. An opened model consists
  * of one such part or, for parts of a region, of several (README.md, Models for parts of a
  * region).
- * Called by online_model.c and online.c. */
+ * Called by the files of online.h (online_objects.h). */
 #ifndef EHD_ONLINE_PART_H
 #define EHD_ONLINE_PART_H
 

@@ -5,7 +5,6 @@
 #include "common/algebra/cholesky.h"
 #include "common/algebra/rounding.h"
 #include "romrun/model/start_shift.h"
-#include "romrun/solve/reduced_solver.h"
 
 #include <math.h>
 #include <stdbool.h>

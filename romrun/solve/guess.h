@@ -5,6 +5,7 @@
 #ifndef EHD_GUESS_H
 #define EHD_GUESS_H
 
+#include "common/physics/contact_place.h"
 #include "romrun/solve/reduced_solver.h"
 
 /* Sets a start from the trained solutions nearest in (ln M, ln(1 + alpha p_H)/2): a quadratic fit;

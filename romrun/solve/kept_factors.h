@@ -9,7 +9,7 @@
 
 typedef struct kept_factors {
     bool valid;
-    size_t number; // number of the Jacobian (step_problem)
+    size_t number; // number of the Jacobian (solved_system)
     least_squares *factors;
     double *matrix;      // [rows + num_deformation + 1, num_unknowns] the Jacobian
     size_t *exit;        // [num_lines] exit line at which the Jacobian was evaluated

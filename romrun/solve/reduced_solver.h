@@ -5,7 +5,6 @@
 #ifndef EHD_REDUCED_SOLVER_H
 #define EHD_REDUCED_SOLVER_H
 
-#include "common/physics/contact_place.h"
 #include "common/physics/traction.h"
 #include "romrun/state/reduced_state.h"
 #include <stdbool.h>

@@ -7,7 +7,6 @@
 #ifndef EHD_NODE_STATE_H
 #define EHD_NODE_STATE_H
 
-#include "common/physics/contact_place.h"
 #include "romrun/model/reduced_cut.h"
 #include "romrun/state/reduced_state.h"
 

@@ -9,7 +9,6 @@
 #include "romrun/state/node_traction.h"
 
 #include <math.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -82,10 +81,14 @@ void functionals_moves(double *moves, double *gradient, least_squares *factors,
 /* Takes the last solution of a solver. Computes its residuals if this solution is new. */
 static const solved_system *take_solution(functionals *self, reduced_solver *solver) {
     solved_system *solved = &self->solved;
-    const size_t known = solved->solution_number;
+    const solved_system known = *solved;
 
     *solved = reduced_solved_system(solver);
-    if (solved->solution_number == known) return solved;
+    if (solved->nodes != known.nodes) // another solver, which counts anew
+        for (int q = 0; q < NUM_REDUCED_FILMS; q++)
+            self->films[q].matrix_number = 0;
+    else if (solved->solution_number == known.solution_number)
+        return solved;
     functionals_left(self->left, solved->right, solved->matrix, solved->step, solved->num_rows,
                      self->model->num_unknowns);
     for (size_t i = 0; i < solved->num_rows; i++)

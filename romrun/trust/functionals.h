@@ -6,7 +6,7 @@
  * taken as independent: the error is the root of the sum of the squares of residual times change.
  * There are three kinds of residuals: those that the last least squares leave, D f + D J dz; those
  * of the iterations that were not made, solved_system.remaining times D J dz; those of other rows,
- * `added`. Called by the indicators. */
+ * `added`. Called by indicator.c, reduced_march.c and reduced_tangent.c. */
 #ifndef EHD_FUNCTIONALS_H
 #define EHD_FUNCTIONALS_H
 
@@ -19,7 +19,7 @@ typedef enum reduced_film {
     NUM_REDUCED_FILMS
 } reduced_film;
 
-/* Work arrays, and results that later calls use again. All calls must use the same solver. */
+/* Work arrays, and results that later calls use again. */
 typedef struct functionals functionals;
 functionals *functionals_create(const reduced_model *model); // NULL: no memory
 functionals *functionals_free(functionals *self);            // accepts and returns NULL
