@@ -83,9 +83,8 @@ static size_t state_size(const full_march *self) {
 
 static const bdf_model model;
 
-/* Connects the states to the march of BDF2 steps. In saved data, the errors `kept` stand in front
- * of the states. With transport along the path, the time up to which the base is used stands in
- * front of these errors. */
+/* Connects the states to the march of BDF2 steps. Saved data have this order: with transport along
+ * the path, the time until which the base is used; then the errors in `kept`; then the states. */
 static void set_bdf_march(full_march *self) {
     const ehd_grid *grid = &self->reference.grid;
     bdf_march *bdf = &self->bdf;

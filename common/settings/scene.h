@@ -110,8 +110,8 @@ typedef struct scene {
     surface_settings surface;     // only when transient
 } scene;
 
-// Most nodes of the grid of a point contact, and of a line contact. Grids of point contacts are
-// also checked against memory. A result has both halves of a grid, so files may have twice as many
+// Largest numbers of nodes in the grid of a point contact and of a line contact. Grids of point
+// contacts are also checked against memory. A result has both halves of a grid, so files may have twice as many
 // nodes.
 enum { MAX_NODES = 50000000, MAX_LINE_NODES = 2000000 };
 

@@ -51,8 +51,8 @@ double frame_stretch(const contact_frame *now, const contact_frame *then);
  * film. */
 double frame_film_ratio(const contact_frame *now, const contact_frame *then);
 
-/* Returns the shift of the fluid between two frames, by the path between them. The fluid that is at
- * X in frame `now` was at X' = stretch X - shift in frame `then`. */
+/* Returns the shift of the fluid between two frames, from the path that it has travelled between
+ * them. The fluid that is at X in frame `now` was at X' = stretch X - shift in frame `then`. */
 double frame_shift(const contact_frame *now, const contact_frame *then);
 
 /* Returns the time in T in which the fluid moves by one step of the grid. The dimensionless

@@ -53,8 +53,8 @@ typedef struct samples {
     double *deviation[NUM_TRADE_QUANTITIES]; // [count]
     double *bound, *bound_minimum;           // [count] bounds of the central and minimum film
     double *indicated;                       // [count + failures] the larger estimate of both films
-    double *effectivity;                     // [count] ratio of estimate to error, the smaller one
-                                             // of both films
+    double *effectivity;                     // [count] ratio of estimate to error, the smaller of
+                                             // the ratios of both films
     double *off[NUM_INDICATED];              // [count] deviations of the other quantities
     double *other_bound[NUM_INDICATED];      // [count]
     double *friction_off, *friction_bound;   // [num_frictions]

@@ -203,8 +203,8 @@ static inline void add_rows(double *restrict target, const double factors[NUM_LI
         add_some_rows(target, factors + 1, sources + 1, NUM_LINE_STENCIL - 2, count);
 }
 
-/* Adds those rows of a point contact's stencil that have a factor: five of ten for the pressures
- * with transport along the path. */
+/* Adds the rows of a point contact's stencil whose factor is not zero. For the pressures these are
+ * five of ten rows with transport along the path. */
 static inline void add_listed_rows(double *restrict target, const double factors[NUM_STENCIL],
                                    const double *const sources[NUM_STENCIL], int size,
                                    size_t count) {

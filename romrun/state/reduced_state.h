@@ -32,8 +32,8 @@ void reduced_state_copy(reduced_state *target, const reduced_state *source,
 const size_t *reduced_state_exits(const reduced_state *state);
 void reduced_state_set_exits(reduced_state *state, const reduced_model *model, const size_t *exits);
 
-/* Check whether the exit of a state lies in the cell behind the node before `exit`, and return X at
- * which the pressure ends, at Y = 0. */
+/* The first function checks whether the exit of a state lies between the nodes `exit` - 1 and
+ * `exit`. The second returns the X at which the pressure ends, at Y = 0. */
 bool reduced_exit_divides(const reduced_state *state, const reduced_model *model);
 double reduced_exit_position(const reduced_state *state, const reduced_model *model);
 

@@ -217,8 +217,8 @@ static double what_flows_before_the_last(small_exit *small) {
     return flux_before(small, LAST) - 0.8 * small->film[LAST + 1];
 }
 
-/* An exit at the next node that satisfies the fluxes of the Reynolds rows also satisfies the
- * equations of the cell with offset 1 exactly. Therefore nothing jumps when the exit passes a
+/* If the exit is at the next node and the fluxes satisfy the Reynolds rows, the equations of the
+ * cell with offset 1 are also satisfied exactly. Therefore nothing jumps when the exit passes a
  * node. */
 static void at_a_node_the_cell_s_equations_are_the_rows(void **state) {
     small_exit small;

@@ -11,8 +11,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-// fraction of the root of the allowed energy that is allowed for the distance from the directions,
-// as in podbuild
+// A snapshot may lie at this fraction of the square root of the allowed energy from the directions,
+// as in podbuild.
 static const double LOCAL = 0.05;
 
 static double *numbers(size_t count) {

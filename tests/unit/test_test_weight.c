@@ -59,7 +59,8 @@ typedef struct norms {
     double least, most;
 } norms;
 
-/* Replaces the least-squares solver; records the Reynolds rows, which are all but the closure. */
+/* Replaces the least-squares solver; records the Reynolds rows, which are all rows except the
+ * closure. */
 static ehd_status look(double *step, void *context, const double *matrix, const double *right,
                        size_t num_rows, size_t num_unknowns) {
     norms *self = context;
