@@ -36,10 +36,11 @@ static const double SAFETY = 1.25;
 
 const double resolution_limit = 0.01, resolution_limit_minimum = 0.03;
 
-/* Longest step of the grid on which the effect of a point contact's domain is computed, half
- * widths. The estimates were compared with the effects in 67 random scenes
- * (scenes/studies/discretization). Two estimates were 0.3 and 0.7 times the effect with steps of 1,
- * and 0.9 and 1.2 times with 0.5 (boundary.bats, "the effect of the domain is found"). */
+/* Longest grid step, in half widths, on which the effect of a point contact's domain is estimated.
+ * Estimates were compared with the true effect in 67 random scenes (scenes/studies/discretization).
+ * On grids with a step of 1 two of the estimates were only 0.3 and 0.7 times the effect. With a
+ * step of 0.5 they are 0.9 and 1.2 times the effect (boundary.bats, "the effect of the domain is
+ * found"). */
 static const double COARSEST_FOR_DOMAIN = 0.5;
 
 /* Films, and the rolling moment, to which the rolling resistance is proportional. */

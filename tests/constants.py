@@ -169,7 +169,7 @@ def missing(root, path, reason):
 def main():
     root = sys.argv[1] if len(sys.argv) > 1 else os.path.join(os.path.dirname(os.path.abspath(__file__)), "..")
     declared = declarations(root)
-    count, without, folder = 0, 0, None
+    count, without, folder, printed = 0, 0, None, None
     print(PAGE, end="")
     for path in sources(root):
         for name, value, reason in numbers(read(os.path.join(root, path)).split("\n"), declared):
@@ -179,7 +179,9 @@ def main():
             if os.path.dirname(path) != folder:
                 folder = os.path.dirname(path)
                 print(f"\n## {folder}\n\n| name | value | file | reason |\n|---|---|---|---|")
-            print(f"| `{name}` | {value} | `{os.path.basename(path)}` | {reason.replace('|', chr(92) + '|')} |")
+            text = "as above" if (path, reason) == printed else reason.replace("|", chr(92) + "|")
+            printed = path, reason
+            print(f"| `{name}` | {value} | `{os.path.basename(path)}` | {text} |")
             lacking = missing(root, path, reason)
             if lacking:
                 print(f"{path}: {name}: found {lacking}, expected a reason that exists", file=sys.stderr)

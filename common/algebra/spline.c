@@ -96,10 +96,6 @@ double spline_value(const spline *self, double x, size_t i) {
     return self->value[i] + along * (of[0] + along * (of[1] + along * of[2]));
 }
 
-const double *spline_values(const spline *self) {
-    return self->value;
-}
-
 double spline_at(const spline *self, double x) {
     return spline_value(self, x, spline_interval(self, x, 0));
 }

@@ -28,9 +28,6 @@ size_t spline_interval(const spline *self, double x, size_t near);
 /* Returns the value at the place x, which lies in this interval. */
 double spline_value(const spline *self, double x, size_t interval);
 
-/* Returns the values at the nodes, [num]. */
-const double *spline_values(const spline *self);
-
 /* Return value, first and second derivative at a place. */
 double spline_at(const spline *self, double x);
 double spline_slope(const spline *self, double x);

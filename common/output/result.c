@@ -58,10 +58,6 @@ int64_t result_stored_status(ehd_status status) {
     return status == EHD_NOT_CONVERGED ? 1 : (int64_t)status;
 }
 
-int64_t result_stored_model(result_model model) {
-    return model == SOLVED_BY_FULL;
-}
-
 ehd_status result_put_seconds(artefact *file, const run_result *result, ehd_error *error) {
     const struct {
         const char *name;
@@ -109,7 +105,7 @@ static ehd_status put_scalars(artefact *file, const run_result *result, ehd_erro
     const double *exits = result->exits ? result->exits : &result->exit_position;
     const int64_t iterations = (int64_t)result->newton_iterations;
     const int64_t outcome = result_stored_status(result->status);
-    const int64_t by_full_model = result_stored_model(result->solved_by);
+    const int64_t by_full_model = result->solved_by == SOLVED_BY_FULL;
     ehd_status status = EHD_OK;
 
     for (size_t i = 0; i < sizeof reals / sizeof *reals && !status; i++)

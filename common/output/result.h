@@ -67,9 +67,8 @@ ehd_status result_write(artefact **file, const run_result *result, const ehd_con
 ehd_status result_put_contact(artefact *file, const ehd_contact *contact, ehd_error *error);
 /* Writes the attribute solve_seconds and its parts; only the times of `result` are used. */
 ehd_status result_put_seconds(artefact *file, const run_result *result, ehd_error *error);
-/* Return the values for the fields `status` and `by_full_model`. */
+/* Returns the value for the field `status`. */
 int64_t result_stored_status(ehd_status status);
-int64_t result_stored_model(result_model model);
 
 /* Prints the short result on stdout, also in µm, GPa and N/m (N for a point contact) if the contact
  * is given in SI units. */

@@ -446,7 +446,10 @@ grid_extent grid_extent_of(const ehd_grid *grid) {
                              grid->inner_lines > 1 ? (double)beside * grid_step_across(grid) : NAN};
 }
 
-bool grid_has(const ehd_grid *grid, const grid_extent *given) {
+/* Checks whether a grid has the given ends and step, to 1e-9 of a step. NaN agrees with any value.
+ * The sides of the grid may lie outside of y_max by less than a step, where grid_choose puts
+ * them. */
+static bool grid_has(const ehd_grid *grid, const grid_extent *given) {
     const grid_extent found = grid_extent_of(grid);
     const double trifle = ROUNDING * grid->step;
 

@@ -211,10 +211,6 @@ double grid_load_weight(const ehd_grid *grid, size_t node);
 bool grid_same(const ehd_grid *a, const ehd_grid *b);
 
 grid_extent grid_extent_of(const ehd_grid *grid);
-/* Checks whether a grid has the given ends and step, to 1e-9 of a step. NaN agrees with any value.
- * The sides of the grid may lie outside of y_max by less than a step, where grid_choose puts
- * them. */
-bool grid_has(const ehd_grid *grid, const grid_extent *given);
 
 /* The equation that closes the system: by_approach H0 + by_load int P = value. */
 typedef struct contact_closure {

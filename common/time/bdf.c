@@ -14,10 +14,11 @@ const double bdf_most_growth = 1 + 1.4142135623730951;
  * 5 is too small (test_bdf.c, error_is_that_of_the_next_power). */
 static const double MOST_ENLARGED = 46;
 
-/* Largest ratio of a step of first order to the time between the known states at which the slope of
- * these states predicts the step. Iterations leave errors of 1e-8 to 1e-5 of a film. If the states
- * lie closer together, their slope consists of such errors. The prediction is then the last film
- * (test_bdf.c, a_step_much_longer_than_the_last_is_of_lower_order). */
+/* A step of first order is predicted by the slope between the known states. This constant is the
+ * largest ratio of the step to the time between these states. The iteration leaves an error of 1e-8
+ * to 1e-5 of a film in each state. If the ratio is larger, the slope may consist of these errors,
+ * so the prediction is the last state (test_bdf.c,
+ * a_step_much_longer_than_the_last_is_of_lower_order). */
 static const double MOST_EXTRAPOLATED = 100;
 
 /* Sets the weights with which the polynomial through the chosen previous states predicts the new
@@ -42,8 +43,8 @@ static double enlarged(const bdf_formula *formula) {
     return sum;
 }
 
-/* Sets a formula of first order. Its prediction follows the slope of the states, or is the last
- * state for long steps. */
+/* Sets a formula of first order. It is predicted by the slope between the states, or for long steps
+ * by the last state. */
 static void set_first_order(bdf_formula *formula, double step, const double *ago,
                             size_t num_previous) {
     const size_t oldest = num_previous - 1, chosen[] = {0, oldest};
@@ -130,8 +131,8 @@ static void swap(bdf_ring *ring, size_t i, size_t k) {
 /* Checks whether a state is passing (bdf_ring). While steps grow, as after a start, no state is
  * passing. */
 static bool is_passing(const bdf_ring *ring, double time, double least) {
-    // least ratio of successive steps that grow; in a march steps at most double (test_bdf.c,
-    // states_that_follow_too_soon_are_passing)
+    // Smallest ratio of successive steps at which the steps grow. In a march a step is at most
+    // twice the step before it (test_bdf.c, states_that_follow_too_soon_are_passing).
     const double grown = 1.5;
     const double step = time - ring->time[ring->place[1]];
 

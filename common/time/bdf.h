@@ -12,9 +12,9 @@
 // previous states that a step uses: two for the formula, one more for the error estimate
 enum { BDF_PREVIOUS = 3 };
 
-/* Formula of one step: dy/dT = rate y + sum of weight[i] y_i, where y_0 is the last state, y_1 the
- * one before … The prediction of y is the sum of predictor[i] y_i. The local error is `error` times
- * the difference of y and its prediction. */
+/* Formula of one step: dy/dT = rate y + sum of weight[i] y_i. y_0 is the last state and y_1 the
+ * state before it. The prediction of y is the sum of predictor[i] y_i. The local error is `error`
+ * times the difference between y and its prediction. */
 typedef struct bdf_formula {
     size_t order;
     size_t num_weighted;            // number of states y_0, y_1 … up to the last with a weight
@@ -31,18 +31,18 @@ typedef struct bdf_formula {
  * r = 1 + sqrt(2). */
 extern const double bdf_most_growth;
 
-/* Returns the formula for a step of length `step` from the last state. There are `num_previous` (1
- * … BDF_PREVIOUS) previous states; intervals[i] is the time between states i and i + 1. The formula
- * is of second order if an earlier state is far enough from the last one for this step, and uses
- * the latest such state. Otherwise it is of first order. */
+/* Returns the formula for a step of length `step` from the last state. The number of previous
+ * states, `num_previous`, is 1 to BDF_PREVIOUS. intervals[i] is the time between states i and i +
+ * 1. A formula of second order uses the latest state that is far enough from the last state for
+ * this step. If there is none, the formula is of first order. */
 bdf_formula bdf_step(double step, const double *intervals, size_t num_previous);
 
 enum { BDF_STATES = BDF_PREVIOUS + 2 };
 
 /* Places of the states in an array of BDF_STATES states. place[0] is the state being solved.
- * place[i] is the i-th state before it, for i from 1 to num_previous. A state is called passing if
- * it is accepted too soon after place[1]: it lies at the last place, and the next step begins at
- * place[1] again. */
+ * place[i] is the i-th state before it, for i from 1 to num_previous. A state that is accepted too
+ * soon after place[1] is called passing. It is stored at the last place, and the next step begins
+ * at place[1] again. */
 typedef struct bdf_ring {
     size_t place[BDF_STATES];
     size_t num_previous;
@@ -56,13 +56,13 @@ bdf_ring bdf_ring_empty(void);
 /* Returns the formula for a step from the state at place[1]. */
 bdf_formula bdf_ring_formula(const bdf_ring *ring, double step);
 
-/* Makes the state being solved the last accepted one. The state is passing if it lies less than
- * `least` after the state that its step began at. No state is passing while steps grow or there are
- * fewer than BDF_PREVIOUS states. */
+/* Makes the state being solved the last accepted state. It is passing if it lies less than `least`
+ * after the state at which its step began. While steps grow, or with fewer than BDF_PREVIOUS
+ * states, no state is passing. */
 void bdf_ring_accept(bdf_ring *ring, double time, double least);
 
-/* Returns the place of the accepted state `steps` (0 … num_previous) before the one being solved. A
- * passing state is the last accepted one. */
+/* Returns the place of an accepted state, `steps` (0 to num_previous) before the state being
+ * solved. If a state is passing, it is the last accepted state. */
 size_t bdf_ring_accepted(const bdf_ring *ring, size_t steps);
 
 /* Lets the next step begin at the passing state after all. Drops the oldest state. */

@@ -76,10 +76,8 @@ void film_errors_enter(film_errors *self, const contact_frame *then, const conta
 
     for (size_t i = 0; i < NUM_ERROR_PLACES; i++) {
         const bool entered = film_errors_place(i) < x || from.first + from.stretch * (double)i < 0;
-        const double carried = self->next[i] > 0
-                                   ? self->next[i]
-                                   : 0; // splines may be negative between positive values
-        self->next[i] = entered ? value : carried;
+        // a spline may be negative between positive values
+        self->next[i] = entered ? value : fmax(self->next[i], 0);
     }
 }
 

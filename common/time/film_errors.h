@@ -26,9 +26,9 @@ double film_errors_place(size_t i);
 /* Sets the kept errors, [NUM_ERROR_PLACES]; NULL: none. */
 void film_errors_set(film_errors *self, const double *kept);
 
-/* Computes the magnitude of the difference of two films, [num_nodes] each. Each place gets the
- * largest difference at the nodes around it. Only nodes of the central line before column `end`,
- * the exit, are used. */
+/* Computes how much two films, [num_nodes] each, differ. Each place gets the largest difference at
+ * the nodes around it. The function uses the nodes of the central line before column `end`, the
+ * exit. */
 void film_errors_between(
     // output:
     double errors[NUM_ERROR_PLACES],
@@ -39,9 +39,9 @@ void film_errors_between(
  * contact has no error. */
 void film_errors_carry(film_errors *self, const contact_frame *then, const contact_frame *now);
 
-/* Sets the errors of entering fluid in `next`, after film_errors_carry. The errors are upper bounds
- * and not negative. Places before `x` get `value`. Places whose fluid has entered the dry contact
- * since the state `then` also get it. `then` NULL: only places before `x`. */
+/* Sets the error of entering fluid in `next` to `value`, after film_errors_carry. Errors are upper
+ * bounds and not negative. `value` is set at the places before `x` and, unless `then` is NULL, at
+ * the places whose fluid has entered the dry contact since the state `then`. */
 void film_errors_enter(film_errors *self, const contact_frame *then, const contact_frame *now,
                        double x, double value);
 
@@ -53,8 +53,8 @@ void film_errors_add(film_errors *self, double factor, const double *errors, con
 /* Returns the error of the attempt at X; 0 outside of the dry contact. */
 double film_errors_at(const film_errors *self, double x);
 
-/* Returns the largest error of the attempt between two X. If both lie outside of the dry contact,
- * returns the error at its edge. */
+/* Returns the largest error of the attempt between two X. If both lie on the same side of the dry
+ * contact, returns the error at that edge of the dry contact. */
 double film_errors_largest(const film_errors *self, double from, double to);
 
 /* Accepts the errors of the attempt. */

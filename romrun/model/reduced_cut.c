@@ -9,14 +9,16 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Distance between the checkpoints of a line contact, half widths. With distances up to 0.02 a
- * solution with 56 modes on 1201 nodes takes 0.107 ms. With 0.08 it takes 0.135 ms, and with only
- * one checkpoint 0.17 ms (bench_online.c; test_reduced_cut.c, cut_tables_equal_plain_sums). */
+/* Distance between the checkpoints of a line contact, half widths. With a distance of at most 0.02
+ * a solution (56 modes, 1201 nodes) takes 0.107 ms. With a distance of 0.08 the solution takes
+ * 0.135 ms. With a single checkpoint it takes 0.17 ms (bench_online.c; test_reduced_cut.c,
+ * cut_tables_equal_plain_sums). */
 static const double CHECKPOINT_DISTANCE = 0.02;
 
 /* Largest memory of a point contact's checkpoints, bytes. On 129 by 129 nodes a solution takes
  * 1.4 ms with one checkpoint, 0.57 ms with 20 MB of checkpoints and 0.52 ms with 200 MB. With all
- * 168 checkpoints (320 MB) it takes 0.51 ms, and loading takes 1.9 s instead of 0.9 s
+ * 168 checkpoints (320 MB) the solution takes 0.51 ms, but the model takes 1.9 s to load instead of
+ * 0.9 s
  * (bench_point.c; test_reduced_cut.c, memory_bounds_the_checkpoints_of_a_point). */
 static const size_t CHECKPOINT_MEMORY = 400u << 20;
 

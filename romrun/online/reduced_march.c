@@ -461,11 +461,11 @@ static ehd_status solve_under_load(reduced_info *info, reduced_march *self,
     return solve(info, self, &contact, NULL, error);
 }
 
-/* Rescales the frame until its load equals the load of the solution at the given approach: a
- * fixed-point iteration over stationary solutions. It may end in a cycle, within the tolerance of
- * these solutions or between two exits. For example, the line contact of scenes/examples/oscillator
- * at 0.952 of its load alternates between loads that are 64e-9 too high and too low. Any frame of
- * such a cycle will do. */
+/* Finds the load at the given approach by fixed-point iteration: the load of each stationary
+ * solution rescales the frame of the next one. The iteration may end in a cycle, because solutions
+ * have a tolerance and exits are nodes. Example: the line contact of scenes/examples/oscillator at
+ * 0.952 of its load alternates between loads 64e-9 too high and too low. Any frame of such a cycle
+ * is accurate enough. */
 static ehd_status find_load(reduced_info *info, reduced_march *self, contact_frame *frame,
                             ehd_error *error) {
     // Largest number of rescalings, and largest relative error of the load in a cycle
@@ -493,14 +493,15 @@ static ehd_status find_load(reduced_info *info, reduced_march *self, contact_fra
     return EHD_OK;
 }
 
-/* Finds the load for an approach at which find_load does not converge. The secant method solves
- * contacts whose load is given, each from a trained start, until the approach is right to a tenth
- * of the film. Then find_load takes over. */
+/* Finds the load for an approach at which find_load does not converge. The secant method changes
+ * the load until the approach of the solution is right to a tenth of the film. Each solution begins
+ * at a trained state. Then find_load completes the search. */
 static ehd_status walk_to_approach(reduced_info *info, reduced_march *self, contact_frame *frame,
                                    ehd_error *error) {
-    // `near`: largest error of the approach for find_load, in central films. `max_loads`: largest
-    // number of loads. Strides: changes of ln(load) (test_online_transient.c,
-    // a_start_from_an_approach_finds_its_load).
+    // `near`: error of the approach from which on find_load takes over, in central films.
+    // `max_loads`: largest number of loads that the secant method tries. `first_stride`,
+    // `longest_stride`: first and largest change of ln(load) from one load to the next
+    // (test_online_transient.c, a_start_from_an_approach_finds_its_load).
     const size_t max_loads = 30;
     const double near = 0.1, first_stride = 0.05, longest_stride = 0.2;
     double stride = 0, before = 0;
@@ -1059,8 +1060,8 @@ static double film_of_attempt(const void *context, size_t node) {
  * differ from the full model's by 1.0 % instead of 0.4 %. */
 static double iteration_tolerance(const reduced_march *self) {
     // `part`: tolerance divided by the allowed error of the step. `most`: largest tolerance. A
-    // model of scenes/examples/line-in-time takes 232 iterations. With a tenth of `most` it takes
-    // 254, and the largest film changes by 4e-4 (test_path_march.c,
+    // model of scenes/examples/line-in-time takes 259 iterations. With a tenth of `most` it takes
+    // 270, and the largest film changes by 4e-4 (test_path_march.c,
     // a_tolerance_of_the_steps_saves_iterations).
     const double part = 0.1, most = 1.5e-6;
     const double path = self->bdf.step * fmax(self->bdf.entrainment, 1);
@@ -1169,9 +1170,9 @@ static bool same_exits(const reduced_state *a, const reduced_state *b, const red
  * Keeping them longer does not save time. */
 static bool factors_are_current(const reduced_march *self, const reduced_state *solved) {
     // The factors are kept up to `max_iterations` iterations and up to a relative change
-    // `max_rate_change` of the rate. A model of scenes/examples/line-in-time (step 0.02) takes 232
-    // iterations. With at most 1 iteration it takes 194, with 10 it takes 271. With a rate of 0.05
-    // it takes 216, with 2 it takes 232.
+    // `max_rate_change` of the rate. A model of scenes/examples/line-in-time takes 259
+    // iterations. With at most 1 iteration it takes 234, with 10 it takes 279. With a rate of 0.05
+    // it takes 250, with 2 it takes 259.
     const size_t max_iterations = 3;
     const double max_rate_change = 0.25;
 

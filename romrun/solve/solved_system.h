@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Gives the least squares with which a solution ended (Maier et al. (2015), eq. 28), for estimates
- * of the solution's error. Called by romrun/trust/functionals.c; reduced_solver.c makes it. */
+/* Gives the least squares of the last step of a solution (Maier et al. (2015), eq. 28), from which
+ * romrun/trust/functionals.c estimates errors. Implemented by reduced_solver.c. */
 #ifndef EHD_SOLVED_SYSTEM_H
 #define EHD_SOLVED_SYSTEM_H
 
@@ -12,7 +12,6 @@
 /* The order of rows: selected Reynolds rows before the exit, linear equations and, if the exit lies
  * between two nodes, the row of its cell. */
 typedef struct solved_system {
-    const reduced_model *model;
     node_state *nodes; // nodes at the solution
     exit_search *exits;
     size_t num_rows;            // rows of the matrix

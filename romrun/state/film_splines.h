@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Computes film and pressure of previous reduced states at any point, at a cost independent of the
- * grid (romrun/online/README.md, In time). Cubic splines of all modes are made once. A state's
- * spline is a combination of them. Splines of the kernel add the deflection by the nodes between
- * cut_exits and the state's own exit line. Values and curvatures at a node are summed once per
- * state, when they are first needed. Called by romrun/online for each step, and by
- * snapgen/residuals.c. */
+ * grid (romrun/online/README.md, In time). Cubic splines of all modes are made once. The spline of
+ * a state is the sum of these splines times the state's coordinates. Splines of the kernel add the
+ * deflection by the nodes between cut_exits and the state's own exit line. The sum at a node is
+ * computed when it is first needed, and then kept.
+ * Called by romrun/online for each step, and by snapgen/residuals.c. */
 #ifndef EHD_FILM_SPLINES_H
 #define EHD_FILM_SPLINES_H
 

@@ -24,12 +24,12 @@ typedef struct film_moves {
 
 struct functionals {
     const reduced_model *model;
-    solved_system solved;   // the last solution
-    double *left, *unknown; // [system_max_rows] residual after the last step; square of this
-                            // residual plus the square for the iterations that were not made
-    double *square;         // [system_max_rows] sum of the squares of all residuals
-    double *gradients;      // [BLOCK, num_unknowns]
-    double *moves;          // [BLOCK, system_max_rows]
+    solved_system solved; // the last solution
+    double *unsolved;     // [system_max_rows] square of the residual after the last step, plus the
+                          // square for the iterations that were not made
+    double *square;       // [system_max_rows] `unsolved` plus the squares of other residuals
+    double *gradients;    // [BLOCK, num_unknowns]
+    double *moves;        // [system_max_rows]
     film_moves films[NUM_REDUCED_FILMS];
     double *band_influence; // [nodes of the band] work of functionals_friction_error
     double *exit_risk;      // [num_lines]
@@ -49,11 +49,10 @@ functionals *functionals_create(const reduced_model *model) {
     if (!self) return NULL;
     arena *memory = &self->memory;
     self->model = model;
-    self->left = arena_array(memory, max_rows, sizeof(double));
-    self->unknown = arena_array(memory, max_rows, sizeof(double));
+    self->unsolved = arena_array(memory, max_rows, sizeof(double));
     self->square = arena_array(memory, max_rows, sizeof(double));
     self->gradients = arena_array(memory, n, BLOCK * sizeof(double));
-    self->moves = arena_array(memory, max_rows, BLOCK * sizeof(double));
+    self->moves = arena_array(memory, max_rows, sizeof(double));
     for (int q = 0; q < NUM_REDUCED_FILMS; q++) {
         self->films[q].gradient = arena_array(memory, n, sizeof(double));
         self->films[q].moves = arena_array(memory, max_rows, sizeof(double));
@@ -71,11 +70,17 @@ void functionals_left(double *left, const double *right, const double *matrix, c
     add_product(left, matrix, num_columns, num_rows, num_columns, step);
 }
 
+/* Computes J times the dual of a gradient (least_squares.h). */
+static void moves_of_dual(double *moves, const double *dual, const double *matrix, size_t num_rows,
+                          size_t num_columns) {
+    memset(moves, 0, num_rows * sizeof *moves);
+    add_product(moves, matrix, num_columns, num_rows, num_columns, dual);
+}
+
 void functionals_moves(double *moves, double *gradient, least_squares *factors,
                        const double *matrix, size_t num_rows, size_t num_columns) {
     least_squares_duals(gradient, factors, 1);
-    memset(moves, 0, num_rows * sizeof *moves);
-    add_product(moves, matrix, num_columns, num_rows, num_columns, gradient);
+    moves_of_dual(moves, gradient, matrix, num_rows, num_columns);
 }
 
 /* Takes the last solution of a solver. Computes its residuals if this solution is new. */
@@ -89,11 +94,12 @@ static const solved_system *take_solution(functionals *self, reduced_solver *sol
             self->films[q].matrix_number = 0;
     else if (solved->solution_number == known.solution_number)
         return solved;
-    functionals_left(self->left, solved->right, solved->matrix, solved->step, solved->num_rows,
+    functionals_left(self->unsolved, solved->right, solved->matrix, solved->step, solved->num_rows,
                      self->model->num_unknowns);
-    for (size_t i = 0; i < solved->num_rows; i++)
-        self->unknown[i] =
-            pow(self->left[i], 2) + pow(solved->remaining * (self->left[i] - solved->right[i]), 2);
+    for (size_t i = 0; i < solved->num_rows; i++) {
+        const double left = self->unsolved[i];
+        self->unsolved[i] = pow(left, 2) + pow(solved->remaining * (left - solved->right[i]), 2);
+    }
     return solved;
 }
 
@@ -111,13 +117,12 @@ static void find_errors(double *errors, functionals *self, size_t num, const dou
     const size_t num_rows = solved->num_rows, n = self->model->num_unknowns;
 
     for (size_t i = 0; i < num_rows; i++)
-        self->square[i] = self->unknown[i] + (i < solved->num_reynolds ? added[solved->row[i]] : 0);
+        self->square[i] =
+            self->unsolved[i] + (i < solved->num_reynolds ? added[solved->row[i]] : 0);
     least_squares_duals(self->gradients, solved->factors, num);
-    memset(self->moves, 0, num * num_rows * sizeof *self->moves);
     for (size_t k = 0; k < num; k++) {
-        double *moves = self->moves + k * num_rows;
-        add_product(moves, solved->matrix, n, num_rows, n, self->gradients + k * n);
-        errors[k] = error_of(moves, self->square, num_rows);
+        moves_of_dual(self->moves, self->gradients + k * n, solved->matrix, num_rows, n);
+        errors[k] = error_of(self->moves, self->square, num_rows);
     }
 }
 
@@ -211,7 +216,7 @@ double functionals_film_error(double *influence, functionals *self, reduced_solv
         for (size_t i = 0; i < solved->num_reynolds; i++)
             influence[solved->row[i]] = moves[i];
     }
-    return error_of(moves, self->unknown, solved->num_rows);
+    return error_of(moves, self->unsolved, solved->num_rows);
 }
 
 // ---- other quantities
@@ -287,9 +292,9 @@ double functionals_peak_error(functionals *self, reduced_solver *solver, const d
 
 // ---- friction
 
-/* Finds self->exit_risk. For each grid line of a point contact the risk is a ratio, at most 1: the
- * error of the pressure at the last node with pressure over the margin of the exit (exits_margins).
- * For a line contact, whose exit follows from the flux, the risk is 1. */
+/* Computes self->exit_risk, the risk that the exit of a grid line is a node off. In a point contact
+ * it is the error of the pressure at the line's last node with pressure, divided by the margin of
+ * the exit (exits_margins); it is at most 1. In a line contact the risk is 1. */
 static void find_exit_risks(functionals *self, const reduced_state *state,
                             const ehd_contact *contact, const double *added) {
     const reduced_model *model = self->model;

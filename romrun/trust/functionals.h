@@ -1,12 +1,15 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Changes of quantities of a solution by residuals (romrun/trust/README.md, Error estimates).
+/* Computes the errors of quantities of a solution from residuals (romrun/trust/README.md, Error
+ * estimates).
  *
- * A quantity is given by its gradient, the derivatives by the unknowns. The factors of the last
- * step turn the gradient into the change of the quantity by an error of 1 in each row. The rows are
- * taken as independent: the error is the root of the sum of the squares of residual times change.
- * There are three kinds of residuals: those that the last least squares leave, D f + D J dz; those
- * of the iterations that were not made, solved_system.remaining times D J dz; those of other rows,
- * `added`. Called by indicator.c, reduced_march.c and reduced_tangent.c. */
+ * A quantity is given by its gradient, the derivatives with respect to the unknowns. The factors of
+ * the last step give the change of the quantity by an error of 1 in each row. The error of the
+ * quantity is the root of the sum of squares of residual times change. The residual of a row has
+ * three parts, whose squares are added:
+ * - D f + D J dz, which the last step leaves;
+ * - solved_system.remaining times D J dz, for the iterations that were not made;
+ * - the residuals of other rows, `added`.
+ * Called by indicator.c, reduced_march.c and reduced_tangent.c. */
 #ifndef EHD_FUNCTIONALS_H
 #define EHD_FUNCTIONALS_H
 

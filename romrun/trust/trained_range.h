@@ -36,10 +36,10 @@ range_memory *range_memory_free(range_memory *memory); // accepts and returns NU
 const char *trained_range_check(const trained_range *range, range_memory *memory,
                                 contact_place place, const frame_rates *rates);
 
-/* Returns how far outside of the range a contact lies, to choose among the parts of a model.
- * Inside, the result is at most 0, and smaller the deeper the contact lies; it is relative to the
- * extent of the range. Outside, the result is above 0: a distance in the coordinates themselves,
- * which are the same for all ranges. */
+/* Returns how far outside of the range a contact lies. The solver compares the ranges of several
+ * models by this number. If the contact lies inside, the number is minus its depth below the
+ * border, relative to the extent of the range. If it lies outside, the number is its distance from
+ * the range in the coordinates of trained_place. */
 double trained_range_outside(const trained_range *range, range_memory *memory, contact_place place);
 
 #endif
