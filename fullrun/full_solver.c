@@ -403,45 +403,11 @@ static double scale_rows(full_solver *self, full_state *state) {
 
 // ---- exit boundary
 
-// Largest move of the exit downstream in one iteration, half widths. At M below 5 the exit lies
-// far downstream. Moves by single nodes would take most of the iterations (test_full_solver.c,
-// flux_finds_the_exit_at_once).
-static const double MAX_STRIDE = 0.1;
-
-/* The state whose exit is determined. */
-typedef struct exit_query {
-    const full_solver *solver;
-    const full_state *state;
-    double entrainment;
-} exit_query;
-
-static double film_at(void *context, size_t node) {
-    const exit_query *query = context;
-
-    return query->state->film[node];
-}
-
-static double flux_at(void *context, size_t node) {
-    const exit_query *query = context;
-    const full_solver *solver = query->solver;
-    const reynolds_stencil *stencil = &solver->stencils[grid_row_of_node(&solver->grid, node)];
-
-    return reynolds_flux(&solver->grid, query->entrainment, stencil, &solver->fluid,
-                         query->state->pressure, query->state->film)
-        .residual;
-}
-
 /* Returns the multiplier at a node without pressure, scaled like its row. */
 static double scaled_multiplier(const full_solver *self, size_t node) {
     size_t r = grid_row_of_node(&self->grid, node);
 
     return exit_multiplier(&self->rows[r]) * self->row_scale[r];
-}
-
-static double multiplier_at(void *context, size_t node) {
-    const exit_query *query = context;
-
-    return scaled_multiplier(query->solver, node);
 }
 
 // ---- exit within the cell of a node
@@ -452,16 +418,11 @@ static bool can_divide_node(const full_state *state, const ehd_grid *grid) {
     return state->exit + 1 < grid->num_nodes;
 }
 
-// Scaled residual below which the solver places the exit within the cell of its node (README.md,
-// Exit boundary; test_full_solver.c, pressure_holds_the_exit).
-static const double NEAR_SOLUTION = 0.01;
-
-/* Near the solution, computes the place of the exit within the cell of its node from the pressure
- * at this node. The state's rows must be evaluated. Returns whether the state has changed. */
-static bool divide_node(full_solver *self, double entrainment, full_state *state, double residual) {
-    if (!isnan(state->exit_offset) || !(residual < NEAR_SOLUTION) ||
-        !can_divide_node(state, &self->grid))
-        return false;
+/* Computes the place of the exit within the cell of its node from the pressure at this node
+ * (test_full_solver.c, pressure_holds_the_exit). The state's rows must be evaluated. Returns
+ * whether the state has changed. */
+static bool divide_node(full_solver *self, double entrainment, full_state *state) {
+    if (!isnan(state->exit_offset) || !can_divide_node(state, &self->grid)) return false;
     state->exit_offset = 0;
     evaluate_cell(self, entrainment, state);
     const double square = state->pressure[state->exit - 1] / self->cell.curvature;
@@ -486,55 +447,12 @@ static double change_of_offset(const full_solver *self, const full_state *state)
 
 /* Moves the exit of a state, to which a step has been added, by `change` steps of the grid. */
 static void move_exit(full_state *state, const ehd_grid *grid, double change) {
-    const double stride = MAX_STRIDE / grid->step + 1;
-    const double offset = state->exit_offset + fmin(fmax(change, -stride), stride);
+    const double offset = state->exit_offset + change;
     const double exit = fmax((double)state->exit + floor(offset), 2);
     const size_t last = grid->num_nodes - 1;
 
     set_exit(state, exit < (double)last ? (size_t)exit : last, grid);
     if (can_divide_node(state, grid)) state->exit_offset = offset - floor(offset);
-}
-
-// ---- exit at a node
-
-/* Returns the next exit node of a stationary line contact, found from the flux through the contact.
- * Negative pressures are considered only behind the centre of the contact. */
-static size_t adapt_exit(const full_solver *self, const full_state *state, double entrainment) {
-    const ehd_grid *grid = &self->grid;
-    const double noise = 0.1 * self->settings.tolerance;
-    const size_t behind_centre = (size_t)ceil(-grid->x_min / grid->step) + 1;
-    exit_query query = {self, state, entrainment};
-    const exit_line line = {.pressure = state->pressure + behind_centre,
-                            .first_node = behind_centre,
-                            .min_exit = 1,
-                            .max_exit = grid->num_nodes - 1,
-                            .max_stride = (size_t)(MAX_STRIDE / grid->step) + 1,
-                            .entrainment = entrainment,
-                            .pressure_noise = noise,
-                            .multiplier_noise = noise,
-                            .state = &query,
-                            .film = film_at,
-                            .flux = flux_at,
-                            .multiplier = multiplier_at};
-
-    return exit_by_flux(&line, state->exit);
-}
-
-/* Last moves of the exit, to detect a limit cycle between two neighbouring nodes. The exit then
- * lies between them, and the node without negative pressure is kept. */
-typedef struct exit_watch {
-    size_t before, current;
-    int reversals;
-} exit_watch;
-
-static bool exit_cycles(exit_watch *watch, size_t next) {
-    bool back = next == watch->before && next != watch->current;
-    bool neighbours = next + 1 == watch->current || watch->current + 1 == next;
-
-    watch->reversals = back && neighbours ? watch->reversals + 1 : 0;
-    watch->before = watch->current;
-    watch->current = next;
-    return watch->reversals >= 4;
 }
 
 // ---- Newton
@@ -703,7 +621,7 @@ static double complementarity(const full_solver *self, const full_state *state) 
 // transient case with a load of 30 % and period 1/4, to T = 1, takes 6439 iterations. With 0 it
 // takes 8664. With 1e-10 and 1e-9 the steps become too short (test_full_march.c,
 // sine_leads_to_a_periodic_state). Stationary point contacts need no such limit.
-static const double IN_TIME_NOISE = 1e-7;
+static const double NOISE = 1e-7;
 
 // values of index[]: a node gets pressure by its own sign, or by the sign of nodes beside it
 enum { WANTED = 1, JOINED };
@@ -756,15 +674,19 @@ static void grow_intervals(full_solver *self, const full_state *state) {
 }
 
 /* Sets the pressurised zone by a primal-dual active set: each node follows the sign of its pressure
- * or multiplier. Returns whether the zone has changed. Films that vary in time or flow around the
- * contact need this method, because their flux is not one number and their zone may have any shape.
- * No limit on the changes of a node is needed. A limit of four changes would alter none of the
- * measured marches, and one cold start among 150 of point contacts. */
-static bool adapt_nodes(full_solver *self, full_state *state, double noise) {
+ * or multiplier. This is a semismooth Newton step (Hintermueller, Ito and Kunisch 2003). Returns
+ * whether the zone has changed. No limit on the changes of a node is needed. A limit of four
+ * changes would alter none of the measured marches, and one cold start among 150 of point
+ * contacts. */
+static bool adapt_zone(full_solver *self, full_state *state, bool in_time) {
     const ehd_grid *grid = &self->grid;
     size_t last = 0;
     bool changed = false;
-    const bool line = grid->inner_lines == 1; // in time, or with a surface
+    const bool line = grid->inner_lines == 1;
+    const double noise = in_time || line ? NOISE : 0;
+
+    // a Newton step moves an exit within a cell
+    if (!isnan(state->exit_offset) && !self->surface) return false;
 
     for (size_t r = 0; r < grid->num_inner; r++) {
         const size_t k = grid_node_of_row(grid, r);
@@ -785,21 +707,6 @@ static bool adapt_nodes(full_solver *self, full_state *state, double noise) {
         state->ruptured[k] = k < state->exit && !self->index[k];
         if (!self->index[k]) state->pressure[k] = 0;
     }
-    return true;
-}
-
-/* Moves the boundaries of the pressurised zone. Returns whether they have moved. */
-static bool adapt_zone(exit_watch *watch, bool *settled, full_solver *self, full_state *state,
-                       const ehd_contact *contact, bool in_time) {
-    const bool line = self->kind->dimensions == 1;
-    if (in_time || self->surface || !line)
-        return adapt_nodes(self, state, in_time || line ? IN_TIME_NOISE : 0);
-    if (*settled || !isnan(state->exit_offset)) return false;
-    size_t exit = adapt_exit(self, state, contact->entrainment);
-    *settled = exit_cycles(watch, exit);
-    if (*settled && exit > state->exit) exit = state->exit;
-    if (exit == state->exit) return false;
-    set_exit(state, exit, &self->grid);
     return true;
 }
 
@@ -876,8 +783,6 @@ void full_place_exits(double *positions, const full_state *state, const full_sol
 static ehd_status newton(full_info *info, full_state *state, full_solver *self,
                          const ehd_contact *contact, const reynolds_squeeze *squeeze,
                          bool within_node, ehd_error *error) {
-    exit_watch watch = {state->exit, state->exit, 0};
-    bool settled = false;
     ehd_error ignored;
 
     if (!within_node) state->exit_offset = NAN;
@@ -886,7 +791,7 @@ static ehd_status newton(full_info *info, full_state *state, full_solver *self,
     for (size_t iteration = 0; iteration <= self->settings.max_iterations; iteration++) {
         const double last_residual = info->residual;
         info->residual = scale_rows(self, state);
-        if (within_node && divide_node(self, contact->entrainment, state, info->residual)) {
+        if (within_node && divide_node(self, contact->entrainment, state)) {
             evaluate_rows(self, contact, squeeze, state);
             info->residual = scale_rows(self, state);
         }
@@ -896,7 +801,7 @@ static ehd_status newton(full_info *info, full_state *state, full_solver *self,
         }
         // the zone follows from the pressure of a step, so it is not adapted before the first
         // step
-        if (iteration > 0 && adapt_zone(&watch, &settled, self, state, contact, squeeze != NULL)) {
+        if (iteration > 0 && adapt_zone(self, state, squeeze != NULL)) {
             evaluate_rows(self, contact, squeeze, state);
             info->residual = scale_rows(self, state);
         } else if (iteration > 0 && is_solved(self, info->residual, last_residual)) {

@@ -17,30 +17,6 @@ double exit_multiplier(const reynolds_row *row);
  * 0. The result is negative if the condition holds. */
 double exit_violation(bool has_pressure, double pressure, double multiplier);
 
-/* Data for the search of the exit on a stationary line contact. In the pressurised zone the flux is
- * the same everywhere. The exit condition P = dP/dx = 0 means that U rho H equals this flux at the
- * exit. */
-typedef struct exit_line {
-    const double *pressure; // P at the nodes from first_node to the one before the exit
-    size_t first_node;      // first node that is checked for negative pressure
-    size_t min_exit, max_exit;
-    // largest move downstream, in nodes: far from convergence the flux is not yet uniform
-    size_t max_stride;
-    double entrainment;
-    double pressure_noise, multiplier_noise;        // negative values are ignored if their
-                                                    // magnitude is at most this
-    void *state;                                    // argument of the functions
-    double (*film)(void *state, size_t node);       // H
-    double (*flux)(void *state, size_t node);       // through the half node before the node
-    double (*multiplier)(void *state, size_t node); // exit_multiplier
-} exit_line;
-
-/* Returns the node at which the exit should be. The exit moves back if a pressure is negative, and
- * downstream if the multiplier at the exit is negative. Downstream it moves as far as the node
- * where an unpressurised film carries the flux. The number of moves therefore does not grow with
- * the number of nodes. */
-size_t exit_by_flux(const exit_line *line, size_t exit);
-
 /* The exit within the cell of a node, in the accurate discretisation of a stationary line contact
  * (README.md, The exit within a node). The exit cuts the last cell with pressure at x = x_k +
  * offset h, behind its node k. Two equations hold there. First, an unpressurised film at the exit

@@ -231,18 +231,10 @@ static iterate take_step(reduced_state *state, reduced_solver *self, const itera
     return now;
 }
 
-/* The iteration has converged if the next iteration would change P by less than these limits.
- * PRESSURE_TOLERANCE: absolute limit, Hertz pressures. PRESSURE_OVER_FILM: limit divided by the
- * tolerance of the film. Sixty contacts around scenes/examples/line take 258 iterations. With 1e-2
- * and 1e6 they take as many iterations. With 1e-6 or 1e2 they take 282, and the films change by
- * less than 1e-10. */
-static const double PRESSURE_TOLERANCE = 1e-4, PRESSURE_OVER_FILM = 1e4;
-
-/* In time, an iteration that changes P by more than this is far from the solution, Hertz pressures.
- * With 5e-3 to 5e-2 the line contact under a load of period 1/2 (scenes/studies/transient-load)
- * takes 1413 to 1445 iterations (tolerance 5e-3). If the exits move in every iteration, it takes
- * 2210. */
-static const double NEAR_CHANGE = 5e-3;
+/* The iteration has converged if the next iteration would change P by less than this limit, Hertz
+ * pressures. Sixty contacts around scenes/examples/line take 258 iterations, with 1e-2 as well.
+ * With 1e-6 they take 282, and the films change by less than 1e-10. */
+static const double PRESSURE_TOLERANCE = 1e-4;
 
 /* Returns the estimated ratio of the next iteration's change to this one's. Convergence is taken as
  * quadratic, so this ratio is the square of the observed rate. The linear convergence of
@@ -260,15 +252,7 @@ static bool converged(const iterate *before, const iterate *now, double toleranc
 
     return before->factor == 1 && now->factor == 1 &&
            fabs(now->film - before->film) * next < tolerance * now->film &&
-           now->change * next < fmin(PRESSURE_TOLERANCE, PRESSURE_OVER_FILM * tolerance) &&
-           fabs(now->moved) * next < tolerance / exit_node_change;
-}
-
-static void watch_exits(reduced_solver *self, bool in_time) {
-    if (in_time)
-        exits_watch_in_time(&self->exits, NEAR_CHANGE);
-    else
-        exits_watch_stationary(&self->exits, self->settings.tolerance);
+           now->change * next < PRESSURE_TOLERANCE;
 }
 
 /* Sets the exit line of the first iteration. The exit line of a stationary start comes from a fit
@@ -276,11 +260,11 @@ static void watch_exits(reduced_solver *self, bool in_time) {
  * line to the start saves iterations. */
 static void start_exits(reduced_solver *self, reduced_state *state, const ehd_contact *contact,
                         const reduced_squeeze *squeeze) {
-    watch_exits(self, squeeze != NULL);
+    exits_watch(&self->exits, squeeze);
     if (squeeze || self->model->band.num_lines == 1) return;
     nodes_move_exit(&self->nodes, reduced_state_exits(state));
     exits_adapt(&self->exits, &self->nodes, state, contact, NULL, INFINITY);
-    watch_exits(self, false); // the first move does not count as a turn
+    exits_watch(&self->exits, false); // the first move does not count as a turn
 }
 
 static bool end_near(reduced_info *info, reduced_state *state, reduced_solver *self,
@@ -320,7 +304,7 @@ static void join_nodes(reduced_state *state, reduced_solver *self, size_t exit) 
 
 /* Runs the algorithm of Maier et al. (2015), section 3: Gauss-Newton on the weighted least
  * squares of the selected rows. The exit line is adapted in each iteration. In time, after an
- * iteration that changes the pressure by less than NEAR_CHANGE, it tries to end with one more
+ * iteration that changes the pressure by less than exits_near_change, it tries to end with one more
  * Jacobian (end_near). Returns an error only if the observer or memory fails; the outcome is
  * info->status. */
 static ehd_status gauss_newton(reduced_info *info, reduced_state *state, reduced_solver *self,
@@ -342,13 +326,13 @@ static ehd_status gauss_newton(reduced_info *info, reduced_state *state, reduced
     start = add_seconds(&info->seconds_exit, start);
     for (size_t iteration = 0;;
          iteration++, before = now, known = joined ? NULL : &self->nodes.now.values) {
-        const bool near = before.factor == 1 && before.change < NEAR_CHANGE;
+        const bool near = before.factor == 1 && before.change < exits_near_change;
         if (near) at = AT_STATE;
         if (near && !tried) {
             if (end_near(info, state, self, contact, squeeze)) return EHD_OK;
             tried = true;
             known = NULL;
-            watch_exits(self, true);
+            exits_watch(&self->exits, true);
             start = program_seconds();
         }
         // D f and D J of the rows before the exit line (eqs. 37, 38)
@@ -387,7 +371,6 @@ static ehd_status gauss_newton(reduced_info *info, reduced_state *state, reduced
         joined = squeeze && is_line(self->model) && state->exit > exit;
         if (joined) join_nodes(state, self, exit);
         start = add_seconds(&info->seconds_exit, start);
-        if (held) now.moved = 0;
         if (within_node && !with_cell) continue; // converged at best with the exit at a node
         if (moved || at != AT_STATE || !converged(&before, &now, self->settings.tolerance))
             continue;
@@ -408,14 +391,10 @@ static ehd_status gauss_newton(reduced_info *info, reduced_state *state, reduced
  * kept_factors_serve_steps_alike). */
 static const double MAX_KEPT_RATE = 0.5;
 
-/* MAX_KEPT_CHANGE: change of P (L2 norm) in one iteration above which the iteration would need
- * damping. KEPT_TOLERANCE: tolerance of this change. The norm follows from the coordinates and does
- * not depend on the grid. The line contact under a load of period 1/2
- * (scenes/studies/transient-load) takes 370 iterations with own Jacobians and 1768 with kept ones.
- * With a MAX_KEPT_CHANGE of 2e-3 it takes 685 and 1143, and 22 % more instructions. With a
- * KEPT_TOLERANCE of 7e-5 the film of scenes/examples/line-in-time changes by 4e-4. With 7e-6 that
- * example takes 259 iterations, with 7e-7 it takes 328. */
-static const double MAX_KEPT_CHANGE = 2e-2, KEPT_TOLERANCE = 7e-6;
+/* Tolerance of the change of P with kept factors (L2 norm). The norm follows from the coordinates
+ * and does not depend on the grid. With 7e-5 the film of scenes/examples/line-in-time changes by
+ * 4e-4. With 7e-6 that example takes 259 iterations, with 7e-7 it takes 328. */
+static const double KEPT_TOLERANCE = 7e-6;
 
 /* Makes factors of the Jacobian at the state where the rows have been evaluated. */
 static void make_factors(kept_factors *factors, reduced_solver *self,
@@ -477,13 +456,12 @@ static bool take_kept_step(kept_iterate *at, reduced_info *info, reduced_state *
         return false;
     at->change = sqrt(grid_cell(&model->grid)) * vector_norm(step, model->num_pressure);
     double rate = isnan(before) ? MAX_KEPT_RATE : at->change / before;
-    at->slow = at->change < MAX_KEPT_CHANGE && !(rate <= MAX_KEPT_RATE);
-    if (!(at->change < MAX_KEPT_CHANGE && rate <= MAX_KEPT_RATE)) return false;
+    at->slow = at->change < exits_near_change && !(rate <= MAX_KEPT_RATE);
+    if (!(at->change < exits_near_change && rate <= MAX_KEPT_RATE)) return false;
     double film = nodes_at_centre(model, self->nodes.now.film);
     double change = nodes_central_change(&self->nodes, step);
     at->converged =
-        fabs(change) * rate < self->settings.tolerance * film &&
-        at->change * rate < fmin(KEPT_TOLERANCE, PRESSURE_OVER_FILM * self->settings.tolerance);
+        fabs(change) * rate < self->settings.tolerance * film && at->change * rate < KEPT_TOLERANCE;
     axpy(state->coordinates, 1, step, model->num_unknowns);
     info->iterations++;
     return true;
@@ -499,7 +477,7 @@ static kept_outcome iterate_with(kept_factors *factors, reduced_info *info, redu
     kept_iterate at = {.change = NAN};
     double start = program_seconds();
 
-    exits_watch_in_time(&self->exits, INFINITY);
+    exits_watch(&self->exits, true);
     for (size_t iteration = 0; iteration < self->settings.max_iterations; iteration++) {
         evaluate(self, state, iteration == 0 ? known : NULL, contact, squeeze, AT_STATE);
         if (made && iteration == 0) make_factors(factors, self, squeeze);

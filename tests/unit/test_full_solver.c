@@ -147,11 +147,10 @@ static void newton_count_does_not_grow(void **state) {
     }
 }
 
-/* The pressure zone starts a tenth of a half width too short or too long. The flux gives the place
- * of the exit at once, so Newton takes no more iterations than the pressure needs, on coarse and
- * fine grids. Measured: 4 or 5 iterations; with a flux that is 10 % off, up to 10 at the smallest
- * step. */
-static void flux_finds_the_exit_at_once(void **state) {
+/* The pressure zone starts a tenth of a half width too short or too long. The zone grows at once as
+ * far as the multipliers require, so Newton takes no more iterations than the pressure needs, on
+ * coarse and fine grids. Measured: 4 to 7 iterations. */
+static void zone_grows_at_once(void **state) {
     (void)state;
     static const double steps[] = {0.02, 0.01, 0.005};
     static const char *const lubricants[] = {"barus", "roelands", "no1"};
@@ -169,7 +168,7 @@ static void flux_finds_the_exit_at_once(void **state) {
                 EHD_OK);
             assert_int_equal(solved.info.status, EHD_OK);
             assert_int_equal(solved.state.exit, exit);
-            assert_true(solved.info.newton_iterations <= 6);
+            assert_true(solved.info.newton_iterations <= 8);
         }
         problem_free(&solved);
     }
@@ -258,7 +257,7 @@ static void exit_is_smooth_in_the_load(void **state) {
                 full_solve(&solved.info, &solved.state, solved.solver, &contact, NULL, NULL),
                 EHD_OK);
             assert_int_equal(solved.info.status, EHD_OK);
-            assert_true(solved.info.newton_iterations <= 6);
+            assert_true(solved.info.newton_iterations <= 8);
         }
         exits[i] = full_evaluate_scalars(&solved.state, &contact).exit_position;
     }
@@ -546,7 +545,7 @@ int main(void) {
         cmocka_unit_test(solution_is_a_fixed_point),
         cmocka_unit_test(order_of_convergence),
         cmocka_unit_test(newton_count_does_not_grow),
-        cmocka_unit_test(flux_finds_the_exit_at_once),
+        cmocka_unit_test(zone_grows_at_once),
         cmocka_unit_test(steps_are_searched),
         cmocka_unit_test(exit_is_that_of_a_finer_grid),
         cmocka_unit_test(exit_is_smooth_in_the_load),
