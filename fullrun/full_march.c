@@ -179,16 +179,17 @@ static double reference_approach(const full_march *self, const full_state *state
     return frame_to_reference(&scalars, frame, &self->reference).rigid_approach;
 }
 
+/* Smallest stride on the way to an approach or to a surface, as a fraction of the whole way, and
+ * relative tolerance of the load, which equals Newton's tolerance. Of 120 approaches (line and
+ * point contacts, M 5 to 100, L 0 to 10, H0 from -6 to 2) 73 are reached, with strides of 1/128 or
+ * more. At most of the other approaches the bodies separate. An approach is given up after about 30
+ * solutions (test_full_march.c, start_from_an_approach_far_away). */
+static const double MIN_STRIDE = 1. / 1024, SETTLED_LOAD = 1e-8;
+
 /* Continues from the solution of a given load to the solution of a given approach. The frame is
  * adapted to the resulting load. */
 static ehd_status continue_to_approach(full_info *info, full_march *self, contact_frame *frame,
                                        ehd_error *error) {
-    // Smallest stride, as a fraction of the whole way, and relative tolerance of the load, which
-    // equals Newton's tolerance. Of 120 approaches (line and point contacts, M 5 to 100, L 0 to 10,
-    // H0 from -6 to 2) 73 are reached, with strides of 1/128 or more. At most of the other
-    // approaches the bodies separate. An approach is given up after about 30 solutions
-    // (test_full_march.c, start_from_an_approach_far_away).
-    const double min_stride = 1. / 1024, settled = 1e-8;
     const double wanted = frame->approach;
     full_state *state = &state_before(self, 0)->state, *last = &state_before(self, 1)->state;
     double done = 0, stride = 0.25, load = 1;
@@ -196,7 +197,7 @@ static ehd_status continue_to_approach(full_info *info, full_march *self, contac
     ehd_status status = EHD_OK;
 
     full_state_copy(last, state, &self->reference.grid);
-    while (!status && stride >= min_stride && (done < 1 || fabs(load - 1) > settled)) {
+    while (!status && stride >= MIN_STRIDE && (done < 1 || fabs(load - 1) > SETTLED_LOAD)) {
         ehd_contact contact;
         double next = fmin(done + stride, 1);
         contact_frame here = *frame;
@@ -206,7 +207,8 @@ static ehd_status continue_to_approach(full_info *info, full_march *self, contac
         if (status) break;
         load = full_evaluate_scalars(state, &contact).load;
         if (info->status == EHD_OK && load > 0.5 && load < 2) {
-            if (fabs(load - 1) > settled) *frame = frame_of_load(self->reference.kind, frame, load);
+            if (fabs(load - 1) > SETTLED_LOAD)
+                *frame = frame_of_load(self->reference.kind, frame, load);
             done = next;
             stride *= 2;
             full_state_copy(last, state, &self->reference.grid);
@@ -226,8 +228,7 @@ static ehd_status continue_to_approach(full_info *info, full_march *self, contac
 /* Estimates the error of the central film that a short inlet causes, unless the load is negligible.
  * If the inlet is too short, the outcome is not to be trusted. */
 static void judge_inlet(march_step *outcome, const ehd_contact *contact, bool backwards) {
-    if (outcome->status == EHD_NOT_CONVERGED || outcome->frame.load <= frame_negligible_load)
-        return;
+    if (outcome->status == EHD_NOT_CONVERGED || outcome->frame.load <= default_accuracy) return;
     const bool is_short = time_grid_is_short(&outcome->inlet_effect, contact, backwards);
     if (!outcome->status && is_short)
         march_distrust(outcome,
@@ -305,9 +306,6 @@ static void place_start_surface(full_march *self, const contact_frame *frame, do
  * grow in steps. If the approach is given, the frame is adapted to the load. */
 static ehd_status add_surface(full_info *info, full_march *self, contact_frame *frame,
                               ehd_error *error) {
-    // Smallest stride, as a fraction of the heights, and relative tolerance of the load, as in
-    // continue_to_approach (test_surface.c, one_at_rest_is_part_of_the_start).
-    const double min_stride = 1. / 128, settled = 1e-8;
     full_state *state = &state_before(self, 0)->state, *last = &state_before(self, 1)->state;
     double done = 0, stride = 1, load = 1;
     ehd_status status = EHD_OK;
@@ -322,7 +320,7 @@ static ehd_status add_surface(full_info *info, full_march *self, contact_frame *
         return EHD_OK;
     }
     full_state_copy(last, state, &self->reference.grid);
-    while (stride >= min_stride && (done < 1 || fabs(load - 1) > settled)) {
+    while (stride >= MIN_STRIDE && (done < 1 || fabs(load - 1) > SETTLED_LOAD)) {
         const double next = fmin(done + stride, 1);
         place_start_surface(self, frame, next);
         frame_contact(&contact, frame, &self->reference);
@@ -690,13 +688,13 @@ static const char *why_not_to_trust(full_march *self, const full_state *state,
     if (is_cut(state, grid, backwards))
         return backwards ? "the exit boundary outside the domain (grid.x_min)"
                          : "the exit boundary outside the domain (grid.x_max)";
-    if (cut_load(self, backwards) > frame_most_cut_load)
+    if (cut_load(self, backwards) > default_accuracy)
         return backwards ? "a second zone of pressure behind the exit that the domain cuts off "
                            "(grid.x_min)"
                          : "a second zone of pressure behind the exit that the domain cuts off "
                            "(grid.x_max)";
     if (full_film_closes(state, grid)) return "a film that closes between nodes (grid.step)";
-    return full_flow_doubt(state, contact) > flow_doubt_most ? flow_doubt_reason : NULL;
+    return full_flow_doubt(state, contact) > default_accuracy ? flow_doubt_reason : NULL;
 }
 
 static ehd_status solve(march_step *outcome, void *solver, const ehd_contact *contact,

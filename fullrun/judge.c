@@ -61,7 +61,7 @@ ehd_status full_judge(char reason[JUDGE_REASON], const full_info *info, const fu
                            lubricant->viscosity->name);
     reason[length] = '\0';
     if (length > 0) return EHD_NOT_CONVERGED;
-    if (!(full_flow_doubt(state, contact) > flow_doubt_most)) return EHD_OK;
+    if (!(full_flow_doubt(state, contact) > default_accuracy)) return EHD_OK;
     snprintf(reason, JUDGE_REASON, "%s", flow_doubt_reason);
     return EHD_UNTRUSTED;
 }

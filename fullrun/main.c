@@ -264,12 +264,12 @@ static void note_resolution(const program *self, const full_resolution *resoluti
     const double *effects = resolution->effects.of;
 
     if (film_effects_are_infinite(&resolution->effects)) return; // the outcome reports this
-    if (effects[EFFECT_INLET] > resolution_limit)
+    if (effects[EFFECT_INLET] > default_accuracy)
         program_note(self,
                      "%s: grid.x_min: found %g, expected a longer inlet: the error estimate of the "
                      "central film is %.2g %%",
                      path, grid->x_min, 100 * effects[EFFECT_INLET]);
-    if (effects[EFFECT_STEP] > resolution_limit)
+    if (effects[EFFECT_STEP] > default_accuracy)
         program_note(self,
                      "%s: grid.step: found %g, expected a finer one: the error estimate of the "
                      "central film is %.2g %%",

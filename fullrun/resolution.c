@@ -34,7 +34,7 @@ static central_line central_line_of(const full_state *state, const ehd_grid *gri
  * factor that turns an estimate into a bound. */
 static const double SAFETY = 1.25;
 
-const double resolution_limit = 0.01, resolution_limit_minimum = 0.03;
+const double resolution_limit_minimum = 0.03;
 
 /* Longest grid step, in half widths, on which the effect of a point contact's domain is estimated.
  * Estimates were compared with the true effect in 67 random scenes (scenes/studies/discretization).
@@ -470,7 +470,7 @@ static void set_effects(full_resolution *self, const film_pair films[3], const i
     self->effects.of[EFFECT_INLET_MINIMUM] =
         fmax(self->effects.of[EFFECT_INLET], SAFETY * fabs(of_minimum[1]));
     self->effects.of[EFFECT_STEP] =
-        SAFETY * step_effect(central, of_central, third ? 3 : 2, resolution_limit);
+        SAFETY * step_effect(central, of_central, third ? 3 : 2, default_accuracy);
     // The minimum films of the three grids may agree by chance.
     self->effects.of[EFFECT_STEP_MINIMUM] =
         fmax(self->effects.of[EFFECT_STEP],

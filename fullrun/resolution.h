@@ -18,13 +18,13 @@ typedef struct full_resolution {
     size_t outlet_nodes; // from the minimum film behind X = 0 to the exit
 } full_resolution;
 
-/* Largest relative error estimates for which no note is printed. resolution_limit is for the
- * central film, resolution_limit_minimum for the minimum film and the rolling resistance, which
- * converge less regularly. The limits are also used if no order of convergence is observed. A step
+/* Largest relative error estimate for which no note is printed, of the minimum film and the rolling
+ * resistance. They converge less regularly than the central film, whose limit is default_accuracy.
+ * The limits are also used if no order of convergence is observed. A step
  * is then too coarse if the film changes by more than the limit when the step is doubled
  * (fullrun/README.md, Estimates of inlet and step; test_resolution.c, too_coarse_to_tell;
  * effects.bats, "a note of the minimum film"). */
-extern const double resolution_limit, resolution_limit_minimum;
+extern const double resolution_limit_minimum;
 
 /* Estimates the errors that the inlet or domain, and the step, cause in films and rolling
  * resistance (fullrun/README.md, Estimates of inlet and step). It solves the contact from the

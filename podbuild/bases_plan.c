@@ -6,15 +6,14 @@
 
 #include <math.h>
 
-/* Fractions of the square root of the allowed energy (stream.bats, "a small limit: the error within
- * the bound"). */
-const double LOCAL_SHARE = 0.05, PART_SHARE = 0.05, ROOT_SHARE = 0.9;
+/* (stream.bats, "a small limit: the error within the bound") */
+const double SMALL_SHARE = 0.05;
 
 /* Of the energy that remains after the energy for the distance, this fraction is for dropped
  * directions (stream.bats, "a small limit: the error within the bound"). */
 static const double DROPPED_SHARE = 0.2;
 
-/* Allowed energy if only the number of modes is given. With this energy LOCAL_SHARE allows a
+/* Allowed energy if only the number of modes is given. With this energy SMALL_SHARE allows a
  * squared distance of 1e-22, which keeps singular values above 1e-11 of the first (README.md, More
  * than fits in memory). */
 static const double EXACT_ENERGY = 4e-20;
@@ -26,8 +25,8 @@ static const double LEAST_LOCAL = 1e-28;
 /* Sets the energies that a stream may omit. For a part file, half of the square root of the energy
  * is for the distance, and half for the modes. */
 static void share_energy(bases_plan *plan, const bases_settings *settings) {
-    const double part = settings->as_part ? PART_SHARE * PART_SHARE : 1;
-    const double local = settings->as_part ? 0.5 : LOCAL_SHARE;
+    const double part = settings->as_part ? SMALL_SHARE * SMALL_SHARE : 1;
+    const double local = settings->as_part ? 0.5 : SMALL_SHARE;
 
     plan->energy = settings->exact ? EXACT_ENERGY : settings->pressure.discarded_energy;
     plan->stream.local_energy = fmax(local * local * part * plan->energy, LEAST_LOCAL);

@@ -15,15 +15,15 @@ typedef struct bases_settings {
     // The number of modes is given, and no energy. The stream then omits only round-off until the
     // modes are chosen.
     bool exact;
-    // The modes are written as a part file. The modes may omit PART_SHARE of the square root of the
+    // The modes are written as a part file. The modes may omit SMALL_SHARE of the square root of the
     // allowed energy.
     bool as_part;
 } bases_settings;
 
-/* Fractions of the square root of the allowed energy. LOCAL_SHARE is for the distance of the
- * snapshots from the directions of a stream. PART_SHARE is for the energy that parts have omitted
- * before. ROOT_SHARE is for the modes, if there are parts. */
-extern const double LOCAL_SHARE, PART_SHARE, ROOT_SHARE;
+/* Fraction of the square root of the allowed energy that the distance of the snapshots from the
+ * directions of a stream may take, and the energy that parts have omitted before. If there are
+ * parts, the modes get the rest. */
+extern const double SMALL_SHARE;
 
 typedef struct bases_plan {
     bool at_once;  // all rows are one block

@@ -817,7 +817,7 @@ static ehd_status export_fmu(const program *self, const romrun_options *options,
                                  .sizes = &options->sizes,
                                  .given = &given,
                                  .accuracy =
-                                     options->accuracy > 0 ? options->accuracy : online_accuracy,
+                                     options->accuracy > 0 ? options->accuracy : default_accuracy,
                                  .fmi = options->fmi ? (int)options->fmi : 3};
 
     if (!status) status = fmu_export(self, &request, error);

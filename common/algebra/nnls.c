@@ -10,14 +10,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Smallest part of a column's length that is orthogonal to the columns in use. A column with a
- * smaller part depends on these columns. Round-off leaves 1e-16. No value from 0 to 1e-2 changes a
- * solution of test_nnls.c, columns_may_depend_on_each_other. */
-static const double DEPENDENT = 1e-10;
-
-/* Smallest cosine between a column and the residual at which the column reduces the residual. A
- * smaller cosine is round-off. With 1e-2 solutions are not optimal (test_nnls.c,
- * solutions_are_optimal). */
+/* Limit of round-off, for columns of unit length. A column reduces the residual if their cosine is
+ * larger than this limit. A column depends on the columns in use if its orthogonal part is not
+ * longer. With 1e-2 solutions are not optimal (test_nnls.c, solutions_are_optimal). */
 static const double NO_DESCENT = 1e-11;
 
 /* Largest number of changes of the columns in use, per column of the matrix. After more changes
@@ -140,7 +135,7 @@ static bool take(active_set *self, size_t taken) {
     const size_t left = self->num_rows - first;
     double *column = column_of(self, taken) + first;
     const double length = vector_norm(column, left);
-    if (!(length > DEPENDENT)) return false;
+    if (!(length > NO_DESCENT)) return false;
 
     const reflection by = reflection_of(self->factor, column, left, length);
     for (size_t j = 0; j <= self->num_columns; j++) {

@@ -559,7 +559,7 @@ static ehd_status check_shape(const contact_shape *shape, const contact_settings
                     given->radius_across, found, MIN_ELLIPTICITY, MAX_ELLIPTICITY);
 }
 
-const double far_approach_length = 10;
+const double default_accuracy = 0.01, far_approach_length = 10;
 
 ehd_status contact_init(ehd_contact *contact, const contact_settings *given, ehd_error *error) {
     const double default_length = given->approach_given ? far_approach_length : 1;

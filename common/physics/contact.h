@@ -291,6 +291,12 @@ typedef struct contact_settings {
 #define MAX_MOES_M 1e5
 #define MAX_MOES_L 100
 
+/* Largest relative error with which results are trusted unless the user gives another accuracy: of
+ * films, of the flow, and of the load that is neglected or missing, relative to the reference load
+ * (romrun/calibrate/README.md, Calibration and the accuracy dial; test_time_grid.c,
+ * ends_suit_the_smallest_M). */
+extern const double default_accuracy;
+
 /* Default distance at which a given approach is measured, in half widths. The distance must be at
  * least half the length of the grid. On most grids 10 is enough (grids.bats, "an approach is
  * measured from far enough"). */

@@ -825,7 +825,6 @@ double reynolds_flow_doubt(const ehd_contact *contact, const reynolds_stencil *s
     return most;
 }
 
-const double flow_doubt_most = 0.01;
 const char flow_doubt_reason[] =
     "a thinned flow whose pressure gradients along and across affect each "
     "other by more than 1 % of the flow in the inlet";

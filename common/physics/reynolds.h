@@ -135,10 +135,8 @@ double reynolds_flow_doubt(const ehd_contact *contact,
                            size_t num_rows, const double *pressure,
                            const double *film); // [num_nodes]
 
-/* Largest error bound with which a result is trusted, relative to the flow. The bound is the
- * default accuracy (romrun/solve/README.md, Thinned flow). The text is the reason that is reported
- * above this bound. */
-extern const double flow_doubt_most;
+/* Reason that is reported if the error bound, relative to the flow, exceeds default_accuracy
+ * (romrun/solve/README.md, Thinned flow). */
 extern const char flow_doubt_reason[];
 
 /* Returns the flux U rho H - eps dP/dx along the entrainment through the half node between BACK and

@@ -65,12 +65,11 @@ static ehd_status find_known(bool *known, apart_march *self, const contact_frame
                              ehd_error *error) {
     ehd_status status = EHD_OK;
 
-    *known = by_load(frame)
-                 ? frame->load <= frame_negligible_load
-                 : stationary_film(self, frame, frame_negligible_load) <= frame->approach;
+    *known = by_load(frame) ? frame->load <= default_accuracy
+                            : stationary_film(self, frame, default_accuracy) <= frame->approach;
     if (*known || by_load(frame)) return EHD_OK;
     status = find_touching(self, frame, error);
-    *known = !status && islessequal(self->load, frame_negligible_load) &&
+    *known = !status && islessequal(self->load, default_accuracy) &&
              isgreaterequal(frame->approach, self->approach);
     return status;
 }
@@ -123,7 +122,7 @@ static void touch(march_step *outcome, apart_march *self, const contact_frame *f
 static ehd_status find_parting(bool *parts, apart_march *self, const contact_frame *frame,
                                const march_step *attempted, ehd_error *error) {
     const bool failed = attempted->status == EHD_NOT_CONVERGED;
-    const bool may = by_load(frame) ? frame->load <= frame_negligible_load
+    const bool may = by_load(frame) ? frame->load <= default_accuracy
                                     : isgreater(frame->approach, self->now.approach);
     ehd_status status = EHD_OK;
 

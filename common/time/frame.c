@@ -114,8 +114,6 @@ frame_rates frame_rates_between(const contact_frame *now, const contact_frame *b
                          .load = load / step};
 }
 
-const double frame_negligible_load = 0.01, frame_most_cut_load = 0.01;
-
 closing_gap frame_closing_gap(const contact_frame *now, const contact_frame *before,
                               const ehd_contact *reference, double end) {
     const double growth = log(now->radius / before->radius) / (now->time - before->time);

@@ -78,11 +78,6 @@ contact_frame frame_with_load(const contact_kind *kind, const contact_frame *fra
  * solution. */
 contact_frame frame_of_load(const contact_kind *kind, const contact_frame *frame, double ratio);
 
-/* Largest load that a trusted result may neglect, relative to the reference load. The limit equals
- * the default accuracy. The inlet of a lighter contact is not checked (README.md, Bodies apart;
- * test_time_grid.c, ends_suit_the_smallest_M). */
-extern const double frame_negligible_load;
-
 /* Rates of change of a contact between two frames. */
 typedef struct frame_rates {
     double all;  // |d ln a/dT| + |d(u/u_ref)/dT|
@@ -103,13 +98,6 @@ typedef struct closing_gap {
     // whole load
     double beyond;
 } closing_gap;
-
-/* Largest missing part of the load at which a result is trusted. Example: a line contact at M = 3,
- * L = 3 lacks 0.84 % of its load on a grid to X = 3, while its radius grows to 3 in T = 40 and its
- * speed falls from 0.05 to 0.005 of the reference. Compared with a grid to X = 24, its central film
- * is 0.05 % off and its minimum film 0.12 % (test_second_zone.c,
- * the_zone_does_not_depend_on_the_grid). */
-extern const double frame_most_cut_load;
 
 /* Estimates the closing gap from two frames at different times, without a jump between them. `end`
  * is |X| of the downstream end of the grid. */

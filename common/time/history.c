@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "common/time/history.h"
 
+#include "common/algebra/rounding.h"
 #include "common/algebra/spline.h"
 #include "common/artefact/table.h"
 
@@ -11,10 +12,6 @@
 #include <string.h>
 
 enum { MIN_LINEAR = 2, MIN_SPLINE = 3 }; // least rows of a table
-
-// Largest magnitude of a factor that is taken as zero, because sines and splines have round-off.
-// No value from 0 to 1e-3 changes a result of test_history.c, a_load_may_be_zero
-static const double FACTOR_ROUNDING = 1e-12;
 
 // Bounds of the times in a table, as of times in a scene
 static const double MAX_TIME = 1e12, MIN_DISTANCE = 1e-9;
@@ -317,7 +314,7 @@ static ehd_status check_history(const history *self, int quantity, double end_ti
     // the approach may have any finite value; check_forward checks the speed
     if (quantity == VARY_APPROACH || quantity == VARY_SPEED || isgreater(minimum.value, 0))
         return EHD_OK;
-    if (quantity == VARY_LOAD && isgreaterequal(minimum.value, -FACTOR_ROUNDING)) return EHD_OK;
+    if (quantity == VARY_LOAD && isgreaterequal(minimum.value, -ROUNDING)) return EHD_OK;
     return ehd_fail(error, EHD_DATA, "transient.%s: found %.6g at T = %.6g, expected %s 0",
                     vary_names[quantity], minimum.value, minimum.time,
                     quantity == VARY_LOAD ? "at least" : "more than");
@@ -328,7 +325,7 @@ static ehd_status check_forward(const ehd_histories *self, const char *reason, e
     if (isless(self->start_speed, 0))
         return ehd_fail(error, EHD_DATA, "transient.start_speed: found %.6g, expected at least 0%s",
                         self->start_speed, reason);
-    if (isgreaterequal(self->slowest.value, -FACTOR_ROUNDING)) return EHD_OK;
+    if (isgreaterequal(self->slowest.value, -ROUNDING)) return EHD_OK;
     return ehd_fail(error, EHD_DATA,
                     "transient.speed: found %.6g at T = %.6g, expected at least 0%s",
                     self->slowest.value, self->slowest.time, reason);
@@ -371,7 +368,7 @@ ehd_status histories_init_forward(ehd_histories **self, const scene *given, ehd_
 ehd_status histories_init_training(ehd_histories **self, const scene *given, ehd_error *error) {
     ehd_status status = histories_init_forward(self, given, error);
 
-    if (status || isgreater((*self)->lightest.value, FACTOR_ROUNDING)) return status;
+    if (status || isgreater((*self)->lightest.value, ROUNDING)) return status;
     status = ehd_fail(error, EHD_DATA,
                       "transient.load: found %.6g at T = %.6g, expected more than 0 in training",
                       (*self)->lightest.value, (*self)->lightest.time);
@@ -380,7 +377,7 @@ ehd_status histories_init_training(ehd_histories **self, const scene *given, ehd
 }
 
 bool histories_reverse(const ehd_histories *self) {
-    return isless(self->slowest.value, -FACTOR_ROUNDING) || isless(self->start_speed, 0);
+    return isless(self->slowest.value, -ROUNDING) || isless(self->start_speed, 0);
 }
 
 ehd_histories *histories_free(ehd_histories *self) {
@@ -398,7 +395,7 @@ void histories_at(double value[NUM_VARY], const ehd_histories *self, double time
     for (int i = 0; i < NUM_VARY; i++)
         value[i] = self->of[i].law->value(&self->of[i], time);
     // removes round-off from a load of 0, and from a speed that does not reverse
-    if (value[VARY_LOAD] < FACTOR_ROUNDING) value[VARY_LOAD] = 0;
+    if (value[VARY_LOAD] < ROUNDING) value[VARY_LOAD] = 0;
     if (!histories_reverse(self)) value[VARY_SPEED] = fmax(value[VARY_SPEED], 0);
 }
 

@@ -29,14 +29,14 @@ static ehd_contact stationary_of(const ehd_contact *contact) {
 }
 
 /* Replaces `contact` by the contact at a time, if M is smaller at this time. Loads below
- * frame_negligible_load are taken as this load. */
+ * default_accuracy are taken as this load. */
 static void lower_M(ehd_contact *contact, const ehd_histories *histories,
                     const ehd_contact *reference, double time) {
     double values[NUM_VARY];
     ehd_contact found;
 
     histories_at(values, histories, time);
-    values[VARY_LOAD] = fmax(values[VARY_LOAD], frame_negligible_load);
+    values[VARY_LOAD] = fmax(values[VARY_LOAD], default_accuracy);
     if (time == 0)
         values[VARY_SPEED] = fmax(fabs(values[VARY_SPEED]), fabs(histories_start_speed(histories)));
     const contact_frame frame = frame_at(reference->kind, time, values, NAN);

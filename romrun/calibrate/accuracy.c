@@ -84,7 +84,7 @@ double accuracy_tolerance(double accuracy) {
 }
 
 double accuracy_limit(double accuracy) {
-    return isgreater(accuracy, 0) ? accuracy : online_accuracy;
+    return isgreater(accuracy, 0) ? accuracy : default_accuracy;
 }
 
 void accuracy_judge(run_result *result, double accuracy) {

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "romrun/calibrate/against.h"
 
+#include "common/algebra/rounding.h"
 #include "common/algebra/spline.h"
 #include "common/output/grid_file.h"
 #include "common/physics/traction.h"
@@ -179,10 +180,6 @@ typedef struct time_deviation {
                         // intervals of T
 } time_deviation;
 
-/* Two times are equal up to this relative difference, which allows for the round-off of summed
- * steps (scenes.bats, "deviations over time are exact"). */
-static const double SAME_TIME = 1e-12;
-
 /* Returns a value of the second run at a time. `near`: index of the spline interval, in and out.
  */
 static double value_at(double time, const double *other_time, const double *other_values,
@@ -190,7 +187,7 @@ static double value_at(double time, const double *other_time, const double *othe
     *near = spline_interval(between, time, *near);
     // does not interpolate if the times are equal, as with fixed steps
     for (size_t i = *near; i <= *near + 1; i++)
-        if (fabs(time - other_time[i]) <= SAME_TIME * fmax(fabs(time), 1)) return other_values[i];
+        if (fabs(time - other_time[i]) <= ROUNDING * fmax(fabs(time), 1)) return other_values[i];
     return spline_value(between, time, *near);
 }
 

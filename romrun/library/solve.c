@@ -12,7 +12,7 @@
 /* Sets EHDROM_UNTRUSTED and a reason if an error estimate exceeds the accuracy, or if the model
  * was not checked. */
 static void judge(ehdrom_contact *self, ehdrom_result *result, const char **reason, bool in_time) {
-    const double accuracy = isnan(self->accuracy) ? online_accuracy : self->accuracy;
+    const double accuracy = isnan(self->accuracy) ? default_accuracy : self->accuracy;
     const online_properties properties = online_describe(self->model->online);
 
     if (result->status != EHDROM_OK || isinf(accuracy)) return;

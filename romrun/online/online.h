@@ -126,10 +126,6 @@ ehd_status online_is_flat(bool *is, const char *path, ehd_error *error);
  * EHD_DATA, EHD_IO, EHD_MEMORY. */
 ehd_status online_export(online_model *model, const char *path, bool force, ehd_error *error);
 
-/* Default limit of the estimated relative film errors. A result with a larger estimate is not
- * trusted (romrun/calibrate/README.md, Calibration and the accuracy dial). */
-extern const double online_accuracy;
-
 /* Return the kind of contact and the grid of the model. Parts of line contacts may have
  * different grids: online_grid then returns the grid with most nodes. All parts have the same
  * discretisation. */

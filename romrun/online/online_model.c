@@ -217,8 +217,6 @@ const char *online_unchecked(const online_properties *model, bool in_time) {
                             "and deimselect without --no-check";
 }
 
-const double online_accuracy = 0.01;
-
 const contact_kind *online_kind(const online_model *model) {
     return model->parts[0].reduced.kind;
 }

@@ -374,7 +374,7 @@ static void judge_films(march_step *outcome, reduced_march *self, const contact_
 static bool lacks_zone(const reduced_march *self) {
     if (self->bdf.ring.num_previous < 2) return false; // a jump is over in one step
     return frame_closing_gap(&self->load_frame, &self->last_load_frame, &self->reference, 1).load >
-           frame_most_cut_load;
+           default_accuracy;
 }
 
 /* Returns the rates of change in the attempt. A load that is an outcome has noise. Over short
@@ -837,23 +837,12 @@ static double previous_at(void *solver, size_t node) {
     return self->previous.band_sum[index];
 }
 
-/* Returns the distance before the exit at which the estimate of the local error ends. It is at
- * least some nodes long, because with truncated modes a node's pressure jumps to a finite value
- * when the exit passes it. */
-static double exit_margin(const ehd_grid *grid) {
-    // Smallest margin in nodes. With 1 to 10 all steps of scenes/examples/line-in-time are the
-    // same.
-    const double min_nodes = 4;
-
-    return fmax(march_exit_margin, min_nodes * grid->step);
-}
-
 /* Sets estimate.end for all grid lines: the first exit of all states of the step, on this grid line
  * and on the grid lines within the margin. The local error is estimated up to the margin before
  * this column. */
 static void find_error_end(reduced_march *self) {
     const reduced_model *model = self->model;
-    size_t margin = (size_t)ceil(exit_margin(&model->grid) / model->grid.step);
+    size_t margin = (size_t)ceil(march_exit_margin / model->grid.step);
     size_t num_states = model->band.num_lines > 1 ? self->bdf.ring.num_previous : 0;
 
     for (size_t l = 0; l < model->band.num_lines; l++)
@@ -874,7 +863,7 @@ static bool is_before_exit(const reduced_march *self, size_t node) {
     const ehd_grid *grid = &self->model->grid;
     double end = grid_x(grid, self->estimate.end[reduced_model_line(self->model, node)]);
 
-    return grid_x(grid, node) < end - exit_margin(grid);
+    return grid_x(grid, node) < end - march_exit_margin;
 }
 
 /* Returns bdf_march_missed at any node. The state of the attempt must be prepared. *mass: rho H
@@ -1169,17 +1158,14 @@ static bool same_exits(const reduced_state *a, const reduced_state *b, const red
 /* Returns whether to keep the factors for the next step, judged by the convergence in this step.
  * Keeping them longer does not save time. */
 static bool factors_are_current(const reduced_march *self, const reduced_state *solved) {
-    // The factors are kept up to `max_iterations` iterations and up to a relative change
-    // `max_rate_change` of the rate. A model of scenes/examples/line-in-time takes 259
-    // iterations. With at most 1 iteration it takes 234, with 10 it takes 279. With a rate of 0.05
-    // it takes 250, with 2 it takes 259.
+    // Largest number of iterations with which the factors are kept. A model of
+    // scenes/examples/line-in-time takes 259 iterations. With at most 1 iteration it takes 234,
+    // with 10 it takes 279.
     const size_t max_iterations = 3;
-    const double max_rate_change = 0.25;
 
     return self->factors.valid && !self->info.own_jacobian &&
            self->info.iterations <= max_iterations &&
-           same_exits(solved, &self->factors.state, self->model) &&
-           fabs(self->bdf.formula.rate / self->factors.rate - 1) < max_rate_change;
+           same_exits(solved, &self->factors.state, self->model);
 }
 
 static void renew_factors(reduced_march *self, const previous_film *solved) {

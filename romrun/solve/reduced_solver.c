@@ -612,7 +612,7 @@ bool reduced_doubts_flow(reduced_solver *self, const reduced_state *state,
 
     if (!traction_thins_flow(contact) || contact->kind->dimensions == 1) return false;
     expand(self, state, NULL);
-    return system_flow_doubt(&self->system, &self->nodes, approach, contact) > flow_doubt_most;
+    return system_flow_doubt(&self->system, &self->nodes, approach, contact) > default_accuracy;
 }
 
 reduced_pressures reduced_pressure_range(reduced_solver *self, const reduced_state *state) {

@@ -7,9 +7,9 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* Numbers of control nodes: in the inlet, inside of the contact, and both together (README.md,
- * Error estimates in time). */
-enum { NUM_INLET = 12, NUM_INSIDE = 12, MOST_NODES = NUM_INLET + NUM_INSIDE };
+/* Number of control nodes in the inlet, and inside of the contact (README.md, Error estimates in
+ * time). */
+enum { NUM_EACH = 12, MOST_NODES = 2 * NUM_EACH };
 
 // Places X of the control nodes, half widths. Films form between FAR_INLET and ENTRY. They are then
 // carried unchanged to CONSTRICTION, and adjust again behind it. DENSER: exponent that makes nodes
@@ -44,11 +44,11 @@ static void add_node(time_indicator *self, double x) {
 }
 
 static void choose_nodes(time_indicator *self) {
-    for (size_t i = NUM_INLET; i-- > 0;)
-        add_node(self, ENTRY + (FAR_INLET - ENTRY) * pow((double)i / (NUM_INLET - 1), DENSER));
+    for (size_t i = NUM_EACH; i-- > 0;)
+        add_node(self, ENTRY + (FAR_INLET - ENTRY) * pow((double)i / (NUM_EACH - 1), DENSER));
     self->num_inlet = self->num_nodes;
-    for (size_t i = 1; i <= NUM_INSIDE; i++)
-        add_node(self, ENTRY + (CONSTRICTION - ENTRY) * (double)i / NUM_INSIDE);
+    for (size_t i = 1; i <= NUM_EACH; i++)
+        add_node(self, ENTRY + (CONSTRICTION - ENTRY) * (double)i / NUM_EACH);
 }
 
 /* Returns the model's row at a control node, or NO_NODE. */
