@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* romrun: solves one scene with the reduced model, or measures what the model can do. */
+/* romrun: solves scenes with a reduced model, measures its errors and exports it. */
 #include "common/output/check.h"
 #include "common/output/grid_file.h"
 #include "common/output/inputs.h"
@@ -32,6 +32,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+// The modes, bits of an option: bit i is row i of the table `modes`.
+enum { SCENE = 1, CASES = 2, CALIBRATE = 4, TRADE = 8, EXPORT = 16, FMU = 32 };
+
 typedef struct romrun_options {
     const char *model;
     const char *against;    // NULL: no comparison
@@ -46,59 +49,44 @@ typedef struct romrun_options {
     const char *fall_back; // "full": the full model solves what no model size solves; NULL or
                            // "none": no fallback
     bool allow_untrusted, resume, verify;
-    size_t repeats;        // number of solutions in a row; their median time is reported
-    const char *calibrate; // plan of a calibration; NULL: none
-    const char *cases;     // table of scenes; NULL: a single scene
-    bool trade;
-    bool fmu;             // true: export an FMU
-    size_t fmi;           // version of the FMI: 2 or 3; 0: not given
-    const char *exported; // model to write as a flat file; NULL: none
-    size_t num_jobs;      // 0: as many jobs as processors
+    size_t repeats;  // number of solutions in a row; their median time is reported
+    size_t fmi;      // version of the FMI: 2 or 3
+    size_t num_jobs; // 0: as many jobs as processors
 } romrun_options;
 
 // clang-format off
 #define OWN_OPTIONS romrun_options
 
-// columns: name, letter, argument, help, reader
+// columns: name, letter, argument, help, reader, modes that have the option
 static const program_option own_options[] = {
-    {"model", 'm', "MODEL.h5", "The reduced model, or a list of models for parts of a region, a file whose name ends "
-     "with .yml, of which each scene is solved by that in whose trained range it lies", OPTION_TEXT(model)},
-    {"pressure-modes", 0, "N", "Use only the first N pressure modes", OPTION_COUNT(sizes.of[0].pressure_modes, 1, 100000)},
+    {"model", 'm', "MODEL", "Reduced model (.h5 or .ehdrom), or a list of models for parts of a region (.yml): the part in "
+     "whose trained range a scene lies solves it", OPTION_TEXT(model)},
+    {"pressure-modes", 0, "N", "Use only the first N pressure modes",
+     OPTION_COUNT(sizes.of[0].pressure_modes, 1, 100000), .modes = SCENE | CASES | EXPORT | FMU},
     {"deformation-modes", 0, "N", "Use only the first N deformation modes",
-     OPTION_COUNT(sizes.of[0].deformation_modes, 1, 100000)},
-    {"rows", 0, "N", "Use only the first N rows", OPTION_COUNT(sizes.of[0].rows, 1, 10000000)},
-    {"accuracy", 0, "X", "Use as much of a calibrated model as its central and minimum film need to deviate by at "
-     "most X, such as 1e-3, on most scenes, converged to a fiftieth of it; exit with 4 "
-     "where they are indicated to deviate by more; without it more than 0.01", OPTION_REAL(accuracy, 1e-15, 1)},
-    {"accuracy-of", 0, "NAME=X", "Exit with 4 where another quantity is indicated to deviate by more than X: "
-     "central_pressure, exit_position (half widths), load, pressure (largest of all nodes, Hertz pressures), "
-     "film_thickness (largest, of the central film) or, where the scene has a slide_roll, friction or rolling_resistance (by the "
-     "films and the grid); may be repeated (stationary)", OPTION_READ(limits, accuracy_read_limit)},
-    {"against", 0, "RESULT.h5", "Print the deviations from another result of the scene", OPTION_TEXT(against)},
-    {"verify", 0, NULL, "Print the residual of the full model at the solution, and what one Newton step of it "
-     "would change of the central film (stationary)", OPTION_FLAG(verify)},
-    {"fallback", 0, "MODEL", "\"full\": what the reduced model does not solve well enough the full one solves, starting "
-     "from it, and both is said; the exit code is then 0. \"none\", the default: the exit code tells", OPTION_TEXT(fall_back)},
-    {"allow-untrusted", 0, NULL, "Exit with 0 although the scene lies outside of the trained range, or is "
-     "indicated to deviate by more than --accuracy, or 0.01, or the model was never checked at these sizes",
-     OPTION_FLAG(allow_untrusted)},
+     OPTION_COUNT(sizes.of[0].deformation_modes, 1, 100000), .modes = SCENE | CASES | EXPORT | FMU},
+    {"rows", 0, "N", "Use only the first N selected equations",
+     OPTION_COUNT(sizes.of[0].rows, 1, 10000000), .modes = SCENE | CASES | EXPORT | FMU},
+    {"accuracy", 0, "X", "Use the fastest model size whose measured film errors are at most X, such as 1e-3, on most scenes. "
+     "Exit with 4 if the estimated error exceeds X (without this option: 0.01)",
+     OPTION_REAL(accuracy, 1e-15, 1), .modes = SCENE | CASES | FMU},
+    {"accuracy-of", 0, "NAME=X", "Exit with 4 if the estimated error of a quantity exceeds X: central_pressure, exit_position, "
+     "load, pressure, film_thickness, friction or rolling_resistance; repeatable (stationary)",
+     OPTION_READ(limits, accuracy_read_limit), .modes = SCENE | CASES},
+    {"against", 0, "RESULT.h5", "Print the deviations from another result of the scene", OPTION_TEXT(against), .modes = SCENE},
+    {"verify", 0, NULL, "Print the residual of the full model at the solution, and the change of the central film by one full "
+     "Newton step (stationary)", OPTION_FLAG(verify), .modes = SCENE},
+    {"fallback", 0, "full|none", "full: if the result is not accurate enough, the full model continues from it, and the exit "
+     "code is 0. Default: none", OPTION_TEXT(fall_back), .modes = SCENE},
+    {"allow-untrusted", 0, NULL, "Exit with 0 instead of 4 if the scene is outside the trained range, an error exceeds its limit "
+     "or the model size was never checked", OPTION_FLAG(allow_untrusted), .modes = SCENE | CASES},
     {"repeat", 0, "N", "Solve N times and report the median time; default 1 (stationary)",
-     OPTION_COUNT(repeats, 1, 1000000)},
-    {"resume", 0, NULL, "Continue an interrupted run of the same scene or table, where there is one (transient, --cases)",
-     OPTION_FLAG(resume)},
-    {"calibrate", 0, "PLAN.yml", "Measure deviations and time of many sizes of the model on the scenes of a "
-     "plan, none of them trained on, and write the model with the table to -o", OPTION_TEXT(calibrate)},
-    {"cases", 0, "CASES.csv", "Solve many scenes: a column for each setting that varies, a row for each of them, to one "
-     "table, -o TABLE.csv or TABLE.h5, or on stdout; exit with the code of the worst (stationary)", OPTION_TEXT(cases)},
-    {"jobs", 'j', "N", "Full solutions at a time with --calibrate, scenes with --cases; as many as there are processors "
-     "by default",
-     OPTION_COUNT(num_jobs, 1, 4096)},
-    {"fmu", 0, NULL, "Write the scene's contact as an FMU for co-simulation, to run inside other programs, to -o",
-     OPTION_FLAG(fmu)},
-    {"fmi", 0, "N", "Version of the FMI standard with --fmu: 3, the default, or 2", OPTION_COUNT(fmi, 2, 3)},
-    {"trade", 0, NULL, "Print the table of a calibrated model", OPTION_FLAG(trade)},
-    {"export", 0, "MODEL.h5", "Write a model, or the part of it that --pressure-modes and the like say, to -o as a flat "
-     "file, which --model and the library take too and read in milliseconds", OPTION_TEXT(exported)},
+     OPTION_COUNT(repeats, 1, 1000000), .modes = SCENE},
+    {"resume", 0, NULL, "Continue an interrupted run of the same inputs, if there is one (transient scenes, tables)",
+     OPTION_FLAG(resume), .modes = SCENE | CASES},
+    {"jobs", 'j', "N", "Solve N scenes at a time; default: the number of processors",
+     OPTION_COUNT(num_jobs, 1, 4096), .modes = CASES | CALIBRATE},
+    {"fmi", 0, "N", "Version of the FMI standard, 2 or 3; default 3", OPTION_COUNT(fmi, 2, 3), .modes = FMU},
     {0}};
 // clang-format on
 
@@ -165,12 +153,14 @@ static size_t add_models(const char *inputs[MAX_INPUTS], size_t count,
     return count;
 }
 
-/* Lists the files that no output may overwrite, ending with NULL: the scene, the models and, if
+/* Lists the files that no output may overwrite, ending with NULL: the arguments, the models and, if
  * any, another file. */
 static void list_inputs(const char *inputs[MAX_INPUTS], const program *self,
                         const romrun_options *options, const char *other) {
-    size_t count = self->num_arguments > 0 ? inputs_add(inputs, 0, self->arguments[0]) : 0;
+    size_t count = 0;
 
+    for (size_t i = 0; i < self->num_arguments; i++)
+        count = inputs_add(inputs, count, self->arguments[i]);
     count = add_models(inputs, count, options);
     inputs[inputs_add(inputs, count, other)] = NULL;
 }
@@ -191,9 +181,9 @@ static ehd_status print_verification(online_solver *solver, const online_result 
 }
 
 /* Writes the settings of the scene, and the options of the command line that change the
- * solution. */
+ * solution; for a table of scenes also the limits, since its rows depend on them. */
 static ehd_status text_with_sizes(char **whole, const char *text, const romrun_options *options,
-                                  ehd_error *error) {
+                                  bool table, ehd_error *error) {
     char accuracy[NUMBER_TEXT + 16] = "", number[NUMBER_TEXT];
     size_t size;
     FILE *stream = open_memstream(whole, &size);
@@ -210,7 +200,7 @@ static ehd_status text_with_sizes(char **whole, const char *text, const romrun_o
                 sizes->pressure_modes, sizes->deformation_modes, sizes->rows, accuracy,
                 falls_back(options) ? ", fallback full" : "");
     }
-    if (stream && options->cases) accuracy_write_limits(&options->limits, stream);
+    if (stream && table) accuracy_write_limits(&options->limits, stream);
     if (stream && !fclose(stream)) return EHD_OK;
     free(*whole);
     *whole = NULL;
@@ -445,7 +435,7 @@ static ehd_status solve_and_show(stationary_run *self, const char *scene_lines, 
 
     list_inputs(inputs, caller, options, options->against);
     if (!status) status = solve_scene(done, options, caller, self->contact, error);
-    if (!status) status = text_with_sizes(&self->text, scene_lines, options, error);
+    if (!status) status = text_with_sizes(&self->text, scene_lines, options, false, error);
     if (!status && caller->output)
         status = result_create(&file, caller, self->contact, self->text, inputs, error);
     if (!status && options->repeats > 1)
@@ -503,7 +493,7 @@ static ehd_status run_transient(const program *self, const romrun_options *optio
     const char *unchecked = NULL;
     const char *models[MAX_INPUTS];
     char *text = NULL;
-    ehd_status status = text_with_sizes(&text, scene_lines, options, error);
+    ehd_status status = text_with_sizes(&text, scene_lines, options, false, error);
 
     models[add_models(models, 0, options)] = NULL;
 
@@ -649,44 +639,18 @@ static ehd_status choose_sizes(romrun_options *options, const program *self, boo
     return status;
 }
 
-/* Returns the first option that does not fit --cases; NULL: none. */
-static const char *option_unfit_for_cases(const romrun_options *options, const char *mode) {
-    if (options->calibrate || options->trade || options->exported) return mode;
-    if (options->verify) return "--verify";
-    if (options->against) return "--against";
-    if (options->fall_back) return "--fallback";
-    return options->repeats > 1 ? "--repeat" : NULL;
-}
-
-/* Refuses options that exclude each other. */
+/* Refuses values and combinations of options that the modes do not refuse by their tables. */
 static ehd_status check_usage(const program *self, const romrun_options *options,
                               ehd_error *error) {
-    const bool solves = !options->calibrate && !options->trade && !options->exported;
-    const char *mode = options->calibrate  ? "--calibrate"
-                       : options->exported ? "--export"
-                                           : "--trade";
     const model_sizes *sizes = &options->sizes.of[0];
     const bool sized = sizes->pressure_modes || sizes->deformation_modes || sizes->rows;
+    const bool calibrates = 1u << self->mode == CALIBRATE;
 
-    if (self->num_arguments != (solves ? 1 : 0))
-        return ehd_fail(error, EHD_USAGE, "command line: found %zu file%s, expected %s",
-                        self->num_arguments, self->num_arguments == 1 ? "" : "s",
-                        solves ? "SCENE.yml --model MODEL.h5"
-                               : "none with --calibrate, --trade or --export");
-    if (options->exported && (options->model || options->calibrate || options->trade))
-        return ehd_fail(error, EHD_USAGE,
-                        "--export: found with --model, --calibrate or --trade, expected alone");
-    if (options->exported && !self->output)
-        return ehd_fail(error, EHD_USAGE, "--output: found nothing, expected -o FILE");
-    if (!options->model && !options->exported)
-        return ehd_fail(error, EHD_USAGE, "--model: found none, expected a model.h5");
-    const char *model = options->exported ? options->exported : options->model;
-    if (part_list_is(model) && (sized || options->calibrate))
+    if (part_list_is(options->model) && (sized || calibrates))
         return ehd_fail(error, EHD_USAGE, "%s: found a list of models with %s, expected one model",
-                        model,
-                        sized ? "--pressure-modes, --deformation-modes or --rows" : "--calibrate");
-    if (options->calibrate && options->trade)
-        return ehd_fail(error, EHD_USAGE, "--trade: found with --calibrate, expected one of them");
+                        options->model,
+                        sized ? "--pressure-modes, --deformation-modes or --rows"
+                              : "romrun calibrate");
     if (options->accuracy > 0 && sized)
         return ehd_fail(error, EHD_USAGE,
                         "--accuracy: found with --pressure-modes, --deformation-modes or --rows, "
@@ -697,42 +661,27 @@ static ehd_status check_usage(const program *self, const romrun_options *options
     if (falls_back(options) && options->allow_untrusted)
         return ehd_fail(error, EHD_USAGE,
                         "--fallback: found full with --allow-untrusted, expected one of them");
-    if (options->num_jobs > 0 && !options->calibrate && !options->cases)
-        return ehd_fail(error, EHD_USAGE,
-                        "--jobs: found without --calibrate or --cases, expected with one of them");
-    const char *alone = option_unfit_for_cases(options, mode);
-    if (options->cases && alone)
-        return ehd_fail(error, EHD_USAGE, "--cases: found with %s, expected without", alone);
-    if (!solves && ((sized && !options->exported) || options->verify || options->accuracy > 0 ||
-                    options->against || options->fall_back || options->allow_untrusted ||
-                    options->resume || options->repeats > 1))
-        return ehd_fail(error, EHD_USAGE,
-                        "%s: found with an option for solving a scene, expected none", mode);
-    if (!solves && accuracy_limits_any(&options->limits))
-        return ehd_fail(error, EHD_USAGE, "--accuracy-of: found with %s, expected without", mode);
     if (options->resume && !self->output)
         return ehd_fail(
             error, EHD_USAGE,
             "--resume: found without --output, expected the one of the interrupted run");
-    if (options->calibrate && !self->output)
-        return ehd_fail(error, EHD_USAGE, "--output: found nothing, expected -o FILE");
-    if (options->fmu && !self->output)
-        return ehd_fail(error, EHD_USAGE, "--fmu: found no --output, expected -o CONTACT.fmu");
-    if (options->fmu && (options->verify || options->against || options->fall_back ||
-                         options->resume || options->repeats > 1 || options->allow_untrusted))
-        return ehd_fail(error, EHD_USAGE,
-                        "--fmu: found with an option for solving a scene, expected none");
-    if (options->fmi && !options->fmu)
-        return ehd_fail(error, EHD_USAGE, "--fmi: found without --fmu, expected with it");
-    if (options->trade && self->output)
-        return ehd_fail(error, EHD_USAGE, "--output: found with --trade, expected without");
     return EHD_OK;
 }
 
-static ehd_status print_trade(const romrun_options *options, ehd_error *error) {
-    const part_list *models = &options->models;
+// ---- other work than solving
+
+static ehd_status calibrate_model(const program *self, void *own, ehd_error *error) {
+    const romrun_options *options = own;
+
+    return calibrate(self, self->arguments[0], options->model,
+                     options->num_jobs ? options->num_jobs : pool_default_workers(), error);
+}
+
+static ehd_status print_trade(const program *self, void *own, ehd_error *error) {
+    const part_list *models = &((const romrun_options *)own)->models;
     trade_table table;
     ehd_status status = EHD_OK;
+    (void)self;
 
     for (size_t i = 0; i < models->num && !status; i++) {
         status = trade_read(&table, models->paths[i], error);
@@ -744,15 +693,14 @@ static ehd_status print_trade(const romrun_options *options, ehd_error *error) {
     return status;
 }
 
-static ehd_status export_model(const program *self, const romrun_options *options,
-                               ehd_error *error) {
+static ehd_status export_model(const program *self, void *own, ehd_error *error) {
+    const romrun_options *options = own;
     const char *inputs[MAX_INPUTS];
     online_model *model = NULL;
-    list_inputs(inputs, self, options, options->exported);
+    list_inputs(inputs, self, options, NULL);
     ehd_status status = output_file_check_inputs(self->output, inputs, error);
 
-    if (!status) status = online_open(&model, options->exported, &options->sizes, error);
-
+    if (!status) status = online_open(&model, options->model, &options->sizes, error);
     if (!status) status = online_export(model, self->output, self->force, error);
     online_close(model);
     return status;
@@ -760,18 +708,19 @@ static ehd_status export_model(const program *self, const romrun_options *option
 
 /* Refuses options that the scene's regime does not have. */
 static ehd_status check_regime(const romrun_options *options, bool transient, ehd_error *error) {
-    if (options->resume && !transient)
-        return ehd_fail(error, EHD_USAGE,
-                        "--resume: found with a stationary scene, expected a transient one");
-    if (accuracy_limits_any(&options->limits) && transient)
-        return ehd_fail(error, EHD_USAGE,
-                        "--accuracy-of: found with a transient scene, expected a stationary one");
-    if (options->verify && transient)
-        return ehd_fail(error, EHD_USAGE,
-                        "--verify: found with a transient scene, expected a stationary one");
-    if (options->repeats > 1 && transient)
-        return ehd_fail(error, EHD_USAGE,
-                        "--repeat: found with a transient scene, expected a stationary one");
+    const struct {
+        const char *name;
+        bool given, in_time;
+    } found[] = {{"resume", options->resume, true},
+                 {"accuracy-of", accuracy_limits_any(&options->limits), false},
+                 {"verify", options->verify, false},
+                 {"repeat", options->repeats > 1, false}};
+
+    for (size_t i = 0; i < sizeof found / sizeof *found; i++)
+        if (found[i].given && found[i].in_time != transient)
+            return ehd_fail(error, EHD_USAGE, "--%s: found with a %s scene, expected a %s one",
+                            found[i].name, transient ? "transient" : "stationary",
+                            transient ? "stationary" : "transient");
     return EHD_OK;
 }
 
@@ -797,7 +746,8 @@ static ehd_status load_scene(scene *given, char **text, const program *self, ehd
 }
 
 /* Writes an FMU of one scene. */
-static ehd_status export_fmu(const program *self, const romrun_options *options, ehd_error *error) {
+static ehd_status export_fmu(const program *self, void *own, ehd_error *error) {
+    const romrun_options *options = own;
     online_model *model = NULL;
     ehd_error cause = {""};
     ehd_contact contact;
@@ -818,7 +768,7 @@ static ehd_status export_fmu(const program *self, const romrun_options *options,
                                  .given = &given,
                                  .accuracy =
                                      options->accuracy > 0 ? options->accuracy : default_accuracy,
-                                 .fmi = options->fmi ? (int)options->fmi : 3};
+                                 .fmi = (int)options->fmi};
 
     if (!status) status = fmu_export(self, &request, error);
     free(scene_lines);
@@ -886,8 +836,8 @@ static ehd_status solve_cases(case_list *list, const program *self, const romrun
                               const char *const *inputs, ehd_error *error) {
     char *scene_lines = case_list_settings(list), *text = NULL;
     cases_summary found;
-    ehd_status status = scene_lines ? text_with_sizes(&text, scene_lines, options, error)
-                                    : ehd_no_memory(error, options->cases);
+    ehd_status status = scene_lines ? text_with_sizes(&text, scene_lines, options, true, error)
+                                    : ehd_no_memory(error, self->arguments[1]);
     const cases_task task = {.caller = self,
                              .model = options->model,
                              .sizes = options->sizes,
@@ -908,28 +858,26 @@ static ehd_status solve_cases(case_list *list, const program *self, const romrun
     return status;
 }
 
-static ehd_status run_cases(const program *self, const romrun_options *given_options,
-                            ehd_error *error) {
-    romrun_options options = *given_options;
+static ehd_status run_cases(const program *self, void *own, ehd_error *error) {
+    romrun_options *options = own;
     case_list *list = NULL;
     const char *inputs[MAX_INPUTS];
     ehd_status status = case_table_check(self, error);
 
-    list_inputs(inputs, self, &options, options.cases);
+    list_inputs(inputs, self, options, NULL);
     if (!status && self->output) status = output_file_check_inputs(self->output, inputs, error);
     if (!status)
-        status = case_list_open(&list, self->arguments[0], options.cases, self->overrides,
+        status = case_list_open(&list, self->arguments[0], self->arguments[1], self->overrides,
                                 self->num_overrides, error);
-    if (!status && options.accuracy > 0) status = choose_sizes(&options, self, false, error);
-    if (!status) status = solve_cases(list, self, &options, inputs, error);
+    if (!status && options->accuracy > 0) status = choose_sizes(options, self, false, error);
+    if (!status) status = solve_cases(list, self, options, inputs, error);
     case_list_free(list);
     return status;
 }
 
 /* Solves one scene. */
-static ehd_status run_scene(const program *self, const romrun_options *given_options,
-                            ehd_error *error) {
-    romrun_options options = *given_options;
+static ehd_status run_scene(const program *self, void *own, ehd_error *error) {
+    romrun_options *options = own;
     online_model *model = NULL;
     ehd_contact contact;
     scene given;
@@ -937,69 +885,87 @@ static ehd_status run_scene(const program *self, const romrun_options *given_opt
     ehd_status status = load_scene(&given, &scene_lines, self, error);
     bool transient = !status && strcmp(given.regime, "transient") == 0;
 
-    if (!status) status = check_regime(&options, transient, error);
-    if (!status && options.accuracy > 0) status = choose_sizes(&options, self, transient, error);
-    if (!status) status = online_open(&model, options.model, &options.sizes, error);
+    if (!status) status = check_regime(options, transient, error);
+    if (!status && options->accuracy > 0) status = choose_sizes(options, self, transient, error);
+    if (!status) status = online_open(&model, options->model, &options->sizes, error);
     if (!status)
-        status = contact_load(&contact, &given, self, online_kind(model), options.model, error);
+        status = contact_load(&contact, &given, self, online_kind(model), options->model, error);
     if (status) {
         online_close(model);
     } else {
         contact_take_grid(&contact, online_grid_for(model, &contact));
-        const transient_run in_time = {self, &options, &contact, &given, scene_lines};
-        const time_run_again again = has_other_sizes(&options) ? AGAIN_IF_POOR : AGAIN_NEVER;
+        const transient_run in_time = {self, options, &contact, &given, scene_lines};
+        const time_run_again again = has_other_sizes(options) ? AGAIN_IF_POOR : AGAIN_NEVER;
         status =
             transient
-                ? run_transient(self, &options, model, &contact, &given, scene_lines, again, error)
-                : run_stationary(self, &options, model, &contact, &given, scene_lines, error);
+                ? run_transient(self, options, model, &contact, &given, scene_lines, again, error)
+                : run_stationary(self, options, model, &contact, &given, scene_lines, error);
         if (transient) status = march_again(&in_time, status, error);
     }
     if (!status || status == EHD_NOT_CONVERGED || status == EHD_UNTRUSTED)
-        for (size_t i = 0; i < options.models.num; i++)
-            note_content(self, options.models.paths[i]);
+        for (size_t i = 0; i < options->models.num; i++)
+            note_content(self, options->models.paths[i]);
     free(scene_lines);
     return status;
 }
 
-/* Runs the command with the models on the command line. */
-static ehd_status run_with_models(const program *self, const romrun_options *options,
-                                  ehd_error *error) {
-    if (options->trade) return print_trade(options, error);
-    if (options->exported) return export_model(self, options, error);
-    if (options->calibrate)
-        return calibrate(self, options->calibrate, options->model,
-                         options->num_jobs ? options->num_jobs : pool_default_workers(), error);
-    if (options->fmu) return export_fmu(self, options, error);
-    return options->cases ? run_cases(self, options, error) : run_scene(self, options, error);
+// ---- the command line
+
+// clang-format off
+// columns: word, usage, help, least and largest number of arguments, output, whether the option of the same name has
+// the last argument, function
+static const program_mode modes[] = {
+    {NULL, "SCENE.yml -m MODEL.h5 [-o RESULT.h5]", NULL, 1, 1, OUTPUT_OPTIONAL, false, run_scene},
+    {"cases", "cases SCENE.yml CASES.csv -m MODEL.h5 [-o TABLE.csv]",
+     "Solves one scene for each row of CASES.csv, whose columns are settings.\n"
+     "Writes TABLE.csv or TABLE.h5; without -o, CSV to stdout.\n"
+     "The exit code is that of the worst scene. Scenes are stationary.", 2, 2, OUTPUT_OPTIONAL, true, run_cases},
+    {"calibrate", "calibrate PLAN.yml -m MODEL.h5 -o NEW.h5",
+     "Measures errors and times of many model sizes on the scenes of a plan.\n"
+     "Writes the model with these numbers. No scene may be a training point.", 1, 1, OUTPUT_NEEDED, true, calibrate_model},
+    {"trade", "trade MODEL.h5", "Prints the errors and times of the sizes of a calibrated model.", 0, 1, OUTPUT_NONE, false,
+     print_trade},
+    {"export", "export MODEL.h5 -o MODEL.ehdrom",
+     "Writes a model, or a smaller size of it, as a flat file, which programs and\n"
+     "the library read in milliseconds.", 0, 1, OUTPUT_NEEDED, true, export_model},
+    {"fmu", "fmu SCENE.yml -m MODEL.h5 -o CONTACT.fmu",
+     "Writes the contact of a scene as an FMU for co-simulation in other programs.", 1, 1, OUTPUT_NEEDED, false, export_fmu},
+    {0}};
+// clang-format on
+
+/* Takes the model from the argument if the mode has no other argument. */
+static ehd_status take_model(const program *self, romrun_options *options, ehd_error *error) {
+    const bool by_argument = (1u << self->mode & (TRADE | EXPORT)) && self->num_arguments > 0;
+
+    if (by_argument && options->model)
+        return ehd_fail(error, EHD_USAGE, "--model: found with %s, expected one of them",
+                        self->arguments[0]);
+    if (by_argument) options->model = self->arguments[0];
+    if (options->model) return EHD_OK;
+    return ehd_fail(error, EHD_USAGE, "--model: found none, expected %s %s", self->name,
+                    modes[self->mode].usage);
 }
 
 /* Runs everything between the command line and the exit code. */
 static ehd_status run(const program *self, romrun_options *options, ehd_error *error) {
-    const char *model = options->exported ? options->exported : options->model;
-    ehd_status status = check_usage(self, options, error);
+    ehd_status status = take_model(self, options, error);
 
-    if (!status) status = part_list_read(&options->models, model, error);
-    if (!status) status = run_with_models(self, options, error);
+    if (!status) status = check_usage(self, options, error);
+    if (!status) status = part_list_read(&options->models, options->model, error);
+    if (!status) status = modes[self->mode].run(self, options, error);
     part_list_free(&options->models);
     return status;
 }
 
 int main(int argc, char **argv) {
-    romrun_options own = {.repeats = 1};
+    romrun_options own = {.repeats = 1, .fmi = 3};
     const program_options options = {
         .options = own_options,
         .own = &own,
-        // at most 79 columns for each usage: argp breaks longer ones, and help2man needs one line
-        // for each
-        .arguments_doc = "SCENE.yml --model MODEL.h5 [-o RESULT.h5]\n"
-                         "SCENE.yml --cases CASES.csv --model MODEL.h5\n"
-                         "--fmu SCENE.yml --model MODEL.h5 -o CONTACT.fmu\n"
-                         "--calibrate PLAN.yml --model MODEL.h5 -o NEW.h5\n"
-                         "--trade --model NEW.h5\n"
-                         "--export MODEL.h5 -o MODEL.ehdrom",
-        .doc = "Solves one scene with the reduced model, or measures what the model can do.",
+        .doc = "Solves one scene with a reduced model.\n"
+               "romrun MODE --help shows the options of a mode: romrun cases --help.",
         .help_tail = print_settings,
-        .max_arguments = 1};
+        .modes = modes};
     ehd_error error = {""};
     program self;
 

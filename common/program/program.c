@@ -305,25 +305,101 @@ typedef struct parsing {
     void *own; // the program's own options
     bool help;
     bool version;
+    const char *mode_argument; // of the option that chose the mode; NULL: none
 } parsing;
+
+// ---- modes
+
+/* Chooses a mode. EHD_USAGE: the command line has chosen another one. */
+static ehd_status choose_mode(program *self, size_t mode, ehd_error *error) {
+    const program_mode *modes = self->modes;
+
+    if (self->mode > 0 && self->mode != mode)
+        return ehd_fail(error, EHD_USAGE, "command line: found %s and %s, expected one mode",
+                        modes[self->mode].word, modes[mode].word);
+    self->mode = mode;
+    return EHD_OK;
+}
+
+/* Takes the word of a mode from the arguments, and appends the argument of the mode's option. */
+static ehd_status take_mode(program *self, const char *last, ehd_error *error) {
+    const program_mode *mode = self->modes;
+    ehd_status status = EHD_OK;
+
+    if (!mode || self->print) return EHD_OK; // with --print the arguments are names in the file
+    for (mode++; mode->word && self->num_arguments > 0; mode++)
+        if (strcmp(mode->word, self->arguments[0]) == 0) {
+            status = choose_mode(self, (size_t)(mode - self->modes), error);
+            self->num_arguments--;
+            memmove(self->arguments, self->arguments + 1,
+                    self->num_arguments * sizeof *self->arguments);
+            break;
+        }
+    if (last) self->arguments[self->num_arguments++] = last;
+    return status;
+}
+
+static bool has_option(size_t mode, const program_option *row) {
+    return row->modes == 0 || (row->modes >> mode & 1);
+}
+
+/* Appends the name of a mode, "romrun cases" or "romrun SCENE.yml", to a text. */
+static void append_mode(char text[256], const char *before, const program *self, size_t mode) {
+    const size_t used = strlen(text);
+    const char *usage = self->modes[mode].usage;
+
+    snprintf(text + used, 256 - used, "%s%s %.*s", before, self->name, (int)strcspn(usage, " "),
+             usage);
+}
+
+/* Refuses an option that the mode does not have. */
+static ehd_status check_options(const program *self, ehd_error *error) {
+    const program_option *row = self->options;
+    char found[256] = "", owners[256] = "";
+    size_t i = 0;
+
+    while (row[i].name && (!(self->given >> i & 1) || has_option(self->mode, &row[i])))
+        i++;
+    if (!row[i].name) return EHD_OK;
+    append_mode(found, "", self, self->mode);
+    for (size_t mode = 0; self->modes[mode].usage; mode++)
+        if (has_option(mode, &row[i])) append_mode(owners, *owners ? ", " : "", self, mode);
+    return ehd_fail(error, EHD_USAGE, "--%s: %s has no such option; it belongs to %s", row[i].name,
+                    found, owners);
+}
 
 // ---- a program's own options
 
-enum { FIRST_KEY = 0x200 }; // keys of options without a letter start here
+enum { FIRST_KEY = 0x200, MODE_KEY = 0x300 }; // keys of options without a letter, and of modes
 
 static int key_of(const program_option *rows, size_t i) {
     return rows[i].letter ? rows[i].letter : FIRST_KEY + (int)i;
 }
 
-static void make_own_options(struct argp_option own[MAX_OPTIONS + 1], const program_option *rows) {
-    memset(own, 0, (MAX_OPTIONS + 1) * sizeof *own);
-    for (size_t i = 0; rows && i < MAX_OPTIONS && rows[i].name; i++)
-        own[i] = (struct argp_option){
-            .name = rows[i].name,
-            .key = rows[i].type == AS_ALIAS ? 0 : key_of(rows, i),
-            .arg = rows[i].argument,
-            .doc = rows[i].help,
-            .flags = rows[i].type == AS_ALIAS ? OPTION_ALIAS | OPTION_HIDDEN : 0};
+enum { MAX_OWN = MAX_OPTIONS + MAX_PROGRAM_MODES + 1 };
+
+/* Fills the table of argp. Its help shows the options of the present mode. */
+static void make_own_options(struct argp_option own[MAX_OWN], const program *self) {
+    const program_option *rows = self->options;
+    size_t count = 0;
+
+    memset(own, 0, MAX_OWN * sizeof *own);
+    for (; rows && count < MAX_OPTIONS && rows[count].name; count++) {
+        const program_option *row = &rows[count];
+        const bool alias = row->type == AS_ALIAS, shown = !alias && has_option(self->mode, row);
+        own[count] =
+            (struct argp_option){.name = row->name,
+                                 .key = alias ? 0 : key_of(rows, count),
+                                 .arg = row->argument,
+                                 .doc = row->help,
+                                 .flags = (alias ? OPTION_ALIAS : 0) | (shown ? 0 : OPTION_HIDDEN)};
+    }
+    for (size_t i = 1; self->modes && i < MAX_PROGRAM_MODES && self->modes[i].word; i++)
+        own[count++] =
+            (struct argp_option){.name = self->modes[i].word,
+                                 .key = MODE_KEY + (int)i,
+                                 .arg = self->modes[i].option_has_argument ? "FILE" : NULL,
+                                 .flags = OPTION_HIDDEN};
 }
 
 static ehd_status read_option(void *own, const program_option *row, const char *argument,
@@ -351,16 +427,25 @@ static ehd_status read_option(void *own, const program_option *row, const char *
 }
 
 static error_t parse_own(int key, char *argument, struct argp_state *state) {
-    const parsing *input = state->input;
-    const program_option *rows = input->program->options;
+    parsing *input = state->input;
+    program *self = input->program;
+    const program_option *rows = self->options;
     ehd_error error = {""};
+    ehd_status status;
     size_t i = 0;
 
     while (rows && rows[i].name && key_of(rows, i) != key)
         i++;
-    if (!rows || !rows[i].name) return ARGP_ERR_UNKNOWN;
-    input->program->given |= 1u << i;
-    if (!read_option(input->own, &rows[i], argument, &error)) return 0;
+    if (rows && rows[i].name) {
+        self->given |= 1u << i;
+        status = read_option(input->own, &rows[i], argument, &error);
+    } else if (key > MODE_KEY && key < MODE_KEY + MAX_PROGRAM_MODES) {
+        input->mode_argument = argument;
+        status = choose_mode(self, (size_t)(key - MODE_KEY), &error);
+    } else {
+        return ARGP_ERR_UNKNOWN;
+    }
+    if (!status) return 0;
     argp_error(state, "%s", error.text);
     return EINVAL;
 }
@@ -468,7 +553,25 @@ static ehd_status run_argp(program *self, const struct argp *argp, char **argume
     return status;
 }
 
-static ehd_status check_arguments(const program *self, const program_options *options,
+/* Checks the number of arguments. The message names the first one that is missing. `by_option`: an
+ * option gave the last argument. */
+static ehd_status check_count(const program *self, const program_mode *mode, bool by_option,
+                              ehd_error *error) {
+    const size_t found = self->num_arguments, most = self->vtk ? 0 : mode->max_arguments;
+    const char *usage = mode->usage && !self->vtk ? mode->usage : "none", *missing = usage;
+    const char *name = self->modes && !self->vtk ? self->name : "", *space = *name ? " " : "";
+
+    if (found > most)
+        return ehd_fail(error, EHD_USAGE, "command line: found %zu file%s, expected %s%s%s", found,
+                        found == 1 ? "" : "s", name, space, usage);
+    if (self->check || self->vtk || found >= mode->min_arguments) return EHD_OK;
+    for (size_t i = found + (mode->word ? 1 : 0) - (by_option ? 1 : 0); i > 0; i--)
+        missing += strcspn(missing, " ") + 1;
+    return ehd_fail(error, EHD_USAGE, "command line: found no %.*s, expected %s%s%s",
+                    (int)strcspn(missing, " "), missing, name, space, usage);
+}
+
+static ehd_status check_arguments(const program *self, const program_mode *mode, bool by_option,
                                   ehd_error *error) {
     if (self->check && self->print)
         return ehd_fail(error, EHD_USAGE, "--print: found --check too, expected one of them");
@@ -478,23 +581,40 @@ static ehd_status check_arguments(const program *self, const program_options *op
     if (self->print) return EHD_OK;
     if (self->si)
         return ehd_fail(error, EHD_USAGE, "--si: found without --print, expected with it");
-    const bool enough = self->check || self->vtk || self->num_arguments >= options->min_arguments;
-    if (!enough || self->num_arguments > (self->vtk ? 0 : options->max_arguments))
-        return ehd_fail(error, EHD_USAGE, "command line: found %zu file%s, expected %s",
-                        self->num_arguments, self->num_arguments == 1 ? "" : "s",
-                        options->arguments_doc && !self->vtk ? options->arguments_doc : "none");
-    if ((options->needs_output || self->vtk) && !self->check && !self->output)
+    ehd_status status = EHD_OK;
+    if (self->modes && !self->check && !self->vtk) status = check_options(self, error);
+    if (!status) status = check_count(self, mode, by_option, error);
+    if (status || self->check) return status;
+    if ((mode->output == OUTPUT_NEEDED || self->vtk) && !self->output)
         return ehd_fail(error, EHD_USAGE, "--output: found nothing, expected -o FILE");
+    if (mode->output == OUTPUT_NONE && self->output && !self->vtk)
+        return ehd_fail(error, EHD_USAGE, "--output: %s %s has no such option", self->name,
+                        mode->word);
     return EHD_OK;
 }
 
-static void print_help(const program *self, const struct argp *argp, void (*tail)(void)) {
-    char *name = strdup(self->name);
-    if (name) argp_help(argp, stdout, ARGP_HELP_SHORT_USAGE | ARGP_HELP_LONG | ARGP_HELP_DOC, name);
-    if (tail) {
+/* Prints the help of the mode. That of the mode without a word starts with all usages. */
+static void print_help(const program *self, struct argp argp, void (*tail)(void)) {
+    char *name = strdup(self->name), *usages = NULL;
+    size_t size;
+    const program_mode *mode = self->modes ? &self->modes[self->mode] : NULL;
+    FILE *stream = mode ? open_memstream(&usages, &size) : NULL;
+
+    if (stream) {
+        fputs(mode->usage, stream);
+        for (size_t i = 1; self->mode == 0 && mode[i].word; i++)
+            fprintf(stream, "\n%s", mode[i].usage);
+        fclose(stream);
+        argp.args_doc = usages;
+    }
+    if (self->mode > 0) argp.doc = mode->doc;
+    if (name)
+        argp_help(&argp, stdout, ARGP_HELP_SHORT_USAGE | ARGP_HELP_LONG | ARGP_HELP_DOC, name);
+    if (tail && self->mode == 0) {
         putchar('\n');
         tail();
     }
+    free(usages);
     free(name);
 }
 
@@ -504,7 +624,7 @@ static void print_version(const program *self) {
 
 static ehd_status parse_arguments(program *self, const program_options *options, bool *done,
                                   ehd_error *error) {
-    struct argp_option own_options[MAX_OPTIONS + 1];
+    struct argp_option own_options[MAX_OWN];
     const struct argp own = {.options = own_options, .parser = parse_own};
     const struct argp_child children[] = {{.argp = &own}, {0}};
     const struct argp argp = {.options = common_options,
@@ -513,12 +633,17 @@ static ehd_status parse_arguments(program *self, const program_options *options,
                               .doc = options->doc,
                               .children = children};
     parsing input = {.program = self, .own = options->own};
+    const program_mode only = {.usage = options->arguments_doc,
+                               .min_arguments = options->min_arguments,
+                               .max_arguments = options->max_arguments,
+                               .output = options->needs_output ? OUTPUT_NEEDED : OUTPUT_OPTIONAL};
     const size_t room = (size_t)self->argc + 1;
     char **arguments = calloc(room, sizeof *arguments); // a copy: argp reorders it
     ehd_status status;
 
     self->options = options->options;
-    make_own_options(own_options, options->options);
+    self->modes = options->modes;
+    make_own_options(own_options, self);
     self->overrides = calloc(room, sizeof *self->overrides);
     self->arguments = calloc(room, sizeof *self->arguments);
     if (!arguments || !self->overrides || !self->arguments) {
@@ -528,14 +653,18 @@ static ehd_status parse_arguments(program *self, const program_options *options,
         // getopt's errors start with the first argument, argp's with its last part
         if (self->argc > 0) arguments[0] = base_name(self->argv[0]);
         status = run_argp(self, &argp, arguments, &input, error);
+        if (!status) status = take_mode(self, input.mode_argument, error);
     }
     *done = input.help || input.version;
-    if (input.help)
-        print_help(self, &argp, options->help_tail);
-    else if (input.version)
+    if (input.help) {
+        make_own_options(own_options, self);
+        print_help(self, argp, options->help_tail);
+    } else if (input.version) {
         print_version(self);
-    else if (!status)
-        status = check_arguments(self, options, error);
+    } else if (!status) {
+        status = check_arguments(self, self->modes ? &self->modes[self->mode] : &only,
+                                 input.mode_argument != NULL, error);
+    }
     free(arguments);
     return *done ? EHD_OK : status;
 }

@@ -32,16 +32,19 @@ typedef struct program_option {
     double min, max;
     /* Converts the argument, for AS_READ. EHD_USAGE: the argument is not valid. */
     ehd_status (*read)(void *member, const char *argument, ehd_error *error);
+    unsigned modes; // bit i: mode i has the option; 0: all modes have it
 } program_option;
 
-enum { MAX_OPTIONS = 24 };
+enum { MAX_OPTIONS = 24, MAX_PROGRAM_MODES = 8 };
 
-// The last columns of a row. A program defines OWN_OPTIONS as the struct of its own options.
-#define OPTION_FLAG(member)            AS_FLAG, offsetof(OWN_OPTIONS, member), 0, 0, NULL
-#define OPTION_TEXT(member)            AS_TEXT, offsetof(OWN_OPTIONS, member), 0, 0, NULL
-#define OPTION_COUNT(member, min, max) AS_COUNT, offsetof(OWN_OPTIONS, member), min, max, NULL
-#define OPTION_REAL(member, min, max)  AS_REAL, offsetof(OWN_OPTIONS, member), min, max, NULL
-#define OPTION_READ(member, function)  AS_READ, offsetof(OWN_OPTIONS, member), 0, 0, function
+// The last columns of a row; `.modes = …` may follow. A program defines OWN_OPTIONS as the struct
+// of its own options.
+#define OPTION_(kind, name)           .type = (kind), .member = offsetof(OWN_OPTIONS, name)
+#define OPTION_FLAG(name)             OPTION_(AS_FLAG, name)
+#define OPTION_TEXT(name)             OPTION_(AS_TEXT, name)
+#define OPTION_COUNT(name, low, high) OPTION_(AS_COUNT, name), .min = (low), .max = (high)
+#define OPTION_REAL(name, low, high)  OPTION_(AS_REAL, name), .min = (low), .max = (high)
+#define OPTION_READ(name, function)   OPTION_(AS_READ, name), .read = (function)
 
 /* A program's arguments and the values of the common options --quiet --verbose --set --force
  * --check FILE --print FILE --si --vtk FILE -o FILE. */
@@ -61,10 +64,28 @@ typedef struct program {
     size_t num_overrides;
     const char **arguments; // positional; [num_arguments]
     size_t num_arguments;
-    const program_option *options; // the program's own
-    unsigned given;                // bit i: options[i] was given
-    stage stage;                   // present stage, if the program runs in a pipeline
+    const program_option *options;    // the program's own
+    unsigned given;                   // bit i: options[i] was given
+    const struct program_mode *modes; // NULL: the program has no modes
+    size_t mode;                      // the one in use is modes[mode]
+    stage stage;                      // present stage, if the program runs in a pipeline
 } program;
+
+typedef enum output_use { OUTPUT_OPTIONAL, OUTPUT_NEEDED, OUTPUT_NONE } output_use;
+
+/* A mode of a program, "romrun cases SCENE.yml CASES.csv": a row of a table, from which usage,
+ * --help and refusals follow. The first argument chooses the mode, or the hidden option --cases,
+ * which is the earlier spelling. */
+typedef struct program_mode {
+    const char *word;  // "cases"; NULL: the mode without a word, which is the first row
+    const char *usage; // "cases SCENE.yml CASES.csv -m MODEL.h5": the word, the arguments, options
+    const char *doc;   // what the mode does
+    size_t min_arguments, max_arguments; // without the word
+    output_use output;
+    bool option_has_argument; // true: the option of the same name has the last of the arguments
+    /* Does the work. `own` are the program's own options. */
+    ehd_status (*run)(const program *self, void *own, ehd_error *error);
+} program_mode;
 
 /* Description of a program: its own options and its arguments. */
 typedef struct program_options {
@@ -75,6 +96,8 @@ typedef struct program_options {
     void (*help_tail)(void);             // prints more help to stdout (settings table), may be NULL
     size_t min_arguments, max_arguments; // positional (any number with --print)
     bool needs_output; // -o is required (never with --check or --print, always with --vtk)
+    // NULL, or at most MAX_PROGRAM_MODES and {0}; replaces arguments_doc and the members after help_tail
+    const program_mode *modes;
 } program_options;
 
 /* Parses the command line. --help and --version print to stdout and exit with 0; misuse prints

@@ -1,6 +1,6 @@
 #!/usr/bin/env bats
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Tests of romrun --calibrate and --trade: the deviation and the time of each size of a model.
+# Tests of romrun calibrate and romrun trade: the deviation and the time of each size of a model.
 
 load common
 
@@ -292,7 +292,7 @@ PYTHON
         romrun scene.yml --model c.h5 --accuracy-of presure=1
     refuse 64 "--accuracy-of: found load=2, expected load=X with X above 0, at most 1" \
         romrun scene.yml --model c.h5 --accuracy-of load=2
-    refuse 64 "--accuracy-of: found with --trade, expected without" romrun --trade --model c.h5 --accuracy-of load=1
+    refuse 64 "--accuracy-of: romrun trade has no such option" romrun --trade --model c.h5 --accuracy-of load=1
     # a model without the factor cannot guarantee a requested accuracy
     cp c.h5 w.h5
     /usr/bin/python3 -c "
@@ -455,7 +455,8 @@ PYTHON
     done
     refused 64 "--verify: found with a transient scene" romrun --verify --model m.h5 \
         scene.yml --set regime=transient --set transient.end_time=1
-    refused 64 "--trade: found with an option for solving" romrun --verify --trade --model c.h5
+    refused 64 "--verify: romrun trade has no such option; it belongs to romrun SCENE.yml" \
+        romrun --verify --trade --model c.h5
 }
 
 # bats test_tags=slow
@@ -653,24 +654,99 @@ YAML
 }
 
 @test "misuse is one line and exit 64" {
-    refuse 64 "found 1 file, expected none" romrun scene.yml --calibrate check.yml --model m.h5 -o x.h5
-    refuse 64 "found 1 file, expected none" romrun scene.yml --trade --model c.h5
-    refuse 64 "--trade: found with --calibrate" romrun --trade --calibrate check.yml --model m.h5 -o x.h5
+    refuse 64 "found 2 files, expected romrun calibrate PLAN.yml" \
+        romrun scene.yml --calibrate check.yml --model m.h5 -o x.h5
+    refuse 64 "found with scene.yml, expected one of them" romrun scene.yml --trade --model c.h5
+    refuse 64 "found trade and calibrate, expected one mode" romrun --trade --calibrate check.yml --model m.h5 -o x.h5
     refuse 64 "--output: found nothing" romrun --calibrate check.yml --model m.h5
-    refuse 64 "--output: found with --trade" romrun --trade --model c.h5 -o x.h5
+    refuse 64 "--output: romrun trade has no such option" romrun --trade --model c.h5 -o x.h5
     refuse 64 "--model: found none" romrun --calibrate check.yml -o x.h5
     refuse 64 "--model: found none" romrun --trade
-    refuse 64 "--jobs: found without --calibrate" romrun scene.yml --model m.h5 -o x.h5 --jobs 2
+    refuse 64 "--jobs: romrun SCENE.yml has no such option" romrun scene.yml --model m.h5 -o x.h5 --jobs 2
     refuse 64 "--jobs: found" romrun --calibrate check.yml --model m.h5 -o x.h5 --jobs 0
-    refuse 64 "--calibrate: found with an option for solving" \
-        romrun --calibrate check.yml --model m.h5 -o x.h5 --rows 20
-    refuse 64 "--calibrate: found with an option for solving" \
-        romrun --calibrate check.yml --model m.h5 -o x.h5 --accuracy 0.1
+    refuse 64 "--rows: romrun calibrate has no such option" romrun --calibrate check.yml --model m.h5 -o x.h5 --rows 20
+    refuse 64 "--accuracy: romrun calibrate has no such option" \
+        romrun calibrate check.yml --model m.h5 -o x.h5 --accuracy 0.1
     for option in --rows --pressure-modes --deformation-modes; do
         refuse 64 "--accuracy: found with" romrun scene.yml --model c.h5 -o x.h5 --accuracy 0.1 $option 9
     done
     for number in 0 -1 nan inf 2 x 1e-3x ''; do
         refuse 64 "--accuracy: found" romrun scene.yml --model c.h5 -o x.h5 "--accuracy=$number"
     done
-    refuse 64 "--trade: found with an option for solving" romrun --trade --model c.h5 --repeat 5
+    refuse 64 "--repeat: romrun trade has no such option" romrun --trade --model c.h5 --repeat 5
+}
+
+# ---- modes of romrun
+
+# shown MODE: prints the names of the options in the help of a mode, without the common ones.
+shown() {
+    romrun $1 --help | sed '/Common to all programs/,$d' | sed -nE 's/^ +(-[a-z], )?--([a-z-]+).*/\2/p' | sort | xargs
+}
+
+@test "each mode has a help of one screen with its own options only" {
+    [ "$(shown "")" = "accuracy accuracy-of against allow-untrusted deformation-modes fallback model pressure-modes repeat resume rows verify" ]
+    [ "$(shown cases)" = "accuracy accuracy-of allow-untrusted deformation-modes jobs model pressure-modes resume rows" ]
+    [ "$(shown calibrate)" = "jobs model" ]
+    [ "$(shown trade)" = "model" ]
+    [ "$(shown export)" = "deformation-modes model pressure-modes rows" ]
+    [ "$(shown fmu)" = "accuracy deformation-modes fmi model pressure-modes rows" ]
+    romrun --help >all
+    for mode in cases calibrate trade export fmu; do
+        romrun $mode --help >one
+        [ "$(wc -l <one)" -le 60 ]
+        [ "$(grep -cE '^(Usage|  or): ' one)" -eq 1 ]
+        grep -q "^Usage: romrun .* $mode " one
+        grep -q "^  or: .* $mode " all
+        shows_no "Settings of a scene" cat one
+        romrun --$mode x --help | cmp - one
+    done
+    grep -q "^romrun MODE --help shows the options of a mode" all
+}
+
+@test "a mode names what is missing, and refuses options of other modes and a second mode" {
+    refuse 64 "found no SCENE.yml, expected romrun SCENE.yml -m" romrun --model c.h5
+    refuse 64 "found no CASES.csv, expected romrun cases SCENE.yml CASES.csv -m" romrun cases scene.yml --model c.h5
+    refuse 64 "found no SCENE.yml, expected romrun cases" romrun --cases cases.csv --model c.h5
+    refuse 64 "found no PLAN.yml, expected romrun calibrate PLAN.yml" romrun calibrate --model c.h5 -o x.h5
+    refuse 64 "--model: found none, expected romrun trade MODEL.h5" romrun trade
+    refuse 64 "--model: found none, expected romrun export MODEL.h5 -o" romrun export -o x.ehdrom
+    refuse 64 "found no SCENE.yml, expected romrun fmu SCENE.yml" romrun fmu --model c.h5 -o x.fmu
+    refuse 64 "--repeat: romrun calibrate has no such option; it belongs to romrun SCENE.yml" \
+        romrun calibrate check.yml --model m.h5 -o x.h5 --repeat 3
+    refuse 64 "--jobs: romrun SCENE.yml has no such option; it belongs to romrun cases, romrun calibrate" \
+        romrun scene.yml --model m.h5 --jobs 2
+    refuse 64 "--accuracy-of: romrun fmu has no such option" romrun fmu scene.yml -m m.h5 -o x.fmu --accuracy-of load=1
+    refuse 64 "found calibrate and trade, expected one mode" romrun trade --calibrate check.yml --model m.h5
+    refuse 64 "found trade and fmu, expected one mode" romrun --trade --fmu scene.yml --model m.h5
+    [ ! -e x.h5 ] && [ ! -e x.fmu ]
+}
+
+@test "the word of a mode and the option of the same name do the same" {
+    printf 'moes.M,moes.L\n10,3\n12,5\n' >cases.csv
+    romrun cases base.yml cases.csv -m c.h5 -o word.csv -q
+    romrun base.yml --cases=cases.csv -m c.h5 -o option.csv -q
+    /usr/bin/python3 - <<'PYTHON'
+import csv
+tables = [list(csv.DictReader(open(name))) for name in ("word.csv", "option.csv")]
+for row in tables[0] + tables[1]: del row["solve_seconds [s]"]
+assert len(tables[0]) == 2 and tables[0] == tables[1]
+PYTHON
+    # an interrupted table of one spelling is the table of the other: both store the same settings
+    romrun cases base.yml cases.csv -m c.h5 -o word.h5 -q --accuracy-of load=0.1
+    romrun base.yml --cases cases.csv -m c.h5 -o option.h5 -q --accuracy-of load=0.1
+    h5dump -a settings word.h5 | tail -n +2 >settings
+    grep -q "load" settings
+    h5dump -a settings option.h5 | tail -n +2 | cmp - settings
+    romrun trade c.h5 >word
+    romrun --trade --model c.h5 | cmp - word
+    romrun trade -m c.h5 | cmp - word
+    romrun export c.h5 --rows 20 -o word.ehdrom
+    romrun --export c.h5 --rows 20 -o option.ehdrom
+    cmp word.ehdrom option.ehdrom
+    romrun -q calibrate check.yml -m m.h5 -o word-c.h5
+    cmp <(romrun --print word-c.h5 position_rows) <(romrun --print c.h5 position_rows)
+    # words are names where --print follows, and a file of such a name is a path
+    refuse 65 "trade" romrun --print c.h5 trade
+    cp c.h5 trade
+    romrun trade trade | cmp - word
 }

@@ -84,7 +84,7 @@ PYTHON
     refused 73 "c.ehdrom: found an existing file" romrun --export c.h5 -o c.ehdrom
     romrun --export c.h5 -o c.ehdrom --force
     refused 64 "expected -o FILE" romrun --export c.h5
-    refused 64 "expected alone" romrun --export c.h5 --model c.h5 -o x.ehdrom
+    refused 64 "--model: found with c.h5, expected one of them" romrun --export c.h5 --model c.h5 -o x.ehdrom
     refused 66 "none.h5" romrun --export none.h5 -o x.ehdrom
     refused 73 "no/x.ehdrom: found No such file or directory" romrun --export c.h5 -o no/x.ehdrom
     [ ! -e x.ehdrom ]

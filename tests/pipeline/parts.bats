@@ -347,7 +347,7 @@ PYTHON
     echo 'models: [low.h5, published.h5]' >rows.yml
     refused 65 "published.h5: found a line contact with 121 nodes from -4 in steps of 0.05 .published, .*, expected one as of low.h5: a line contact with 121 .* .accurate, " \
         romrun base.yml --set moes.M=9 --set moes.L=4 --model rows.yml
-    refused 64 "parts.yml: found a list of models with --calibrate, expected one model" \
+    refused 64 "parts.yml: found a list of models with romrun calibrate, expected one model" \
         romrun --calibrate base.yml --model parts.yml -o x.h5
     refused 64 "parts.yml: found a list of models with --pressure-modes" \
         romrun base.yml --model parts.yml --rows 20

@@ -22,11 +22,12 @@ typedef struct own_options {
     bool resume;
 } own_options;
 
-static const program_option own_rows[] = {{"jobs", 'j', "N", "Run N points at a time", AS_COUNT,
-                                           offsetof(own_options, jobs), 1, 64, NULL},
-                                          {"resume", 0, NULL, "Continue NAME.partial", AS_FLAG,
-                                           offsetof(own_options, resume), 0, 0, NULL},
-                                          {0}};
+#define OWN_OPTIONS own_options
+
+static const program_option own_rows[] = {
+    {"jobs", 'j', "N", "Run N points at a time", OPTION_COUNT(jobs, 1, 64)},
+    {"resume", 0, NULL, "Continue NAME.partial", OPTION_FLAG(resume)},
+    {0}};
 
 static void print_tail(void) {
     printf("Tail of the help.\n");
@@ -202,7 +203,7 @@ static void misuse_is_one_line_and_64(void **state) {
     run(finish_well, "-o", "", "a.yml");
     expect_misuse("--output: found nothing");
     run(finish_well, "-o", "r.h5");
-    expect_misuse("command line: found 0 files, expected SCENE.yml -o result.h5");
+    expect_misuse("command line: found no SCENE.yml, expected SCENE.yml -o result.h5");
     run(finish_well, "-o", "r.h5", "a", "b", "c");
     expect_misuse("command line: found 3 files");
     run(finish_well, "a.yml");
