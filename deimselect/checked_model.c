@@ -212,7 +212,7 @@ ehd_status checked_model_write(char worth[CHECK_REPORT], const reduced_model *mo
     if (status) return ehd_fail(error, status, "%s", why.text);
     if (!unchecked) return solved;
     return ehd_fail(error, EHD_UNTRUSTED,
-                    "%s: written, but not checked: %s; romrun --calibrate checks it on a plan "
+                    "%s: written, but not checked: %s; romrun calibrate checks it on a plan "
                     "(--no-check: without a check)",
                     caller->output, why.text);
 }

@@ -15,7 +15,7 @@ typedef struct check_task {
 } check_task;
 
 /* Solves the check scenes (check_scenes.h) with the full model and measures the error of each model
- * size like romrun --calibrate. Writes caller->output with the table of model sizes. Warns if an
+ * size like romrun calibrate. Writes caller->output with the table of model sizes. Warns if an
  * error of the whole model exceeds the default accuracy, or if the model does not solve a scene.
  *
  * EHD_UNTRUSTED: the model is written, but is not to be trusted, for one of two reasons:

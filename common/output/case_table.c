@@ -591,7 +591,7 @@ static ehd_status put_hdf5(case_table *self, const case_row *rows, size_t count,
 ehd_status case_table_new(case_table **table, const program *caller, ehd_error *error) {
     case_table *self = *table = calloc(1, sizeof *self);
 
-    if (!self) return ehd_no_memory(error, "--cases");
+    if (!self) return ehd_no_memory(error, "cases");
     self->caller = caller;
     return EHD_OK;
 }

@@ -141,7 +141,7 @@ static void print_best(const trade_table *table, bool in_time) {
 
 static ehd_status report(const program *self, const validation *scenes, const trade_table *table,
                          const char *plan_path, double seconds, ehd_error *error) {
-    printf("%zu scenes, %zu trajectories, %zu sizes, %.1f s (romrun --trade prints the table)\n",
+    printf("%zu scenes, %zu trajectories, %zu sizes, %.1f s (romrun trade prints the table)\n",
            table->num_scenes, table->num_trajectories, table->num_positions, seconds);
     if (table->num_scenes > 0) print_best(table, false);
     if (table->num_trajectories > 0) print_best(table, true);

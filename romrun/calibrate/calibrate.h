@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* romrun --calibrate: measures errors and time of each size of a model, and writes the model with a
+/* romrun calibrate: measures errors and time of each size of a model, and writes the model with a
  * table of them (README.md, Calibration and the accuracy dial). Called by romrun/main.c, and by
  * deimselect/checked_model.c for the settings text. */
 #ifndef EHD_CALIBRATE_H

@@ -82,7 +82,7 @@ static ehd_status make_contact(ehd_contact *contact, bool *with_effects, const b
 
     if (status) return status;
     if (strcmp(given.regime, "stationary") != 0) {
-        ehd_fail(error, EHD_DATA, "regime: found %s with --cases, expected stationary",
+        ehd_fail(error, EHD_DATA, "regime: found %s in a table of scenes, expected stationary",
                  given.regime);
         return case_list_fail(self->list, texts->line, error);
     }
@@ -179,7 +179,7 @@ static void free_worker(worker *own) {
 
 static ehd_status make_worker(worker **made, const batch *self, ehd_error *error) {
     worker *own = *made = calloc(1, sizeof *own);
-    ehd_status status = own ? EHD_OK : ehd_no_memory(error, "--cases");
+    ehd_status status = own ? EHD_OK : ehd_no_memory(error, "cases");
 
     for (int m = 0; m < NUM_SIZES && !status; m++) {
         if (!self->models[m].model) continue;
@@ -279,7 +279,7 @@ static ehd_status check_rows(batch *self, size_t *count, ehd_error *error) {
         case_table_expect(self->table, &row);
         any_slides = any_slides || contact_has_traction(&contact);
         if (program_interrupted())
-            status = ehd_fail(error, EHD_INTERRUPTED, "--cases: interrupted before the first case");
+            status = ehd_fail(error, EHD_INTERRUPTED, "cases: interrupted before the first case");
     }
     if (!status && any_slides && !online_has_traction(self->models[0].model))
         program_note(
@@ -389,7 +389,7 @@ static ehd_status solve_all(batch *self, cases_summary *summary, ehd_error *erro
         summary->seconds = program_seconds() - started;
     }
     if (status == EHD_INTERRUPTED)
-        ehd_fail(error, status, "--cases: interrupted after %zu of %zu%s", summary->num_cases,
+        ehd_fail(error, status, "cases: interrupted after %zu of %zu%s", summary->num_cases,
                  count, task->caller->output ? "; --resume goes on" : "");
     return status ? status : case_table_finish(&self->table, error);
 }
@@ -399,7 +399,7 @@ ehd_status cases_solve(cases_summary *summary, case_list *list, const cases_task
     batch *self = calloc(1, sizeof *self);
 
     *summary = (cases_summary){0};
-    if (!self) return ehd_no_memory(error, "--cases");
+    if (!self) return ehd_no_memory(error, "cases");
     self->task = task;
     self->list = list;
     pthread_mutex_init(&self->lock, NULL);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* romrun --cases: solves many scenes in one process (schemas/cases.md).
+/* romrun cases: solves many scenes in one process (schemas/cases.md).
  * Called by romrun/main.c. */
 #ifndef EHD_CASES_H
 #define EHD_CASES_H

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* romrun --fmu: writes an FMU of a scene and a model. */
+/* romrun fmu: writes an FMU of a scene and a model. */
 #ifndef EHD_FMU_EXPORT_H
 #define EHD_FMU_EXPORT_H
 

@@ -4,6 +4,6 @@
 
 ehd_status hdf5_load(const hdf5_calls **calls, const char *path, ehd_error *error) {
     *calls = NULL;
-    return ehd_fail(error, EHD_DATA, "%s: found no flat model, expected one of romrun --export",
+    return ehd_fail(error, EHD_DATA, "%s: found no flat model, expected one of romrun export",
                     path);
 }

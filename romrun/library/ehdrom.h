@@ -89,7 +89,7 @@ typedef struct ehdrom_model_options {
 
 /* Opens a model. `options` NULL: all of it. The file is one of
  *   - a model in HDF5;
- *   - a flat model (romrun --export), which opens in milliseconds and has the sizes with which it
+ *   - a flat model (romrun export), which opens in milliseconds and has the sizes with which it
  *     was exported; it must not be written into while it is open;
  *   - a list of models for parts of a region (schemas/models.md), whose name ends with .yml. It is
  *     loaded whole; sizes in `options` are EHDROM_DATA.

@@ -35,7 +35,7 @@ ehd_status hdf5_load(const hdf5_calls **calls, const char *path, ehd_error *erro
         status = ehd_fail(error, EHD_DATA,
                           "%s: found no flat model and no " HDF5_PLUGIN
                           " (%s), expected that beside the library for a model of HDF5, or a flat "
-                          "model of romrun --export",
+                          "model of romrun export",
                           path, dlerror());
     else if (strcmp(found->version, EHDROM_VERSION) != 0 || found->size != sizeof *found)
         status =

@@ -414,7 +414,7 @@ ehd_status trade_read(trade_table *table, const char *path, ehd_error *error) {
     if (!status && !calibrated)
         status = ehd_fail(error, EHD_DATA,
                           "%s: found a model that is not calibrated, expected one of romrun "
-                          "--calibrate, or of deimselect without --no-check",
+                          "calibrate, or of deimselect without --no-check",
                           path);
     return status;
 }

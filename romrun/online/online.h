@@ -61,7 +61,7 @@ typedef struct online_properties {
     size_t states;                            // number of training solutions
     size_t parts; // number of models for parts of a region; the numbers above are those of the
                   // largest part
-    // true: the sizes in use were calibrated (deimselect, romrun --calibrate); checked: on
+    // true: the sizes in use were calibrated (deimselect, romrun calibrate); checked: on
     // stationary scenes, checked_in_time: on trajectories. Otherwise no error is estimated, and a
     // result with EHD_OK may have any error.
     bool checked, checked_in_time;

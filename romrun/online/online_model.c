@@ -210,10 +210,10 @@ const char *online_unchecked(const online_properties *model, bool in_time) {
         return model->checked_in_time
                    ? NULL
                    : "a model without a successful check in time at these sizes, which romrun "
-                     "--calibrate does with a transient plan, and deimselect of a transient "
+                     "calibrate does with a transient plan, and deimselect of a transient "
                      "training without --no-check";
     return model->checked ? NULL
-                          : "a model never checked at these sizes, which romrun --calibrate does, "
+                          : "a model never checked at these sizes, which romrun calibrate does, "
                             "and deimselect without --no-check";
 }
 

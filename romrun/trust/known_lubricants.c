@@ -163,7 +163,7 @@ static const char *explain(lubricant_memory *memory, const known_lubricants *sel
     const bool same_density = count > 0 && is_between(self, memory, OF_DENSITY, 1);
 
     if (self->count == 0)
-        return "a model without the lubricants of its training (romrun --calibrate adds them)";
+        return "a model without the lubricants of its training (romrun calibrate adds them)";
     if (same_viscosity && same_density)
         snprintf(memory->reason, sizeof memory->reason,
                  "viscosity law %s with density law %s: not in training", viscosity, density);

@@ -33,7 +33,7 @@ $(OUT)/python.csv: $(VARIED).py scene.yml $(OUT)/$(MODEL).h5
 	$(call quiet,python    ,$@)PYTHONPATH="$$(realpath -m $(BESIDE)/python):$$PYTHONPATH" $(PYTHON) -B $^ $@ $(ends_well)
 
 $(OUT)/contact.fmu: scene.yml $(OUT)/$(MODEL).h5 $(BIN)/romrun
-	$(call quiet,romrun    ,$@)$(BIN)/romrun --fmu $< --model $(OUT)/$(MODEL).h5 --set closure=approach $(FMU_SET) $(SET) -o $@ --force --quiet
+	$(call quiet,romrun    ,$@)$(BIN)/romrun fmu $< --model $(OUT)/$(MODEL).h5 --set closure=approach $(FMU_SET) $(SET) -o $@ --force --quiet
 
 $(OUT)/fmu.csv: $(VARIED).py scene.yml $(OUT)/contact.fmu $(SHARED)fmu.py
 	$(call quiet,python    ,$@)$(python) $(wordlist 1,3,$^) $@ $(ends_well)

@@ -34,7 +34,7 @@ trade:
 else
 
 trade: $(OUT)/trade.png ## deviation against time of the model's sizes and of the alternatives on check-plan.yml
-	@$(BIN)/romrun --trade --model $(OUT)/calibrated.h5
+	@$(BIN)/romrun trade $(OUT)/calibrated.h5
 	@$(if $(filter stationary,$(TRADE_REGIME)),cat $(OUT)/polish.txt)
 	$(call tell_pictures,$<)
 	$(call tell,numbers,$(OUT)/trade.csv)
@@ -44,7 +44,7 @@ endif
 .PHONY: trade
 
 $(OUT)/calibrated.h5: $(OUT)/$(MODEL).h5 $(OUT)/check-plan.yml scene.yml $(BIN)/romrun $(call options,calibrated,$(SET))
-	$(call quiet,romrun    ,$@)$(BIN)/romrun --calibrate $(OUT)/check-plan.yml --model $< -o $@ --force $(SET)
+	$(call quiet,romrun    ,$@)$(BIN)/romrun calibrate $(OUT)/check-plan.yml --model $< -o $@ --force $(SET)
 
 # Also polish.csv, polish.txt of stationary scenes. What was measured already is taken from $(OUT)/trade.
 $(OUT)/trade.csv: $(OUT)/calibrated.h5 $(SHARED)trade.py $(BIN)/fullrun $(call options,trade,$(TRADE_OPTIONS))

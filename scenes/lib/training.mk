@@ -7,7 +7,7 @@
 #   MODELS    names of the models to make: model. What each is made of, where not by ENERGY alone (podbuild --help,
 #             deimselect --help): NAME.PRESSURE_MODES, NAME.DEFORMATION, NAME.DEFORMATION_MODES, NAME.WEIGHT; NAME.ROWS,
 #             NAME.METHOD, NAME.WEIGHTS, NAME.STABILITY; NAME.CHECK = no: without a check;
-#             NAME.CALIBRATION: a plan that romrun --calibrate takes in place of the check, for oils that are not trained
+#             NAME.CALIBRATION: a plan that romrun calibrate takes in place of the check, for oils that are not trained
 #   JOBS      points at a time, and threads of each other program; empty: as many as there are processors. Changes no result
 #   MEMORY    memory that arrays of podbuild and deimselect may take (--memory of either): half of the machine's
 #   PARTS     not empty: each piece of the training is compressed where it was solved, and the modes are those of these parts
@@ -212,7 +212,7 @@ $(MODELS:%=$(OUT)/%.h5): $(OUT)/%.h5: $(OUT)/%-residuals.h5 $(OUT)/%-basis.h5 $(
 	$(call quiet,$(call stage_of,$*-rows) deimselect,$@)$(call at_stage,$*-rows) $(BIN)/deimselect $< --basis $(OUT)/$*-basis.h5 -o $@ --force \
 	    $(jobs) $(memory_option) $(strip $(call deimselect_options,$*)) || [ $$? -eq 4 ]
 	$(if $($*.CALIBRATION),$(call quiet,romrun    ,$@)mv $@ $@.unchecked && \
-	    $(BIN)/romrun --calibrate $($*.CALIBRATION) --model $@.unchecked -o $@ --quiet $(jobs) $(SET) >/dev/null && rm $@.unchecked)
+	    $(BIN)/romrun calibrate $($*.CALIBRATION) --model $@.unchecked -o $@ --quiet $(jobs) $(SET) >/dev/null && rm $@.unchecked)
 
 endif
 endif

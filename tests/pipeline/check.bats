@@ -21,7 +21,7 @@ setup() {
     cp "$BATS_FILE_TMPDIR"/* .
 }
 
-unchecked="a model never checked at these sizes, which romrun --calibrate does, and deimselect without --no-check"
+unchecked="a model never checked at these sizes, which romrun calibrate does, and deimselect without --no-check"
 advice="(--fallback full has the full model solve it, --allow-untrusted takes it all the same)"
 
 # bats test_tags=slow
@@ -92,7 +92,7 @@ import h5py
 with h5py.File('r.h5', 'r+') as f: del f.attrs['settings']"
     run --separate-stderr deimselect r.h5 --basis b.h5 -o x.h5
     [ "$status" -eq 4 ]
-    [ "$stderr" = "deimselect: x.h5: written, but not checked: r.h5: found no points, expected those of a plan; romrun --calibrate checks it on a plan (--no-check: without a check)" ]
+    [ "$stderr" = "deimselect: x.h5: written, but not checked: r.h5: found no points, expected those of a plan; romrun calibrate checks it on a plan (--no-check: without a check)" ]
     [ "$output" = "$(cat no-check.log)" ]
     deimselect --check x.h5
     same_data x.h5 n.h5
@@ -193,7 +193,7 @@ YAML
     deimselect r1.h5 --basis b1.h5 -o y.h5 --no-check
     run --separate-stderr romrun moving.yml --model y.h5 -o two.h5 --quiet
     [ "$status" -eq 4 ]
-    [[ $stderr == "romrun: moving.yml: found a model without a successful check in time at these sizes, which romrun --calibrate does with a transient plan, and deimselect of a transient training without --no-check, first at T = 0, expected a result to be trusted $advice" ]]
+    [[ $stderr == "romrun: moving.yml: found a model without a successful check in time at these sizes, which romrun calibrate does with a transient plan, and deimselect of a transient training without --no-check, first at T = 0, expected a result to be trusted $advice" ]]
     /usr/bin/python3 -c "
 import h5py
 with h5py.File('two.h5') as f: assert (f['status'][...] == 4).all()"

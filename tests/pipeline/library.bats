@@ -111,7 +111,7 @@ refused() {
     run -0 --separate-stderr env LD_LIBRARY_PATH="$PWD/without" "$BATS_FILE_TMPDIR/use_shared" loaded m.ehdrom scene.yml
     [ "$(grep -v hdf5 <<<"$output")" = "$found" ]
     refused
-    [[ $stderr == "m.h5: found no flat model and no libehdrom-hdf5.so.0 ("*"No such file"*"), expected "*"romrun --export"* ]]
+    [[ $stderr == "m.h5: found no flat model and no libehdrom-hdf5.so.0 ("*"No such file"*"), expected "*"romrun export"* ]]
     # the plug-in needs an HDF5 that is missing
     echo 'int nothing;' | gcc -shared -fPIC -x c - -Wl,-soname,libhdf5_gone.so -o libhdf5_gone.so
     gcc -shared -Wl,--no-as-needed libhdf5_gone.so -o without/libehdrom-hdf5.so.0

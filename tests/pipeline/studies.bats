@@ -124,5 +124,5 @@ assert study.beyond_neighbours(numpy.outer(a, a), numpy.outer(b, b)) > 2"
     cp ../stationary-line/out-accurate/model.h5 older.h5
     touch -d 2000-01-01 older.h5
     run_make -n $small MODEL=older.h5
-    [[ $status == 0 && $output == *"study.py draw"*"romrun --calibrate"* ]]
+    [[ $status == 0 && $output == *"study.py draw"*"romrun calibrate"* ]]
 }

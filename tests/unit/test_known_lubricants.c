@@ -148,7 +148,7 @@ static void calibrations_make_lubricants_known(void **state) {
 static void lubricants_that_are_not_told_are_not_known(void **state) {
     const ehd_lubricant own = oil("roelands", 1.6e-8, 0.06, "dowson-higginson");
     static const char untold[] =
-        "a model without the lubricants of its training (romrun --calibrate adds them)";
+        "a model without the lubricants of its training (romrun calibrate adds them)";
     sample model = {0};
     (void)state;
 

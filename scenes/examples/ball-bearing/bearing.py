@@ -2,8 +2,8 @@
 """The inner race of a 6206 deep groove ball bearing: what its contact is, and its film and traction over the speed.
 
     bearing.py numbers                  radii, load and speeds of scene.yml, plan.yml and cases.csv
-    bearing.py speeds                   rows of romrun --cases: the speeds of the shaft
-    bearing.py picture PICTURE TABLE    both over the speed, of the table that romrun --cases has made
+    bearing.py speeds                   rows of romrun cases: the speeds of the shaft
+    bearing.py picture PICTURE TABLE    both over the speed, of the table that romrun cases has made
 """
 import csv
 import sys

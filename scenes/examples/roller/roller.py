@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """roller.c in Python: roller.py SCENE.yml MODEL OUT.csv
 
-MODEL is a reduced model, on the package (make python), or an FMU, whose input is the approach (romrun --fmu, closure:
+MODEL is a reduced model, on the package (make python), or an FMU, whose input is the approach (romrun fmu, closure:
 approach), with an instance for each slice. The slide and its integrator are those of roller.c, operation by operation: with
 the same forces it takes the same steps to the last bit."""
 import math

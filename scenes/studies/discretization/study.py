@@ -173,7 +173,7 @@ def indicated(folder):
       moes.M: [9, 13.5, 20, 30, 45]
       moes.L: [2.6, 5.8, 7.3, 10.3]
 """)
-    results.run("romrun", "--calibrate", f"{folder}/between-check.yml", "--model", f"{folder}/between-accurate.h5",
+    results.run("romrun", "calibrate", f"{folder}/between-check.yml", "--model", f"{folder}/between-accurate.h5",
                 "-o", model, "-q", "-f", outcomes=(results.SOLVED,))
     sizes = results.printed(model, "position_pressure_modes", "position_rows", "indicator_factor")
     full, films = f"{folder}/indicated-full.h5", ("central_film_thickness", "minimum_film_thickness")

@@ -72,7 +72,7 @@ def solve_reduced(model, files, table, *options):
     names = ["status", "moes_M", "alpha_p_H", *FILMS, "part", "solve_seconds [s]"]
     columns = {name: [] for name in names}
     for scene, points in files:
-        results.run("romrun", scene, "--cases", points, "--model", model, "-o", table, "--force", "--quiet", "--jobs", "1", *options)
+        results.run("romrun", "cases", scene, points, "--model", model, "-o", table, "--force", "--quiet", "--jobs", "1", *options)
         for line in results.read_csv(table):
             for name in names:
                 columns[name].append(float(line.get(name, 0)))

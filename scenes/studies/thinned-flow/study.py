@@ -180,7 +180,7 @@ def frictions(kind, folder, scenes, options):
           f"{sizes['rows']} rows; {len(scenes)} scenes, M of {M.min():.3g} to {M.max():.3g}, {(M < LOW_M).sum()} below {LOW_M}")
     print(f"{'friction off':20}{'median':>10}{'worst':>10}{f'M < {LOW_M}':>10}{'indicated':>11}{'trusted':>9}")
     for law, settings in LAWS.items():
-        results.run("romrun", contact, "--model", model, "--cases", cases, "-o", table, "--force", "--quiet",
+        results.run("romrun", "cases", contact, cases, "--model", model, "-o", table, "--force", "--quiet",
                     *options, *results.sets(of_law(settings)))
         with open(table, newline="") as file:
             rows = list(csv.DictReader(file))
