@@ -32,7 +32,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-// The modes, bits of an option: bit i is row i of the table `modes`.
+// Bits for the modes that have an option: bit i stands for row i of the table `modes`.
 enum { SCENE = 1, CASES = 2, CALIBRATE = 4, TRADE = 8, EXPORT = 16, FMU = 32 };
 
 typedef struct romrun_options {
@@ -912,8 +912,8 @@ static ehd_status run_scene(const program *self, void *own, ehd_error *error) {
 // ---- the command line
 
 // clang-format off
-// columns: word, usage, help, least and largest number of arguments, output, whether the option of the same name has
-// the last argument, function
+// columns: word, usage, help, least and largest number of arguments, output, whether the option of
+// the same name has the last argument, function
 static const program_mode modes[] = {
     {NULL, "SCENE.yml -m MODEL.h5 [-o RESULT.h5]", NULL, 1, 1, OUTPUT_OPTIONAL, false, run_scene},
     {"cases", "cases SCENE.yml CASES.csv -m MODEL.h5 [-o TABLE.csv]",

@@ -96,7 +96,8 @@ typedef struct program_options {
     void (*help_tail)(void);             // prints more help to stdout (settings table), may be NULL
     size_t min_arguments, max_arguments; // positional (any number with --print)
     bool needs_output; // -o is required (never with --check or --print, always with --vtk)
-    // NULL, or at most MAX_PROGRAM_MODES and {0}; replaces arguments_doc and the members after help_tail
+    // NULL, or at most MAX_PROGRAM_MODES rows and {0}; then a row gives the usage, the number of
+    // arguments and the use of -o, in place of the members above
     const program_mode *modes;
 } program_options;
 

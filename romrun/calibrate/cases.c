@@ -389,8 +389,8 @@ static ehd_status solve_all(batch *self, cases_summary *summary, ehd_error *erro
         summary->seconds = program_seconds() - started;
     }
     if (status == EHD_INTERRUPTED)
-        ehd_fail(error, status, "cases: interrupted after %zu of %zu%s", summary->num_cases,
-                 count, task->caller->output ? "; --resume goes on" : "");
+        ehd_fail(error, status, "cases: interrupted after %zu of %zu%s", summary->num_cases, count,
+                 task->caller->output ? "; --resume goes on" : "");
     return status ? status : case_table_finish(&self->table, error);
 }
 

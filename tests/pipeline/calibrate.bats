@@ -731,11 +731,11 @@ tables = [list(csv.DictReader(open(name))) for name in ("word.csv", "option.csv"
 for row in tables[0] + tables[1]: del row["solve_seconds [s]"]
 assert len(tables[0]) == 2 and tables[0] == tables[1]
 PYTHON
-    # an interrupted table of one spelling is the table of the other: both store the same settings
+    # --resume compares the settings of a table, with the limits
     romrun cases base.yml cases.csv -m c.h5 -o word.h5 -q --accuracy-of load=0.1
     romrun base.yml --cases cases.csv -m c.h5 -o option.h5 -q --accuracy-of load=0.1
     h5dump -a settings word.h5 | tail -n +2 >settings
-    grep -q "load" settings
+    grep -q "# accuracy of load 0.1" settings
     h5dump -a settings option.h5 | tail -n +2 | cmp - settings
     romrun trade c.h5 >word
     romrun --trade --model c.h5 | cmp - word
