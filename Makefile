@@ -253,9 +253,12 @@ trade: $(PROGRAMS) ## deviation against time of models, full solutions and film 
 	    $(MAKE) -C $$scene trade BIN=../../../$(BIN) || exit; \
 	done
 
-MAN_PAGES := $(PROGRAMS:$(BIN)/%=$(BUILD)/man/%.1)
-man: $(MAN_PAGES) ## man pages from --help
-$(MAN_PAGES): $(BUILD)/man/%.1: $(BIN)/%
+MODE_PAGES := $(patsubst %,$(BUILD)/man/romrun-%.1,cases calibrate trade export fmu)
+MAN_PAGES  := $(PROGRAMS:$(BIN)/%=$(BUILD)/man/%.1) $(MODE_PAGES)
+man: $(MAN_PAGES) ## man pages from --help, one for each mode of romrun
+$(BUILD)/man/romrun-%.1: $(BIN)/romrun
+	$(call quiet,MAN ,$@)mkdir -p $(@D) && help2man --no-info --help-option='$* --help' --output=$@ $<
+$(BUILD)/man/%.1: $(BIN)/%
 	$(call quiet,MAN ,$@)mkdir -p $(@D) && help2man --no-info --output=$@ $<
 
 PYTHON_PACKAGE := $(BUILD)/python/ehdrom
