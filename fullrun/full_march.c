@@ -183,7 +183,8 @@ static double reference_approach(const full_march *self, const full_state *state
  * relative tolerance of the load, which equals Newton's tolerance. Of 120 approaches (line and
  * point contacts, M 5 to 100, L 0 to 10, H0 from -6 to 2) 73 are reached, with strides of 1/128 or
  * more. At most of the other approaches the bodies separate. An approach is given up after about 30
- * solutions (test_full_march.c, start_from_an_approach_far_away). */
+ * solutions (test_full_march.c, start_from_an_approach_far_away; test_surface.c,
+ * one_at_rest_is_part_of_the_start). */
 static const double MIN_STRIDE = 1. / 1024, SETTLED_LOAD = 1e-8;
 
 /* Continues from the solution of a given load to the solution of a given approach. The frame is

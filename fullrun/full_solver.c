@@ -413,16 +413,24 @@ static double scaled_multiplier(const full_solver *self, size_t node) {
 // ---- exit within the cell of a node
 
 /* Checks whether the exit may lie within the cell of a node. The film must be known at two nodes
- * behind the exit. */
+ * before the node of the exit and at two nodes behind the exit. */
 static bool can_divide_node(const full_state *state, const ehd_grid *grid) {
-    return state->exit + 1 < grid->num_nodes;
+    return state->exit >= 3 && state->exit + 1 < grid->num_nodes;
+}
+
+static bool has_ruptured_nodes(const full_state *state) {
+    for (size_t k = 1; k < state->exit; k++)
+        if (state->ruptured[k]) return true;
+    return false;
 }
 
 /* Computes the place of the exit within the cell of its node from the pressure at this node
  * (test_full_solver.c, pressure_holds_the_exit). The state's rows must be evaluated. Returns
  * whether the state has changed. */
 static bool divide_node(full_solver *self, double entrainment, full_state *state) {
-    if (!isnan(state->exit_offset) || !can_divide_node(state, &self->grid)) return false;
+    if (!isnan(state->exit_offset) || !can_divide_node(state, &self->grid) ||
+        has_ruptured_nodes(state))
+        return false;
     state->exit_offset = 0;
     evaluate_cell(self, entrainment, state);
     const double square = state->pressure[state->exit - 1] / self->cell.curvature;
@@ -447,8 +455,8 @@ static double change_of_offset(const full_solver *self, const full_state *state)
 
 /* Moves the exit of a state, to which a step has been added, by `change` steps of the grid. */
 static void move_exit(full_state *state, const ehd_grid *grid, double change) {
-    const double offset = state->exit_offset + change;
-    const double exit = fmax((double)state->exit + floor(offset), 2);
+    const double offset = state->exit_offset + (isfinite(change) ? change : 0);
+    const double exit = fmax((double)state->exit + floor(offset), 3);
     const size_t last = grid->num_nodes - 1;
 
     set_exit(state, exit < (double)last ? (size_t)exit : last, grid);
@@ -617,10 +625,10 @@ static double complementarity(const full_solver *self, const full_state *state) 
 }
 
 // Limit below which the sign of pressures (in Hertz pressures) and of scaled multipliers is ignored
-// in time and on line contacts. Within a ruptured zone the sign is round-off. With 1e-7 the paper's
+// in time and with a surface. Within a ruptured zone the sign is round-off. With 1e-7 the paper's
 // transient case with a load of 30 % and period 1/4, to T = 1, takes 6439 iterations. With 0 it
 // takes 8664. With 1e-10 and 1e-9 the steps become too short (test_full_march.c,
-// sine_leads_to_a_periodic_state). Stationary point contacts need no such limit.
+// sine_leads_to_a_periodic_state). Other stationary contacts need no such limit.
 static const double NOISE = 1e-7;
 
 // values of index[]: a node gets pressure by its own sign, or by the sign of nodes beside it
@@ -633,8 +641,9 @@ enum { WANTED = 1, JOINED };
  * grid: T = 0, 10 and 20 with a step of 0.02, 0.01 and 0.005 (line contact, M = 3, L = 3, growing
  * radius). */
 static bool mark_runs(full_solver *self, const full_state *state) {
-    // Smallest n^2 m of a run that is marked, in scaled multipliers. With 1e-4 less than one step
-    // in a hundred changes (test_second_zone.c, the_zone_does_not_depend_on_the_grid).
+    // A run of n nodes with the mean scaled multiplier -m is marked if n^2 m exceeds this limit.
+    // With 1e-4 less than one step in a hundred changes (test_second_zone.c,
+    // the_zone_does_not_depend_on_the_grid).
     const double least = 1e-5;
     const size_t end = self->grid.num_nodes - 1;
     bool found = false;
@@ -683,9 +692,9 @@ static bool adapt_zone(full_solver *self, full_state *state, bool in_time) {
     size_t last = 0;
     bool changed = false;
     const bool line = grid->inner_lines == 1;
-    const double noise = in_time || line ? NOISE : 0;
+    const double noise = in_time || self->surface ? NOISE : 0;
 
-    // a Newton step moves an exit within a cell
+    // A Newton step moves an exit within a cell. Behind it a surface may make another zone.
     if (!isnan(state->exit_offset) && !self->surface) return false;
 
     for (size_t r = 0; r < grid->num_inner; r++) {

@@ -51,7 +51,8 @@ typedef struct full_info {
     ehd_status status;        // EHD_OK or EHD_NOT_CONVERGED
     size_t newton_iterations; // on the contact's own grid, all stages of a continuation together
     size_t gmres_iterations;
-    double residual;        // largest scaled residual of closure and rows with pressure
+    // largest scaled residual of the load balance and of the Reynolds rows at nodes with pressure
+    double residual;
     double complementarity; // violation of the exit conditions: max(-P), scaled max(-Lambda)
     double seconds;
     double seconds_rows, seconds_linear; // parts of `seconds`: rows and deflection; linear systems

@@ -242,7 +242,8 @@ static void free_coarse(coarse_grid *self) {
  * not known, infinite: no solution. */
 typedef struct inlet_change {
     double central, minimum, start;
-    double rolling; // valid if only the surroundings of the grid differ
+    // change of the rolling resistance; valid if nothing but what surrounds the grid differs
+    double rolling;
 } inlet_change;
 
 /* Sets a change from the films on the same nodes before and after. */
@@ -346,10 +347,10 @@ static void enlarge_state(full_state *target, const twice_as_large *larger,
     target->rigid_approach = source->rigid_approach;
 }
 
-/* Finds the change of a solved point contact's films by an endless domain, with the far field
- * around. This change is taken as 4/3 of the change by a domain of twice the size. The effect falls
- * with the second to fourth power of the size. In the worst case, the second power, still larger
- * domains add a third of this change. */
+/* Estimates how much the films of a solved point contact would change on an infinite domain, with
+ * the far field around the grid. The estimate is 4/3 of the change on a domain of twice the size.
+ * The effect falls with the second to fourth power of the size. For the second power, the slowest,
+ * all further doublings together add a third of the first change. */
 static ehd_status solve_larger(inlet_change *change, coarse_grid *smaller, const film_pair *films,
                                ehd_error *error) {
     const ehd_grid *of = &smaller->contact.grid;
@@ -409,7 +410,7 @@ double full_observed_order(const double films[3]) {
     return isgreater(ratio, 0) ? log2(ratio) : NAN;
 }
 
-double full_step_effect(const double films[3], double order, double limit) {
+double full_step_effect(const double films[3], double order, double limit, double opposite) {
     const double change = (films[0] - films[1]) / films[0];
     const double before = (films[1] - films[2]) / films[0];
     const double observed = log2(fabs(before / change));
@@ -417,7 +418,7 @@ double full_step_effect(const double films[3], double order, double limit) {
     if (isnan(films[1])) return INFINITY;
     if (!(observed > 0)) return fabs(change) > limit ? INFINITY : fabs(change);
     const double larger = fmax(fabs(change), fabs(before) / exp2(order));
-    if (change * before < 0) return larger / 2;
+    if (change * before < 0) return opposite * larger;
     return larger / (exp2(fmax(1, fmin(observed, order))) - 1);
 }
 
@@ -438,13 +439,13 @@ static double lacking_before(const central_line *line, const ehd_contact *contac
  * effects of four domains. The first begins at x_min. The others begin, like the three grids, one,
  * two and four steps before x_min. */
 static double step_effect(const double films[3], const double beginnings[4], double order,
-                          double limit) {
+                          double limit, double opposite) {
     double same[3] = {films[0], films[1], films[2]}; // films if all grids began like the first one
 
-    if (!isfinite(beginnings[0])) return full_step_effect(films, order, limit);
+    if (!isfinite(beginnings[0])) return full_step_effect(films, order, limit, opposite);
     for (int g = 1; g < 3; g++)
         same[g] *= 1 + beginnings[g + 1] - beginnings[1];
-    return full_step_effect(same, order, limit) + fabs(beginnings[1] - beginnings[0]);
+    return full_step_effect(same, order, limit, opposite) + fabs(beginnings[1] - beginnings[0]);
 }
 
 static void set_effects(full_resolution *self, const film_pair films[3], const inlet_change *change,
@@ -470,11 +471,12 @@ static void set_effects(full_resolution *self, const film_pair films[3], const i
     self->effects.of[EFFECT_INLET_MINIMUM] =
         fmax(self->effects.of[EFFECT_INLET], SAFETY * fabs(of_minimum[1]));
     self->effects.of[EFFECT_STEP] =
-        SAFETY * step_effect(central, of_central, third ? 3 : 2, default_accuracy);
-    // The minimum films of the three grids may agree by chance.
+        SAFETY * step_effect(central, of_central, third ? 3 : 2, default_accuracy, 0.5);
+    // The minimum films of the three grids may agree by chance. If they alternate, their limit need
+    // not lie half way (scenes/studies/discretization, random contacts).
     self->effects.of[EFFECT_STEP_MINIMUM] =
         fmax(self->effects.of[EFFECT_STEP],
-             SAFETY * step_effect(minimum, of_minimum, 2, resolution_limit_minimum));
+             SAFETY * step_effect(minimum, of_minimum, 2, resolution_limit_minimum, 1));
 }
 
 /* Sets the error estimates of the rolling resistance. For a line contact the resistance includes
@@ -486,7 +488,7 @@ static void set_rolling_effects(full_resolution *self, const film_pair films[3],
     const double rolling[3] = {films[0].rolling, films[1].rolling, films[2].rolling};
     double *effect = &self->effects.of[EFFECT_INLET_ROLLING];
 
-    self->effects.of[EFFECT_STEP_ROLLING] = SAFETY * full_step_effect(rolling, 2, INFINITY);
+    self->effects.of[EFFECT_STEP_ROLLING] = SAFETY * full_step_effect(rolling, 2, INFINITY, 0.5);
     *effect = self->effects.of[EFFECT_INLET];
     if (far_field_is_there(&contact->grid))
         *effect += far_field_rolling_error(contact, state->rigid_approach) /

@@ -51,10 +51,11 @@ double full_observed_order(const double films[3]);
  * - Two films may agree by chance. So the change from 2h to h is taken as at least 2^-order times
  *   that from 4h to 2h.
  * - The order of the extrapolation is the observed one, at least 1 and at most `order`.
- * - If the two changes have opposite signs, the limit is taken to lie half way.
+ * - If the two changes have opposite signs, the limit is taken to lie the fraction `opposite` of the
+ *   way back.
  * - If the changes do not shrink, the change from 2h to h is returned or, if that is above
  *   `limit`, infinity: the steps are too coarse for an estimate.
  * - Without a film at 2h infinity is returned. */
-double full_step_effect(const double films[3], double order, double limit);
+double full_step_effect(const double films[3], double order, double limit, double opposite);
 
 #endif

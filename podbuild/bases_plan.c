@@ -6,7 +6,8 @@
 
 #include <math.h>
 
-/* (stream.bats, "a small limit: the error within the bound") */
+/* Fraction of the square root of the allowed energy, for the distance of the snapshots, and for what
+ * parts have omitted (stream.bats, "a small limit: the error within the bound"). */
 const double SMALL_SHARE = 0.05;
 
 /* Of the energy that remains after the energy for the distance, this fraction is for dropped

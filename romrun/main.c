@@ -68,7 +68,7 @@ static const program_option own_options[] = {
     {"rows", 0, "N", "Use only the first N selected equations",
      OPTION_COUNT(sizes.of[0].rows, 1, 10000000), .modes = SCENE | CASES | EXPORT | FMU},
     {"accuracy", 0, "X", "Use the fastest model size whose measured film errors are at most X, such as 1e-3, on most scenes. "
-     "Exit with 4 if the estimated error exceeds X (without this option: 0.01)",
+     "Exit with 4 if the estimated error exceeds X (without this option: 0.01). An FMU keeps its size and judges its steps by X",
      OPTION_REAL(accuracy, 1e-15, 1), .modes = SCENE | CASES | FMU},
     {"accuracy-of", 0, "NAME=X", "Exit with 4 if the estimated error of a quantity exceeds X: central_pressure, exit_position, "
      "load, pressure, film_thickness, friction or rolling_resistance; repeatable (stationary)",
@@ -644,14 +644,14 @@ static ehd_status check_usage(const program *self, const romrun_options *options
                               ehd_error *error) {
     const model_sizes *sizes = &options->sizes.of[0];
     const bool sized = sizes->pressure_modes || sizes->deformation_modes || sizes->rows;
-    const bool calibrates = 1u << self->mode == CALIBRATE;
+    const bool calibrates = 1u << self->mode == CALIBRATE, fmu = 1u << self->mode == FMU;
 
     if (part_list_is(options->model) && (sized || calibrates))
         return ehd_fail(error, EHD_USAGE, "%s: found a list of models with %s, expected one model",
                         options->model,
                         sized ? "--pressure-modes, --deformation-modes or --rows"
                               : "romrun calibrate");
-    if (options->accuracy > 0 && sized)
+    if (options->accuracy > 0 && sized && !fmu)
         return ehd_fail(error, EHD_USAGE,
                         "--accuracy: found with --pressure-modes, --deformation-modes or --rows, "
                         "expected one or the other");

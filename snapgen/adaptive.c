@@ -617,8 +617,8 @@ static bool is_too_wide(const adaptive *self) {
            !is_good(self, self->num_rounds - 1) && !(expected_points(self) <= 2 * of_part);
 }
 
-/* Writes plans for two parts with half of the points each, since the points are densest where the
- * training is hard. */
+/* Writes plans for two parts with half of the points each. The parts are then about equally hard to
+ * train, since points are densest where the training is hard. */
 static ehd_status divide(adaptive *self, const adaptive_task *task, ehd_error *error) {
     size_t *points = malloc((self->num_states + 1) * sizeof *points);
     const parts_request request = {.plan_path = self->plan_path,

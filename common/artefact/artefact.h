@@ -51,8 +51,9 @@ typedef enum artefact_values {
  * has. The schema gives the SI unit of that attribute. If `frame` is set, the factor is multiplied
  * by that field, because the number is scaled by its own frame. */
 typedef struct artefact_scale {
-    const char *attributes[2]; // "film_unit"; NULL: the frame has the units
-    const char *frame;         // field along one axis, relative to the attribute; NULL: none
+    // names of the attributes that hold the unit, such as "film_unit"; NULL: the frame holds it
+    const char *attributes[2];
+    const char *frame; // field along one axis, relative to the attribute; NULL: none
 } artefact_scale;
 
 typedef struct artefact_axis {

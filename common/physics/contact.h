@@ -291,10 +291,10 @@ typedef struct contact_settings {
 #define MAX_MOES_M 1e5
 #define MAX_MOES_L 100
 
-/* Largest relative error with which results are trusted unless the user gives another accuracy: of
- * films, of the flow, and of the load that is neglected or missing, relative to the reference load
- * (romrun/calibrate/README.md, Calibration and the accuracy dial; test_time_grid.c,
- * ends_suit_the_smallest_M). */
+/* Largest relative error of the films with which a result is trusted unless the user gives another
+ * accuracy (romrun/calibrate/README.md, Calibration and the accuracy dial). It is also the largest
+ * error of a thinned flow, and the largest part of the reference load that may be neglected or
+ * missing (test_time_grid.c, ends_suit_the_smallest_M). */
 extern const double default_accuracy;
 
 /* Default distance at which a given approach is measured, in half widths. The distance must be at

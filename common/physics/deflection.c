@@ -236,8 +236,8 @@ const double *deflection_kernel(const ehd_deflection *self) {
     return self->kernel;
 }
 
-/* A transform across, from the lines of a half grid to the lines of the transform or back. Both
- * directions have the same form. */
+/* A transform in y, from the grid lines of the half domain to the lines of the transform, or back.
+ * Both directions use this struct. */
 typedef struct across_task {
     ehd_deflection *of;
     const double *from; // [num_from, grid width]

@@ -368,8 +368,8 @@ static inline mobility thinned_mobility_at(const row_nodes *at, int a) {
     return found;
 }
 
-/* Converts a mobility, except its logarithm, to the mobility of a flow that an Eyring fluid thins.
- * The film has the thickness `film`. */
+/* Converts the mobility of a Newtonian fluid, except its logarithm, to the mobility of a
+ * shear-thinning Eyring fluid in a film of thickness `film`. */
 static inline void thin(mobility *self, const reynolds_fluid *fluid, double film,
                         const eyring_gradient *gradient, bool along) {
     // the viscosity is infinite in floating point: nothing flows, and nothing is thinned

@@ -326,7 +326,8 @@ static ehd_status take_mode(program *self, const char *last, ehd_error *error) {
     const program_mode *mode = self->modes;
     ehd_status status = EHD_OK;
 
-    if (!mode || self->print) return EHD_OK; // with --print the arguments are names in the file
+    // with --print the arguments are names in the file
+    if (!mode || self->print || self->vtk || self->check) return EHD_OK;
     for (mode++; mode->word && self->num_arguments > 0; mode++)
         if (strcmp(mode->word, self->arguments[0]) == 0) {
             status = choose_mode(self, (size_t)(mode - self->modes), error);
@@ -364,8 +365,8 @@ static ehd_status check_options(const program *self, ehd_error *error) {
     append_mode(found, "", self, self->mode);
     for (size_t mode = 0; self->modes[mode].usage; mode++)
         if (has_option(mode, &row[i])) append_mode(owners, *owners ? ", " : "", self, mode);
-    return ehd_fail(error, EHD_USAGE, "--%s: %s has no such option; it belongs to %s", row[i].name,
-                    found, owners);
+    return ehd_fail(error, EHD_USAGE, "--%s: found with %s, expected with %s", row[i].name, found,
+                    owners);
 }
 
 // ---- a program's own options
@@ -588,7 +589,7 @@ static ehd_status check_arguments(const program *self, const program_mode *mode,
     if ((mode->output == OUTPUT_NEEDED || self->vtk) && !self->output)
         return ehd_fail(error, EHD_USAGE, "--output: found nothing, expected -o FILE");
     if (mode->output == OUTPUT_NONE && self->output && !self->vtk)
-        return ehd_fail(error, EHD_USAGE, "--output: %s %s has no such option", self->name,
+        return ehd_fail(error, EHD_USAGE, "--output: found with %s %s, expected none", self->name,
                         mode->word);
     return EHD_OK;
 }

@@ -77,9 +77,11 @@ typedef enum output_use { OUTPUT_OPTIONAL, OUTPUT_NEEDED, OUTPUT_NONE } output_u
  * --help and refusals follow. The first argument chooses the mode, or the hidden option --cases,
  * which is the earlier spelling. */
 typedef struct program_mode {
-    const char *word;  // "cases"; NULL: the mode without a word, which is the first row
-    const char *usage; // "cases SCENE.yml CASES.csv -m MODEL.h5": the word, the arguments, options
-    const char *doc;   // what the mode does
+    const char *word; // "cases"; NULL: the mode without a word, which is the first row
+    // "cases SCENE.yml CASES.csv -m MODEL.h5": the word, the arguments, options. With "  or:  romrun
+    // [OPTION...] " before it at most 79 columns, since argp breaks longer lines
+    const char *usage;
+    const char *doc;                     // what the mode does
     size_t min_arguments, max_arguments; // without the word
     output_use output;
     bool option_has_argument; // true: the option of the same name has the last of the arguments

@@ -76,8 +76,8 @@ static expectation expected(const stage *self, size_t number) {
     return result;
 }
 
-/* Rewrites the file with a new duration. The duration is a lower bound for the later stages that
- * `last` names. If `last` is NULL, it is the duration of the present stage. */
+/* Rewrites the file with a new duration. If `last` is NULL, `seconds` is the duration of the
+ * present stage. Otherwise the stages after it, up to `last`, take at least `seconds`. */
 static void renew(const stage *self, const char *last, double seconds) {
     char name[STAGE_NAME], path[sizeof self->file + 32];
     FILE *file = NULL;

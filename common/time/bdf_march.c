@@ -128,7 +128,8 @@ static ehd_status attempt_from(march_step *outcome, bdf_march *self, const conta
     const bdf_ring *ring = &self->ring;
     ehd_contact contact;
 
-    // after a passing state the step of the formula begins at the state before the passing one
+    // a state that followed too soon (passing) is left out: the step of the formula begins at the
+    // state before it
     self->step = ring->passing ? frame->time - ring->time[bdf_march_place(self, 1)] : from_last;
     self->formula = bdf_ring_formula(ring, self->step);
     *self->frame[bdf_march_place(self, 0)] = *frame;

@@ -53,8 +53,8 @@ struct surface_kind {
 
 // ---- waviness
 
-/* Prepares a waviness. Its leading end is at its position; behind this end the waviness is without
- * end. A waviness at rest has no ends. */
+/* Prepares a waviness. A moving waviness begins at its position and extends to infinity behind it.
+ * A waviness at rest extends to infinity in both directions. */
 static ehd_status prepare_sine(ehd_surface *self, double of_length, double of_height,
                                ehd_error *error) {
     (void)error;

@@ -29,7 +29,7 @@ static ehd_contact stationary_of(const ehd_contact *contact) {
 }
 
 /* Replaces `contact` by the contact at a time, if M is smaller at this time. Loads below
- * default_accuracy are taken as this load. */
+ * default_accuracy of the reference load are taken as this load. */
 static void lower_M(ehd_contact *contact, const ehd_histories *histories,
                     const ehd_contact *reference, double time) {
     double values[NUM_VARY];

@@ -12,7 +12,7 @@
 /* Returns the extent that a contact needs from T = 0 to `end_time`. Its step is the step of the
  * reference. Its inlet suits the time of the smallest M, when the film is thickest: the estimated
  * error of the central film is then at most 3 %. Three rules limit the length:
- * - Loads below default_accuracy are taken as this load.
+ * - Loads below default_accuracy of the reference load are taken as this load.
  * - A grid has at most 10,000 nodes, or twice the nodes of the reference. M is doubled until the
  *   grid is small enough.
  * - If the entrainment reverses, both ends have an inlet. */

@@ -192,7 +192,7 @@ static double value_at(double time, const double *other_time, const double *othe
 }
 
 /* Adds the deviations between a section of the first run and a section of the second run. The
- * second section has at least 3 times. */
+ * second section has at least three time points. */
 static ehd_status add_deviations(time_deviation *deviation, const double *time,
                                  const double *values, size_t num_times, const double *other_time,
                                  const double *other_values, size_t num_other, ehd_error *error) {

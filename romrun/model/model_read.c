@@ -237,7 +237,7 @@ static ehd_status read_cut(reduced_model *model, artefact *file, const stored_si
     return status;
 }
 
-/* Return the number of columns of the film's basis: in the model, and in the file. */
+/* Return the number of columns of the film's basis, in the model and in the file. */
 static size_t film_width(const reduced_model *model) {
     return model->deformation == DEFORMATION_COUPLED ? model->num_pressure : model->num_deformation;
 }

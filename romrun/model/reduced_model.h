@@ -135,7 +135,8 @@ typedef struct exit_band {
 typedef struct exit_cut {
     size_t num_rows; // coupled: num_needed + 1; independent: num_deformation + 1
     double *left;    // [nodes of the band, num_rows]
-    double *base;    // [num_rows, num_pressure] for an exit at the beginning of the band
+    // [num_rows, num_pressure] deflections of the modes, if the exit is at the beginning of the band
+    double *base;
 } exit_cut;
 
 /* Stored cut tables and deflections of some exits, from which the tables of other exits are

@@ -31,7 +31,7 @@ ehd_status frame_linearise(
     const reduced_state *state, const contact_frame *at, const frame_equations *equations,
     bool exit_at_node, ehd_error *error);
 
-/* Computes derivatives per unit of a parameter between two frames that are `distance` apart. The
+/* Computes derivatives by a parameter from two frames whose parameters differ by `distance`. The
  * equations are linearised at the mean frame. Also fills `change`. */
 ehd_status frame_tangent(
     // output:

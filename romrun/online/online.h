@@ -103,8 +103,9 @@ ehd_status online_open(online_model **model, const char *path, const part_sizes 
                        ehd_error *error);
 online_model *online_close(online_model *model); // accepts and returns NULL
 
-/* Before a calibration on `shown`: replaces the lubricants on which each part's error estimates
- * were calibrated. Call it before any solver is created. Errors: EHD_MEMORY. */
+/* Replaces, in each part, the list of lubricants on which the error estimates were calibrated by
+ * `shown`. Call it before a calibration on these lubricants, and before any solver is created.
+ * Errors: EHD_MEMORY. */
 ehd_status online_show(online_model *model, const shown_lubricants *shown, ehd_error *error);
 
 /* Closes the model's file, which is otherwise kept open for online_prepare_fields,

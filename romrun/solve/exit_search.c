@@ -6,7 +6,7 @@
 #include <math.h>
 #include <string.h>
 
-/* WINDOW: largest move of an exit in one iteration, half widths. SETTLED: largest distance of a
+/* WINDOW: largest move of an exit between nodes in one iteration, half widths. SETTLED: largest distance of a
  * settled exit from the wanted one, half widths. A move by a node or two hardly changes the film
  * (README.md, The exit). */
 static const double WINDOW = 0.05, SETTLED = 0.005;
@@ -163,6 +163,16 @@ static size_t first_exit(const reduced_model *model) {
     return first > band->min_exit ? first : band->min_exit;
 }
 
+/* Returns the first node from `node` to `end` at which the film alone carries the flux, or `end`. */
+static size_t node_with_flux(exit_query *query, double flux, size_t node, size_t end) {
+    const reduced_model *model = query->search->model;
+    const double speed = query->contact->entrainment;
+
+    while (node < end && speed * film_at(query, node, reduced_model_band_index(model, node)) < flux)
+        node++;
+    return node;
+}
+
 /* Finds the exit of a stationary line contact within the window, and returns it. If a pressure is
  * negative, the exit moves back; if the multiplier at the exit is negative, it moves on. In both
  * cases it moves to the first node from there at which the film alone carries the flux. If the exit
@@ -172,27 +182,22 @@ static size_t find_by_flux(exit_query *query) {
     const reduced_model *model = query->search->model;
     const band_line *band = &model->band.lines[0];
     const double *pressure = query->nodes->band_pressure;
-    const size_t exit = query->nodes->exit[0];
-    const size_t begin = window_begin(model, exit, query->window), stencil = first_exit(model);
-    size_t node = exit > begin + query->window ? exit - query->window : begin;
-    size_t end = exit - 1;
+    const size_t exit = query->nodes->exit[0], window = query->window;
+    const size_t begin = window_begin(model, exit, window);
+    const size_t first_row = band->begin + reynolds_reach_back(&model->grid);
+    size_t node = exit > begin + window ? exit - window : begin, found = exit;
 
     nodes_expand_band(query->nodes, query->z, begin, exit);
-    node = node > stencil ? node : stencil;
+    node = node > first_row ? node : first_row;
     while (node < exit && pressure[node - band->begin] >= -NOISE)
         node++;
-    const bool back = node < exit;
-    if (!back && (exit >= band->max_exit || multiplier_at(query, exit) >= 0)) return exit;
-    const double flux = flux_at(query, node);
-    if (!back) {
-        end = exit + query->window < band->max_exit ? exit + query->window : band->max_exit;
-        node++;
+    if (node < exit) {
+        found = node_with_flux(query, flux_at(query, node), node, exit - 1);
+    } else if (exit < band->max_exit && multiplier_at(query, exit) < 0) {
+        const size_t end = exit + window < band->max_exit ? exit + window : band->max_exit;
+        found = node_with_flux(query, flux_at(query, exit), exit + 1, end);
     }
-    while (node < end && query->contact->entrainment *
-                                 film_at(query, node, reduced_model_band_index(model, node)) <
-                             flux)
-        node++;
-    return node > band->min_exit ? node : band->min_exit;
+    return found > band->min_exit ? found : band->min_exit;
 }
 
 /* Finds the exit of a grid line from the signs of pressure and multiplier in the window, and
@@ -399,18 +404,14 @@ bool exits_move_cell(reduced_state *state, const reduced_model *model, double ch
 
 // ---- moving them
 
-/* Returns SETTLED as a number of nodes. */
-static size_t settled_distance(const reduced_model *model) {
-    return (size_t)(SETTLED / model->grid.step) + 1;
-}
-
 bool exits_settled(const exit_search *self, const node_state *nodes) {
     const reduced_model *model = self->model;
+    const size_t settled = (size_t)(SETTLED / model->grid.step) + 1;
     size_t sum = 0;
 
     for (size_t l = 0; l < model->band.num_lines; l++)
         sum += index_distance(self->wanted[l], nodes->exit[l]);
-    return sum <= settled_distance(model) * model->grid.inner_lines;
+    return sum <= settled * model->grid.inner_lines;
 }
 
 void exits_watch(exit_search *self, bool in_time) {

@@ -12,7 +12,7 @@
 /* Changes of direction of the exit of a grid line (exits_watch). */
 typedef struct exit_watch {
     int direction; // of the last move that was wanted: 1 downstream, -1 upstream, 0 none yet
-    int turns;     // number of changes of this direction
+    int turns;     // number of changes of this direction, near the solution
 } exit_watch;
 
 typedef struct exit_search {
@@ -33,18 +33,11 @@ typedef struct exit_search {
  * reduced_settings. */
 void exits_init(exit_search *self, const reduced_model *model, double spacing, arena *memory);
 
-/* Change of P in one iteration above which the state is far from the solution, Hertz pressures. An
- * iteration that is far needs its own Jacobian. With 0.1 some exits stay at a wrong node on the way
- * from another contact (test_reduced_solver.c, any_trained_solution_leads_to_any_other). With 5e-3
- * a start from an approach fails (test_online_transient.c,
- * a_start_from_an_approach_finds_its_load). */
-extern const double exits_near_change;
-
-/* Change of P in one iteration above which the state is far from the solution, Hertz pressures. An
- * iteration that is far needs its own Jacobian. With 0.1 some exits stay at a wrong node on the way
- * from another contact (test_reduced_solver.c, any_trained_solution_leads_to_any_other). With 5e-3
- * a start from an approach fails (test_online_transient.c,
- * a_start_from_an_approach_finds_its_load). */
+/* Change of P in one iteration above which the state is far from the solution, Hertz pressures: the
+ * largest change at the needed nodes, with kept factors the L2 norm of the change. Above it kept
+ * factors are not used. With 0.1 some exits stay at a wrong node on the way from another contact
+ * (test_reduced_solver.c, any_trained_solution_leads_to_any_other). With 5e-3 a start from an
+ * approach fails (test_online_transient.c, a_start_from_an_approach_finds_its_load). */
 extern const double exits_near_change;
 
 /* Starts to watch the exits for limit cycles. In a limit cycle the solution with the exit at one

@@ -260,7 +260,7 @@ static bool converged(const iterate *before, const iterate *now, double toleranc
  * line to the start saves iterations. */
 static void start_exits(reduced_solver *self, reduced_state *state, const ehd_contact *contact,
                         const reduced_squeeze *squeeze) {
-    exits_watch(&self->exits, squeeze);
+    exits_watch(&self->exits, squeeze != NULL);
     if (squeeze || self->model->band.num_lines == 1) return;
     nodes_move_exit(&self->nodes, reduced_state_exits(state));
     exits_adapt(&self->exits, &self->nodes, state, contact, NULL, INFINITY);

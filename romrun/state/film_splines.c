@@ -530,8 +530,8 @@ static double evaluate(const node_sums *self, const previous_film *cut, const sp
     return sum;
 }
 
-/* Returns P of the uncut modes. With transport along the path (`path` not NULL) it is P of the base
- * plus the difference by the filtered modes. */
+/* Returns P of the modes, before P is set to zero behind the exit. With transport along the path
+ * (`path` not NULL) it is P of the base state plus the change that the filtered modes describe. */
 static double uncut_pressure(const previous_film *self, const spline_point *along,
                              const spline_point *across, const film_splines *splines,
                              const path_films *path) {

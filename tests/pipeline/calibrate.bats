@@ -292,7 +292,7 @@ PYTHON
         romrun scene.yml --model c.h5 --accuracy-of presure=1
     refuse 64 "--accuracy-of: found load=2, expected load=X with X above 0, at most 1" \
         romrun scene.yml --model c.h5 --accuracy-of load=2
-    refuse 64 "--accuracy-of: romrun trade has no such option" romrun --trade --model c.h5 --accuracy-of load=1
+    refuse 64 "--accuracy-of: found with romrun trade, expected with romrun SCENE.yml" romrun --trade --model c.h5 --accuracy-of load=1
     # a model without the factor cannot guarantee a requested accuracy
     cp c.h5 w.h5
     /usr/bin/python3 -c "
@@ -455,7 +455,7 @@ PYTHON
     done
     refused 64 "--verify: found with a transient scene" romrun --verify --model m.h5 \
         scene.yml --set regime=transient --set transient.end_time=1
-    refused 64 "--verify: romrun trade has no such option; it belongs to romrun SCENE.yml" \
+    refused 64 "--verify: found with romrun trade, expected with romrun SCENE.yml" \
         romrun --verify --trade --model c.h5
 }
 
@@ -659,13 +659,13 @@ YAML
     refuse 64 "found with scene.yml, expected one of them" romrun scene.yml --trade --model c.h5
     refuse 64 "found trade and calibrate, expected one mode" romrun --trade --calibrate check.yml --model m.h5 -o x.h5
     refuse 64 "--output: found nothing" romrun --calibrate check.yml --model m.h5
-    refuse 64 "--output: romrun trade has no such option" romrun --trade --model c.h5 -o x.h5
+    refuse 64 "--output: found with romrun trade, expected none" romrun --trade --model c.h5 -o x.h5
     refuse 64 "--model: found none" romrun --calibrate check.yml -o x.h5
     refuse 64 "--model: found none" romrun --trade
-    refuse 64 "--jobs: romrun SCENE.yml has no such option" romrun scene.yml --model m.h5 -o x.h5 --jobs 2
+    refuse 64 "--jobs: found with romrun SCENE.yml, expected with romrun cases" romrun scene.yml --model m.h5 -o x.h5 --jobs 2
     refuse 64 "--jobs: found" romrun --calibrate check.yml --model m.h5 -o x.h5 --jobs 0
-    refuse 64 "--rows: romrun calibrate has no such option" romrun --calibrate check.yml --model m.h5 -o x.h5 --rows 20
-    refuse 64 "--accuracy: romrun calibrate has no such option" \
+    refuse 64 "--rows: found with romrun calibrate, expected with" romrun --calibrate check.yml --model m.h5 -o x.h5 --rows 20
+    refuse 64 "--accuracy: found with romrun calibrate, expected with" \
         romrun calibrate check.yml --model m.h5 -o x.h5 --accuracy 0.1
     for option in --rows --pressure-modes --deformation-modes; do
         refuse 64 "--accuracy: found with" romrun scene.yml --model c.h5 -o x.h5 --accuracy 0.1 $option 9
@@ -673,7 +673,7 @@ YAML
     for number in 0 -1 nan inf 2 x 1e-3x ''; do
         refuse 64 "--accuracy: found" romrun scene.yml --model c.h5 -o x.h5 "--accuracy=$number"
     done
-    refuse 64 "--repeat: romrun trade has no such option" romrun --trade --model c.h5 --repeat 5
+    refuse 64 "--repeat: found with romrun trade, expected with" romrun --trade --model c.h5 --repeat 5
 }
 
 # ---- modes of romrun
@@ -711,11 +711,11 @@ shown() {
     refuse 64 "--model: found none, expected romrun trade MODEL.h5" romrun trade
     refuse 64 "--model: found none, expected romrun export MODEL.h5 -o" romrun export -o x.ehdrom
     refuse 64 "found no SCENE.yml, expected romrun fmu SCENE.yml" romrun fmu --model c.h5 -o x.fmu
-    refuse 64 "--repeat: romrun calibrate has no such option; it belongs to romrun SCENE.yml" \
+    refuse 64 "--repeat: found with romrun calibrate, expected with romrun SCENE.yml" \
         romrun calibrate check.yml --model m.h5 -o x.h5 --repeat 3
-    refuse 64 "--jobs: romrun SCENE.yml has no such option; it belongs to romrun cases, romrun calibrate" \
+    refuse 64 "--jobs: found with romrun SCENE.yml, expected with romrun cases, romrun calibrate" \
         romrun scene.yml --model m.h5 --jobs 2
-    refuse 64 "--accuracy-of: romrun fmu has no such option" romrun fmu scene.yml -m m.h5 -o x.fmu --accuracy-of load=1
+    refuse 64 "--accuracy-of: found with romrun fmu, expected with" romrun fmu scene.yml -m m.h5 -o x.fmu --accuracy-of load=1
     refuse 64 "found calibrate and trade, expected one mode" romrun trade --calibrate check.yml --model m.h5
     refuse 64 "found trade and fmu, expected one mode" romrun --trade --fmu scene.yml --model m.h5
     [ ! -e x.h5 ] && [ ! -e x.fmu ]

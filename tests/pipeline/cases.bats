@@ -172,8 +172,8 @@ bad_table() { refuse "$1" "$2" romrun base.yml --cases "$3.csv" --model c.h5 -o 
     printf 'moes.M,moes.L\n10,3\n' >good.csv
     bad_table 65 "moes.M: found a key that good.csv varies" good --set moes.M=3
     refuse 64 "--output: found x.txt, expected NAME.csv or NAME.h5" romrun base.yml --cases good.csv --model c.h5 -o x.txt
-    bad_table 64 "--verify: romrun cases has no such option" good --verify
-    bad_table 64 "--fallback: romrun cases has no such option" good \
+    bad_table 64 "--verify: found with romrun cases, expected with" good --verify
+    bad_table 64 "--fallback: found with romrun cases, expected with" good \
         --fallback full
     # the output is refused before any work
     refused 73 "none/x.csv: found No such file or directory, expected to create it" romrun base.yml --cases good.csv \

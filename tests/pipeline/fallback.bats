@@ -247,5 +247,5 @@ PYTHON
     refused 64 "--fallback: found half, expected full or none" romrun scene.yml --model c.h5 --fallback half
     refused 64 "--fallback: found full with --allow-untrusted, expected one of them" \
         romrun scene.yml --model c.h5 --fallback full --allow-untrusted
-    refused 64 "--fallback: romrun trade has no such option" romrun --trade --model c.h5 --fallback full
+    refused 64 "--fallback: found with romrun trade, expected with" romrun --trade --model c.h5 --fallback full
 }

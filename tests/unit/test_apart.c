@@ -182,8 +182,8 @@ static void no_contact_is_missed(void **state) {
     histories_free(histories);
 }
 
-/* A contact that recedes fast loses its pressure. It is found again once it rests at a
- * load-carrying approach. */
+/* If the bodies separate fast, the pressure vanishes. The solver finds the pressure again once the
+ * approach is constant and close enough to carry load. */
 static void a_contact_below_touching_is_found_again(void **state) {
     (void)state;
     scene given;

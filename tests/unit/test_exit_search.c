@@ -222,7 +222,7 @@ typedef struct far_away {
     const reduced_state *state;
     size_t mode;
     double suction;     // change of the pressure at this node
-    size_t calls, exit; // number of calls; exit at the second call
+    size_t calls, exit; // number of calls; node of the exit in the second call
     least_squares *usual;
 } far_away;
 

@@ -305,14 +305,14 @@ static void orders_of_manufactured_films(void **state) {
             // change, with second order
             const double change = fabs(films[0] - films[1]) / films[0];
             const double exact = fabs(0.3 / films[0] - 1);
-            const double found = full_step_effect(films, 2, 1);
+            const double found = full_step_effect(films, 2, 1, 0.5);
             if (order < 1)
                 check_close(found, change, 1e-9, 0);
             else if (order <= 2)
                 check_close(found, exact, 1e-9, 0);
             else
                 check_close(found, change * exp2(order) / 12, 1e-9, 0);
-            check_close(full_step_effect(films, 5, 1), order < 1 ? change : exact, 1e-9, 0);
+            check_close(full_step_effect(films, 5, 1, 0.5), order < 1 ? change : exact, 1e-9, 0);
         }
 }
 
@@ -324,18 +324,19 @@ static void films_without_an_order(void **state) {
 
     assert_true(isnan(full_observed_order((const double[]){1, 1.03, 1})));
     assert_true(isnan(full_observed_order(no_third)));
-    check_close(full_step_effect(to_and_fro, 2, 0.04), 0.03, 1e-12, 0);
-    check_close(full_step_effect(no_third, 2, 0.04), 0.03, 1e-12, 0);
+    check_close(full_step_effect(to_and_fro, 2, 0.04, 0.5), 0.03, 1e-12, 0);
+    check_close(full_step_effect(no_third, 2, 0.04, 0.5), 0.03, 1e-12, 0);
     // too large changes allow no estimate
-    assert_true(isinf(full_step_effect(to_and_fro, 2, 0.02)));
-    assert_true(isinf(full_step_effect(no_third, 2, 0.02)));
-    assert_true(isinf(full_step_effect(alone, 2, 1)));
+    assert_true(isinf(full_step_effect(to_and_fro, 2, 0.02, 0.5)));
+    assert_true(isinf(full_step_effect(no_third, 2, 0.02, 0.5)));
+    assert_true(isinf(full_step_effect(alone, 2, 1, 0.5)));
     // the finest two agree although the third is far off: by second order the error is 0.12 / 4 / 3
-    check_close(full_step_effect(by_chance, 2, 0.02), 0.01, 1e-6, 0);
-    check_close(full_step_effect(by_chance, 3, 0.02), 0.12 / 8 / 7, 1e-6, 0);
+    check_close(full_step_effect(by_chance, 2, 0.02, 0.5), 0.01, 1e-6, 0);
+    check_close(full_step_effect(by_chance, 3, 0.02, 0.5), 0.12 / 8 / 7, 1e-6, 0);
     // half of the larger of two: the finer change, and the coarser one reduced by second order
-    check_close(full_step_effect(across, 2, 0.001), 0.005, 1e-12, 0);
-    check_close(full_step_effect((const double[]){1, 1.01, 0.77}, 2, 0.001), 0.03, 1e-12, 0);
+    check_close(full_step_effect(across, 2, 0.001, 0.5), 0.005, 1e-12, 0);
+    check_close(full_step_effect(across, 2, 0.001, 1), 0.01, 1e-12, 0);
+    check_close(full_step_effect((const double[]){1, 1.01, 0.77}, 2, 0.001, 0.5), 0.03, 1e-12, 0);
 }
 
 /* Uses the published discretisation. In the accurate one, pressures alternate before a spike that

@@ -254,7 +254,7 @@ static void exits_take_the_row_that_the_worst_exit_needs(void **state) {
         assert_int_equal(selection_exits(rows, &bases, NUM_ROWS, NULL), EHD_OK);
         for (size_t n = 8; n < NUM_ROWS; n++) {
             const double sigma_min = naive_worst(&expected, &bases, rows, n);
-            // a direction that no row determines is not unique
+            // if no row determines a direction, the direction is not unique
             if (sigma_min > 1e-6) assert_int_equal(rows[n], expected);
             assert_true(sigma_min >= before * (1 - 1e-9) - rounding);
             before = sigma_min;

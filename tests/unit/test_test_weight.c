@@ -112,8 +112,9 @@ static void row_norm_gives_unit_rows(void **state) {
     assert_true(other.most > 1.01);
 }
 
-/* Over all training solutions the mean square of each row is one. So no row is longer than the
- * square root of the number of solutions, and some rows are longer than one. */
+/* The squared length of each row, averaged over all training solutions, is one. In a single
+ * solution a row may be longer than one, but not longer than the square root of the number of
+ * solutions. */
 static void row_norm_is_the_mean_of_all_solutions(void **state) {
     (void)state;
     double *before = basis.weight, *weight = malloc(basis.grid.num_nodes * sizeof *weight);

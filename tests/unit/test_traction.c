@@ -327,7 +327,7 @@ static void around_a_point(void **state) {
         }
         const contact_scalars scalars = {.rigid_approach = approach};
         const traction_sums found = contact_traction_beyond(&contact, &scalars);
-        // the pressure at the rim counts within the grid too
+        // the integral over the grid includes the pressures at its boundary nodes
         check_close(found.rolling, rolling, 2e-3, 0);
         check_close(found.friction, friction, 2e-3, 0);
     }
@@ -446,7 +446,8 @@ static double sheared(const problem *solved, const ehd_contact *sliding) {
         const double *pressure = solved->state.pressure + k, *film = solved->state.film + k;
         if (!(pressure[0] > 0)) continue;
         sum += grid_load_weight(grid, k) * viscosity_ratio(sliding, pressure[0]) / film[0];
-        // the shear zone of a point contact ends at the next node without pressure, that of a line before it
+        // the shear zone of a point contact ends at the next node without pressure, that of a line
+        // before it
         if (!(pressure[1] > 0) && sliding->kind->dimensions == 2)
             sum += grid_load_weight(grid, k) / 2 / film[1];
     }

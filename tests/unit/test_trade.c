@@ -220,8 +220,9 @@ static double indicated_with(const double *deviations, const double *bounds, siz
     return trade_indicated(trade_indicator_factor(deviations, bounds, count), shape, bound);
 }
 
-/* For large errors, where linear influences are too small, deviations are up to (1 + 1e3 bound)
- * bound. The fit finds this, and small bounds do not get the factor of large bounds. */
+/* The bound is linear, so it is too small for large errors: here the true deviations are up to (1 +
+ * 1e3 bound) times the bound. The fit finds this growing factor, so small bounds are not multiplied
+ * by the factor of large ones. */
 static void a_factor_grows_with_the_bound(void **state) {
     enum { NUM = 9 };
     double bounds[NUM], deviations[NUM];
