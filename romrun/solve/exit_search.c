@@ -15,7 +15,7 @@ static const double WINDOW = 0.05, SETTLED = 0.005;
  * of scenes/examples/line-in-time takes 259 iterations. With 1e-4 it takes 265, with 1e-7 257. */
 static const double NOISE = 1e-5;
 
-const double exits_near_change = 2e-2;
+const double exits_near_change = 2e-2, exits_cycle_change = 5e-3;
 
 void exits_init(exit_search *self, const reduced_model *model, double spacing, arena *memory) {
     const exit_band *band = &model->band;
@@ -404,32 +404,44 @@ bool exits_move_cell(reduced_state *state, const reduced_model *model, double ch
 
 // ---- moving them
 
+/* Returns SETTLED as a number of nodes. */
+static size_t settled_distance(const reduced_model *model) {
+    return (size_t)(SETTLED / model->grid.step) + 1;
+}
+
 bool exits_settled(const exit_search *self, const node_state *nodes) {
     const reduced_model *model = self->model;
-    const size_t settled = (size_t)(SETTLED / model->grid.step) + 1;
     size_t sum = 0;
 
     for (size_t l = 0; l < model->band.num_lines; l++)
         sum += index_distance(self->wanted[l], nodes->exit[l]);
-    return sum <= settled * model->grid.inner_lines;
+    return sum <= settled_distance(model) * model->grid.inner_lines;
 }
 
 void exits_watch(exit_search *self, bool in_time) {
-    self->stays = in_time && self->model->band.num_lines == 1;
+    self->in_time = in_time;
     for (size_t l = 0; l < self->model->band.num_lines; l++)
         self->watches[l] = (exit_watch){0};
 }
 
 /* Returns the new exit of a grid line whose wanted exit is `next` (exits_watch). */
-static size_t watch_exit(exit_watch *watch, bool near, size_t exit, size_t next) {
+static size_t watch_exit(const exit_search *self, exit_watch *watch, double change, size_t exit,
+                         size_t next) {
     const int direction = next > exit ? 1 : next < exit ? -1 : 0;
+    const bool turns = direction != 0 && watch->direction == -direction;
+    const size_t distance = index_distance(next, exit), settled = settled_distance(self->model);
+    const bool was_near = watch->distance <= settled;
+    const bool settles = distance <= settled && change < exits_cycle_change;
 
-    if (direction == 0) return exit;
-    watch->turns += near && watch->direction == -direction;
+    if (watch->held || !direction) return exit;
     watch->direction = direction;
+    watch->distance = distance;
+    watch->turns += turns;
     if (watch->turns == 0) return next;
-    if (watch->turns == 1) return next > exit ? exit + 1 : exit - 1;
-    return exit;
+    if (!self->in_time && watch->turns > (settles ? 0 : 3)) return exit;
+    if (!self->in_time || !turns || distance > 1) return next > exit ? exit + 1 : exit - 1;
+    watch->held = true;
+    return next > exit && was_near ? next : exit;
 }
 
 bool exits_adapt(exit_search *self, node_state *nodes, reduced_state *state,
@@ -442,12 +454,12 @@ bool exits_adapt(exit_search *self, node_state *nodes, reduced_state *state,
                         .contact = contact,
                         .squeeze = squeeze,
                         .window = window_nodes(model)};
-    const bool near = change < exits_near_change;
 
-    if (!near && self->stays) return false;
+    if (self->in_time && num_lines == 1 && change > exits_near_change) return false;
     find_exits(&query);
     for (size_t l = 0; l < num_lines; l++)
-        self->moved[l] = watch_exit(&self->watches[l], near, nodes->exit[l], self->wanted[l]);
+        self->moved[l] =
+            watch_exit(self, &self->watches[l], change, nodes->exit[l], self->wanted[l]);
     if (num_lines > 1) interpolate_exits(self->moved, self);
     bool moved = memcmp(self->moved, nodes->exit, num_lines * sizeof *self->moved) != 0;
     reduced_state_set_exits(state, model, self->moved);
