@@ -15,8 +15,8 @@ typedef struct bases_settings {
     // The number of modes is given, and no energy. The stream then omits only round-off until the
     // modes are chosen.
     bool exact;
-    // The modes are written as a part file. The modes may omit SMALL_SHARE of the square root of the
-    // allowed energy.
+    // The modes are written as a part file. The modes may omit SMALL_SHARE of the square root of
+    // the allowed energy.
     bool as_part;
 } bases_settings;
 

@@ -6,13 +6,13 @@
 #include <math.h>
 #include <string.h>
 
-/* WINDOW: largest move of an exit between nodes in one iteration, half widths. SETTLED: largest distance of a
- * settled exit from the wanted one, half widths. A move by a node or two hardly changes the film
- * (README.md, The exit). */
+/* WINDOW: largest move of an exit between nodes in one iteration, half widths. SETTLED: largest
+ * distance of a settled exit from the wanted one, half widths. A move by a node or two hardly
+ * changes the film (README.md, The exit). */
 static const double WINDOW = 0.05, SETTLED = 0.005;
 
 /* Magnitude of the negative pressures that truncation may cause, Hertz pressures. With 1e-5 a model
- * of scenes/examples/line-in-time takes 259 iterations. With 1e-4 it takes 265, with 1e-7 257. */
+ * of scenes/examples/line-in-time takes 257 iterations. With 1e-4 it takes 265, with 1e-7 257. */
 static const double NOISE = 1e-5;
 
 const double exits_near_change = 2e-2, exits_cycle_change = 5e-3;
@@ -163,7 +163,8 @@ static size_t first_exit(const reduced_model *model) {
     return first > band->min_exit ? first : band->min_exit;
 }
 
-/* Returns the first node from `node` to `end` at which the film alone carries the flux, or `end`. */
+/* Returns the first node from `node` to `end` at which the film alone carries the flux, or `end`.
+ * */
 static size_t node_with_flux(exit_query *query, double flux, size_t node, size_t end) {
     const reduced_model *model = query->search->model;
     const double speed = query->contact->entrainment;
@@ -177,7 +178,8 @@ static size_t node_with_flux(exit_query *query, double flux, size_t node, size_t
  * negative, the exit moves back; if the multiplier at the exit is negative, it moves on. In both
  * cases it moves to the first node from there at which the film alone carries the flux. If the exit
  * moved back to the negative pressure itself, some iterations would end with an exit ten nodes too
- * far upstream, where all signs are right (minimum film 1 % off, scenes/studies/stationary-line). */
+ * far upstream, where all signs are right (minimum film 1 % off, scenes/studies/stationary-line).
+ * */
 static size_t find_by_flux(exit_query *query) {
     const reduced_model *model = query->search->model;
     const band_line *band = &model->band.lines[0];

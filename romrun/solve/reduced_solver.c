@@ -393,7 +393,7 @@ static const double MAX_KEPT_RATE = 0.5;
 
 /* Tolerance of the change of P with kept factors (L2 norm). The norm follows from the coordinates
  * and does not depend on the grid. With 7e-5 the film of scenes/examples/line-in-time changes by
- * 4e-4. With 7e-6 that example takes 259 iterations, with 7e-7 it takes 328. */
+ * 4e-4. With 7e-6 that example takes 257 iterations, with 7e-7 it takes 328. */
 static const double KEPT_TOLERANCE = 7e-6;
 
 /* Makes factors of the Jacobian at the state where the rows have been evaluated. */
