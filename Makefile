@@ -257,7 +257,8 @@ MODE_PAGES := $(patsubst %,$(BUILD)/man/romrun-%.1,cases calibrate trade export 
 MAN_PAGES  := $(PROGRAMS:$(BIN)/%=$(BUILD)/man/%.1) $(MODE_PAGES)
 man: $(MAN_PAGES) ## man pages from --help, one for each mode of romrun
 $(BUILD)/man/romrun-%.1: $(BIN)/romrun
-	$(call quiet,MAN ,$@)mkdir -p $(@D) && help2man --no-info --help-option='$* --help' --output=$@ $<
+	$(call quiet,MAN ,$@)mkdir -p $(@D) && help2man --no-info --help-option='$* --help' \
+	    --name='$* mode of the reduced model' --output=$@ $<
 $(BUILD)/man/%.1: $(BIN)/%
 	$(call quiet,MAN ,$@)mkdir -p $(@D) && help2man --no-info --output=$@ $<
 

@@ -26,9 +26,9 @@ typedef struct full_state {
     // node): its distance from the last node with pressure, exit - 1, in grid steps, 0 to 1; in
     // time the value of exit_place. NaN: the exit is at a node, or its place is not known yet
     double exit_offset;
-    // [num_nodes] whether a node before `exit` has no pressure. On a line contact such nodes exist
-    // only in time, if the contact shrinks faster than it entrains fluid. On a point contact they
-    // are all nodes without pressure, boundary nodes included
+    // [num_nodes] whether a node before `exit` has no pressure. The solution of a line contact has
+    // such nodes only with a surface, or in time if the contact shrinks faster than it entrains
+    // fluid. On a point contact they are all nodes without pressure, boundary nodes included
     bool *ruptured;
 } full_state;
 
