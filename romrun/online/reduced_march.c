@@ -1049,7 +1049,7 @@ static double film_of_attempt(const void *context, size_t node) {
  * differ from the full model's by 1.0 % instead of 0.4 %. */
 static double iteration_tolerance(const reduced_march *self) {
     // `part`: tolerance divided by the allowed error of the step. `most`: largest tolerance. A
-    // model of scenes/examples/line-in-time takes 257 iterations. With a tenth of `most` it takes
+    // model of scenes/examples/line-in-time takes 255 iterations. With a tenth of `most` it takes
     // 270, and the largest film changes by 4e-4 (test_path_march.c,
     // a_tolerance_of_the_steps_saves_iterations).
     const double part = 0.1, most = 1.5e-6;
@@ -1159,7 +1159,7 @@ static bool same_exits(const reduced_state *a, const reduced_state *b, const red
  * Keeping them longer does not save time. */
 static bool factors_are_current(const reduced_march *self, const reduced_state *solved) {
     // Largest number of iterations with which the factors are kept. A model of
-    // scenes/examples/line-in-time takes 257 iterations. With at most 1 iteration it takes 234,
+    // scenes/examples/line-in-time takes 255 iterations. With at most 1 iteration it takes 234,
     // with 10 it takes 279.
     const size_t max_iterations = 3;
 

@@ -12,10 +12,10 @@
 static const double WINDOW = 0.05, SETTLED = 0.005;
 
 /* Magnitude of the negative pressures that truncation may cause, Hertz pressures. With 1e-5 a model
- * of scenes/examples/line-in-time takes 257 iterations. With 1e-4 it takes 265, with 1e-7 257. */
+ * of scenes/examples/line-in-time takes 255 iterations. With 1e-4 it takes 265, with 1e-7 257. */
 static const double NOISE = 1e-5;
 
-const double exits_near_change = 2e-2, exits_cycle_change = 5e-3;
+const double exits_near_change = 5e-3;
 
 void exits_init(exit_search *self, const reduced_model *model, double spacing, arena *memory) {
     const exit_band *band = &model->band;
@@ -433,7 +433,7 @@ static size_t watch_exit(const exit_search *self, exit_watch *watch, double chan
     const bool turns = direction != 0 && watch->direction == -direction;
     const size_t distance = index_distance(next, exit), settled = settled_distance(self->model);
     const bool was_near = watch->distance <= settled;
-    const bool settles = distance <= settled && change < exits_cycle_change;
+    const bool settles = distance <= settled && change < exits_near_change;
 
     if (watch->held || !direction) return exit;
     watch->direction = direction;
