@@ -472,11 +472,12 @@ static void set_effects(full_resolution *self, const film_pair films[3], const i
         fmax(self->effects.of[EFFECT_INLET], SAFETY * fabs(of_minimum[1]));
     self->effects.of[EFFECT_STEP] =
         SAFETY * step_effect(central, of_central, third ? 3 : 2, default_accuracy, 0.5);
-    // The minimum films of the three grids may agree by chance. If they alternate, their limit need
-    // not lie half way (scenes/studies/discretization, random contacts).
+    // The minimum films of the three grids may agree by chance. If those of a line contact
+    // alternate, their limit need not lie half way (README.md, Estimates of inlet and step).
+    const double opposite = grid->inner_lines == 1 ? 1 : 0.5;
     self->effects.of[EFFECT_STEP_MINIMUM] =
         fmax(self->effects.of[EFFECT_STEP],
-             SAFETY * step_effect(minimum, of_minimum, 2, resolution_limit_minimum, 1));
+             SAFETY * step_effect(minimum, of_minimum, 2, resolution_limit_minimum, opposite));
 }
 
 /* Sets the error estimates of the rolling resistance. For a line contact the resistance includes
