@@ -37,9 +37,9 @@ void exits_init(exit_search *self, const reduced_model *model, double spacing, a
 
 /* Change of P in one iteration below which the state is near the solution, Hertz pressures. With
  * 2e-2 negative pressures of an iterate move the exit of a step by two nodes (test_exit_search.c,
- * an_exit_that_turns_by_more_goes_on). 1200 stationary line contacts (models of 30, 66 and 110 modes
- * of scenes/studies/stationary-line) take 17,485 iterations. If their exits are not held at once
- * near the solution, they take 18,115. */
+ * an_exit_that_turns_by_more_goes_on). 1200 stationary line contacts (models of 30, 66 and 110
+ * modes of scenes/studies/stationary-line) take 17,485 iterations. If their exits are not held at
+ * once near the solution, they take 18,115. */
 extern const double exits_near_change;
 
 /* Starts to watch the exits for limit cycles. In a limit cycle the solution with the exit at one
@@ -55,7 +55,7 @@ extern const double exits_near_change;
  *
  * In time an exit that is not held cycles to the iteration limit (paper's transient case, accurate
  * rows, 120 modes, 140 rows, error control: lost at T = 0.04). One rule for both was tried. With
- * the first one a stationary contact is lost on the way from another one (test_reduced_solver.c,
+ * the rule of time a stationary contact is lost on the way from another one (test_reduced_solver.c,
  * any_trained_solution_leads_to_any_other).
  *
  * In time the exit of a line contact does not move while the state is far from the solution
