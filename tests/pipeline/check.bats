@@ -201,7 +201,7 @@ with h5py.File('two.h5') as f: assert (f['status'][...] == 4).all()"
 }
 
 @test "a model that solves no trajectory of its check is written with exit code 4" {
-    # whether two modes solve a fast history, in training and in the check, depends on rounding, so several are tried
+    # whether two modes solve a fast history depends on rounding, so several are tried
     local unsolved=0
     for amplitude in 0.4 0.45 0.5 0.55 0.6; do
         for period in 0.15 0.2 0.25; do
@@ -209,7 +209,7 @@ with h5py.File('two.h5') as f: assert (f['status'][...] == 4).all()"
             sed -i "s/amplitude: 0.1, period: 1/amplitude: $amplitude, period: $period/" moving.yml
             snapgen moving.yml -o s1.h5 --quiet --force
             podbuild s1.h5 -o b1.h5 --pressure-modes 2 --force
-            snapgen moving.yml --basis b1.h5 -o r1.h5 --quiet --force || continue
+            snapgen moving.yml --basis b1.h5 -o r1.h5 --quiet --force
             run --separate-stderr deimselect r1.h5 --basis b1.h5 -o x.h5 --quiet --force
             if [ "${lines[-1]}" = "checked on 1 trajectory between those of the training: 1 not solved" ]; then
                 [ "$status" -eq 4 ]
