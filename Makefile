@@ -253,7 +253,8 @@ trade: $(PROGRAMS) ## deviation against time of models, full solutions and film 
 	    $(MAKE) -C $$scene trade BIN=../../../$(BIN) || exit; \
 	done
 
-MODE_PAGES := $(patsubst %,$(BUILD)/man/romrun-%.1,cases calibrate trade export fmu)
+# The modes are the words in the first column of a table.
+MODE_PAGES := $(patsubst %,$(BUILD)/man/romrun-%.1,$(shell sed -n 's/^    {"\([a-z]*\)", "\1 .*/\1/p' romrun/main.c))
 MAN_PAGES  := $(PROGRAMS:$(BIN)/%=$(BUILD)/man/%.1) $(MODE_PAGES)
 man: $(MAN_PAGES) ## man pages from --help, one for each mode of romrun
 $(BUILD)/man/romrun-%.1: $(BIN)/romrun

@@ -424,9 +424,9 @@ static bool has_ruptured_nodes(const full_state *state) {
     return false;
 }
 
-/* Computes the place of the exit within the cell of its node from the pressure at this node
- * (test_full_solver.c, pressure_holds_the_exit). The state's rows must be evaluated. Returns
- * whether the state has changed. */
+/* Places the exit within the cell of its node, as the pressure at this node requires
+ * (test_full_solver.c, pressure_holds_the_exit). The state's rows must be evaluated. Returns false
+ * if the state stays as it is. */
 static bool divide_node(full_solver *self, double entrainment, full_state *state) {
     if (!isnan(state->exit_offset) || !can_divide_node(state, &self->grid) ||
         has_ruptured_nodes(state))
@@ -684,9 +684,8 @@ static void grow_intervals(full_solver *self, const full_state *state) {
 
 /* Sets the pressurised zone by a primal-dual active set: each node follows the sign of its pressure
  * or multiplier. This is a semismooth Newton step (Hintermueller, Ito and Kunisch 2003). Returns
- * whether the zone has changed. No limit on the changes of a node is needed. A limit of four
- * changes would alter none of the measured marches, and one cold start among 150 of point
- * contacts. */
+ * whether the zone has changed. A node may change any number of times. With at most four changes a
+ * node, all measured marches and 149 of 150 cold starts of point contacts would stay the same. */
 static bool adapt_zone(full_solver *self, full_state *state, bool in_time) {
     const ehd_grid *grid = &self->grid;
     size_t last = 0;

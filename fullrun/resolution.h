@@ -18,12 +18,11 @@ typedef struct full_resolution {
     size_t outlet_nodes; // from the minimum film behind X = 0 to the exit
 } full_resolution;
 
-/* Largest relative error estimate for which no note is printed, of the minimum film and the rolling
- * resistance. They converge less regularly than the central film, whose limit is default_accuracy.
- * The limits are also used if no order of convergence is observed. A step
- * is then too coarse if the film changes by more than the limit when the step is doubled
- * (fullrun/README.md, Estimates of inlet and step; test_resolution.c, too_coarse_to_tell;
- * effects.bats, "a note of the minimum film"). */
+/* Largest relative error estimate of the minimum film and of the rolling resistance without a note.
+ * They converge less regularly than the central film, whose limit is default_accuracy. If no order
+ * of convergence is observed, these limits decide too: a step is too coarse if the film changes by
+ * more than the limit when the step is doubled (fullrun/README.md, Estimates of inlet and step;
+ * test_resolution.c, too_coarse_to_tell; effects.bats, "a note of the minimum film"). */
 extern const double resolution_limit_minimum;
 
 /* Estimates the errors that the inlet or domain, and the step, cause in films and rolling
@@ -51,8 +50,8 @@ double full_observed_order(const double films[3]);
  * - Two films may agree by chance. So the change from 2h to h is taken as at least 2^-order times
  *   that from 4h to 2h.
  * - The order of the extrapolation is the observed one, at least 1 and at most `order`.
- * - If the two changes have opposite signs, the limit is taken to lie the fraction `opposite` of the
- *   way back.
+ * - If the two changes have opposite signs, the limit is taken to lie the fraction `opposite` of
+ *   the way back.
  * - If the changes do not shrink, the change from 2h to h is returned or, if that is above
  *   `limit`, infinity: the steps are too coarse for an estimate.
  * - Without a film at 2h infinity is returned. */

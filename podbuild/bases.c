@@ -125,9 +125,7 @@ static ehd_status find_modes(pod_basis *pod, reading *self, const pod_settings *
  * energy is smaller if some rows come from parts, because parts have already omitted energy. */
 static pod_settings share_of(const pod_settings *wanted, const snapshot_set *from,
                              const bases_settings *settings) {
-    const double share = settings->as_part     ? SMALL_SHARE
-                         : from->num_parts > 0 ? 1 - 2 * SMALL_SHARE
-                                               : 1;
+    const double share = settings->as_part ? SMALL_SHARE : from->num_parts > 0 ? ROOT_SHARE : 1;
     pod_settings root = *wanted;
 
     root.discarded_energy *= share * share;
@@ -144,8 +142,7 @@ static ehd_status check_distance(const pod_basis *pod, const snapshot_set *from,
     // tolerance for round-off of the distance (stream.bats, "a part that left out")
     const double rounding = 1 + 1e-6;
     const double asked = sqrt(plan->energy * pod->energy);
-    const double left_out =
-        settings->pressure.num_modes > 0 ? sqrt(pod->tail) / (1 - 2 * SMALL_SHARE) : 0;
+    const double left_out = settings->pressure.num_modes > 0 ? sqrt(pod->tail) / ROOT_SHARE : 0;
     const double most = fmax(asked, left_out);
 
     if (from->num_parts == 0 || pod->distance <= rounding * share * most) return EHD_OK;

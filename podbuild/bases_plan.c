@@ -6,9 +6,9 @@
 
 #include <math.h>
 
-/* Fraction of the square root of the allowed energy, for the distance of the snapshots, and for what
- * parts have omitted (stream.bats, "a small limit: the error within the bound"). */
-const double SMALL_SHARE = 0.05;
+/* Fractions of the square root of the allowed energy (bases_plan.h; stream.bats, "a small limit:
+ * the error within the bound"). */
+const double SMALL_SHARE = 0.05, ROOT_SHARE = 0.9;
 
 /* Of the energy that remains after the energy for the distance, this fraction is for dropped
  * directions (stream.bats, "a small limit: the error within the bound"). */

@@ -20,10 +20,10 @@ typedef struct bases_settings {
     bool as_part;
 } bases_settings;
 
-/* Fraction of the square root of the allowed energy that the distance of the snapshots from the
- * directions of a stream may take, and the energy that parts have omitted before. If there are
- * parts, the modes get the rest. */
-extern const double SMALL_SHARE;
+/* Fractions of the square root of the allowed energy. The distance of the snapshots from the
+ * directions of a stream, and the energy that parts have omitted before, may each take SMALL_SHARE.
+ * If there are parts, the modes take ROOT_SHARE. */
+extern const double SMALL_SHARE, ROOT_SHARE;
 
 typedef struct bases_plan {
     bool at_once;  // all rows are one block

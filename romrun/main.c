@@ -59,8 +59,8 @@ typedef struct romrun_options {
 
 // columns: name, letter, argument, help, reader, modes that have the option
 static const program_option own_options[] = {
-    {"model", 'm', "MODEL", "Reduced model (.h5 or .ehdrom), or a list of models for parts of a region (.yml): the part in "
-     "whose trained range a scene lies solves it", OPTION_TEXT(model)},
+    {"model", 'm', "MODEL", "Reduced model (.h5 or .ehdrom), or a list of models for parts of a region (.yml): each scene is "
+     "solved by the model whose trained range contains it", OPTION_TEXT(model)},
     {"pressure-modes", 0, "N", "Use only the first N pressure modes",
      OPTION_COUNT(sizes.of[0].pressure_modes, 1, 100000), .modes = SCENE | CASES | EXPORT | FMU},
     {"deformation-modes", 0, "N", "Use only the first N deformation modes",
@@ -180,8 +180,8 @@ static ehd_status print_verification(online_solver *solver, const online_result 
     return EHD_OK;
 }
 
-/* Writes the settings of the scene, and the options of the command line that change the
- * solution; for a table of scenes also the limits, since its rows depend on them. */
+/* Writes the settings of the scene, and the options of the command line that change the solution.
+ * The rows of a table of scenes also depend on the limits, so these are written for a table. */
 static ehd_status text_with_sizes(char **whole, const char *text, const romrun_options *options,
                                   bool table, ehd_error *error) {
     char accuracy[NUMBER_TEXT + 16] = "", number[NUMBER_TEXT];

@@ -10,10 +10,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Limit of round-off, for columns of unit length. A column reduces the residual if their cosine is
+/* Largest round-off, for columns of unit length. A column reduces the residual if their cosine is
  * larger than this limit. A column depends on the columns in use if its orthogonal part is not
  * longer. With 1e-2 solutions are not optimal (test_nnls.c, solutions_are_optimal). */
-static const double NO_DESCENT = 1e-11;
+static const double ROUND_OFF = 1e-11;
 
 /* Largest number of changes of the columns in use, per column of the matrix. After more changes
  * the search fails. One change per column is too few (test_nnls.c, solutions_are_optimal). */
@@ -135,7 +135,7 @@ static bool take(active_set *self, size_t taken) {
     const size_t left = self->num_rows - first;
     double *column = column_of(self, taken) + first;
     const double length = vector_norm(column, left);
-    if (!(length > NO_DESCENT)) return false;
+    if (!(length > ROUND_OFF)) return false;
 
     const reflection by = reflection_of(self->factor, column, left, length);
     for (size_t j = 0; j <= self->num_columns; j++) {
@@ -209,7 +209,7 @@ static double residual_of(const active_set *self) {
 }
 
 static ehd_status improve(active_set *self, double tolerance, ehd_error *error) {
-    const double length = residual_of(self), least = NO_DESCENT * length;
+    const double length = residual_of(self), least = ROUND_OFF * length;
 
     for (size_t change = 0; change < MAX_CHANGES * self->num_columns; change++) {
         if (residual_of(self) <= tolerance * length) return EHD_OK;

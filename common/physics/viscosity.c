@@ -285,8 +285,8 @@ static double gauss_kronrod(ehd_lubricant *self, double left, double right) {
 }
 
 /* Integrates eta0/eta from 0 to `end`, in octaves, because eta0/eta may decay within a pressure of
- * any size. GSL's adaptive rules are not used: they end the process if they do not converge or are
- * refused memory. */
+ * any size. GSL's adaptive rules would end the process if they did not converge or got no
+ * memory. */
 static double integrate_inverse_viscosity(ehd_lubricant *self, double end) {
     // Number of octaves. 40 octaves leave 1e-12 of the range. With each octave halved once alpha
     // of the published oils is the same (test_lubricant.c, alpha_is_the_integral_of_fluidity).

@@ -53,8 +53,8 @@ void film_errors_add(film_errors *self, double factor, const double *errors, con
 /* Returns the error of the attempt at X; 0 outside of the dry contact. */
 double film_errors_at(const film_errors *self, double x);
 
-/* Returns the largest error of the attempt between two X. If both lie on the same side of the dry
- * contact, returns the error at that edge of the dry contact. */
+/* Returns the largest error of the attempt between two places X. If both places lie before the dry
+ * contact, or both behind it, returns the error at the nearer edge of the dry contact. */
 double film_errors_largest(const film_errors *self, double from, double to);
 
 /* Accepts the errors of the attempt. */

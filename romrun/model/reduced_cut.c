@@ -18,8 +18,7 @@ static const double CHECKPOINT_DISTANCE = 0.02;
 /* Largest memory of a point contact's checkpoints, bytes. On 129 by 129 nodes a solution takes
  * 1.4 ms with one checkpoint, 0.57 ms with 20 MB of checkpoints and 0.52 ms with 200 MB. With all
  * 168 checkpoints (320 MB) the solution takes 0.51 ms, but the model takes 1.9 s to load instead of
- * 0.9 s
- * (bench_point.c; test_reduced_cut.c, memory_bounds_the_checkpoints_of_a_point). */
+ * 0.9 s (bench_point.c; test_reduced_cut.c, memory_bounds_the_checkpoints_of_a_point). */
 static const size_t CHECKPOINT_MEMORY = 400u << 20;
 
 // ---- from one exit line to another

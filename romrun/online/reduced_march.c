@@ -463,9 +463,9 @@ static ehd_status solve_under_load(reduced_info *info, reduced_march *self,
 
 /* Finds the load at the given approach by fixed-point iteration: the load of each stationary
  * solution rescales the frame of the next one. The iteration may end in a cycle, because solutions
- * have a tolerance and exits are nodes. Example: the line contact of scenes/examples/oscillator at
- * 0.952 of its load alternates between loads 64e-9 too high and too low. Any frame of such a cycle
- * is accurate enough. */
+ * have a tolerance and exits are nodes. Example: for the line contact of scenes/examples/oscillator
+ * under 0.952 of its load, the relative error of the load alternates between 64e-9 and -64e-9. Such
+ * errors are small enough, so any frame of the cycle is taken. */
 static ehd_status find_load(reduced_info *info, reduced_march *self, contact_frame *frame,
                             ehd_error *error) {
     // Largest number of rescalings, and largest relative error of the load in a cycle

@@ -163,8 +163,7 @@ static size_t first_exit(const reduced_model *model) {
     return first > band->min_exit ? first : band->min_exit;
 }
 
-/* Returns the first node from `node` to `end` at which the film alone carries the flux, or `end`.
- * */
+/* Returns the first node from `node` on at which the film alone carries the flux, at most `end`. */
 static size_t node_with_flux(exit_query *query, double flux, size_t node, size_t end) {
     const reduced_model *model = query->search->model;
     const double speed = query->contact->entrainment;
@@ -178,8 +177,8 @@ static size_t node_with_flux(exit_query *query, double flux, size_t node, size_t
  * negative, the exit moves back; if the multiplier at the exit is negative, it moves on. In both
  * cases it moves to the first node from there at which the film alone carries the flux. If the exit
  * moved back to the negative pressure itself, some iterations would end with an exit ten nodes too
- * far upstream, where all signs are right (minimum film 1 % off, scenes/studies/stationary-line).
- * */
+ * far upstream, where all signs are right (scenes/studies/stationary-line: minimum film 1 %
+ * off). */
 static size_t find_by_flux(exit_query *query) {
     const reduced_model *model = query->search->model;
     const band_line *band = &model->band.lines[0];
@@ -426,24 +425,27 @@ void exits_watch(exit_search *self, bool in_time) {
         self->watches[l] = (exit_watch){0};
 }
 
-/* Returns the new exit of a grid line whose wanted exit is `next` (exits_watch). */
+/* Returns the node to which the exit of a grid line moves from `exit` (exits_watch). `next`: the
+ * node where the signs of pressure and multiplier put the exit. */
 static size_t watch_exit(const exit_search *self, exit_watch *watch, double change, size_t exit,
                          size_t next) {
     const int direction = next > exit ? 1 : next < exit ? -1 : 0;
     const bool turns = direction != 0 && watch->direction == -direction;
     const size_t distance = index_distance(next, exit), settled = settled_distance(self->model);
     const bool was_near = watch->distance <= settled;
-    const bool settles = distance <= settled && change < exits_near_change;
+    const size_t neighbour = next > exit ? exit + 1 : exit - 1;
 
     if (watch->held || !direction) return exit;
     watch->direction = direction;
     watch->distance = distance;
     watch->turns += turns;
     if (watch->turns == 0) return next;
-    if (!self->in_time && watch->turns > (settles ? 0 : 3)) return exit;
-    if (!self->in_time || !turns || distance > 1) return next > exit ? exit + 1 : exit - 1;
-    watch->held = true;
-    return next > exit && was_near ? next : exit;
+    if (!self->in_time) {
+        const bool near = distance <= settled && change < exits_near_change;
+        return watch->turns > (near ? 0 : 3) ? exit : neighbour;
+    }
+    watch->held = turns && distance == 1;
+    return watch->held && !(next > exit && was_near) ? exit : neighbour;
 }
 
 bool exits_adapt(exit_search *self, node_state *nodes, reduced_state *state,

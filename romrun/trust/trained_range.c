@@ -85,7 +85,7 @@ struct trained_range {
     // limits of the thinning
     thinning_range by[NUM_THINNED];
     size_t num_points, num_outer;
-    double *points; // [RANGE_AXES, num_points] divided by the extents; NULL: all flows are inside
+    double *points; // [RANGE_AXES, num_points] divided by the extents; NULL: all flows are
                     // Newtonian
     double *outer;  // [RANGE_AXES, num_outer] points that lie farthest out in some direction
     known_lubricants *lubricants;

@@ -718,6 +718,8 @@ shown() {
     refuse 64 "--accuracy-of: found with romrun fmu, expected with" romrun fmu scene.yml -m m.h5 -o x.fmu --accuracy-of load=1
     refuse 64 "found calibrate and trade, expected one mode" romrun trade --calibrate check.yml --model m.h5
     refuse 64 "found trade and fmu, expected one mode" romrun --trade --fmu scene.yml --model m.h5
+    # an FMU may have a size and an accuracy; the scene is refused
+    refuse 65 "moes: found neither" romrun fmu base.yml -m c.h5 -o x.fmu --accuracy 0.01 --rows 20
     [ ! -e x.h5 ] && [ ! -e x.fmu ]
 }
 
