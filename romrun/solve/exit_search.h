@@ -37,9 +37,9 @@ void exits_init(exit_search *self, const reduced_model *model, double spacing, a
 
 /* Change of P in one iteration below which the state is near the solution, Hertz pressures. With
  * 2e-2 negative pressures of an iterate move the exit of a step by two nodes (test_exit_search.c,
- * an_exit_that_turns_by_more_goes_on). 1200 stationary line contacts (models of 30, 66 and 110
- * modes of scenes/studies/stationary-line) take 17,485 iterations. If their exits are not held at
- * once near the solution, they take 18,115. */
+ * an_exit_that_turns_by_more_goes_on). 400 random stationary line contacts (M 5 to 50, L 1 to 20)
+ * with 30, 66 and 110 modes of scenes/studies/stationary-line take 17,485 iterations. If exits are
+ * not held at once near the solution, they take 18,115. */
 extern const double exits_near_change;
 
 /* Starts to watch the exits for limit cycles. In a limit cycle the solution with the exit at one
