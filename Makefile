@@ -254,7 +254,7 @@ trade: $(PROGRAMS) ## deviation against time of models, full solutions and film 
 	done
 
 # The modes are the words in the first column of a table.
-MODE_PAGES := $(patsubst %,$(BUILD)/man/romrun-%.1,$(shell sed -n 's/^    {"\([a-z]*\)", "\1 .*/\1/p' romrun/main.c))
+MODE_PAGES := $(patsubst %,$(BUILD)/man/romrun-%.1,$(shell sed -n 's/^    {"\([a-z]*\)", "\1 .*/\1/p' /dev/null $(wildcard romrun/main.c)))
 MAN_PAGES  := $(PROGRAMS:$(BIN)/%=$(BUILD)/man/%.1) $(MODE_PAGES)
 man: $(MAN_PAGES) ## man pages from --help, one for each mode of romrun
 $(BUILD)/man/romrun-%.1: $(BIN)/romrun
