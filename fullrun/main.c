@@ -274,12 +274,12 @@ static void note_resolution(const program *self, const full_resolution *resoluti
                      "%s: grid.step: found %g, expected a finer one: the error estimate of the "
                      "central film is %.2g %%",
                      path, grid->step, 100 * effects[EFFECT_STEP]);
-    else if (effects[EFFECT_STEP_MINIMUM] > resolution_limit_minimum)
+    else if (effects[EFFECT_STEP_MINIMUM] > resolution_limit)
         program_note(self,
                      "%s: grid.step: found %g, expected a finer one: the error estimate of the "
                      "minimum film is %.2g %%",
                      path, grid->step, 100 * effects[EFFECT_STEP_MINIMUM]);
-    if (with_rolling && film_effects_of_rolling(&resolution->effects) > resolution_limit_minimum)
+    if (with_rolling && film_effects_of_rolling(&resolution->effects) > resolution_limit)
         program_note(
             self,
             "%s: rolling resistance: found an error estimate of %.2g %%, expected a longer "

@@ -64,7 +64,7 @@ train() {
     sed -i 's/step: 0.125/step: 0.25/' scene.yml
     printf 'groups:\n  - scene: scene.yml\n    vary: {moes.M: [10, 14, 20], moes.L: [4, 6]}\n' >point-plan.yml
     train point-plan.yml
-    fullrun scene.yml -o f.h5 --force --quiet --set moes.M=14 --set moes.L=4 >/dev/null
+    fullrun scene.yml --allow-untrusted -o f.h5 --force --quiet --set moes.M=14 --set moes.L=4 >/dev/null
     romrun scene.yml --allow-untrusted --model m.h5 -o x.h5 --force --quiet --set moes.M=14 --set moes.L=4 >/dev/null
     close_to "$(number x.h5 central_film_thickness)" "$(number f.h5 central_film_thickness)" 1e-3
 }
