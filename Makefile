@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # ehdrom: two commands on a fresh Debian 12 or 13 are enough, `make demo` and `make check`.
-# They install what is missing, after a question on a terminal. `make help` lists targets and settings.
+# They install missing packages; on a terminal they ask first. `make help` lists targets and settings.
 
-# The one place of the version. `make version` writes it to header, Python package and citation.
+# The version is set only here. `make version` copies it to the header, the Python package and the citation.
 VERSION := 0.3.0
 
 # ---- Settings (make NAME=value)
@@ -18,8 +18,8 @@ ifeq ($(origin CC),default)
   CC := gcc
 endif
 
-# One fixed instruction set; never -ffast-math.
-# The compiler may have to be installed by `deps`, so it is asked at first use in a recipe, and once.
+# The instruction set is fixed, and -ffast-math is never used. The compiler is asked for its machine only once, at the
+# first use of MARCH in a recipe, because `deps` may have to install the compiler before.
 MARCH ?= $(eval MARCH := $$(if $$(filter x86_64%,$$(shell $(CC) -dumpmachine)),x86-64-v3))$(MARCH)
 
 CFLAGS_release := -O3 -g
@@ -45,7 +45,7 @@ endif
 .DELETE_ON_ERROR:
 MAKEFLAGS += --no-builtin-rules --no-print-directory
 
-# ---- Sources: a folder counts as soon as it has sources
+# ---- Sources: a program is built if its folder has a main.c
 
 PROGRAM_FOLDERS := fullrun snapgen podbuild deimselect romrun
 MAINS           := $(wildcard $(PROGRAM_FOLDERS:%=%/main.c))
@@ -61,10 +61,11 @@ SOURCES         := $(MAINS) $(LIB_SOURCES) $(FMU_ONLY) $(HDF5_APART) $(UNIT_SOUR
 
 LIB_OBJECTS := $(LIB_SOURCES:%.c=$(BUILD)/%.o)
 
-# What is installed for other programs: objects of the folders that it may use, position independent.
+# The library for other programs: position-independent objects of the folders that the library may use.
 LIBRARY_SOURCES := $(filter-out common/program/openblas.c common/program/processor_check.c,$(filter common/% romrun/model/% romrun/state/% romrun/solve/% romrun/trust/% romrun/online/% romrun/library/%,$(LIB_SOURCES)))
 LIBRARY_OBJECTS := $(LIBRARY_SOURCES:%.c=$(BUILD)/pic/%.o)
-# The shared one is without HDF5, which is in a second one that it loads for a model.h5 (romrun/library/hdf5_calls.h).
+# The shared library contains no HDF5. To read a model.h5 it loads a second shared library, which does
+# (romrun/library/hdf5_calls.h).
 WITHOUT_HDF5    := $(filter-out common/artefact/%,$(LIBRARY_SOURCES)) common/artefact/schemas.c romrun/library/hdf5_calls.c
 SHARED_OBJECTS  := $(patsubst %.c,$(BUILD)/pic/%.o,$(WITHOUT_HDF5) romrun/library/hdf5_load.c)
 PLUGIN_OBJECTS  := $(patsubst %.c,$(BUILD)/pic/%.o,$(filter common/program/% common/artefact/%,$(LIBRARY_SOURCES)) \
@@ -77,18 +78,19 @@ STATIC_LIBRARY  := $(BUILD)/lib/libehdrom.a
 HEADER          := $(BUILD)/include/ehdrom.h
 PC_FILE         := $(BUILD)/lib/pkgconfig/ehdrom.pc
 LIBRARY_LINKS   := $(BUILD)/lib/$(SONAME) $(BUILD)/lib/libehdrom.so
-# where they will be installed below PREFIX, so that scenes find them in either place
+# These files have the same relative paths in the build folder and below PREFIX, so scenes find them in both places.
 LIBRARY         := $(HEADER) $(SHARED_LIBRARY) $(LIBRARY_LINKS) $(PLUGIN) $(STATIC_LIBRARY) $(PC_FILE)
-# What romrun puts into FMUs, of the same flags in all variants, where the standard's names for x86-64 apply.
+# The shared object that romrun puts into FMUs. It has the same flags in all variants. It is built only on x86-64, since
+# its folder in an FMU has the name that the FMI standard defines for x86-64.
 FMU         := build/fmu
 FMU_SOURCES := romrun/fmu/processor.c romrun/fmu/fmi2.c romrun/fmu/fmi3.c romrun/fmu/instance.c romrun/fmu/variables.c
-# without HDF5, since the model in an FMU is a flat file
+# The library in an FMU contains no HDF5, since the model in an FMU is a flat file.
 FMU_LIBRARY := $(WITHOUT_HDF5) romrun/fmu/no_hdf5.c
 FMU_CORES   := $(FMU)/any.o $(FMU)/v3.o
 USE_FMU     := $(if $(filter x86_64,$(shell uname -m)),$(FMU)/use_fmu)
 FMU_FILES   := $(if $(filter x86_64,$(shell uname -m)),$(BUILD)/lib/ehdrom/fmu.so $(BUILD)/lib/ehdrom/licenses)
 
-# A program with sanitizers or counts would have to bring them along.
+# Other variants make no library: a program that links it would also need the runtime of the sanitizers or counts.
 ifeq ($(filter release debug,$(VARIANT)),)
   LIBRARY :=
 endif
@@ -101,7 +103,7 @@ USE_LIBRARY  := $(BUILD)/unit/use_library
 ON_LIBRARY   := $(BUILD)/bench/bench_many
 BENCHES      := $(patsubst tests/bench/%.c,$(BUILD)/bench/%,$(filter tests/bench/bench_%,$(BENCH_SOURCES)))
 BENCH_SHARED := $(patsubst %.c,$(BUILD)/%.o,$(filter-out tests/bench/bench_%,$(BENCH_SOURCES)))
-# the programs, each with a name for its main, and what hands them files
+# code that all fuzzers share: the programs, each with its `main` renamed, and the functions that make files for them
 FUZZ_SHARED  := $(BUILD)/tests/fuzz/target.o $(BUILD)/tests/fuzz/edit.o $(BUILD)/tests/fuzz/flat_edit.o $(MAINS:%/main.c=$(BUILD)/fuzz/%-main.o)
 REPLAY       := $(BUILD)/fuzz/replay
 FLIP         := $(BUILD)/fuzz/flip
@@ -111,9 +113,9 @@ FAULT_TOOLS  := $(BUILD)/fault/inject.so $(BUILD)/fault/sweep
 PIPELINES    := $(sort $(filter-out tests/pipeline/long_%,$(wildcard tests/pipeline/*.bats)) tests/fault/fault.bats)
 LONG_PIPELINES := $(sort $(wildcard tests/pipeline/long_*.bats tests/fault/long_*.bats))
 
-# The thread sanitizer looks at tests with threads: unit tests that begin some, and what the pipelines say of --jobs and
-# of threads in programs and in the library.
-# Those of OpenBLAS are its own affair (test_threads), and the programs have it work in one.
+# With the thread sanitizer only tests with threads run: unit tests that start threads, and pipeline tests of --jobs and
+# of threads in the programs and in the library. OpenBLAS's own threads are not checked: the programs use OpenBLAS with
+# one thread, and only test_threads starts more.
 ifeq ($(VARIANT),tsan)
   TESTS     := $(patsubst tests/unit/%.c,$(BUILD)/unit/%,$(shell grep -lE 'pthread_create|pool_run|team_create' tests/unit/test_*.c))
   FILTER    := [-]-jobs|order.of.threads|threads.share
@@ -125,41 +127,42 @@ EXAMPLES     := $(patsubst %/Makefile,%,$(wildcard scenes/examples/*/Makefile))
 
 # ---- Flags
 
-# OpenBLAS comes first because it serves BLAS, CBLAS and LAPACK to all others, and instead of gslcblas. It is to be the
-# one with threads, of which it begins none (common/program/openblas.c).
+# OpenBLAS comes first, so that all other libraries use its BLAS, CBLAS and LAPACK; it also replaces gslcblas. The
+# package has to be the variant with pthreads, although no threads are started (common/program/openblas.c).
 MODULES := openblas lapacke gsl fftw3 hdf5-serial yaml-0.1 nettle
 
-# pkg-config, and what else may have to be installed, are asked like the compiler above.
+# pkg-config is asked only once, at the first use in a recipe, because `deps` may have to install it and the libraries
+# before (like MARCH above).
 PKG_CFLAGS = $(eval PKG_CFLAGS := $$(patsubst -I%,-isystem %,$$(shell pkg-config --cflags $(MODULES))))$(PKG_CFLAGS)
 PKG_LIBS   = $(eval PKG_LIBS := $$(filter-out -lgslcblas,$$(shell pkg-config --libs $(MODULES))))$(PKG_LIBS)
 , := ,
 
 # The library calls neither BLAS nor LAPACK (common/algebra/product.h).
 LIBRARY_MODULES := $(filter-out openblas lapacke,$(MODULES))
-# hdf5_hl before hdf5, which a static link needs.
+# A static link needs hdf5_hl before hdf5.
 LIBRARY_LIBS     = $(eval LIBRARY_LIBS := -lhdf5_serial_hl \
                    $$(filter-out -lgslcblas,$$(shell pkg-config --libs $(LIBRARY_MODULES))) -lm)$(LIBRARY_LIBS)
 PLUGIN_LIBS      = $(eval PLUGIN_LIBS := $$(shell pkg-config --libs hdf5-serial nettle) -lhdf5_serial_hl -lm)$(PLUGIN_LIBS)
 
 WARNINGS     := -Wall -Wextra -Wpedantic -Wshadow -Wconversion
-# HDF5's unversioned names mean other functions and types in each release; these are those of 1.10.
+# The unversioned names of HDF5 mean different functions and types in each release. H5_USE_110_API selects release 1.10.
 ALL_CPPFLAGS  = -I. -D_GNU_SOURCE -DH5_USE_110_API $(CPPFLAGS) $(PKG_CFLAGS) -isystem /usr/include/suitesparse
 ALL_CFLAGS    = -std=c17 -pthread $(WARNINGS) $(MARCH:%=-march=%) $(CFLAGS)
 ALL_LDFLAGS   = -pthread -Wl,--as-needed $(CFLAGS) $(LDFLAGS)
 ALL_LIBS      = $(PKG_LIBS) -lumfpack -lhdf5_hl -lminizip -lm $(LDLIBS)
-# Programs contain HDF5. As a shared library it loads 30 others, and a program takes 33 ms to start instead of 17
-# (perf stat -r 20 romrun --version).
-# Debian 12 then needs no curl, Debian 13 does. HDF5's functions stay visible for tests/fault.
+# HDF5 is linked statically. A shared HDF5 loads 30 other libraries, and a program then takes 33 ms to start instead of
+# 17 (perf stat -r 20 romrun --version). The static HDF5 of Debian 13 needs curl, that of Debian 12 does not. The
+# functions of HDF5 stay visible, so that tests/fault can replace them.
 STATIC_HDF5   = -Wl,-Bstatic -lhdf5_hl -lhdf5 -Wl,-Bdynamic -Wl,--export-dynamic-symbol='H5*' -lsz -laec -lz -lcurl -lcrypto -ldl
 PROGRAM_LIBS  = $(patsubst -lhdf5,$(STATIC_HDF5),$(filter-out -lhdf5_hl,$(ALL_LIBS)))
 
-# Shown by --version and kept in every result.
+# The revision is shown by --version and stored in every result.
 REVISION := $(or $(shell GIT_OPTIONAL_LOCKS=0 git -c safe.directory="*" describe --always --dirty 2>/dev/null | \
             tr -cd 'A-Za-z0-9._+-'),unknown)
 BUILD_INFO = -DEHD_VERSION='"$(VERSION)"' -DEHD_REVISION='"$(REVISION)"' \
              -DEHD_FLAGS='"$(strip $(MARCH:%=-march=%) $(CFLAGS))"'
 
-# A stamp is rewritten only when its text changes, and what depends on it is then rebuilt.
+# A stamp file is rewritten only if its text changes. Files that depend on the stamp are then rebuilt.
 $(BUILD)/flags:    TEXT = $(CC) $(ALL_CPPFLAGS) $(ALL_CFLAGS) $(ALL_LDFLAGS) $(ALL_LIBS) $(STATIC_HDF5)
 $(BUILD)/objects:  TEXT = $(LIB_OBJECTS)
 $(BUILD)/revision: TEXT = $(VERSION) $(REVISION)
@@ -179,7 +182,7 @@ demo: $(PROGRAMS) ## run the stationary line contact from training to comparison
 demo-point: $(PROGRAMS) ## the same with a stationary point contact
 	@$(MAKE) -C scenes/studies/point-stationary demo BIN=../../../$(BIN)
 
-# Needs the programs too: the pipeline tests run them. These come first, since they take the longest.
+# The pipeline tests run the programs, so `check` builds them too.
 TEST_PROGRAMS := $(PROGRAMS) $(LIBRARY) $(USE_LIBRARY) $(FMU_FILES) $(USE_FMU) $(TESTS) $(FAULT_TOOLS) $(REPLAY) $(FLIP)
 check: $(TEST_PROGRAMS) ## unit and pipeline tests, minutes; last line: N passed, N failed
 	@$(run_tests) $(PIPELINES) $(TESTS)
@@ -201,7 +204,7 @@ check-release: $(TEST_PROGRAMS) $(LONG_TESTS) ## check-all and tests that take h
 	    for suite in bookworm trixie; do tests/debian.sh $$suite demo check || exit; done; \
 	else echo 'bare systems: not tested, which needs root and debootstrap'; fi
 
-# Apart from check, since it installs Slurm.
+# check-slurm is not part of check, since it installs Slurm.
 check-slurm: $(PROGRAMS) | slurm-deps ## training as jobs of a Slurm that is started for it, on this machine alone
 	@tests/slurm/with-slurm.sh $(MAKE) run-slurm-tests
 
@@ -213,7 +216,7 @@ run_tests = BIN="$$PWD"/$(BIN) VARIANT=$(VARIANT) JOBS=$(JOBS) V=$(V) $(FILTER:%
 FUZZ_TARGETS ?= $(shell sed -n 's/^ *{.name = "\([a-z-]*\)".*/\1/p' tests/fuzz/target.c)
 FUZZ_SECONDS ?= 60
 
-# The programs make the valid files that targets start from.
+# The programs make the valid files from which the fuzz targets start.
 fuzz: $(PROGRAMS) | fuzz-deps ## fuzz FUZZ_TARGETS (all) for FUZZ_SECONDS (60) each, with clang's libFuzzer
 	@$(MAKE) VARIANT=fuzz CC=clang DEPS=no build/fuzz/fuzz/libfuzzer
 	@for target in $(FUZZ_TARGETS); do \
@@ -224,7 +227,7 @@ fuzz-coverage: $(PROGRAMS) | deps coverage-deps ## what each fuzz target reaches
 	@$(MAKE) VARIANT=cov build/cov/fuzz/replay
 	@for target in $(FUZZ_TARGETS); do BIN="$$PWD"/$(BIN) tests/fuzz/coverage.sh $$target || exit; done
 
-# Counts of an earlier run do not count.
+# The counts of an earlier run are deleted first.
 coverage: | deps coverage-deps ## lines and branches that `make check-all` runs, a folder; files below 90 % of lines
 	@mkdir -p build/cov && find build/cov -name '*.gcda' -delete
 	@$(MAKE) check-all VARIANT=cov; code=$$?; \
@@ -253,7 +256,7 @@ trade: $(PROGRAMS) ## deviation against time of models, full solutions and film 
 	    $(MAKE) -C $$scene trade BIN=../../../$(BIN) || exit; \
 	done
 
-# The modes are the words in the first column of a table.
+# The modes are the words in the first column of the table `modes` in romrun/main.c.
 MODE_PAGES := $(patsubst %,$(BUILD)/man/romrun-%.1,$(shell sed -n 's/^    {"\([a-z]*\)", "\1 .*/\1/p' /dev/null $(wildcard romrun/main.c)))
 MAN_PAGES  := $(PROGRAMS:$(BIN)/%=$(BUILD)/man/%.1) $(MODE_PAGES)
 man: $(MAN_PAGES) ## man pages from --help, one for each mode of romrun
@@ -269,7 +272,8 @@ python: $(LIBRARY) ## the Python package, with its library: PYTHONPATH=build/rel
 	@ln -sf $(notdir $(SHARED_LIBRARY)) $(PYTHON_PACKAGE)/$(SONAME)
 	@echo "PYTHONPATH=$$PWD/$(BUILD)/python"
 
-# Names below PREFIX; of the library a link to the version that there is, and one to link with.
+# Everything is installed below PREFIX. The shared library gets two links: libehdrom.so.0, which programs load, and
+# libehdrom.so, with which they are linked.
 quoted = '$(subst ','\'',$1)'
 to     = $(call quoted,$(DESTDIR)$(PREFIX))
 install: all man ## into DESTDIR, PREFIX: programs, man pages, library, examples
@@ -286,14 +290,15 @@ install: all man ## into DESTDIR, PREFIX: programs, man pages, library, examples
 	@$(list_scenes) | while IFS= read -r file; do install -D scenes/"$$file" $(to)/share/ehdrom/"$$file" || exit; done
 list_scenes = find scenes/lib scenes/examples \( -name 'out*' -o -name build -o -name __pycache__ \) -prune -o -type f -print | sed 's,^scenes/,,'
 
-# Only what install writes, and folders of its own that are then empty.
+# Removes only the files that install writes, and folders of ehdrom that are empty then.
 uninstall: ## remove what install has written there
 	rm -f $(addprefix $(to)/,$(PROGRAMS:$(BIN)/%=bin/%) $(MAN_PAGES:$(BUILD)/man/%=share/man/man1/%) $(LIBRARY:$(BUILD)/%=%))
 	rm -rf $(to)/lib/ehdrom
 	@$(list_scenes) | while IFS= read -r file; do rm -f $(to)/share/ehdrom/"$$file"; done
 	@[ ! -d $(to)/share/ehdrom ] || find $(to)/share/ehdrom -depth -type d -empty -delete
 
-# Libs.private is for those who link it statically; what HDF5 needs then its own file does not say.
+# Libs.private is for static linking. The pkg-config file of HDF5 does not list the libraries that HDF5 then needs, so
+# they are listed here.
 $(PC_FILE): $(BUILD)/flags FORCE
 	@mkdir -p $(@D) && printf '%s\n' prefix=$(call quoted,$(PREFIX)) 'includedir=$${prefix}/include' 'libdir=$${prefix}/lib' '' \
 	    'Name: ehdrom' 'Version: $(VERSION)' 'Description: Reduced-order elastohydrodynamic lubrication' \
@@ -301,7 +306,7 @@ $(PC_FILE): $(BUILD)/flags FORCE
 
 # ---- A release
 
-# The three numbers are those of VERSION.
+# The major, minor and patch number of VERSION.
 numbers = $(subst ., ,$(VERSION))
 version: ## write the Makefile's VERSION to header, Python package and citation
 	@sed -i -e 's/^\(#define EHDROM_VERSION_MAJOR \).*/\1$(word 1,$(numbers))/' \
@@ -330,7 +335,7 @@ format: | lint-deps ## clang-format all sources in place
 format-check: | lint-deps ## fails where clang-format would change a source
 	@clang-format --dry-run -Werror $(FORMATTED)
 
-# Cheap checks first. Three sources to a run of clang-tidy, and a unit test is read after tests/lint.h.
+# The cheap checks come first. Each run of clang-tidy reads three sources; before unit tests it reads tests/lint.h.
 lint: format-check | deps lint-deps ## formatting, cppcheck and clang-tidy on all sources
 	@cppcheck -j $(JOBS) --quiet --std=c11 --enable=warning,portability --inline-suppr \
 	    --error-exitcode=1 --suppress=missingIncludeSystem -I. -D_GNU_SOURCE $(ALL_C)
@@ -358,7 +363,7 @@ print-%:
 .PHONY: all deps lint-deps coverage-deps slurm-deps fuzz-deps fuzz-coverage demo demo-point check check-all check-slow check-release check-slurm \
         run-slurm-tests coverage fuzz bench costs figures examples trade man python install uninstall version dist format format-check lint constants clean help FORCE
 
-# ---- What has to be installed
+# ---- Packages that are needed
 
 PACKAGES := gcc g++ libc6-dev pkg-config libopenblas-pthread-dev liblapacke-dev libsuitesparse-dev libhdf5-dev \
             hdf5-tools libgsl-dev libfftw3-dev libyaml-dev nettle-dev libminizip-dev libcmocka-dev bats cmake \
@@ -426,8 +431,8 @@ $(filter $(BUILD)/common/program/%,$(LIB_OBJECTS)): $(BUILD)/revision
 $(LIB): $(LIB_OBJECTS) $(BUILD)/objects
 	$(call quiet,AR  ,$@)rm -f $@ && $(AR) rcs $@ $(LIB_OBJECTS)
 
-# Only public names are seen from outside, of the shared library by its version script, of the static one, which is one
-# object, because the others are made local; what nobody calls is left out.
+# Only the public names of the library are visible outside. In the shared library a version script hides the others. The
+# static library is one object, in which objcopy makes the others local. Functions that nobody calls are left out.
 $(BUILD)/pic/%.o: %.c $(BUILD)/flags
 	$(call quiet,PIC ,$<)mkdir -p $(@D) && $(CC) $(ALL_CPPFLAGS) $(INFO) $(ALL_CFLAGS) $(PIC_CFLAGS) -MMD -MP -c -o $@ $<
 PIC_CFLAGS := -fPIC -fvisibility=hidden -ffunction-sections -fdata-sections
@@ -457,8 +462,9 @@ $(STATIC_LIBRARY): $(LIBRARY_OBJECTS) $(LIBRARY_EXPORTS) $(BUILD)/objects
 	    $(CC) -r -nostdlib -o $(@D)/ehdrom.o -Wl,--gc-sections $(patsubst %,-Wl$(,)-u$(,)%,$(exported)) \
 	        $(LIBRARY_OBJECTS) && \
 	    objcopy $(addprefix --keep-global-symbol=,$(exported)) $(@D)/ehdrom.o && $(AR) rcs $@ $(@D)/ehdrom.o
-# The library once for any x86-64 and once for x86-64-v3, each one object with names of its own (romrun/fmu/processor.c),
-# and all that it needs but libc and libm. FFTW, GSL: see romrun/fmu/README.md.
+# An FMU contains the library twice, compiled for any x86-64 and for x86-64-v3. Each copy is one object with its own
+# names (romrun/fmu/processor.c). The FMU also contains all libraries that these need, except libc and libm. FFTW and
+# GSL are under the GPL (romrun/fmu/README.md).
 FMU_CFLAGS = $(ALL_CPPFLAGS) -std=c17 -pthread $(WARNINGS) -O3 $(PIC_CFLAGS) -DEHD_VERSION='"$(VERSION)"' \
              -DEHD_REVISION='""' -DEHD_FLAGS='""'
 fmu_calls  = $(shell sed -n 's/^CHOOSE(\(.*\))/\1/p' romrun/fmu/processor.c)
@@ -488,14 +494,14 @@ $(FMU)/fmu.so: $(FMU_SOURCES:%.c=$(FMU)/any/%.o) $(FMU_CORES) romrun/fmu/fmi.map
 	$(call quiet,LINK,$@)$(CC) -shared -static-libgcc -s -o $@ $(filter %.o,$^) $(FMU_LIBS) \
 	    -Wl,--version-script=romrun/fmu/fmi.map -Wl,-Bsymbolic -Wl,--gc-sections -Wl,-z,defs,-z,relro,-z,noexecstack
 
-# The importer of the tests (fmu.bats), with the very library that is in FMUs.
+# The program with which the tests import FMUs (fmu.bats). It contains the same library objects as an FMU.
 $(USE_FMU): tests/pipeline/use_fmu.c $(FMU)/any/romrun/fmu/processor.o $(FMU_CORES)
 	$(call quiet,LINK,$@)$(CC) -std=c17 -D_GNU_SOURCE -Wall -Wextra -Werror -O1 -I. -o $@ $^ $(FMU_LIBS)
 
 $(BUILD)/lib/ehdrom/fmu.so: $(FMU)/fmu.so
 	@mkdir -p $(@D) && ln -f $< $@
 
-# Of all that is linked, as Debian keeps them.
+# The licences of all libraries in an FMU, copied from their Debian packages.
 FMU_LICENCES := libgsl-dev libfftw3-dev libyaml-dev nettle-dev
 $(BUILD)/lib/ehdrom/licenses: LICENSE COPYING $(FMU)/flags
 	@rm -rf $@ && mkdir -p $@ && cp LICENSE $@/ehdrom.txt && cp COPYING $@/GPL-3.txt
@@ -509,13 +515,13 @@ link = mkdir -p $(@D) && $(CC) $(ALL_CFLAGS) $(ALL_LDFLAGS) -o $@ $(filter %.o %
 $(PROGRAMS): $(BIN)/%: $(BUILD)/%/main.o $(LIB)
 	$(call quiet,LINK,$@)$(link) $(PROGRAM_LIBS)
 
-# tests/unit/allocation.h
+# tests/unit/allocation.h replaces these functions to make allocations fail.
 WRAP := -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc
 
 $(TESTS) $(LONG_TESTS): $(BUILD)/unit/%: $(BUILD)/tests/unit/%.o $(UNIT_SHARED) $(LIB)
 	$(call quiet,LINK,$@)$(link) $(WRAP) -lcmocka $(ALL_LIBS)
 
-# As others build on the library.
+# Built like a user's program, with the header and the shared library.
 $(ON_LIBRARY): tests/bench/bench_many.c $(LIBRARY)
 	$(call quiet,LINK,$@)mkdir -p $(@D) && $(CC) -I$(BUILD)/include -D_GNU_SOURCE $(ALL_CFLAGS) $(LDFLAGS) -o $@ $< \
 	    -L$(BUILD)/lib -lehdrom -Xlinker -rpath -Xlinker "$$PWD"/$(BUILD)/lib -lm
@@ -524,11 +530,11 @@ $(filter-out $(ON_LIBRARY),$(BENCHES)): $(BUILD)/bench/%: $(BUILD)/tests/bench/%
                              $(BUILD)/tests/unit/sample.o $(BENCH_SHARED) $(LIB)
 	$(call quiet,LINK,$@)$(link) $(ALL_LIBS)
 
-# The program of library.bats on the objects of this variant, with its sanitizers and counts.
+# The program of library.bats, linked with the objects of this variant and so with its sanitizers or counts.
 $(USE_LIBRARY): tests/pipeline/use_library.c romrun/library/ehdrom.h $(LIB)
 	$(call quiet,LINK,$@)mkdir -p $(@D) && $(CC) -Iromrun/library -D_GNU_SOURCE $(ALL_CFLAGS) $(ALL_LDFLAGS) -o $@ $< $(LIB) $(ALL_LIBS)
 
-# Loaded into programs of any variant, and never changed by its flags.
+# inject.so is loaded into programs of any variant, so the fault tools do not use the flags of the variant.
 FAULT_CFLAGS = $(ALL_CPPFLAGS) -std=c17 $(WARNINGS) -O2
 $(BUILD)/fault/inject.so: tests/fault/inject.c $(BUILD)/flags
 	$(call quiet,CC  ,$<)mkdir -p $(@D) && $(CC) $(FAULT_CFLAGS) -shared -fPIC -o $@ $< -ldl

@@ -65,7 +65,9 @@ shift
 rm -rf "$logs"
 mkdir -p "$logs"
 export OPENBLAS_NUM_THREADS=1
-(($# == 0)) || printf '%s\0' "$@" | xargs -0 -n 1 -P "${JOBS:-2}" "$0" --one "$logs"
+# the largest files first, so that no long test runs alone at the end
+# shellcheck disable=SC2011 # names of any kind are separated by zero bytes
+(($# == 0)) || ls -S --zero -- "$@" | xargs -0 -n 1 -P "${JOBS:-2}" "$0" --one "$logs"
 
 passed=0 failed=0
 for test in "$@"; do
